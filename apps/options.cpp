@@ -175,12 +175,11 @@ void add_rank_seed_option(CLI::App& app, WorldOptions& options) {
       ->group("Advanced");
 }
 
-void add_rank_limit_option(CLI::App& app, WorldOptions& options) {
-  add_value(app, "--rank-limit", "S",
-            "Under mpirun: fail after waiting S seconds of real time for another rank (default: 600)",
-            [&options](const std::string& text) {
-              options.rank_limit_s = positive_seconds("--rank-limit", text, "a time");
-            })
+void add_rank_limit_option(CLI::App& app, double& limit_s) {
+  add_value(
+      app, "--rank-limit", "S",
+      "Under mpirun: fail after waiting S seconds of real time for another rank (default: 600)",
+      [&limit_s](const std::string& text) { limit_s = positive_seconds("--rank-limit", text, "a time"); })
       ->group("Advanced");
 }
 

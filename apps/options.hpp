@@ -65,6 +65,7 @@ struct WorldOptions {
   bool is_checkpoint = false;   ///< `world` is a checkpoint
   SimulationOptions simulation;
   std::optional<double> for_s;  ///< --for: end in world time, s
+  bool gives_ranks = false;     ///< whether --ranks is given, which a launcher such as mpirun excludes
   double rank_limit_s = 600;    ///< --rank-limit: longest wait for another rank, wall time, s
 };
 /// Adds the positional argument WORLD and the options of add_run_settings(). Parsing fills `options`, which
@@ -90,8 +91,8 @@ void add_simd_option(CLI::App& app);
 void obey_simd_variable();
 /// Adds --rank-seed, which sets SimulationOptions::rank_seed.
 void add_rank_seed_option(CLI::App& app, WorldOptions& options);
-/// Adds --rank-limit, which sets WorldOptions::rank_limit_s.
-void add_rank_limit_option(CLI::App& app, WorldOptions& options);
+/// Adds --rank-limit, which sets `limit_s`, s; `limit_s` must outlive `app`.
+void add_rank_limit_option(CLI::App& app, double& limit_s);
 /// Adds --plugin-path, which appends to `path`; `path` must outlive `app`.
 void add_plugin_path_option(CLI::App& app, std::vector<std::filesystem::path>& path);
 /// Returns the folders in which plug-ins are searched, in this order: those in `given`, those in the

@@ -51,34 +51,46 @@ const troupe_mpi& load(const std::filesystem::path& module) {
 
 struct MpiTransport::Impl {
   struct Sending {
+    unsigned to;
     void* transfer;
     std::shared_ptr<const Units> units;
   };
 
   explicit Impl(const troupe_mpi& module) : mpi(module) {}
 
-  void check(bool works, const char* what) const {
-    if (!works) throw RankError(std::string("MPI: ") + what + " failed");
+  std::string name(unsigned other) const {
+    return fmt::format("rank {}{}", other, other < hosts.size() ? " on " + hosts[other] : "");
+  }
+  /// Throws RankError, now and at every later use of this transport. A rank that ends because of this error
+  /// must not send an order while another rank waits for its part of a tick, and must not wait once more.
+  [[noreturn]] void fail(std::string text) {
+    failure = std::move(text);
+    throw RankError(failure);
+  }
+  void throw_if_failed() const {
+    if (!failure.empty()) throw RankError(failure);
+  }
+  void check(bool works, const char* what, unsigned other) {
+    if (!works) fail(fmt::format("MPI: {} {} failed", what, name(other)));
   }
   /// Frees the messages that have been sent.
   void progress() {
     for (auto each = sending.begin(); each != sending.end();) {
       const int done = mpi.is_done(each->transfer);
-      check(done >= 0, "sending");
+      check(done >= 0, "sending to", each->to);
       each = done == 1 ? sending.erase(each) : std::next(each);
     }
   }
-  /// Calls has_come() until it returns true.
-  template <class HasCome>
-  void wait(unsigned from, HasCome&& has_come) {
-    if (has_come()) return;
+  /// Calls is_over() until it returns true. other(): the rank for which this rank waits.
+  template <class IsOver, class Other>
+  void wait(IsOver&& is_over, Other&& other) {
+    if (is_over()) return;
     const double start = mpi.seconds();
-    while (!has_come()) {
+    while (!is_over()) {
       progress();
       sched_yield();
       if (mpi.seconds() - start > limit_s)
-        throw RankError(fmt::format("waited {:g} s for rank {}{}, which does not answer", limit_s, from,
-                                    from < hosts.size() ? " on " + hosts[from] : ""));
+        fail(fmt::format("waited {:g} s for {}, which does not answer", limit_s, name(other())));
     }
     waited_s += mpi.seconds() - start;
   }
@@ -90,6 +102,7 @@ struct MpiTransport::Impl {
   double limit_s = std::numeric_limits<double>::infinity();
   double waited_s = 0;
   std::vector<std::string> hosts;
+  std::string failure;  // text of the first RankError; empty: none
   std::list<Sending> sending;
   // The last message, and the same message as units, so that a message to all ranks is converted only once.
   std::shared_ptr<const Message> last;
@@ -118,33 +131,40 @@ double MpiTransport::waited_s() const { return impl_->waited_s; }
 
 void MpiTransport::post(unsigned to, std::shared_ptr<const Message> message) {
   Impl& own = *impl_;
+  own.throw_if_failed();
   own.progress();
   if (message != own.last) {
     own.last_units = std::make_shared<const Units>(units_of(*message));
     own.last = std::move(message);
   }
   void* transfer = own.mpi.send(to, own.last_units->data(), own.last_units->size());
-  own.check(transfer != nullptr, "sending");
-  own.sending.push_back({transfer, own.last_units});
+  own.check(transfer != nullptr, "sending to", to);
+  own.sending.push_back({to, transfer, own.last_units});
 }
 
 std::shared_ptr<const Message> MpiTransport::receive(unsigned from) {
   Impl& own = *impl_;
+  own.throw_if_failed();
+  const auto sender = [from] { return from; };
   void* found = nullptr;
   long count = 0;
-  own.wait(from, [&] {
-    count = own.mpi.probe(from, &found);
-    own.check(count >= 0, "receiving");
-    return count > 0;
-  });
+  own.wait(
+      [&] {
+        count = own.mpi.probe(from, &found);
+        own.check(count >= 0, "receiving from", from);
+        return count > 0;
+      },
+      sender);
   Units units(static_cast<std::size_t>(count));
   void* transfer = own.mpi.receive(found, units.data(), units.size());
-  own.check(transfer != nullptr, "receiving");
-  own.wait(from, [&] {
-    const int done = own.mpi.is_done(transfer);
-    own.check(done >= 0, "receiving");
-    return done == 1;
-  });
+  own.check(transfer != nullptr, "receiving from", from);
+  own.wait(
+      [&] {
+        const int done = own.mpi.is_done(transfer);
+        own.check(done >= 0, "receiving from", from);
+        return done == 1;
+      },
+      sender);
   std::uint64_t bytes = 0;
   const auto* first = reinterpret_cast<const std::byte*>(units.data());
   std::memcpy(&bytes, first, sizeof bytes);
@@ -155,10 +175,13 @@ std::shared_ptr<const Message> MpiTransport::receive(unsigned from) {
 }
 
 void MpiTransport::complete_sending() {
-  impl_->wait(impl_->rank, [&] {
-    impl_->progress();
-    return impl_->sending.empty();
-  });
+  impl_->throw_if_failed();
+  impl_->wait(
+      [&] {
+        impl_->progress();
+        return impl_->sending.empty();
+      },
+      [&] { return impl_->sending.front().to; });
 }
 
 void MpiTransport::finish() {

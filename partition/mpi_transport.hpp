@@ -10,7 +10,8 @@
 namespace troupe::partition {
 
 /// The transport between the processes that an MPI launcher has started (docs/cluster.md). The MPI library is
-/// loaded with a module at run time (partition/mpi/mpi_module.h).
+/// loaded with a module at run time (partition/mpi/mpi_module.h). After a RankError, this rank neither sends
+/// nor receives: later calls throw the same error.
 class MpiTransport : public Transport {
  public:
   /// Loads the module and initialises MPI. Throws std::runtime_error if that is not possible. The text says
@@ -30,7 +31,8 @@ class MpiTransport : public Transport {
   double waited_s() const override;
 
   const std::string& library() const;  ///< name and version of the MPI library
-  /// Sets the longest time that receive() waits, s. Before the first call there is no limit.
+  /// Sets the longest time that receive() and complete_sending() wait, s. Before the first call there is no
+  /// limit.
   void set_limit(double seconds);
   /// Sets the names of the hosts of all ranks, indexed by rank, for the texts of errors.
   void set_hosts(std::vector<std::string> hosts);

@@ -158,7 +158,7 @@ std::unique_ptr<RankGroup> RankProcesses::add(engine::World& world, const engine
   return std::make_unique<ProcessGroup>(world, registry, transport_, nodes_, number, seed);
 }
 
-void RankProcesses::follow(const std::vector<std::filesystem::path>& plugin_path, unsigned threads,
+void RankProcesses::follow(const std::vector<std::filesystem::path>& plugin_path,
                            const std::function<std::uint32_t()>& requests) {
   std::map<std::uint32_t, std::unique_ptr<Follower>> followers;
   while (true) {
@@ -169,7 +169,7 @@ void RankProcesses::follow(const std::vector<std::filesystem::path>& plugin_path
       MessageWriter answer = begin_message(Order::make, number);
       try {
         followers[number] =
-            std::make_unique<Follower>(received.rest, plugin_path, threads, transport_, number, requests);
+            std::make_unique<Follower>(received.rest, plugin_path, threads_, transport_, number, requests);
       } catch (const std::exception& error) {
         followers.erase(number);
         answer = begin_message(Order::failed, number);

@@ -29,7 +29,9 @@ class RankProcesses {
  public:
   /// transport: the connection to the other processes; it must outlive this object
   /// nodes: number of computers on which the processes run
-  RankProcesses(partition::Transport& transport, unsigned nodes) : transport_(transport), nodes_(nodes) {}
+  /// threads: number of worker threads of each replica in this process, where the user gives no number
+  RankProcesses(partition::Transport& transport, unsigned nodes, unsigned threads)
+      : transport_(transport), nodes_(nodes), threads_(threads) {}
   /// On rank 0: tells the other processes that no order follows; their follow() then returns.
   ~RankProcesses();
   RankProcesses(const RankProcesses&) = delete;
@@ -40,6 +42,7 @@ class RankProcesses {
   /// example because it lacks a plug-in.
   ///
   /// plugins: the plug-ins that the world uses
+  /// options: of all replicas; threads 0: each process uses its own default
   /// seed: SimulationOptions::rank_seed; here it determines only how robots move between ranks
   std::unique_ptr<RankGroup> add(engine::World& world, const engine::Registry& registry,
                                  const Plugins& plugins, const engine::WorldOptions& options,
@@ -48,14 +51,15 @@ class RankProcesses {
   /// partition::RankError if a rank fails.
   ///
   /// plugin_path: folders to search for the plug-ins that rank 0 uses
-  /// threads: number of worker threads of each replica
   /// requests: returns how often this process was asked for a checkpoint (RankStatistics::requests)
-  void follow(const std::vector<std::filesystem::path>& plugin_path, unsigned threads,
+  void follow(const std::vector<std::filesystem::path>& plugin_path,
               const std::function<std::uint32_t()>& requests);
+  unsigned threads() const { return threads_; }  ///< the constructor's argument
 
  private:
   partition::Transport& transport_;
   unsigned nodes_;
+  unsigned threads_;
   std::uint32_t worlds_ = 0;  // number of worlds that were added
 };
 

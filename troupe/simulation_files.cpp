@@ -85,10 +85,12 @@ template <class Options>
 void Simulation::Impl::make_world(engine::WorldSpec spec, const Options& options, Diagnostics& diagnostics) {
   const RankOptions team{options.ranks, options.rank_seed, options.rank_clock};
   check_ranks(team);
-  const engine::WorldOptions own{threads_per_rank(options.threads, team.ranks), options.tile_size_m};
+  const engine::WorldOptions asked{threads_per_rank(options.threads, team.ranks), options.tile_size_m};
+  engine::WorldOptions own = asked;
+  if (options.processes && own.threads == 0) own.threads = options.processes->threads();
   world = std::make_unique<engine::World>(std::move(spec), *registry, own, diagnostics);
   if (options.processes)
-    ranks = options.processes->add(*world, *registry, *plugins, own, options.rank_seed);
+    ranks = options.processes->add(*world, *registry, *plugins, asked, options.rank_seed);
   else if (team.ranks > 1)
     ranks = std::make_unique<RankTeam>(*world, *registry, own, team);
 }

@@ -81,9 +81,9 @@ void add_check_options(CLI::App& check, CheckOptions& options) {
             [&options](const std::string& text) {
               options.ranks.clear();
               split(text, [&](std::string_view item) { options.ranks.push_back(rank_count(item)); });
-              options.simulation.ranks = std::ranges::max(options.ranks);  // refused under a launcher
+              options.gives_ranks = true;
             });
-  add_rank_limit_option(check, options);
+  add_rank_limit_option(check, options.rank_limit_s);
   add_rank_seed_option(check, options);
   check
       .add_flag("--amnesia", options.amnesia,

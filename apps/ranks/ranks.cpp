@@ -21,7 +21,6 @@
 #include <exception>
 #include <fstream>
 #include <iterator>
-#include <limits>
 #include <memory>
 #include <mutex>
 #include <stdexcept>
@@ -39,7 +38,11 @@ using partition::MessageReader;
 using partition::MessageWriter;
 using partition::MpiTransport;
 
-constexpr double k_no_limit = std::numeric_limits<double>::infinity();
+/// How often, while a rank is at work, it tells the ranks that wait for it.
+constexpr double k_reports_per_limit = 4;
+/// The first byte of a message of RankDeal::gather(), and the only byte of one of tell_that_it_works().
+constexpr std::byte k_result{1};
+constexpr std::byte k_at_work{0};
 
 std::string module_file(const std::string& mpi) { return "libtroupe_mpi_" + mpi + ".so"; }
 
@@ -108,27 +111,34 @@ unsigned nodes_of(std::vector<std::string> hosts) {
   return static_cast<unsigned>(std::unique(hosts.begin(), hosts.end()) - hosts.begin());
 }
 
-/// Prints an error and ends this process without waiting for threads or other ranks.
-[[noreturn]] void end_at_once(unsigned rank, std::string_view error) {
+void print_error(unsigned rank, std::string_view error) {
   fmt::print(stderr, "troupe: error: rank {} on {}: {}\n", rank, host(), error);
   std::fflush(nullptr);
+}
+
+/// Prints an error and ends this process without waiting for threads or other ranks.
+[[noreturn]] void end_at_once(unsigned rank, std::string_view error) {
+  print_error(rank, error);
   _exit(k_failed);
 }
 
+/// How long a rank whose limit, s, has run out lets the other ranks print for whom they wait. Ranks begin to
+/// wait at different times of a tick.
+std::chrono::duration<double> grace(double limit_s) {
+  return std::chrono::duration<double>(std::clamp(limit_s / 10, 5.0, 60.0));
+}
+
 /// While an object of this class exists, a thread waits for the end of its life. If that takes longer than a
-/// limit, s, the thread ends the process. Limits above k_longest_s count as none.
+/// limit, s, the thread prints `error` and ends the process. Limits above k_longest_s count as none.
 class EndsWithin {
  public:
-  EndsWithin(double limit_s, unsigned rank) {
+  EndsWithin(double limit_s, unsigned rank, std::string error) {
     if (limit_s > k_longest_s) return;
-    thread_ = std::thread([this, limit_s, rank] {
+    thread_ = std::thread([this, limit_s, rank, error = std::move(error)] {
       std::unique_lock lock(mutex_);
       if (changed_.wait_for(lock, std::chrono::duration<double>(limit_s), [this] { return is_over_; }))
         return;
-      end_at_once(rank,
-                  fmt::format("the work is done and all files are written, but MPI_Finalize took longer than "
-                              "{:g} s (--rank-limit)",
-                              limit_s));
+      end_at_once(rank, fmt::format("{} took longer than {:g} s (--rank-limit)", error, limit_s));
     });
   }
   ~EndsWithin() {
@@ -166,8 +176,10 @@ void finish(MpiTransport& transport, unsigned nodes, double limit_s) {
   if (transport.rank() == 0)
     transport.send_to_all(std::make_shared<const Message>());
   else
-    (void)transport.receive(0);
-  const EndsWithin limit(limit_s, transport.rank());
+    while (!transport.receive(0)->empty()) {  // rank 0 is still at work
+    }
+  const EndsWithin limit(limit_s, transport.rank(),
+                         "the work is done and all files are written, but MPI_Finalize");
   transport.complete_sending();
   if (nodes > 1 && transport.library().starts_with("MPICH"))
     std::this_thread::sleep_for(transport.rank() == 0 ? 3 * k_quiet : k_quiet);
@@ -175,8 +187,8 @@ void finish(MpiTransport& transport, unsigned nodes, double limit_s) {
 }
 
 /// Compares the program, its version and its arguments on all ranks. Throws InputError on all ranks if they
-/// differ. Returns the host names of the ranks, by rank.
-std::vector<std::string> meet(MpiTransport& transport) {
+/// differ. Returns the host names of the ranks, by rank. limit_s: how long the end of the connection may take
+std::vector<std::string> meet(MpiTransport& transport, double limit_s) {
   std::vector<std::string> hosts{host()};
   const std::string version = version_line();
   const std::uint64_t contents = program_contents();
@@ -226,19 +238,29 @@ std::vector<std::string> meet(MpiTransport& transport) {
     for (unsigned rank = 0; rank < transport.ranks(); ++rank) hosts.push_back(verdict.get_text());
   }
   if (!difference.empty()) {
-    finish(transport, nodes_of(hosts), k_no_limit);
+    finish(transport, nodes_of(hosts), limit_s);
     throw InputError(difference);
   }
   return hosts;
 }
 
-/// Returns the default number of worker threads of this rank: SLURM_CPUS_PER_TASK if it is set, else the
-/// number of processors to which the launcher has bound this process, else an equal part of all processors of
-/// the host.
+/// Returns the default number of worker threads of this rank: SLURM_CPUS_PER_TASK if it is set, but no more
+/// than the processors that this process may use; else the number of processors to which the launcher has
+/// bound this process; else an equal part of all processors of the host.
 unsigned threads_of_rank(const std::vector<std::string>& hosts, unsigned rank) {
-  if (const char* slurm = std::getenv("SLURM_CPUS_PER_TASK"))
-    if (const auto cpus = number<unsigned>(slurm); cpus && *cpus > 0) return *cpus;
   const unsigned allowed = partition::processors_allowed();
+  if (const char* slurm = std::getenv("SLURM_CPUS_PER_TASK"))
+    if (const auto cpus = number<unsigned>(slurm); cpus && *cpus > 0) {
+      // srun does not take over the option -c of sbatch, but the variable, which then promises too much.
+      if (rank == 0 && *cpus > allowed)
+        fmt::print(
+            stderr,
+            "troupe: warning: SLURM_CPUS_PER_TASK is {}, but rank 0 on {} may use only {} processor{}: "
+            "it computes with {} thread{}; give srun the option -c {}, or mpirun the option --bind-to "
+            "none\n",
+            *cpus, hosts[rank], allowed, allowed == 1 ? "" : "s", allowed, allowed == 1 ? "" : "s", *cpus);
+      return std::min(*cpus, allowed);
+    }
   const unsigned all = std::thread::hardware_concurrency();
   const auto here = static_cast<unsigned>(std::ranges::count(hosts, hosts[rank]));
   if (rank == 0 && allowed == 1 && all > here)
@@ -256,11 +278,17 @@ void ignore_signals() {
 }
 
 /// Connects this process with the other processes of the launcher. Then calls work() with the transport and
-/// the host names of the ranks, and returns its result. limit_s: how long the end of the connection may take
+/// the host names of the ranks, and returns its result. limit_s: the longest time that this process waits for
+/// another, also when the connection begins and ends, s
 ExitCode with_others(const Launcher& launcher, double limit_s,
                      const std::function<ExitCode(MpiTransport&, const std::vector<std::string>&)>& work) {
-  const std::unique_ptr<MpiTransport> transport = connect(launcher);
-  const std::vector<std::string> hosts = meet(*transport);
+  std::unique_ptr<MpiTransport> transport;
+  {
+    const EndsWithin limit(limit_s, launcher.rank, "the connection to the other ranks (MPI_Init)");
+    transport = connect(launcher);
+  }
+  transport->set_limit(limit_s);
+  const std::vector<std::string> hosts = meet(*transport, limit_s);
   transport->set_hosts(hosts);
   ExitCode code = k_finished;
   try {
@@ -276,14 +304,14 @@ ExitCode with_others(const Launcher& launcher, double limit_s,
 ExitCode on_processes(MpiTransport& transport, const std::vector<std::string>& hosts,
                       const WorldOptions& options,
                       const std::function<ExitCode(const SimulationOptions& simulation)>& run) {
-  transport.set_limit(options.rank_limit_s);
   SimulationOptions simulation = options.simulation;
-  if (simulation.threads == 0) simulation.threads = threads_of_rank(hosts, transport.rank());
-  const auto processes = std::make_shared<RankProcesses>(transport, nodes_of(hosts));
+  const unsigned threads =
+      simulation.threads > 0 ? simulation.threads : threads_of_rank(hosts, transport.rank());
+  const auto processes = std::make_shared<RankProcesses>(transport, nodes_of(hosts), threads);
   if (transport.rank() > 0) {
     ignore_signals();
     count_save_requests();  // rank 0 saves the state, whichever rank receives the signal
-    processes->follow(plugin_path(simulation.plugin_path), simulation.threads, save_requests);
+    processes->follow(plugin_path(simulation.plugin_path), save_requests);
     return k_finished;
   }
   simulation.processes = processes;
@@ -299,13 +327,31 @@ void print_common_error(unsigned rank, std::string_view text) {
     std::this_thread::sleep_for(std::chrono::seconds(2));
 }
 
+/// Throws InputError if the launcher started more processes than Transport allows.
+void check_number(const Launcher& launcher) {
+  if (launcher.ranks > partition::k_most_ranks)
+    throw InputError(fmt::format(
+        "troupe: error: {} started {} processes, but at most {} are allowed: start fewer processes, and let "
+        "each of them use more threads (--threads)",
+        launcher.name, launcher.ranks, partition::k_most_ranks));
+}
+
 /// Calls work(), prints its errors and returns the exit code. Errors other than InputError end the process.
-ExitCode reported(const Launcher& launcher, const std::function<ExitCode()>& work) {
+/// limit_s: the longest time that a rank waits for another, s
+ExitCode reported(const Launcher& launcher, double limit_s, const std::function<ExitCode()>& work) {
   try {
+    check_number(launcher);
     return work();
   } catch (const InputError& error) {  // the same error on all ranks
     print_common_error(launcher.rank, fmt::format("{}\n", error.what()));
     return k_bad_input;
+  } catch (const partition::RankError& error) {
+    // Other ranks may wait for this rank, which itself waits. The launcher ends all processes when this one
+    // ends, so it ends only when the limits of the others have also run out and all of them have printed for
+    // whom they waited: the rank that prints nothing is the one that does not answer.
+    print_error(launcher.rank, error.what());
+    std::this_thread::sleep_for(grace(limit_s));
+    _exit(k_failed);
   } catch (const std::exception& error) {
     end_at_once(launcher.rank, error.what());
   } catch (...) {
@@ -320,8 +366,8 @@ ExitCode on_ranks(const WorldOptions& options,
                   const std::function<ExitCode(const SimulationOptions& simulation)>& run) {
   const std::optional<Launcher> launcher = find_launcher();
   if (!launcher || launcher->ranks == 1) return run(options.simulation);
-  return reported(*launcher, [&] {
-    if (options.simulation.ranks > 1)
+  return reported(*launcher, options.rank_limit_s, [&] {
+    if (options.gives_ranks)
       throw InputError(
           fmt::format("troupe: error: --ranks is for ranks in one process, but {} started {} "
                       "processes, each of which is a rank: leave out --ranks",
@@ -333,19 +379,29 @@ ExitCode on_ranks(const WorldOptions& options,
   });
 }
 
-ExitCode on_each_rank(const std::function<ExitCode(RankDeal& deal)>& run) {
+ExitCode on_each_rank(unsigned threads, double limit_s, const std::function<ExitCode(RankDeal& deal)>& run) {
   const std::optional<Launcher> launcher = find_launcher();
   if (!launcher || launcher->ranks == 1) {
-    RankDeal alone;
+    RankDeal alone(threads > 0 ? threads : partition::processors_allowed());
     return run(alone);
   }
-  return reported(*launcher, [&] {
-    return with_others(*launcher, k_no_limit, [&](MpiTransport& transport, const std::vector<std::string>&) {
-      RankDeal deal(&transport);
-      return run(deal);
-    });
+  return reported(*launcher, limit_s, [&] {
+    return with_others(
+        *launcher, limit_s, [&](MpiTransport& transport, const std::vector<std::string>& hosts) {
+          const unsigned own = threads > 0 ? threads : threads_of_rank(hosts, transport.rank());
+          RankDeal deal(transport, own, limit_s);
+          return run(deal);
+        });
   });
 }
+
+RankDeal::RankDeal(unsigned threads) : threads_(threads), interval_(std::chrono::hours(1)) {}
+
+RankDeal::RankDeal(partition::Transport& transport, unsigned threads, double limit_s)
+    : transport_(&transport),
+      threads_(threads),
+      interval_(std::min(std::chrono::duration<double>(limit_s / k_reports_per_limit),
+                         std::chrono::duration<double>(std::chrono::hours(1)))) {}
 
 unsigned RankDeal::rank() const { return transport_ ? transport_->rank() : 0; }
 unsigned RankDeal::ranks() const { return transport_ ? transport_->ranks() : 1; }
@@ -356,6 +412,15 @@ RankDeal::~RankDeal() {
     transport_->send_to_all(std::make_shared<const Message>());
   } catch (const partition::RankError&) {  // the run has failed already, and its error is reported
   }
+}
+
+void RankDeal::tell_that_it_works() const {
+  if (transport_ == nullptr) return;
+  const auto message = std::make_shared<const Message>(Message{k_at_work});
+  if (rank() == 0)
+    transport_->send_to_all(message);
+  else
+    transport_->send(0, message);
 }
 
 void RankDeal::share(Message message) {
@@ -374,11 +439,17 @@ std::optional<Message> RankDeal::shared() {
 
 std::vector<Message> RankDeal::gather(Message own) const {
   if (rank() > 0) {
+    own.insert(own.begin(), k_result);
     transport_->send(0, std::make_shared<const Message>(std::move(own)));
     return {};
   }
   std::vector<Message> all{std::move(own)};
-  for (unsigned from = 1; from < ranks(); ++from) all.push_back(*transport_->receive(from));
+  for (unsigned from = 1; from < ranks(); ++from) {
+    Message message = *transport_->receive(from);
+    for (; message.front() == k_at_work; message = *transport_->receive(from)) tell_that_it_works();
+    message.erase(message.begin());
+    all.push_back(std::move(message));
+  }
   return all;
 }
 

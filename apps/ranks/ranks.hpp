@@ -4,6 +4,7 @@
 #include "apps/options.hpp"
 #include "partition/transport.hpp"
 
+#include <chrono>
 #include <functional>
 #include <optional>
 #include <string_view>
@@ -25,8 +26,12 @@ ExitCode on_ranks(const WorldOptions& options,
 /// in the same order.
 class RankDeal {
  public:
-  /// transport: the connection to the other processes; null: this process is the only one
-  explicit RankDeal(partition::Transport* transport = nullptr) : transport_(transport) {}
+  /// For a process that is the only one. threads: as below
+  explicit RankDeal(unsigned threads);
+  /// transport: the connection to the other processes
+  /// threads: number of runs that this process makes at the same time
+  /// limit_s: the longest time that a rank waits for another, s
+  RankDeal(partition::Transport& transport, unsigned threads, double limit_s);
   /// On rank 0: if share() was not called, makes shared() return std::nullopt on the other ranks.
   ~RankDeal();
   RankDeal(const RankDeal&) = delete;
@@ -34,6 +39,12 @@ class RankDeal {
 
   unsigned rank() const;
   unsigned ranks() const;
+  unsigned threads() const { return threads_; }  ///< number of runs that this process makes at the same time
+  /// How often a rank that is at work must call tell_that_it_works().
+  std::chrono::duration<double> interval() const { return interval_; }
+  /// Tells the ranks that wait for this rank that it is at work, so that their limit begins again. Rank 0
+  /// also passes on in gather() that another rank is at work. Does nothing with one rank.
+  void tell_that_it_works() const;
   /// On rank 0: sends a message to all other ranks, whose shared() returns it. Call it once.
   void share(partition::Message message);
   /// On the other ranks: waits for the message that rank 0 passes to share(), and returns it. Returns
@@ -45,13 +56,16 @@ class RankDeal {
   std::vector<partition::Message> gather(partition::Message own) const;
 
  private:
-  partition::Transport* transport_;
+  partition::Transport* transport_ = nullptr;
+  unsigned threads_;
+  std::chrono::duration<double> interval_;
   bool has_shared_ = false;
 };
 
 /// Calls run() on every process that a launcher has started. Returns the result of rank 0. Errors are handled
-/// as in on_ranks().
-ExitCode on_each_rank(const std::function<ExitCode(RankDeal& deal)>& run);
+/// as in on_ranks(). threads: RankDeal::threads(), or 0 for the default of the process. limit_s: the longest
+/// time that a rank waits for another, s
+ExitCode on_each_rank(unsigned threads, double limit_s, const std::function<ExitCode(RankDeal& deal)>& run);
 
 /// For commands that run in one process only: returns true if a launcher started several processes, so that
 /// the command must not run; rank 0 then prints an error. command: name of the command, for the error.

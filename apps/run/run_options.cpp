@@ -108,12 +108,15 @@ void add_output_options(CLI::App& app, RunOptions& options) {
             [&options](const std::string& text) { options.simulation.threads = thread_count(text); });
   add_value(app, "--ranks", "N",
             "Number of ranks: each holds a copy of the world and computes some of its robots (default: 1)",
-            [&options](const std::string& text) { options.simulation.ranks = rank_count(text); });
+            [&options](const std::string& text) {
+              options.simulation.ranks = rank_count(text);
+              options.gives_ranks = true;
+            });
   add_value(app, "--tile-size", "M",
             "Edge length of the tiles (squares of the world that threads process), m (default: automatic)",
             [&options](const std::string& text) { options.simulation.tile_size_m = tile_size_m(text); });
   add_rank_seed_option(app, options);
-  add_rank_limit_option(app, options);
+  add_rank_limit_option(app, options.rank_limit_s);
   options.outputs.add_options(app, options);
   const auto add_switch = [&app](const char* name, bool& on, const char* help) {
     app.add_flag(name, on, help)->disable_flag_override();

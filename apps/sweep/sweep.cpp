@@ -11,7 +11,6 @@
 #include "base/hash.hpp"
 #include "engine/ticks.hpp"
 #include "engine/world.hpp"
-#include "partition/processors.hpp"
 #include "troupe/measures.hpp"
 #include "troupe/plugins.hpp"
 #include "troupe/registry.hpp"
@@ -29,6 +28,7 @@
 #include <algorithm>
 #include <atomic>
 #include <cmath>
+#include <condition_variable>
 #include <cstdio>
 #include <limits>
 #include <map>
@@ -224,9 +224,11 @@ void keep_series(const fs::path& file, const std::string& rows) {
 }
 
 /// Makes the runs with these indices in parallel and writes each to the journal when it finishes. Returns the
-/// errors of failed runs, by index. Throws the error if the result of a run cannot be written.
+/// errors of failed runs, by index. Throws the error if the result of a run cannot be written. Tells the
+/// other ranks meanwhile that this rank is at work.
 std::map<std::size_t, std::string> make_all(const Study& study, const std::vector<std::size_t>& runs,
-                                            const SweepOptions& options, SweepJournal& journal) {
+                                            const SweepOptions& options, SweepJournal& journal,
+                                            RankDeal& deal) {
   std::map<std::size_t, std::string> failed;
   std::exception_ptr write_error;  // error of writing a result, which ends the sweep
   std::atomic<std::size_t> next = 0;
@@ -260,13 +262,27 @@ std::map<std::size_t, std::string> make_all(const Study& study, const std::vecto
       }
     }
   };
+  std::size_t working = std::min<std::size_t>(deal.threads(), runs.size());
+  std::condition_variable ended;
   std::vector<std::jthread> workers;
-  for (std::size_t w = 0;
-       w <
-       std::min<std::size_t>(
-           options.runs_at_once > 0 ? options.runs_at_once : partition::processors_allowed(), runs.size());
-       ++w)
-    workers.emplace_back(work);
+  for (std::size_t w = working; w > 0; --w)
+    workers.emplace_back([&] {
+      work();
+      const std::lock_guard lock(mutex);
+      working -= 1;
+      ended.notify_one();
+    });
+  try {
+    for (std::unique_lock lock(mutex);
+         !ended.wait_for(lock, deal.interval(), [&] { return working == 0; });) {
+      lock.unlock();
+      deal.tell_that_it_works();
+      lock.lock();
+    }
+  } catch (...) {
+    next = runs.size();
+    throw;
+  }
   workers.clear();  // joins the threads
   if (write_error) std::rethrow_exception(write_error);
   return failed;
@@ -394,7 +410,7 @@ ExitCode sweep_checked(SweepOptions options, RankDeal& deal) {
   }
   SweepJournal journal(journal_file(options.folder, options.part, options.parts), identity);
   SweepTable table{.study = study, .measures = measure_columns(measures, study.statistics)};
-  table.failed = gathered(make_all(study, runs, options, journal), deal);
+  table.failed = gathered(make_all(study, runs, options, journal, deal), deal);
   if (deal.rank() > 0) return k_finished;
   for (const auto& [run, error] : table.failed) fmt::print(stderr, "run {}: {}\n", run, error);
   table.outcomes = read_journals(options.folder, identity);
@@ -441,12 +457,17 @@ void add_sweep_options(CLI::App& command, SweepOptions& options) {
   add_plugin_path_option(command, options.plugin_path);
   add_controller_option(command, options.scripts);
   add_simd_option(command);
+  add_rank_limit_option(command, options.rank_limit_s);
 }
 
 ExitCode sweep(const SweepOptions& options) {
-  return on_each_rank([&](RankDeal& deal) {
+  return on_each_rank(options.runs_at_once, options.rank_limit_s, [&](RankDeal& deal) {
     try {
       return sweep_checked(options, deal);
+    } catch (const InputError& error) {
+      // An error of this rank alone, for example a plug-in that only its computer lacks: the others wait.
+      if (deal.ranks() > 1 && deal.has_shared()) throw std::runtime_error(error.what());
+      throw;
     } catch (const OutputError& error) {
       if (deal.ranks() > 1 && deal.has_shared()) throw;  // an error of this rank alone
       fmt::print(stderr, "{}\n", error.what());

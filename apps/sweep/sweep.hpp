@@ -21,8 +21,9 @@ struct SweepOptions {
   unsigned runs_at_once = 0;     ///< number of runs that are made in parallel; 0: one per available processor
   std::size_t part = 1;   ///< from 1 to parts: this process makes the runs part - 1, part - 1 + parts, ...
   std::size_t parts = 1;  ///< number of parts (--part)
-  bool list = false;      ///< only print the list of runs
-  bool quiet = false;     ///< print only errors
+  double rank_limit_s = 600;  ///< --rank-limit: longest wait for another process, wall time, s
+  bool list = false;          ///< only print the list of runs
+  bool quiet = false;         ///< print only errors
   std::vector<std::filesystem::path> plugin_path;      ///< folders to search for plug-ins
   std::vector<std::shared_ptr<const Script>> scripts;  ///< --controller
 };
