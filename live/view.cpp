@@ -31,7 +31,7 @@ using engine::Act;
 using Json = nlohmann::ordered_json;
 
 constexpr int k_wire = 1;                           // version of the wire protocol
-constexpr std::chrono::milliseconds k_picture{33};  // least time between two pictures
+constexpr std::chrono::nanoseconds k_picture{1'000'000'000 / 30};  // mean time between two pictures, at least
 constexpr std::chrono::milliseconds k_nap{50};      // longest wait, so that Ctrl-C takes effect soon
 constexpr std::chrono::seconds k_most_behind{1};    // a run that is later than this does not catch up
 constexpr std::size_t k_spare = 3;  // one picture is being filled, one encoded, and one is the newest
@@ -220,6 +220,12 @@ std::optional<ViewFrames> View::Impl::picture(std::uint64_t client) {
 void View::Impl::run() {
   is_running_ = true;
   while (!is_over() && !simulation_.stopped()) {
+    if (!playing_) {
+      is_between_ticks_ = true;
+      wait();
+      is_between_ticks_ = false;
+      if (is_over()) break;
+    }
     simulation_.step();
     do_jobs();
   }
@@ -240,10 +246,16 @@ void View::Impl::before_tick() {
 }
 
 /// Waits until the next tick is due, or, if the world is paused, until a viewer continues it. Meanwhile it
-/// executes the messages of viewers.
+/// executes the messages of viewers. Between two ticks it returns at once if the world is not paused, and as
+/// soon as a viewer sends an act: acts are applied in before_tick(), after the changes that the world
+/// schedules.
 void View::Impl::wait() {
   for (;;) {
-    take_messages();
+    if (!take_messages()) return;
+    if (is_between_ticks_) {
+      do_jobs();
+      if (playing_) return;
+    }
     const auto now = Clock::now();
     if (is_changed_ || (playing_ && now - published_ >= k_picture)) publish();
     if (is_over() || (playing_ && (rate_ == 0 || now >= due_))) return;
@@ -274,7 +286,9 @@ void View::Impl::after_tick() {
   limit_recording();
 }
 
-void View::Impl::take_messages() {
+/// Executes the messages that have arrived. Between two ticks, it returns false at the first act, and leaves
+/// this and later messages for before_tick().
+bool View::Impl::take_messages() {
   std::vector<Message> messages;
   std::map<std::uint64_t, bool> arrived;
   std::vector<std::uint64_t> gone;
@@ -294,12 +308,22 @@ void View::Impl::take_messages() {
       measured_s_ = simulation_.time_s();
     }
   }
-  for (const Message& message : messages)
-    if (clients_.contains(message.client)) obey(message);
-  for (const std::uint64_t client : gone) {
-    release_all(client);
-    clients_.erase(client);
+  const auto changes_world = [this](std::uint64_t client) {
+    return std::ranges::any_of(holders_, [client](const auto& holder) { return holder.second == client; });
+  };
+  std::size_t done = 0;
+  while (done < messages.size() && (!clients_.contains(messages[done].client) || obey(messages[done]))) ++done;
+  if (done == messages.size() && !(is_between_ticks_ && std::ranges::any_of(gone, changes_world))) {
+    for (const std::uint64_t client : gone) {
+      release_all(client);
+      clients_.erase(client);
+    }
+    return true;
   }
+  const std::scoped_lock lock(mutex_);
+  messages_.insert(messages_.begin(), messages.begin() + static_cast<std::ptrdiff_t>(done), messages.end());
+  gone_.insert(gone_.begin(), gone.begin(), gone.end());
+  return false;
 }
 
 /// Answers that a request has been obeyed. members: further members of the answer.
@@ -364,15 +388,18 @@ class View::Impl::Request {
   std::string what_;
 };
 
-void View::Impl::obey(const Message& message) {
+/// Executes a message and answers it. Returns false, without an answer, for an act that arrives between two
+/// ticks.
+bool View::Impl::obey(const Message& message) {
   const Request request(message.text);
   try {
-    if (postpone(request, message.client)) return;  // the answer follows when it is done
-    if (obey_question(request, message.client)) return;
+    if (postpone(request, message.client)) return true;  // the answer follows when it is done
+    if (obey_question(request, message.client)) return true;
     if (!obey_clock(request) && !obey_watch(request, clients_[message.client])) {
       Diagnostics diagnostics;
       const std::optional<Act> act = worldio::read_act(message.text, {"id"}, {}, diagnostics);
       diagnostics.throw_if_errors();
+      if (is_between_ticks_) return false;
       carry_out(message.client, *act);
     }
     is_changed_ = true;
@@ -382,6 +409,7 @@ void View::Impl::obey(const Message& message) {
   } catch (const InputError& error) {
     refuse(message.client, request.id(), error.what());
   }
+  return true;
 }
 
 /// Answers a request that changes nothing. Returns false if the request is of another sort.
@@ -472,11 +500,13 @@ bool View::Impl::obey_watch(const Request& request, Client& client) {
 }
 
 /// Postpones a request that is possible only between two ticks: its work is done when the current tick has
-/// ended. Returns false if the request is of another sort.
+/// ended. If the world is paused within a tick, which is the case after an act, this tick is computed first.
+/// Returns false if the request is of another sort.
 bool View::Impl::postpone(const Request& request, std::uint64_t client) {
   using What = Job::What;
   Job job{.client = client, .id = request.id(), .seed = {}};
   if (request.what() == "restart") {
+    check_restart();  // before a tick is computed for it
     if (request.has("seed")) job.seed = request.whole("seed");
   } else if (request.what() == "checkpoint") {
     job.what = What::checkpoint;
@@ -488,7 +518,7 @@ bool View::Impl::postpone(const Request& request, std::uint64_t client) {
     return false;
   }
   jobs_.push_back(job);
-  if (!playing_) play(1);
+  if (!playing_ && !is_between_ticks_) play(1);
   return true;
 }
 
@@ -515,12 +545,16 @@ std::string View::Impl::do_job(const Job& job) {
   return {};
 }
 
-/// Returns to tick 0 and begins a new session. If `seed` is given, the new run uses this seed.
-void View::Impl::restart(std::optional<std::uint64_t> seed) {
+/// Throws ActRefused if viewers cannot restart this run.
+void View::Impl::check_restart() const {
   if (!is_running_) throw ActRefused("a program steps this run, and only the program can restart it");
   if (simulation_.resumed_at_tick())
     throw ActRefused(
         "a run that began at a checkpoint cannot be restarted: end it, and resume the checkpoint again");
+}
+
+/// Returns to tick 0 and begins a new session. If `seed` is given, the new run uses this seed.
+void View::Impl::restart(std::optional<std::uint64_t> seed) {
   const std::uint64_t end = simulation_.tick();
   stop_recording();
   if (seed)
@@ -689,7 +723,8 @@ void View::Impl::publish() {
       take_shades(simulation_.world(), places_, order_.size(), *client.color, picture->shades[id]);
     if (const Json own = own_state(client); !own.empty()) picture->own[id] = members_of(own);
   }
-  published_ = now;
+  // Pictures that are a little late must not delay the later ones: the mean rate is that of k_picture.
+  published_ = now - published_ < 2 * k_picture ? published_ + k_picture : now;
   is_changed_ = false;
   {
     const std::scoped_lock lock(mutex_);

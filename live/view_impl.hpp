@@ -77,8 +77,8 @@ class View::Impl : private ViewBackend {
   void before_tick();
   void wait();
   void after_tick();
-  void take_messages();
-  void obey(const Message& message);
+  bool take_messages();
+  bool obey(const Message& message);
   bool obey_question(const Request& request, std::uint64_t client);
   bool obey_clock(const Request& request);
   bool obey_watch(const Request& request, Client& client);
@@ -91,6 +91,7 @@ class View::Impl : private ViewBackend {
   void refuse(std::uint64_t client, std::uint64_t id, const std::string& reason);
   void do_jobs();
   std::string do_job(const Job& job);
+  void check_restart() const;
   void restart(std::optional<std::uint64_t> seed);
   void begin_run(std::uint64_t end);
   bool is_over() const { return is_over_ && is_over_(); }
@@ -123,6 +124,9 @@ class View::Impl : private ViewBackend {
   bool playing_ = false;
   bool has_begun_ = false;
   bool is_running_ = false;      // true: run() steps the simulation; false: the program does
+  // True while run() waits between two ticks: the state is then that of the end of a tick, so that jobs can
+  // be done at once. In before_tick(), the changes that the world schedules are already part of the state.
+  bool is_between_ticks_ = false;
   std::uint64_t next_tick_ = 0;  // tick of the next step, unless the program resets the simulation
   std::uint64_t steps_ = 0;      // ticks until the next pause; 0: no pause
   double rate_ = 1;

@@ -20,7 +20,7 @@ NOT_RUN = [
     (r"\bcpack\b", "tests/install/package_test.cmake makes the packages"),
     (r"\bsudo\b", "needs root"),
     (r"^git clone ", "needs a network"),
-    (r"python/examples/(train_navigation|evolve_dispersion)\.py", "takes minutes, and needs skrl or cma: training_test.py"),
+    (r"python/examples/(train_navigation|evolve_dispersion)\.py", "takes minutes, and needs skrl or cma: training_test.py, training_ppo_test.py"),
     (r"^apptainer ", "needs Apptainer"),
     (r"^(sbatch|squeue|srun) ", "needs SLURM"),
     (r"^(mpirun|mpicc) ", "needs MPI: tests/mpi_test.py"),

@@ -24,7 +24,7 @@ from pathlib import Path
 
 ROOT = Path(__file__).resolve().parent.parent
 sys.path.insert(0, str(ROOT))
-from tests.support.chromium import Page, find  # noqa: E402
+from tests.support.chromium import Page, Picture, find  # noqa: E402
 from tests.support.websocket import Refused, Socket, request  # noqa: E402
 
 TROUPE = None
@@ -119,6 +119,7 @@ class View:
     def replayed(self, *arguments, command=("run", "rooms.json"), session=None):
         """Runs the world with the session and returns the lines of the hash log by tick."""
         log = self.folder / "replay.log"
+        log.unlink(missing_ok=True)  # a resumed run would continue it
         subprocess.run([TROUPE, command[0], self.folder / command[1], "--session", session or self.session, "--hash-log", log, "--quiet",
                         *map(str, arguments)], check=True)
         lines = [line for line in log.read_text().split("\n") if line and not line.startswith("#")]
@@ -324,6 +325,72 @@ class Steered(unittest.TestCase):
             said = subprocess.run([TROUPE, "info", view.folder / "rooms.recording.h5"], check=True, capture_output=True, text=True).stdout
             self.assertIn("frames", said)
 
+    def test_a_paused_run_is_saved_and_restarted_at_its_tick(self):
+        with View("--rate", 0) as view, view.open() as viewer:
+            viewer.ask(do="step", ticks=10)
+            shown = self.paused(viewer)
+            self.assertEqual(viewer.ask(do="checkpoint")["file"], "rooms.checkpoint.h5")
+            self.assertEqual(viewer.ask(do="record")["type"], "done")
+            self.assertEqual(viewer.ask(do="stop_recording")["type"], "done")
+            again = self.paused(viewer)
+            self.assertEqual((again["tick"], again["line"]), (shown["tick"], shown["line"]), "no tick was computed")
+            # An act belongs to the next tick, so that this tick is computed before files of the end of a tick are written.
+            self.assertEqual(viewer.ask(do="disable", robot="blue")["type"], "done")
+            self.assertEqual(self.paused(viewer)["tick"], shown["tick"])
+            viewer.ask(do="checkpoint")
+            later = self.paused(viewer)
+            self.assertEqual(later["tick"], shown["tick"] + 1)
+            self.assertEqual(viewer.ask(do="restart")["type"], "done")
+            self.assertEqual(self.paused(viewer)["tick"], 0)
+            self.assertEqual(json.loads(view.session.read_text().splitlines()[-1]), {"tick": later["tick"], "n": 2, "do": "end"})
+            view.end()
+            for checkpoint, first in (("rooms.checkpoint.h5", shown), ("rooms.checkpoint-2.h5", later)):
+                log = view.replayed("--for", 1 + later["tick"] * viewer.hello["tick_s"], command=("resume", checkpoint))
+                self.assertEqual(log[later["tick"]], later["line"])
+                self.assertEqual(min(log), first["tick"], "the checkpoint is of the tick that the page showed")
+
+    def test_a_refused_restart_computes_no_tick(self):
+        with View("--rate", 0, checkpoint_s=1) as view, view.open() as viewer:
+            viewer.ask(do="step")
+            tick = self.paused(viewer)["tick"]
+            self.assertEqual(viewer.ask(do="disable", robot="red")["type"], "done")
+            self.assertEqual(viewer.ask(do="restart")["type"], "refused")
+            viewer.ask(do="inspect", robot="red")  # the answer comes with a new picture
+            self.assertEqual(self.paused(viewer)["tick"], tick)
+
+    def test_a_kill_while_users_act_leaves_a_session_that_is_repeated(self):
+        with View("--rate", 0, world=YARD) as view:
+            lines, begun = [], threading.Event()
+
+            def drive(number):
+                draw = random.Random(number)
+                try:
+                    with view.open() as viewer:
+                        while True:
+                            viewer.ask(do="hold", robot=f"b{draw.randrange(30)}", speed=[draw.uniform(-1, 1), 0, draw.uniform(-2, 2)])
+                            if number == 0:
+                                viewer.ask(do="step", ticks=3)
+                                lines.append(self.paused(viewer)["line"])
+                                if len(lines) == 20:
+                                    begun.set()
+                except OSError:
+                    pass  # the program was killed
+            clients = [threading.Thread(target=drive, args=(number,)) for number in range(3)]
+            for client in clients:
+                client.start()
+            self.assertTrue(begun.wait(120))
+            view.process.kill()
+            for client in clients:
+                client.join()
+            view.process.wait()
+            written = view.session.read_text()
+            self.assertNotIn('"end"', written)
+            self.assertGreater(written.count("\n"), 20)
+            last = max(int(line.split()[0]) for line in lines)
+            for threads in (1, 2, 3):
+                log = view.replayed("--threads", threads, "--for", last * 0.1)
+                self.assertEqual([log[int(line.split()[0])] for line in lines], lines)
+
     def test_a_viewer_sees_values_and_lines(self):
         with View("--rate", 0, world=YARD) as view, view.open(None) as viewer:
             names = {(value["component"], value["field"]) for value in viewer.hello["values"]}
@@ -361,7 +428,9 @@ class Steered(unittest.TestCase):
             def act(number):
                 draw = random.Random(number)
                 viewer = view.open()
-                for i in range(340):
+                i, accepted = -1, 0
+                while accepted < 340:
+                    i += 1
                     if i in (100, 200):  # the viewer is disconnected while it holds a robot
                         viewer.ask(do="hold", robot=f"b{number}", speed=[0.3, 0, 1])
                         viewer.socket.close()
@@ -385,6 +454,7 @@ class Steered(unittest.TestCase):
                         message = {"do": what, "type": "bot", "controller": {"kind": "wander", "cruise_speed_mps": draw.uniform(0, 1)}}
                     if viewer.ask(**message)["type"] == "done":
                         done[what] = done.get(what, 0) + 1
+                        accepted += 1
                     else:
                         refused[0] += 1
                 viewer.socket.close()
@@ -399,7 +469,7 @@ class Steered(unittest.TestCase):
             view.process.kill()
             view.process.wait()
             self.assertEqual(len(done), 10, (done, refused))
-            self.assertGreater(sum(done.values()), 500, (done, refused))
+            self.assertGreater(sum(done.values()), 1000, (done, refused))
             end = ("--for", state["tick"] * viewer.hello["tick_s"])
             for arguments, command in (((1,), ("run", "rooms.json")), ((2,), ("run", "rooms.json")), ((3,), ("run", "rooms.json")),
                                        ((1, "--ranks", 3), ("run", "rooms.json")), ((3,), ("resume", files[0]))):
@@ -432,6 +502,34 @@ class OfARun(unittest.TestCase):
             refused = subprocess.run([TROUPE, "run", world, world, "--for", "1", "--view"], capture_output=True, text=True)
             self.assertEqual(refused.returncode, 2)
             self.assertIn("--view: error: --view shows the run of one world", refused.stderr)
+
+
+class NotTouched(unittest.TestCase):
+    """A run in which no user acts has the hash log of a run that no page shows, although users look at everything."""
+
+    def test_a_viewed_run_has_the_hash_log_of_one_that_is_not_viewed(self):
+        colony = json.loads((ROOT / "worlds" / "colony.json").read_text())  # births and deaths
+        for world in (WORLD, YARD, colony):
+            with self.subTest(world["title"]), View("--rate", 0, world=world) as view, view.open() as viewer:
+                viewer.ask(do="inspect", robot=viewer.hello["header"]["robots"]["name"][0])
+                viewer.ask(do="plot", measure="displacement")
+                viewer.ask(do="color", component="pose", field="x", column=0)
+                viewer.ask(do="layers", layers=viewer.hello["layers"])
+                shown = []
+                for _ in range(5):
+                    viewer.ask(do="step", ticks=40)
+                    state = viewer.state()
+                    while state["playing"] or not state["line"]:
+                        state = viewer.state()
+                    self.assertIn("inspected", state)
+                    shown.append(state)
+                shown.append({"line": view.end()})
+                log = view.folder / "alone.log"
+                end = (int(shown[-1]["line"].split()[0]) + 0.5) * viewer.hello["tick_s"]
+                subprocess.run([TROUPE, "run", view.world, "--for", str(end), "--quiet", "--hash-log", log], check=True)
+                alone = log.read_text().splitlines()
+                for state in shown:
+                    self.assertIn(state["line"], alone)
 
 
 class OfTheDocumentation(unittest.TestCase):
@@ -704,9 +802,12 @@ class InABrowser(unittest.TestCase):
         return self.page.run(f"troupe.screenPlace('{name}', [0, 0, 0])")
 
     def press_button(self, selector):
-        box = self.page.run(f"(({{x, y, width, height}}) => [x + width / 2, y + height / 2])"
+        self.press_button_of(self.page, selector)
+
+    def press_button_of(self, page, selector):
+        box = page.run(f"(({{x, y, width, height}}) => [x + width / 2, y + height / 2])"
                             f"(document.querySelector('{selector}').getBoundingClientRect())")
-        self.page.click(*box)
+        page.click(*box)
 
     def paused(self):
         self.page.wait("!troupe.state().playing && troupe.state().line")
@@ -769,8 +870,13 @@ class InABrowser(unittest.TestCase):
                  "(document.getElementById('measure'))")
         self.press_button("#play")
         page.wait("document.querySelector('#plot path').getAttribute('d').split('L').length > 10")
-        page.run("[...document.querySelectorAll('#values .plottable')].find(row => row.innerText.startsWith('x')).click()")
-        page.wait("document.querySelector('#plots path')?.getAttribute('d').split('L').length > 10")
+        for name in ("x", "heading"):
+            page.run(f"[...document.querySelectorAll('#values > .plottable')].find(row => row.firstChild.innerText === '{name}').click()")
+        page.wait("document.querySelectorAll('#plots path').length === 2 && "
+                  "[...document.querySelectorAll('#plots path')].every(path => path.getAttribute('d').split('L').length > 10)")
+        plotted = page.run("[...document.querySelectorAll('#plots .now')].map(line => line.textContent)")
+        self.assertRegex(plotted[0], r"^pose x m -?[0-9.]+$")
+        self.assertRegex(plotted[1], r"^pose heading ° -?[0-9.]+$")
         self.keep("plotted")
 
         page.press("m", "KeyM")
@@ -837,6 +943,105 @@ class InABrowser(unittest.TestCase):
         log = view.replayed()
         for state in (before, after, shown):
             self.assertEqual(log[state["tick"]], state["line"])
+
+    def test_robots_are_found_and_followed(self):
+        with View() as view, Page(PROGRAM, SIZE) as page:
+            page.open_address(view.address)
+            page.wait("window.troupe && troupe.state().tick > 2")
+            self.press_button_of(page, "#play")
+            page.wait("!troupe.state().playing && troupe.state().line")
+            tick = page.run("troupe.state().tick")
+            page.run("document.getElementById('ticks').value = '7'")
+            self.press_button_of(page, "#step")
+            page.wait(f"troupe.state().tick === {tick + 7} && !troupe.state().playing")
+
+            page.press("/", "Slash")
+            page.call("Input.insertText", text="blue")
+            page.call("Input.dispatchKeyEvent", type="keyDown", key="Enter", code="Enter", windowsVirtualKeyCode=13, text="\r")
+            page.wait("troupe.inspected()?.robot === 'blue'")
+            self.assertEqual(page.run("document.getElementById('find').value"), "")
+            page.run("(input => { input.value = 'green'; input.onchange({target: input}); })(document.getElementById('find'))")
+            self.assertEqual(page.run("document.getElementById('told').textContent"), 'There is no robot "green".')
+            self.assertEqual(page.run("troupe.state().selected"), "blue")
+
+            page.press("f", "KeyF")
+            page.wait("troupe.following()[0]")
+            page.run("document.getElementById('follow-all').click()")
+            page.wait("troupe.following()[1] && !troupe.following()[0]")
+            spread = "Math.hypot(...['red', 'blue'].map(name => troupe.screenPlace(name)).reduce(([a, b], [c, d]) => [a - c, b - d]))"
+            # blue moves to red: the picture of both is enlarged. Then red moves to the other end: it stays in the picture.
+            for robot, (x, y) in (("blue", (-3, -2.2)), ("red", (5, 3)), ("blue", (-5.5, -3.5))):
+                page.run(f"troupe.act({{do: 'move', robot: '{robot}', pose: [{x}, {y}, 0, 0]}})")
+                page.wait(f"Math.abs(troupe.pose('{robot}')[0] - {x}) < 1e-2")
+                page.wait(f"{spread} > 200")
+                for name in ("red", "blue"):
+                    x, y = page.run(f"troupe.screenPlace('{name}')")
+                    self.assertTrue(0 < x < SIZE[0] and 0 < y < SIZE[1], (robot, name, x, y))
+            page.press("a", "KeyA")
+            page.wait("!troupe.following()[1]")
+            # Without following, the picture stays; a robot that is found outside of it is moved into its middle.
+            before = page.run("troupe.screenPlace('blue')")
+            page.run("troupe.act({do: 'move', robot: 'red', pose: [-4, -3, 0, 0]})")
+            page.wait("Math.abs(troupe.pose('red')[0] + 4) < 1e-2")
+            for now, then in zip(page.run("troupe.screenPlace('blue')"), before):
+                self.assertAlmostEqual(now, then, places=2)
+            page.run("troupe.act({do: 'move', robot: 'red', pose: [4, 3, 0, 0]})")
+            page.wait("Math.abs(troupe.pose('red')[0] - 4) < 1e-2")
+            for _ in range(5):  # zoom in at blue
+                page.mouse("mouseWheel", *before, deltaX=0, deltaY=-400)
+            page.wait(f"troupe.screenPlace('red')[0] > {SIZE[0]}")
+            page.run("(input => { input.value = 'red'; input.onchange({target: input}); })(document.getElementById('find'))")
+            page.wait(f"Math.abs(troupe.screenPlace('red')[0] - {SIZE[0] / 2}) < 30")
+            self.assertEqual(page.problems, [])
+
+    def test_layers_and_colours_are_drawn(self):
+        with View("--rate", 0, world=YARD) as view, Page(PROGRAM, SIZE) as page:
+            page.open_address(view.address)
+            page.wait("window.troupe && troupe.state().tick > 5")
+            self.press_button_of(page, "#play")
+            page.wait("!troupe.state().playing && troupe.state().line")
+
+            def pixel(name, shift=(0, 0, 0)):
+                """The colour on the screen of a robot, or of a point shifted from it by some metres."""
+                x, y = (round(at) for at in page.run(f"troupe.screenPlace('{name}', {list(shift)})"))
+                return Picture(page.screenshot((x - 2, y - 2, x + 2, y + 2))).at(2, 2)
+
+            self.assertEqual(page.run("troupe.lines()"), 0)
+            page.run("(select => { select.selectedIndex = 1; select.onchange({target: select}); })(document.getElementById('layers'))")
+            page.wait("troupe.lines() > 0")
+            page.wait("troupe.state().lines.radio.length > 0")
+            line = page.run("troupe.state().lines.radio.slice(0, 6)")
+            names = page.run("troupe.header.robots.name")
+            x, y, z = page.run(f"troupe.pose('{names[0]}')")[:3]
+            middle = [(line[0] + line[3]) / 2 - x, (line[1] + line[4]) / 2 - y, (line[2] + line[5]) / 2 - z]
+            drawn = pixel(names[0], middle)
+            page.press("l", "KeyL")  # all lines; there are no others
+            page.press("l", "KeyL")  # none
+            page.wait("troupe.lines() === 0")
+            until = time.monotonic() + 60
+            while pixel(names[0], middle) == drawn and time.monotonic() < until:
+                pass
+            self.assertNotEqual(pixel(names[0], middle), drawn, "a link was drawn between two robots")
+
+            left, right = sorted(names, key=lambda name: page.run(f"troupe.pose('{name}')[0]"))[::len(names) - 1]
+            own = pixel(left)
+            page.run(f"troupe.act({{do: 'command', robot: '{left}', device: 'lamp', values: {{red: 1, green: 0, blue: 0, shows: 1}}}})")
+            page.run("troupe.step(1)")
+            page.wait("!troupe.state().playing && troupe.state().line")
+            until = time.monotonic() + 60
+            while pixel(left) == own and time.monotonic() < until:
+                pass
+            red, green, blue = pixel(left)
+            self.assertTrue(red > 150 and green < 90 and blue < 90, (red, green, blue))
+
+            page.run("troupe.color('pose.x')")
+            page.wait("troupe.legend()[1] > troupe.legend()[0]")
+            until = time.monotonic() + 60
+            while pixel(left)[0] > 150 and time.monotonic() < until:
+                pass
+            ends = [pixel(left), pixel(right)]
+            self.assertGreater(sum(abs(a - b) for a, b in zip(*ends)), 100, ends)
+            self.assertEqual(page.problems, [])
 
     def test_one_may_only_look(self):
         with View() as view, Page(PROGRAM, SIZE) as page:

@@ -2,6 +2,7 @@
 checkers of these packages, and by comparing their vector environment with that of troupe.envs, bit for bit."""
 
 import contextlib
+import dataclasses
 import io
 import sys
 import time
@@ -77,6 +78,44 @@ class Looker(troupe.envs.Task):
         ]
 
 
+class Carts(troupe.envs.Task):
+    """A task with the cart of the tests' room, whose actions are MultiDiscrete: one index per command."""
+
+    world = ROOM
+    seconds = 3.0
+    measures = ["displacement:cart"]
+    teams = [
+        dataclasses.replace(
+            Walkers.teams[1],
+            arrays={"pose": [{"of": "pose"}]},
+            rewards=[{"array": "pose", "column": 0, "change": True}, {"measure": "displacement_m:cart", "weight": 0.5, "change": True}],
+            ends=[{"measure": "displacement_m:cart", "above": 0.8, "reward": 7.0}],
+        )
+    ]
+
+
+class Births(troupe.envs.Task):
+    """A task with three robots, a fourth that is born after 1 s, and a fifth that is never born. NumPy functions reward and,
+    if asked to, finish all robots in all steps."""
+
+    seconds = 2.0
+    measures = ["alive"]
+
+    def __init__(self, ends=(), finishes=False):
+        self.world = room(8.0, [{**spread("r", "robot", 3, 8.0), "reserve": 2}], {"robot": robot_type()})
+        self.world["at"] = [{"time_s": 1.0, "add": {"population": "r", "count": 1, "region_m": [[-3.5, -3.5], [3.5, 3.5]]}}]
+        self.finishes = finishes
+        self.teams = [
+            troupe.envs.Team(robots="r", observation=[lidar()], rewards=[{"measure": "alive", "weight": 10.0}], ends=list(ends))
+        ]
+
+    def reward(self, batch, team):
+        return np.ones((batch.copies, 5))
+
+    def terminated(self, batch, team):
+        return np.ones((batch.copies, 5), np.bool_) if self.finishes else None
+
+
 def fixed_actions(space, step):
     """Returns actions that depend only on the step, so that all environments get the same actions."""
     space.seed(step)
@@ -109,7 +148,7 @@ class Checkers(unittest.TestCase):
             env.step(3)
 
     def test_parallel_environments(self):
-        for make in [*(lambda task=task: task(robots=3) for task in troupe.envs.TASKS.values()), Walkers, Short]:
+        for make in [*(lambda task=task: task(robots=3) for task in troupe.envs.TASKS.values()), Walkers, Short, Carts, Births]:
             task = make()
             with self.subTest(type(task).__name__):
                 task.seconds = min(task.seconds, 4.0)
@@ -151,6 +190,7 @@ class Vector(unittest.TestCase):
         for mode in AutoresetMode:
             with self.subTest(mode):
                 self.assertGreater(self.same_as_sync(Short, mode, 200)["terminated"], 0)
+                self.assertGreater(self.same_as_sync(Carts, mode)["terminated"], 0)
                 for task in (Looker, *troupe.envs.TASKS.values()):
                     with self.subTest(task.__name__):
 
@@ -203,6 +243,36 @@ class Vector(unittest.TestCase):
             with self.assertRaisesRegex(error, text):
                 env.reset(options={"reset_mask": wrong})
 
+    def test_seeds_may_be_a_list(self):
+        for seeds in ([7, 3, 7], [None, 5, 0], (2, 2, 9), np.array([4, 1, 4])):
+            with self.subTest(seeds=seeds):
+                listed = [None if each is None else int(each) for each in seeds]
+                sync = SyncVectorEnv([lambda: troupe.envs.Env(Short(2), robot="r0") for _ in range(3)])
+                own = troupe.envs.VectorEnv(Short(2), 3, robot="r0")
+                of_all = troupe.envs.VectorEnv(Short(2), 6)
+                per_env = troupe.envs.VectorEnv(Short(2), 6)
+                for env in (sync, own, of_all, per_env):
+                    env.reset(seed=11)  # an environment without a seed of its own begins the next episode of this seed
+                if None not in listed:  # SyncVectorEnv's first environment would have the seed 11, the second 12, ...
+                    self.assertTrue(np.array_equal(own.reset(seed=seeds)[0], sync.reset(seed=listed)[0]))
+                first, _ = of_all.reset(seed=seeds)
+                again, _ = per_env.reset(seed=[each for each in listed for _ in range(2)])
+                self.assertTrue(np.array_equal(first, again))
+                self.assertEqual(np.array_equal(first[:2], first[4:]), listed[0] == listed[2])
+                for copy, each in enumerate(listed):
+                    if each is not None:
+                        self.assertEqual(of_all.batch.core.seeds[copy], each)
+        env = troupe.envs.VectorEnv(Short(2), 6)
+        for wrong, text in (
+            ([1, 2], "seed: found a list of 2: give 3, one per copy or 6, one per environment"),
+            ([1, 1, 2, 3, 4, 4], "seed: environments 2 and 3 share one world, but have the seeds 2 and 3"),
+            ([1, None, 2, 2, 4, 4], "environments 0 and 1 share one world, but have the seeds 1 and None"),
+        ):
+            with self.assertRaisesRegex(ValueError, text):
+                env.reset(seed=wrong)
+        with self.assertRaisesRegex(ValueError, "found a list of 2: give 3, one per copy$"):
+            troupe.envs.VectorEnv(Short(2), 3, robot="r0").reset(seed=[1, 2])
+
     def test_by_the_registry(self):
         envs = gymnasium.make_vec("troupe/Navigation-v0", num_envs=4, vectorization_mode="vector_entry_point", robots=3)
         self.assertIsInstance(envs.unwrapped, troupe.envs.VectorEnv)
@@ -232,6 +302,112 @@ class Vector(unittest.TestCase):
             task = Short(2)
             task.teams[0].rewards = [{"array": "goal", "wieght": 1}]
             troupe.envs.Env(task)
+
+
+class RobotsThatAreBorn(unittest.TestCase):
+    """The robots r0 to r2 of each copy are there from the start, r3 is born after 1 s (tick 10), r4 never."""
+
+    ENDS = ({"measure": "alive", "above": 3.5, "reward": 100.0},)  # when r3 is born
+
+    def run_vector(self, task, mode, steps):
+        env = troupe.envs.VectorEnv(task, 10, autoreset_mode=mode)
+        env.reset(seed=1)
+        out = [env.step(np.full((10, 2), -1.0)) for _ in range(steps)]
+        for _, rewards, terminations, truncations, _ in out:
+            done = (terminations | truncations).reshape(2, 5)
+            self.assertTrue((done.all(axis=1) == done.any(axis=1)).all(), "the robots of a copy end together")
+            self.assertTrue(np.isfinite(rewards).all())
+        return out
+
+    def test_only_robots_in_the_world_are_rewarded(self):
+        out = self.run_vector(Births(), "NextStep", 20)
+        for step, (observations, rewards, terminations, truncations, infos) in enumerate(out):
+            there = np.tile([True, True, True, step >= 9, False], 2)  # the first tick of an episode has no actions
+            self.assertTrue(np.array_equal(infos["alive"], there), step)
+            self.assertTrue(np.array_equal(rewards, np.where(there, 31.0 if step < 9 else 41.0, 0.0)), (step, rewards))
+            self.assertFalse(terminations.any() or infos["finished"].any())
+            self.assertEqual(truncations.all(), step == 19)
+            self.assertFalse(observations[~there].any())
+            self.assertTrue(observations[there].any(axis=1).all())
+
+    def test_a_measure_ends_the_episode_of_all(self):
+        for mode in ("NextStep", "SameStep"):
+            with self.subTest(mode):
+                out = self.run_vector(Births(self.ENDS), mode, 12)
+                ends = [terminations.all() for _, _, terminations, _, _ in out]
+                self.assertEqual(ends.index(True), 9)
+                self.assertFalse(any(truncations.any() for _, _, _, truncations, _ in out))
+                _, rewards, _, _, infos = out[9]
+                self.assertTrue(np.array_equal(rewards, np.tile([141.0, 141.0, 141.0, 141.0, 0.0], 2)))
+                self.assertTrue(np.array_equal(infos["finished"], np.tile([True, True, True, True, False], 2)))
+                if mode == "SameStep":
+                    self.assertEqual([each.shape for each in infos["final_obs"]], [(12,)] * 10)
+
+    def test_a_function_finishes_only_robots_in_the_world(self):
+        _, rewards, terminations, truncations, infos = self.run_vector(Births(finishes=True), "NextStep", 1)[0]
+        self.assertTrue(terminations.all())
+        self.assertFalse(truncations.any())
+        self.assertTrue(np.array_equal(infos["finished"], infos["alive"]))
+        self.assertTrue(np.array_equal(rewards, np.tile([31.0, 31.0, 31.0, 0.0, 0.0], 2)))
+
+    def test_agents_join(self):
+        env = troupe.envs.ParallelEnv(Births(self.ENDS))
+        observations, _ = env.reset(seed=1)
+        self.assertEqual(env.possible_agents, ["r0", "r1", "r2", "r3", "r4"])
+        self.assertEqual([*observations], ["r0", "r1", "r2"])
+        for step in range(10):
+            observations, rewards, terminations, truncations, infos = env.step({agent: np.full(2, -1.0) for agent in env.agents})
+            names = ["r0", "r1", "r2"] + ["r3"] * (step == 9)
+            for told in (observations, rewards, terminations, truncations, infos):
+                self.assertEqual([*told], names)
+            self.assertEqual(set(rewards.values()), {31.0 if step < 9 else 141.0})
+            self.assertEqual(set(terminations.values()), {step == 9})
+        self.assertEqual(env.agents, [])
+
+
+class Teams(unittest.TestCase):
+    """Two unlike teams: bots with a differential drive and a Box of actions, and an omnidirectional cart with MultiDiscrete
+    actions and a Dict of observations."""
+
+    def test_each_has_its_own_spaces_and_commands(self):
+        env = troupe.envs.ParallelEnv(Walkers())
+        self.assertEqual(env.action_space("r0"), gymnasium.spaces.Box(-1.0, 1.0, (2,), np.float32))
+        self.assertEqual(env.action_space("cart"), gymnasium.spaces.MultiDiscrete([3, 2, 2]))
+        self.assertEqual(env.observation_space("r0").shape, (4,))
+        self.assertEqual({name: box.shape for name, box in env.observation_space("cart").items()}, {"eye": (5,), "where": (4,)})
+        before, _ = env.reset(seed=5)
+        for action, moved in (([2, 1, 0], [0.2, 0.2]), ([1, 0, 0], [0.0, -0.2]), ([0, 1, 0], [-0.2, 0.2])):
+            # Bots turn left on the spot; a tick is 0.2 s.
+            actions = {agent: np.array([-1.0, 1.0]) for agent in env.agents if agent != "cart"} | {"cart": np.array(action)}
+            after, _, _, _, _ = env.step(actions)
+            change = after["cart"]["where"][:2] - before["cart"]["where"][:2]
+            self.assertTrue(np.allclose(change, moved, atol=1e-6), (action, change))
+            before = after
+        with self.assertRaisesRegex(ValueError, "column 1: must be whole numbers from 0 to 1"):
+            env.step({"cart": np.array([2, 2, 0])})
+
+    def test_observations_are_those_of_the_world_alone(self):
+        env = troupe.envs.ParallelEnv(Walkers())
+        seen, _ = env.reset(seed=9)
+        world = troupe.Simulation(ROOM, seed=9)
+        bots, cart = world.swarm("bot"), world.swarm("cart")
+        bots.subscribe()
+        cart.subscribe()
+        speeds = np.zeros((len(bots), 2))
+        world.step(1)  # the first tick of an episode
+        for step in range(6):
+            for at, name in enumerate(env.possible_agents[:6]):
+                self.assertTrue(np.array_equal(seen[name][:3], np.asarray(world.find(name).readings("ranges"), np.float32)), (step, at))
+            eye = np.asarray(world.find("cart").readings("ranges"), np.float64) * 0.5
+            self.assertTrue(np.array_equal(seen["cart"]["eye"], eye.astype(np.float32)), step)
+            action = fixed_actions(env.action_space("r0"), step)
+            # DRIVE: the numbers -1 and 1 are 0 and 0.5 m/s, and -1.5 and 1.5 rad/s.
+            speeds[:] = (float(action[0]) + 1) * 0.5 * 0.5, -1.5 + (float(action[1]) + 1) * 0.5 * 3.0
+            bots.set_speeds(speeds[:, 0], speeds[:, 1])
+            cart.set_speeds(np.ones(1), np.zeros(1), left=np.full(1, -1.0))
+            world.step(1)
+            actions = {agent: action for agent in env.agents if agent != "cart"} | {"cart": np.array([2, 0, 0])}
+            seen, _, _, _, _ = env.step(actions)
 
 
 class Human(unittest.TestCase):

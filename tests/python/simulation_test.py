@@ -576,6 +576,44 @@ class Models(InAFolder):
             view.run()
         world.step()
 
+    def test_a_view_of_several_ranks_is_that_of_one(self):
+        """The same session on one rank and on three ranks: users see and change robots of all ranks."""
+        shown = []
+        for ranks in (1, 3):
+            (self.folder / str(ranks)).mkdir()
+            world = troupe.Simulation.from_text(json.dumps({**ROOM, "mortal": True}), "room.json", ranks=ranks)
+            self.assertEqual(world.ranks, ranks)
+            view = world.view(rate=0.01, out=self.folder / str(ranks))  # slow until the user has paused it
+            port, token = view.address.removeprefix("http://127.0.0.1:").split("/#")
+            lines = []
+
+            def use(port=port, token=token, lines=lines):
+                with Socket(int(port)) as viewer:
+                    viewer.send(token)
+                    viewer.receive()
+                    viewer.ask(do="pause")
+                    viewer.ask(do="rate", rate=0)
+                    while viewer.state()["playing"]:
+                        pass
+                    self.assertEqual(viewer.ask(do="restart")["type"], "done")
+                    for robot in [f"r{i}" for i in range(6)] + ["cart"]:
+                        self.assertEqual(viewer.ask(do="hold", robot=robot, speed=[0.2, 0, 0.5])["type"], "done")
+                    self.assertEqual(viewer.ask(do="disable", robot="r2")["type"], "done")
+                    viewer.ask(do="inspect", robot="r5")
+                    viewer.ask(do="step", ticks=30)
+                    state = viewer.state()
+                    while state["playing"] or not state["line"]:
+                        state = viewer.state()
+                    lines += [state["line"], state["inspected"]["pose"]]
+                    viewer.ask(do="until", time_s=20)
+            user = threading.Thread(target=use)
+            user.start()
+            view.run(for_s=19)
+            user.join()
+            self.assertEqual(lines[0].split()[0], "30")
+            shown.append((lines, world.state_hash()))
+        self.assertEqual(shown[0], shown[1])
+
     def test_ranges_are_shown_not_copied(self):
         world = troupe.Simulation(ROOM)
         cart = world.find("cart")

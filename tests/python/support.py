@@ -1,8 +1,11 @@
 """Functions and classes that the tests of the Python package share."""
 
 import contextlib
+import csv
 import os
 import pathlib
+import subprocess
+import sys
 import tempfile
 import unittest
 
@@ -57,3 +60,18 @@ class InAFolder(unittest.TestCase):
         stack.callback(os.chdir, before)
         os.chdir(self.folder)
         self.addCleanup(stack.close)
+
+
+def train(script, *arguments):
+    """Runs a script of python/examples, which writes its results to the folder out, prints its output, and returns the
+    completed process."""
+    done = subprocess.run([sys.executable, ROOT / "python" / "examples" / script, *map(str, arguments), "--out", "out"],
+                          text=True, stdout=subprocess.PIPE, stderr=subprocess.STDOUT)
+    print(done.stdout, end="")
+    return done
+
+
+def table(file):
+    """Returns the rows of a CSV table as dicts."""
+    with open(file, newline="") as stream:
+        return list(csv.DictReader(stream))

@@ -60,6 +60,7 @@ class LivePage extends Page {
     this.link = link;
     this.lines = new Lines();
     this.marks = new Marks();
+    this.followingAll = false;
     this.group = []; // robots that were selected with a box
     this.view.scene.add(this.lines.object, this.marks.object);
     this.theme(this.themed);
@@ -92,6 +93,31 @@ class LivePage extends Page {
   isDisabled() {
     const condition = this.recording.inspected?.components.find(({ name }) => name === "condition");
     return ((condition?.fields.find(({ name }) => name === "out")?.values[0] ?? 0) & 1) === 1;
+  }
+
+  /** Selects the robot of this name, and moves the view to the robot if it is outside of the picture. */
+  selectByName(name) {
+    const robot = this.recording.header.robots.name.indexOf(name);
+    if (robot < 0) return tell(`There is no robot "${name}".`);
+    this.select(robot);
+    const [x, y] = this.view.screenPlace(robot, [0, 0, 0]);
+    if (x < 0 || y < 0 || x > window.innerWidth || y > window.innerHeight) this.view.follow(robot);
+  }
+
+  follow(on) {
+    super.follow(on);
+    if (this.following) this.followAll(false);
+  }
+  /** Keeps all robots in the picture. */
+  followAll(on) {
+    this.followingAll = on;
+    this.view.fitted = null;
+    if (on) this.follow(false);
+  }
+
+  slant() {
+    super.slant();
+    this.view.fitted = null;
   }
 
   select(robot) {
@@ -207,6 +233,7 @@ class LivePage extends Page {
   }
 
   posed() {
+    if (this.followingAll) this.view.followAll();
     this.marks.update(this.view);
   }
 
@@ -295,6 +322,7 @@ function liveRemote(page) {
     act: (message) => page.act(message),
     step: (ticks) => page.player.step(ticks),
     follow: (on) => page.follow(on),
+    following: () => [page.following, page.followingAll],
     inspected: () => page.recording.inspected,
     floorAt: (x, y) => page.view.floorAt(x, y),
     group: () => page.group.map((robot) => page.nameOf(robot)),

@@ -5,6 +5,7 @@ import { Plot } from "./plot.js";
 
 export const RATES = [0.1, 0.25, 0.5, 1, 2, 5, 10, 20, 50, 100, 0]; // times real time; 0: as fast as possible
 const LAYERS = { radio: "radio links", sights: "fiducials", grips: "grippers", carries: "carried bodies" };
+const MOST_NAMES = 1000; // names that the page suggests; more would make it slow
 const TURN = Math.PI / 12; // rad per key press
 const DRIVEN = ["ArrowUp", "ArrowDown", "ArrowLeft", "ArrowRight"];
 
@@ -23,6 +24,14 @@ export class LiveBar extends Bar {
     byId("layers").onchange = (event) => page.act({ do: "layers", layers: this.layers[event.target.value] });
     byId("back").oninput = (event) => this.lookAt(Number(event.target.value));
     byId("now").onclick = () => this.lookAt(Infinity);
+    const { name: names } = recording.header.robots;
+    byId("names").replaceChildren(...names.slice(0, MOST_NAMES).map((name) => new Option(name)));
+    byId("find").onchange = ({ target }) => {
+      if (target.value.trim() !== "") page.selectByName(target.value.trim());
+      target.value = "";
+      target.blur(); // keys are commands again
+    };
+    byId("follow-all").onchange = (event) => page.followAll(event.target.checked);
     byId("picture").onclick = () => page.save();
     byId("ungroup").onclick = () => page.choose([]);
     if (!recording.mayActs) {
@@ -33,7 +42,7 @@ export class LiveBar extends Bar {
     byId("adds").hidden = populations.length === 0;
     fill(byId("add"), ["–", ...populations]);
     byId("add").onchange = (event) => (page.adding = populations[event.target.value - 1] ?? null);
-    byId("step").onclick = () => player.step();
+    byId("step").onclick = () => player.step(Math.max(1, Math.round(Number(byId("ticks").value)) || 1));
     byId("rate").onchange = (event) => page.act({ do: "rate", rate: RATES[event.target.value] });
     byId("drive").onchange = (event) => this.drive(event.target.checked);
     byId("disable").onclick = () => page.actOn({ do: page.isDisabled() ? "enable" : "disable" });
@@ -56,7 +65,13 @@ export class LiveBar extends Bar {
       select.selectedIndex = (select.selectedIndex + 1) % select.length;
       select.onchange({ target: select });
     };
-    const looks = { ...all, l: layers, p: () => page.save() };
+    const looks = {
+      ...all,
+      l: layers,
+      p: () => page.save(),
+      a: () => page.followAll(!page.followingAll),
+      "/": () => byId("find").focus(),
+    };
     if (!page.recording.mayActs) return { ...looks, " ": () => {} };
     return {
       ...looks,
@@ -139,6 +154,7 @@ export class LiveBar extends Bar {
       byId("record").textContent = file ? "stop recording" : "record";
       byId("record").title = file ? `Ends the recording ${file}` : "Records the run in a new file in the folder of the session file";
     });
+    this.set("followingAll", this.page.followingAll, (on) => (byId("follow-all").checked = on));
     this.set("disabled", this.page.isDisabled(), (on) => (byId("disable").textContent = on ? "enable" : "disable"));
     if (state.plot && state !== this.plotted) this.plot.add(state.time_s, state.plot);
     this.plotted = state;

@@ -1,11 +1,18 @@
 // The panel of the selected robot on the live page: its whole state, sent by the program.
 
 import { Commands } from "./commands.js";
-import { bars, chart, element, MOST_NUMBERS, Panel, row, unitText } from "./panel.js";
+import { bars, chart, element, MOST_NUMBERS, Panel, POSE, row, unitText } from "./panel.js";
 import { Parameters } from "./parameters.js";
 import { Plot, plotCard } from "./plot.js";
 
 const text = (number) => (number === null ? "–" : Number.isInteger(number) ? String(number) : Number(number.toPrecision(5)).toString());
+
+/** Returns a function that reads the smallest column of a field from the state of a robot. */
+const leastOf = (component, name) => ({ components }) => {
+  const values = components.find((one) => one.name === component)?.fields.find((field) => field.name === name)?.values ?? [];
+  const known = values.filter((value) => value !== null);
+  return known.length > 0 ? Math.min(...known) : null;
+};
 
 export class LivePanel extends Panel {
   /** Shows a robot and asks the program for its state. */
@@ -38,21 +45,27 @@ export class LivePanel extends Panel {
       plot.add(this.recording.state.time_s, { column: label, value: read(inspected) ?? null });
   }
 
-  /** Begins or ends the plot of a field of the state: the smallest of its columns over time. */
-  togglePlot(component, { name, unit }) {
-    const label = `${component} ${name}${unitText(unit)}`;
+  addPose() {
+    super.addPose();
+    for (const [name, unit, , of] of POSE)
+      this.makePlottable(this.poseRows.get(name), `pose ${name} ${unit}`, ({ pose }) => (pose ? of(pose) : null));
+  }
+
+  /** A click on the row begins or ends the plot of a value over time. `read` returns it from the state of the robot. */
+  makePlottable(object, label, read) {
+    object.classList.add("plottable");
+    object.title = [object.title, "a click plots the value over time"].filter(Boolean).join("; ");
+    object.onclick = () => this.togglePlot(label, read);
+  }
+
+  togglePlot(label, read) {
     if (this.plots.has(label)) {
       this.plots.get(label).card.remove();
       this.plots.delete(label);
       return;
     }
-    const card = plotCard(() => this.togglePlot(component, { name, unit }));
+    const card = plotCard(() => this.togglePlot(label, read));
     document.getElementById("plots").append(card);
-    const read = ({ components }) => {
-      const values = components.find((one) => one.name === component)?.fields.find((field) => field.name === name)?.values ?? [];
-      const known = values.filter((value) => value !== null);
-      return known.length > 0 ? Math.min(...known) : null;
-    };
     this.plots.set(label, { plot: new Plot(card), card, read, label });
   }
 
@@ -73,9 +86,8 @@ export class LivePanel extends Panel {
     this.rows = components.map(({ name, fields }) => {
       this.state.append(element("h3", { textContent: name }));
       return fields.map((field) => {
-        const made = row(field.name, `${field.text}; a click plots the value over time`);
-        made.object.classList.add("plottable");
-        made.object.onclick = () => this.togglePlot(name, field);
+        const made = row(field.name, field.text);
+        this.makePlottable(made.object, `${name} ${field.name}${unitText(field.unit)}`, leastOf(name, field.name));
         this.state.append(made.object);
         const drawn = field.values.length > MOST_NUMBERS ? chart(field.values.length) : null;
         if (drawn) this.state.append(drawn);

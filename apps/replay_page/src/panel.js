@@ -15,6 +15,14 @@ export function row(name, title = "") {
   return { object: element("div", { className: "row", title }, element("span", { textContent: name }), value), value };
 }
 
+/** Rows of a pose: name, unit, number of decimals, and the value of a pose [x, y, z, heading]. */
+export const POSE = [
+  ["x", "m", 3, (pose) => pose[0]],
+  ["y", "m", 3, (pose) => pose[1]],
+  ["z", "m", 3, (pose) => pose[2]],
+  ["heading", "°", 1, (pose) => (((pose[3] * 180) / Math.PI + 540) % 360) - 180],
+];
+
 export const unitText = (unit) => (unit ? ` ${unit}` : "");
 
 /** Draws numbers as bars between `min` and `max`. */
@@ -52,6 +60,7 @@ export class Panel {
   show(robot, type) {
     this.robot = robot;
     this.parts = [];
+    this.poseRows = new Map();
     this.root.hidden = robot === null;
     if (robot === null) return;
     const { header, fieldRows } = this.recording;
@@ -71,14 +80,10 @@ export class Panel {
   }
 
   addPose() {
-    for (const [name, unit, digits, of] of [
-      ["x", "m", 3, (pose) => pose[0]],
-      ["y", "m", 3, (pose) => pose[1]],
-      ["z", "m", 3, (pose) => pose[2]],
-      ["heading", "°", 1, (pose) => (((pose[3] * 180) / Math.PI + 540) % 360) - 180],
-    ]) {
+    for (const [name, unit, digits, of] of POSE) {
       const made = row(name);
       this.values.append(made.object);
+      this.poseRows.set(name, made.object);
       this.parts.push({
         update: (pose) => (made.value.textContent = pose[3] > 1e8 ? "not in the world" : `${of(pose).toFixed(digits)} ${unit}`),
       });

@@ -34,6 +34,7 @@ const RING_SIDES = 64;
 const RING_PIXELS = 3; // width of the ring around the selected robot
 const GRID_PIXELS = 48; // least distance between grid lines
 const INSTANCES = 32; // least number of equal static bodies that are drawn as instances
+const LOOSE = 2; // size of the picture relative to the box around all robots from which on the picture is fitted again
 const LARGE = 1e9; // m; a radius with which bodies are always drawn with edges and shadows
 
 /** The largest number that is 1, 2 or 5 times a power of ten and at most x. */
@@ -194,9 +195,35 @@ export class View {
     shared.screen.value.set(window.innerWidth, window.innerHeight);
   }
 
-  /** Moves the camera so that the whole world fits between title and bar, in a top or an oblique view. */
-  fit(slanted = false) {
-    const [x0, y0, x1, y1] = this.recording.header.bounds_m;
+  /** The box around the robots that are in the world, [x0, y0, x1, y1] in m; null if there are none. */
+  robotsBox() {
+    const box = [Infinity, Infinity, -Infinity, -Infinity];
+    for (let r = 0; r < this.recording.robots; r++) {
+      if (!this.recording.mobile[r] || this.poses[4 * r + 3] > 1e8) continue;
+      for (const k of [0, 1]) {
+        box[k] = Math.min(box[k], this.poses[4 * r + k]);
+        box[k + 2] = Math.max(box[k + 2], this.poses[4 * r + k]);
+      }
+    }
+    return box[0] <= box[2] ? box : null;
+  }
+
+  /** Keeps all robots in the picture. The view moves only if a robot leaves it, or if it has become much too large. */
+  followAll() {
+    const box = this.robotsBox();
+    if (!box) return;
+    const [x0, y0, x1, y1] = this.fitted ?? box;
+    const sides = Math.max(box[2] - box[0], box[3] - box[1], this.size * 0.02);
+    const isInside = box[0] >= x0 && box[1] >= y0 && box[2] <= x1 && box[3] <= y1;
+    if (this.fitted && isInside && Math.max(x1 - x0, y1 - y0) < LOOSE * sides) return;
+    const margin = 0.15 * sides;
+    this.fitted = [box[0] - margin, box[1] - margin, box[2] + margin, box[3] + margin];
+    this.fit(this.slanted, this.fitted);
+  }
+
+  /** Moves the camera so that a part of the floor, by default the whole world, fits between title and bar, in a top or an
+   * oblique view. */
+  fit(slanted = false, [x0, y0, x1, y1] = this.recording.header.bounds_m) {
     const corners = [[x0, y0], [x0, y1], [x1, y0], [x1, y1]].map(([x, y]) => new Vector3(x, y, 0));
     const target = new Vector3((x0 + x1) / 2, (y0 + y1) / 2, 0);
     // Slightly off the vertical: straight down, the up direction would be undefined.

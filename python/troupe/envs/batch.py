@@ -82,7 +82,8 @@ class Batch:
             self.core.actions(index)[...] = commands
         self.core.step(begins)
         for index in range(len(self.teams)):
-            counts = ~finished[index]
+            # As with Team.rewards and Team.ends, a robot that is finished or not in the world gets no reward and no end.
+            counts = ~finished[index] & self.core.alive(index)
             if begins is not None:
                 counts &= ~begins[:, np.newaxis]
             more = self.task.reward(self, index)

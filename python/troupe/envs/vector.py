@@ -29,9 +29,12 @@ class VectorEnv(_VectorEnv[Any, Any, Any]):
     options         options of troupe.Simulation
     episodes        the episodes of all robots of a copy end together, when all robots are finished or task.seconds have
                     passed. From the step in which a robot is finished to the end of the episode,
-                    infos["finished"] is True for the robot. Its rewards in the steps after that step are 0
-    seeds           after reset(seed=s) the first episode of copy c has the seed s + c, or s[c] if s is a list. The
-                    seeds of later episodes of the copy are derived from this seed
+                    infos["finished"] is True for the robot. Its rewards in the steps after that step are 0. If a
+                    robot has not been born yet, infos["alive"] is False for the robot, its observation and its rewards
+                    are 0, and its episode ends with that of its copy
+    seeds           after reset(seed=s) the first episode of copy c has the seed s + c. s may also be a list with one
+                    seed per copy, or, as in Gymnasium, per environment; all environments of a copy then need the same
+                    seed. The seeds of later episodes of the copy are derived from this seed
     """
 
     def __init__(
@@ -116,12 +119,16 @@ class VectorEnv(_VectorEnv[Any, Any, Any]):
         over = batch.core.over().copy()
         terminated = batch.core.terminated().copy()
         rewards = batch.core.rewards().reshape(-1).copy()
-        terminations = (terminated & over[:, np.newaxis]).reshape(-1)
-        truncations = np.repeat(batch.core.truncated, self.robots)
+        truncated = batch.core.truncated.copy()
+        # All environments of a copy end together. If the time limit has not ended the episode, all robots in the world
+        # are finished; robots that have not been born are then terminated too, because they will not be born any more.
+        terminations = (over[:, np.newaxis] & (terminated | ~truncated[:, np.newaxis])).reshape(-1)
+        truncations = np.repeat(truncated, self.robots)
         infos: Dict[str, Any] = {}
         if self.robots > 1:
             infos["finished"] = terminated.reshape(-1)
-            infos["_finished"] = np.ones(self.num_envs, np.bool_)
+            infos["alive"] = batch.core.alive().reshape(-1).copy()
+            infos["_finished"], infos["_alive"] = np.ones(self.num_envs, np.bool_), np.ones(self.num_envs, np.bool_)
         if self.autoreset_mode == AutoresetMode.SAME_STEP:
             if over.any():
                 self._add_final(infos, np.repeat(over, self.robots))
@@ -171,9 +178,20 @@ class VectorEnv(_VectorEnv[Any, Any, Any]):
             return []
         if isinstance(seed, (int, np.integer)):
             return [int(seed) + copy for copy in range(self.copies)]
-        if len(seed) != self.copies:
-            raise ValueError(f"{len(seed)} seeds for {self.copies} copies: give one for each copy")
-        return [None if each is None else int(each) for each in seed]
+        seeds = [None if each is None else int(each) for each in seed]
+        if len(seeds) == self.copies:
+            return seeds
+        if len(seeds) != self.num_envs:
+            per_env = "" if self.robots == 1 else f" or {self.num_envs}, one per environment"
+            raise ValueError(f"seed: found a list of {len(seeds)}: give {self.copies}, one per copy{per_env}")
+        for env, each in enumerate(seeds):
+            first = env - env % self.robots
+            if each != seeds[first]:
+                raise ValueError(
+                    f"seed: environments {first} and {env} share one world, but have the seeds {seeds[first]} and {each}: "
+                    "give all environments of a copy the same seed"
+                )
+        return seeds[:: self.robots]
 
     def render(self) -> Optional[Tuple[npt.NDArray[np.uint8], ...]]:
         """Returns one picture per copy, from above: height x width x 3, uint8, RGB. None unless the render mode is
