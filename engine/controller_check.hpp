@@ -44,8 +44,7 @@ std::string finding_text(const World& world, const ControllerFinding& finding);
 ///     std::thread other([&] { findings = check.repeat(); });  // repeats them twice, without effect
 ///     other.join();                                           // before the next step
 ///
-/// order    The repetitions process the robots in reverse order, in batches of another size, and on the
-/// thread
+/// order    The repetitions process the robots in reverse order, in batches of another size, on the thread
 ///          that calls repeat().
 /// storage  Readings, memories and commands are copied at the decision, because the robot may be dead when
 ///          its decision is repeated. Memories and commands are copied field by field to other addresses,

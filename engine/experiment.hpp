@@ -19,7 +19,7 @@ struct Experiment {
   /// The value of `due` if no intervention or fault event follows: larger than the number of any tick.
   static constexpr std::uint64_t k_never = std::numeric_limits<std::uint64_t>::max();
 
-  /// A compiled InterventionSpec.
+  /// An intervention (a change of the world at a given time), compiled from its InterventionSpec.
   struct Intervention {
     std::uint64_t tick = 0;    ///< applied after this tick, at the beginning of the next one
     std::size_t spec = 0;      ///< description of the intervention: index into ExperimentSpec::at

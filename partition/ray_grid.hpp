@@ -53,7 +53,7 @@ struct GridRay {
 
 /// The result of a ray.
 struct GridHit {
-  float range;              ///< m; exactly range_max if nothing was hit
+  float range;              ///< distance, m; exactly range_max if nothing was hit
   float ranger_return = 0;  ///< largest intensity of the surfaces hit in the cell; 0 if none
 };
 
