@@ -7,9 +7,9 @@ namespace troupe {
 
 /// Red, green, blue and opacity, each from 0 to 1.
 struct Color {
-  float r = 1;  ///< red
-  float g = 0;  ///< green
-  float b = 0;  ///< blue
+  float r = 1;  ///< red, 0 to 1
+  float g = 0;  ///< green, 0 to 1
+  float b = 0;  ///< blue, 0 to 1
   float a = 1;  ///< opacity: 0 is transparent, 1 opaque
   friend bool operator==(const Color&, const Color&) = default;
 };

@@ -16,7 +16,7 @@ struct ZInterval {
   double min = 0;  ///< lower end
   double max = 0;  ///< upper end; an interval with max < min is empty
 
-  bool contains(double z) const { return min <= z && z <= max; }  ///< ends included
+  bool contains(double z) const { return min <= z && z <= max; }  ///< whether z is inside; ends count
   /// True if each of the two intervals begins below the upper end of the other. Intervals that only touch at
   /// their ends do not overlap.
   bool overlaps(const ZInterval& other) const { return min < other.max && other.min < max; }

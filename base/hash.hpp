@@ -27,7 +27,7 @@ std::uint64_t hash_rows(std::span<const BodyId> ids, const std::byte* first, std
 /// with seed 0.
 class HashStream {
  public:
-  HashStream();  ///< starts with no bytes
+  HashStream();  ///< a stream without bytes
   ~HashStream();
   HashStream(const HashStream&) = delete;
   HashStream& operator=(const HashStream&) = delete;

@@ -14,8 +14,8 @@ using Vec2 = Eigen::Vector2d;
 /// +x forward, +y left, counter-clockwise positive. The name of a variable of this type names both frames:
 /// pose_world_body is the pose of the body frame in the world frame.
 struct Pose {
-  double x = 0;        ///< metres
-  double y = 0;        ///< metres
+  double x = 0;        ///< position along x, metres
+  double y = 0;        ///< position along y, metres
   double z = 0;        ///< metres: height of the origin of the frame
   double heading = 0;  ///< radians from the x axis of the parent frame; may be outside [-pi, pi]
 
@@ -29,7 +29,7 @@ struct Rotation {
   double sin = 0;  ///< sine of the heading
 
   Rotation() = default;
-  explicit Rotation(double heading) : Rotation(sincos(heading)) {}  ///< heading in radians
+  explicit Rotation(double heading) : Rotation(sincos(heading)) {}  ///< the rotation by a heading in radians
   /// Creates the rotation by a heading of which the sine and cosine are known.
   explicit Rotation(const SinCos& heading) : cos(heading.cos), sin(heading.sin) {}
   /// Transforms a displacement from the rotated frame to its parent frame.

@@ -23,8 +23,8 @@ struct Error {
 template <class T = void>
 class [[nodiscard]] Result {
  public:
-  Result(T value) : value_(std::move(value)) {}      ///< success with a value
-  Result(Error error) : value_(std::move(error)) {}  ///< failure
+  Result(T value) : value_(std::move(value)) {}      ///< a success, with this value
+  Result(Error error) : value_(std::move(error)) {}  ///< a failure, for this reason
 
   explicit operator bool() const { return std::holds_alternative<T>(value_); }  ///< whether there is a value
   /// The value. Throws std::bad_variant_access if there is none.
@@ -48,10 +48,10 @@ class [[nodiscard]] Result {
 template <>
 class [[nodiscard]] Result<void> {
  public:
-  Result() = default;                                ///< success
-  Result(Error error) : error_(std::move(error)) {}  ///< failure
+  Result() = default;                                ///< a success
+  Result(Error error) : error_(std::move(error)) {}  ///< a failure, for this reason
 
-  explicit operator bool() const { return !error_; }  ///< true for success
+  explicit operator bool() const { return !error_; }  ///< true: a success; false: a failure
   /// The error. Throws std::bad_optional_access after success.
   const Error& error() const { return error_.value(); }
 

@@ -16,9 +16,10 @@ namespace troupe::engine {
 
 // Rows per task. Crowded tiles are split and sparse ones merged so that every task is worth waking a thread.
 inline constexpr std::size_t k_near_batch = 64;  ///< rows per task, for work that reads neighbours
-inline constexpr std::size_t k_row_block = 256;  ///< rows per task, for work that does not
+inline constexpr std::size_t k_row_block = 256;  ///< rows per task, for other work
 
-/// Sorts `rows`, at most k_row_block rows, by body type, and calls work(rows, type) once for each type.
+/// Sorts `rows` (indices of bodies in the state tables; at most k_row_block) by body type, and calls
+/// work(rows, type) once for each type.
 template <class Work>
 void for_types(const WorldState& state, std::span<Row> rows, Work&& work) {
   const auto type_of = [&](Row row) { return state.row_types[row.index()]; };

@@ -12,8 +12,9 @@
 namespace troupe::engine {
 
 /// Implements the test mode World::hide_beyond_reach(). While a device runs, it hides all data that the kind
-/// of the device does not declare to read. It also detects effects that change bodies that the kind does not
-/// declare to change.
+/// of the device does not declare to read. It also detects effects (changes that a device makes to bodies)
+/// on bodies that the kind does not declare to change. A row is the index of a body in the state tables, and
+/// a component is one of these tables.
 class Blinkers {
  public:
   /// The state must outlive the object.

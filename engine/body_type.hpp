@@ -43,7 +43,7 @@ struct BodyType {
   double joint_reach = 0;              ///< largest distance by which the joints can extend `radius`, m
   std::vector<std::uint32_t> targets;  ///< indices of the parts that fiducial finders detect
 
-  /// A compiled JointSpec.
+  /// A joint of the type, compiled from its JointSpec.
   struct Joint {
     std::string name;       ///< name; the joint's state is the component `joint/<name>`
     std::int32_t parent;    ///< index of its parent joint, which precedes it; k_rigid: none
@@ -53,7 +53,7 @@ struct BodyType {
   };
   std::vector<Joint> joints;  ///< joints of the type, in the order of TypeSpec::joints
 
-  /// A compiled DriveSpec.
+  /// The drive of the type, compiled from its DriveSpec.
   struct Drive {
     const DriveKind* kind;                                     ///< its kind, owned by the registry
     std::any data;                                             ///< result of DriveKind::prepare
@@ -66,7 +66,7 @@ struct BodyType {
   std::optional<Drive> drive;  ///< none: bodies of the type do not move on their own
   bool pushable = false;       ///< true: robots can push bodies of this type, which then has no drive
 
-  /// A compiled DeviceSpec.
+  /// A sensor or another device of the type, compiled from its DeviceSpec.
   struct Device {
     std::string name;               ///< name of the device (DeviceSpec::name)
     const DeviceKind* kind;         ///< its kind, owned by the registry
@@ -90,7 +90,7 @@ struct BodyType {
   std::vector<std::size_t> joint_devices;
   bool carries = false;  ///< whether a device of the type can pick up other bodies
 
-  /// A compiled ControllerSpec.
+  /// A controller of the type, compiled from its ControllerSpec.
   struct Controller {
     const ControllerKind* kind;  ///< its kind, owned by the registry
     std::any data;               ///< result of ControllerKind::prepare

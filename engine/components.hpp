@@ -6,7 +6,8 @@
 
 namespace troupe::engine {
 
-// The rows of those components of the state that the engine itself defines, not a kind.
+// A component is one table of the state, with a row for each body that has these data. These structs are the
+// rows of the components that the engine itself defines. Kinds define all other components.
 
 /// A row of the component `carrier`: all zero if the body is not carried.
 struct Carried {
@@ -29,7 +30,7 @@ struct Life {
   std::uint64_t birth = 0;    ///< number of ticks that were completed at its birth
   double x = 0;               ///< x at its birth, m, world frame
   double y = 0;               ///< y at its birth, m, world frame
-  std::uint8_t presence = 0;  ///< a Presence
+  std::uint8_t presence = 0;  ///< whether the body is in the world, a Presence
 };
 
 /// The impairments of a body: a row of the component `condition`, all zero for an unimpaired body.

@@ -13,7 +13,8 @@
 #include <optional>
 #include <utility>
 
-/// The resolution of conflicts between motions, for conflicts.cpp and pushing.cpp.
+/// The resolution of conflicts between motions, for conflicts.cpp and pushing.cpp. A row is the index of a
+/// body in the state tables.
 
 namespace troupe::engine {
 

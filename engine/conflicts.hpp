@@ -40,7 +40,7 @@ struct Pushables {
   std::span<const std::uint8_t> limits;       ///< bodies that the row can push, 0 to k_most_pushed
   double radius = 0;                          ///< radius of the largest pushable body about its origin, m
   double thinnest = 0;                        ///< width of the thinnest part of all pushable bodies, m
-  std::size_t most = 0;                       ///< sum of `limits`
+  std::size_t most = 0;                       ///< sum of `limits` over all rows
 
   bool any() const { return !is_pushable.empty(); }  ///< whether the world has pushable bodies
 };

@@ -22,8 +22,8 @@ struct ControllerFinding {
     again,   ///< a second decision of the same controller
     afresh,  ///< a decision of a newly made controller with the same parameters
   };
-  /// The controller, by the name of the component of its memory: its kind, and its index among the
-  /// controllers of its type, such as "wander/0".
+  /// The controller, by the name of the component (state table) that holds its memory: its kind, and its
+  /// index among the controllers of its type, such as "wander/0".
   std::string controller;
   std::string field;              ///< name of the field, such as "memory turn_left_s" or "command x"
   Repeat repeat = Repeat::again;  ///< the repetition that found it
@@ -44,7 +44,7 @@ std::string finding_text(const World& world, const ControllerFinding& finding);
 ///     std::thread other([&] { findings = check.repeat(); });  // repeats them twice, without effect
 ///     other.join();                                           // before the next step
 ///
-/// order    The repetitions process the rows in reverse order, in batches of another size, and on the thread
+/// order    The repetitions process the robots in reverse order, in batches of another size, on the thread
 ///          that calls repeat().
 /// storage  Readings, memories and commands are copied at the decision, because the robot may be dead when
 ///          its decision is repeated. Memories and commands are copied field by field to other addresses,

@@ -555,7 +555,7 @@ class Description {
 };
 
 namespace detail {
-/// Runs the description of T without a table, so that its members are counted.
+/// Runs the description of T without a table, only to count the members that it describes.
 template <class T>
 constexpr Description<T> described_members() {
   Description<T> d;

@@ -13,8 +13,8 @@ namespace troupe::engine {
 // The verbs (Effect::verb) of births and deaths. Any device may emit them. The engine itself applies them
 // after all other effects of the tick: first all deaths, then all births, each in the order of
 // Effects::sorted().
-/// Birth of the next body of Effect::reserve. The payload is its pose: x, y, z (m), heading (rad), world
-/// frame.
+/// Birth of the next body of the reserve Effect::reserve, which holds bodies that are not yet in the world.
+/// The payload is the pose of the birth: x, y, z (m), heading (rad), world frame.
 inline constexpr std::uint32_t k_birth = ~0u;
 /// Death of Effect::target.
 inline constexpr std::uint32_t k_death = ~0u - 1;
@@ -22,7 +22,7 @@ inline constexpr std::uint32_t k_death = ~0u - 1;
 /// Whether a requested body was born. The numerical values are stored in the state of the requesting device.
 enum class BirthStatus : std::uint8_t {
   unasked,   ///< no birth was requested yet
-  born,      ///< Birth::body was born
+  born,      ///< the body Birth::body was born
   occupied,  ///< the place is occupied or outside the world
   used_up,   ///< the reserve has no body left
 };
@@ -33,9 +33,10 @@ struct Birth {
 };
 
 /// An action of one body on another in a tick, such as gripping, charging or releasing it. A device must not
-/// write to the rows of other bodies. Instead, the device emits an effect, which is a record of the action.
-/// Devices emit effects in the phase `actuate`, in any order and on any thread. After all bodies have moved,
-/// the effects are applied one by one, in an order that does not depend on the threads.
+/// write to the rows of other bodies in the state tables. Instead, the device emits an effect, which is a
+/// record of the action. Devices emit effects in the phase `actuate`, in any order and on any thread. After
+/// all bodies have moved, the effects are applied one by one, in an order that does not depend on the
+/// threads.
 struct Effect {
   BodyId source;                    ///< the acting body
   std::uint32_t device = 0;         ///< the acting device: index within the source's type

@@ -14,15 +14,15 @@
 namespace troupe::engine {
 
 /// The compiled interventions and faults of a world, and which of them are applied next. These data are not
-/// part of the state, because they follow from the spec and the tick.
+/// part of the state, because they follow from the spec (the description of the world) and the tick.
 struct Experiment {
   /// The value of `due` if no intervention or fault event follows: larger than the number of any tick.
   static constexpr std::uint64_t k_never = std::numeric_limits<std::uint64_t>::max();
 
-  /// A compiled InterventionSpec.
+  /// An intervention (a change of the world at a given time), compiled from its InterventionSpec.
   struct Intervention {
     std::uint64_t tick = 0;    ///< applied after this tick, at the beginning of the next one
-    std::size_t spec = 0;      ///< index into ExperimentSpec::at
+    std::size_t spec = 0;      ///< description of the intervention: index into ExperimentSpec::at
     std::uint32_t stream = 0;  ///< stream of its random numbers
     std::vector<Row> whom;     ///< rows of all bodies of the group, in order of ids; none for `add`, `set`
     std::size_t reserve = 0;   ///< for `add`: the reserve of the bodies, an index into WorldSpec::reserves
@@ -33,9 +33,9 @@ struct Experiment {
   };
   std::vector<Intervention> interventions;  ///< sorted by tick; within a tick in the order of the file
   std::size_t next = 0;                     ///< index of the next intervention to be applied
-  std::size_t made = 0;  ///< number of settings that World::set() added at the end of ExperimentSpec::at
-  /// While `made` is not 0: the interventions of the world file, none of them applied. World::reset() and
-  /// World::restart() restore these. While `made` is 0: empty.
+  std::size_t made = 0;  ///< number of interventions that World::set() added at the end of ExperimentSpec::at
+  /// Empty while World::set() has added nothing. Otherwise the interventions of the world file as they were
+  /// at tick 0, which World::reset() and World::restart() restore.
   std::vector<Intervention> declared;
 
   /// One impairment of a FaultSpec, for the bodies of one type.
@@ -47,7 +47,7 @@ struct Experiment {
   /// A fault event: a fault begins or ends in a body.
   struct FaultEvent {
     std::uint64_t tick = 0;   ///< applied after this tick, at the beginning of the next one
-    std::uint32_t fault = 0;  ///< index into `faults`
+    std::uint32_t fault = 0;  ///< the fault: index into `faults`
     BodyId body;              ///< the impaired body
     Row row;                  ///< row of the body
     bool begins = true;       ///< true: the fault begins; false: it ends

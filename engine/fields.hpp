@@ -26,10 +26,10 @@ struct Value {
   // instantiate the variant's members again.
   /// Makes an object without a value: given() is false.
   Value();
-  Value(const Value&);                 ///< a copy
-  Value(Value&&) noexcept;             ///< moves
-  Value& operator=(const Value&);      ///< a copy
-  Value& operator=(Value&&) noexcept;  ///< moves
+  Value(const Value&);                 ///< copies the value
+  Value(Value&&) noexcept;             ///< moves the value
+  Value& operator=(const Value&);      ///< copies the value
+  Value& operator=(Value&&) noexcept;  ///< moves the value
   ~Value();
   /// Makes a value of the type of the argument: 1 becomes an integer and 1.0 a number.
   ///@{

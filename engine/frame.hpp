@@ -47,7 +47,7 @@ struct FrameTransducer {
 
 /// A ranger of a type, whose readings can be drawn.
 struct FrameRanger {
-  std::uint32_t type = 0;                    ///< index into FrameScene::types
+  std::uint32_t type = 0;                    ///< type of the body: index into FrameScene::types
   std::size_t readings = 0;                  ///< number of readings of all transducers
   std::vector<FrameTransducer> transducers;  ///< the fans of its beams; each reading belongs to one of them
 };
@@ -66,15 +66,15 @@ struct FrameScene {
 
 /// The readings of one ranger of one body.
 struct FrameScan {
-  std::uint32_t body = 0;    ///< index into Frame::mobile
-  std::uint32_t ranger = 0;  ///< index into FrameScene::rangers
+  std::uint32_t body = 0;    ///< the body: index into Frame::mobile
+  std::uint32_t ranger = 0;  ///< the ranger: index into FrameScene::rangers
   std::size_t first = 0;     ///< index of its first reading in Frame::ranges
   Pose moved;                ///< displacement of the ranger by joints, relative to rest, body frame
 };
 
 /// A detection: a line from a sensor to the part that it detected, world frame, m.
 struct FrameSight {
-  std::uint32_t body = 0;                          ///< index into Frame::mobile
+  std::uint32_t body = 0;                          ///< the body: index into Frame::mobile
   Eigen::Vector3d from = Eigen::Vector3d::Zero();  ///< position of the sensor
   Eigen::Vector3d to = Eigen::Vector3d::Zero();    ///< origin of the detected part
 };
@@ -82,7 +82,7 @@ struct FrameSight {
 /// A blob of one colour that a blob finder sees. It is drawn as a triangle between the sensor and the two
 /// edges of the blob, world frame, m.
 struct FrameBlob {
-  std::uint32_t body = 0;                           ///< index into Frame::mobile
+  std::uint32_t body = 0;                           ///< the body: index into Frame::mobile
   Eigen::Vector3d from = Eigen::Vector3d::Zero();   ///< position of the sensor
   Eigen::Vector3d right = Eigen::Vector3d::Zero();  ///< right edge of the blob
   Eigen::Vector3d left = Eigen::Vector3d::Zero();   ///< left edge of the blob
@@ -98,7 +98,7 @@ struct FrameTie {
     beam,         ///< a light beam between the paddles of a gripper, not interrupted
     broken_beam,  ///< a light beam between the paddles of a gripper, interrupted by a body
   };
-  Kind kind = Kind::carries;                       ///< the relation
+  Kind kind = Kind::carries;                       ///< which relation the line shows
   Eigen::Vector3d from = Eigen::Vector3d::Zero();  ///< one end, world frame, m
   Eigen::Vector3d to = Eigen::Vector3d::Zero();    ///< other end, world frame, m
 };
@@ -113,7 +113,7 @@ struct FrameSquare {
 
 /// Past positions of a body.
 struct FrameTrail {
-  std::uint32_t body = 0;  ///< index into Frame::mobile
+  std::uint32_t body = 0;  ///< the body: index into Frame::mobile
   /// Positions from the oldest to the present one, world frame, m.
   std::vector<Eigen::Vector3d> points;
 };
@@ -121,7 +121,7 @@ struct FrameTrail {
 /// The data that change with each tick: the bodies that are not static, and further data that the viewer
 /// requests.
 struct Frame {
-  double time_s = 0;              ///< world time
+  double time_s = 0;              ///< world time, s
   std::uint64_t tick = 0;         ///< number of completed ticks
   std::vector<FrameBody> mobile;  ///< the bodies that are in the world and not static, in order of ids
   std::vector<FrameType> types;   ///< one per body whose joints are not at rest: its present shapes

@@ -18,8 +18,8 @@ std::string thrown_text();
 /// whose function threw, and a robot: the robot of a DecisionError, and for other exceptions the robot of the
 /// first row. A StepError is rethrown unchanged, because its text already names a robot.
 ///
-/// rows: the rows for which the function of the kind was called; may be empty
-/// what: the controller, device or drive whose function was called
+/// rows: the rows (indices of bodies in the state tables) for which the function of the kind was called; may
+/// be empty what: the controller, device or drive whose function was called
 ///@{
 [[noreturn]] void throw_step_error(const World& world, std::span<const Row> rows,
                                    const BodyType::Controller& what);

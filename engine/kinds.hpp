@@ -202,7 +202,7 @@ enum class ApplyScope : std::uint8_t {
 };
 
 // Names for DeviceKind::reads.
-inline constexpr std::string_view k_velocity_of_others = "velocity";  ///< velocities of drives
+inline constexpr std::string_view k_velocity_of_others = "velocity";  ///< velocities that drives computed
 inline constexpr std::string_view k_command_of_others = "command";    ///< commands to drives
 /// Whether devices run: CommittedView::runs(), senses(), is_on(), works() and is_supplied().
 inline constexpr std::string_view k_runs_of_others = "runs";
@@ -224,7 +224,7 @@ struct DeviceKind {
   bool drives = false;
   /// A solid of a device, with its joints at rest.
   struct Fixture {
-    Solid solid;              ///< device frame
+    Solid solid;              ///< the solid, device frame
     std::int32_t joint = -1;  ///< index of the device's joint that moves the solid; -1: none
   };
   /// The data that `sense` and `act` read of other bodies, in addition to the places of these bodies
@@ -334,15 +334,15 @@ enum class ControlMode : std::uint8_t {
   acceleration,  ///< m/s^2 and rad/s^2; for drives of kind `car`, `turn` is the steering angle, rad
   position,      ///< a goal pose, in the frame of the robot's estimated pose, m and rad
 };
-inline constexpr std::size_t k_control_modes = 3;  ///< values of ControlMode
+inline constexpr std::size_t k_control_modes = 3;  ///< number of values of ControlMode
 
 /// The command of a controller to its drive. Speeds and accelerations are in the body frame, goals in the
 /// frame of the estimated pose. Assigning `{x, y, turn}` commands a speed; assigning a single member keeps
 /// the mode.
 struct Command {
-  double x = 0;                              ///< forward
-  double y = 0;                              ///< left
-  double turn = 0;                           ///< counter-clockwise
+  double x = 0;                              ///< forward, m/s or m/s^2; for a goal its x, m
+  double y = 0;                              ///< left, m/s or m/s^2; for a goal its y, m
+  double turn = 0;                           ///< turn, rad/s or rad/s^2; for a goal its heading, rad
   ControlMode mode = ControlMode::velocity;  ///< meaning of x, y and turn
   std::uint32_t off = 0;  ///< devices that the controller has switched off: bits BodyType::Device::switch_bit
 };
@@ -352,9 +352,9 @@ std::vector<StateField> command_fields();
 
 /// The velocity that a drive gives its body.
 struct Velocity {
-  double x = 0;     ///< m/s, body frame, forward
-  double y = 0;     ///< m/s, body frame, left
-  double turn = 0;  ///< rad/s
+  double x = 0;     ///< forward, body frame, m/s
+  double y = 0;     ///< left, body frame, m/s
+  double turn = 0;  ///< counter-clockwise, rad/s
 };
 
 /// The argument of DriveKind::drive: robots of one type whose drives run in this tick. All spans have one

@@ -54,9 +54,9 @@ class LineCrossings {
   /// the solid, count as one wall. A single crossing, which occurs if an end of the line is inside the solid,
   /// also counts as one wall. Call find_walls() before. One end of the line must be the origin.
   int count_walls(const SpatialLine& line);
-  /// Whether the line crosses a body other than those of the rows a and b and the bodies that move together
-  /// with these (SensingView::same_tree()). Call find_bodies() before. One end of the line must be the
-  /// origin.
+  /// Whether the line crosses a body other than those of the rows (indices in the state tables) a and b and
+  /// the bodies that move together with these (SensingView::same_tree()). Call find_bodies() before. One end
+  /// of the line must be the origin.
   bool crosses_body(const SpatialLine& line, Row a, Row b) const;
 
  private:

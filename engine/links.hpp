@@ -15,8 +15,9 @@
 namespace troupe::engine {
 
 /// The joints of bodies, and the *trees* of bodies that carry one another. The root of a tree is its body
-/// that is not carried. This part of World writes the components `joint/...` and `carrier`. The lists of this
-/// class are empty if no type of the world has joints or can pick up bodies.
+/// that is not carried. This part of World writes the components (state tables) `joint/...` and `carrier`. A
+/// row is the index of a body in the state tables. The lists of this class are empty if no type of the world
+/// has joints or can pick up bodies.
 ///
 /// A body whose shape can change, because it has joints or can carry, is *composite*. For conflict
 /// resolution, the shape of a root is that of its whole tree, in the root's frame, and the shape of a carried

@@ -31,9 +31,9 @@ struct Localization {
   };
   /// Relative errors of odometry: the estimated motion is the true one times 1 + error.
   struct Error {
-    double x = 0;     ///< error of forward motion
+    double x = 0;     ///< relative error of forward motion
     double y = 0;     ///< error of motion to the left
-    double turn = 0;  ///< error of the turn
+    double turn = 0;  ///< relative error of the turn
   };
 
   Kind kind = Kind::gps;  ///< source of the estimate
@@ -122,7 +122,8 @@ struct Estimates {
   std::span<const Pose> poses;           ///< true poses, one per row
   std::span<const Odometry> odometries;  ///< odometry estimates, one per slot; empty without odometry
 
-  /// The estimated pose of the robot with this row and slot, m and rad; all values are 0 if `how` is null.
+  /// The estimated pose of a robot, m and rad, by its row (index in the state tables) and slot (index in the
+  /// tables of its type); all values are 0 if `how` is null.
   Pose of(Row row, std::size_t slot) const;
 };
 

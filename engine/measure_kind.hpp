@@ -39,8 +39,8 @@ struct MeasureKind {
   std::string_view text;        ///< description in one line
   std::string_view definition;  ///< exact definition, and its source
   std::string_view formula;     ///< the definition as a formula, with n robots i at positions x_i
-  /// For an alias, the name of the measure that this kind is another name of; otherwise empty. Aliases are
-  /// omitted when all measures without parameters are computed.
+  /// For an alias, the name of the original measure; otherwise empty. Aliases are omitted when all measures
+  /// without parameters are computed.
   std::string_view same_as;
   /// Whether code in another language, such as Python, computes the measure. Its values then need not have
   /// the same bits in every run.

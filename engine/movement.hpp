@@ -13,7 +13,7 @@
 namespace troupe::engine {
 
 /// The motions of bodies in a tick: from velocities to new poses. This part of World writes the components
-/// `pose`, `stall` and `odometry`.
+/// (state tables) `pose`, `stall` and `odometry`. A row is the index of a body in the state tables.
 class Movement {
  public:
   /// The arguments must outlive the object.
@@ -44,7 +44,7 @@ class Movement {
   void commit();
 
   std::uint64_t rounds() const { return conflicts_.rounds(); }  ///< number of rounds of the last resolution
-  double longest() const { return conflicts_.longest(); }       ///< Conflicts::longest()
+  double longest() const { return conflicts_.longest(); }       ///< longest motion, m: Conflicts::longest()
   std::size_t stalled() const { return stalled_; }              ///< number of rows blocked or out of bounds
   std::size_t out_of_bounds() const { return out_of_bounds_; }  ///< number of rows out of bounds
 

@@ -9,7 +9,7 @@ namespace troupe::engine {
 /// The phases of a tick, in their order.
 enum class Phase : std::uint8_t {
   intervene,  ///< interventions and faults of the world's file, then changes by programs and users
-  sense,      ///< due sensors read the state of the last tick
+  sense,      ///< sensors whose period has passed read the state of the last tick
   actuate,    ///< drives turn the commands of the last tick into velocities; devices execute theirs
   decide,     ///< controllers compute new commands from readings, memory and random numbers
   move,       ///< bodies and joints move unless blocked; then effects, deaths and births are applied

@@ -76,7 +76,7 @@ struct PlacementRule {
     poisson_disc,  ///< in the region, at least `distance_m` from all other bodies of the population
     free_floor,    ///< on the floor that a disc as wide as the body can reach from the point `from`
   };
-  Kind kind = Kind::grid;  ///< kind of this rule
+  Kind kind = Kind::grid;  ///< how positions are chosen
   Box region;              ///< box that must contain the bodies' origins, m
   Ring polygon;            ///< polygon that must contain the bodies' origins, m; empty: not restricted
   Box spill;               ///< grid: second box, filled when all cells of `region` are used, m

@@ -18,12 +18,12 @@ namespace troupe::engine {
 /// A population: bodies NAME0, NAME1, ... of one type, placed by a rule.
 struct PopulationSpec {
   std::string name;           ///< NAME of the bodies NAME0, NAME1, ...; also selects the random stream
-  TypeId type;                ///< index into WorldSpec::types
+  TypeId type;                ///< type of the bodies: index into WorldSpec::types
   std::size_t count = 0;      ///< number of bodies at tick 0
   std::size_t reserve = 0;    ///< further bodies that may be born later, with the next numbers: ReserveSpec
   Color color{1, 0, 0, 1};    ///< colour of the bodies (BodySpec::color)
   bool random_color = false;  ///< true: each body gets a random opaque colour instead of `color`
-  PlacementRule rule;         ///< where they are placed
+  PlacementRule rule;         ///< where the bodies are placed
   std::string path;           ///< path of `rule` in the file, for messages; empty: `populations[INDEX].rule`
   Where where;                ///< position in the file, for messages (BodySpec::where)
   Where where_place;          ///< position of `rule`, for messages
@@ -36,8 +36,9 @@ bool is_static(const TypeSpec& type);
 /// list of the other bodies that were placed so far.
 class Occupancy {
  public:
-  /// Makes the static scene from the first `fixed` bodies of the spec. The crowd is empty. This object keeps
-  /// a reference to the types of the spec, so no type may be added or changed during its lifetime.
+  /// Makes the static scene from the first `fixed` bodies of the spec, the description of a world. The crowd
+  /// is empty. This object keeps a reference to the types of the spec, so no type may be added or changed
+  /// during its lifetime.
   Occupancy(const WorldSpec& spec, std::size_t fixed);
   /// Makes the static scene from all static bodies of the spec, and the crowd from its other bodies at tick
   /// 0. Throws std::length_error if an outline is too complex for convex_pieces().

@@ -57,7 +57,7 @@ Cut balanced_cut(const Cut& cut, std::span<const std::uint64_t> times);
 
 /// The data of a world that a Replica reads and writes.
 struct ReplicaParts {
-  std::span<StateTable> tables;  ///< the state
+  std::span<StateTable> tables;  ///< the state tables
   Effects& effects;              ///< the effects of the tick
   Links& links;                  ///< for the goals of joints
   std::uint64_t& beams;          ///< rays cast by all sensors since tick 0
@@ -81,8 +81,8 @@ struct ReplicaOptions {
 /// One of several replicas of a world, each of which belongs to one *rank*: a thread or process
 /// (docs/architecture.md). Every rank holds all rows and computes the phases `move` and `index` for all of
 /// them. Each rank senses, actuates and decides for its own rows. Once a tick, all ranks exchange the rows
-/// that other ranks may read (Sharing::sent), the effects and the goals of joints. Results do not depend on
-/// the number of ranks, nor on which rows a rank owns.
+/// that other ranks may read (Sharing::sent), the effects (actions of devices on other bodies) and the goals
+/// of joints. Results do not depend on the number of ranks, nor on which rows a rank owns.
 ///
 /// Rank 0 leads: the program calls its World. The Replica of rank 0 orders the others to do the same, and
 /// returns hashes and tables as if there were one world. The other ranks call follow() for each order.
@@ -135,7 +135,7 @@ class Replica {
   /// Returns those rows of `order` that this rank owns, in that order. Valid until the next call.
   std::span<const std::uint32_t> own_of(std::span<const std::uint32_t> order);
 
-  void gather();   ///< World::gather()
+  void gather();   ///< implements World::gather()
   void touch();    ///< called before the program changes the state: World::touch()
   void replace();  ///< called before the program replaces the whole state
   void reset();    ///< called by World::reset(), which then resets its own world
@@ -146,7 +146,7 @@ class Replica {
   std::optional<Hashes> hashes();
 
  private:
-  /// An error of a rank. Of several errors, the one with the lowest (phase, robot) is reported.
+  /// An error of a rank. If there are several errors, the one with the lowest (phase, robot) is reported.
   struct Failure {
     std::uint32_t phase = 0;
     std::uint32_t robot = 0;

@@ -38,7 +38,7 @@ struct PublicColumns {
   const partition::StaticScene* scene = nullptr;      ///< geometry of the static bodies
   const FixedTargets* fixed_targets = nullptr;        ///< parts of static bodies that fiducial finders detect
   const partition::GridGeometry* geometry = nullptr;  ///< cells and tiles of `index`
-  std::span<const BodyType> types;                    ///< compiled types, by TypeId
+  std::span<const BodyType> types;                    ///< compiled types, indexed by TypeId
   std::span<const BodyId> bodies;                     ///< body of each row
   std::span<const Row> rows;                          ///< row of each body of the world, by BodyId
   std::span<const std::uint32_t> row_types;           ///< TypeId of each row
@@ -49,7 +49,7 @@ struct PublicColumns {
   // Where the bodies are: written in the phases `intervene`, `move` and `index`.
   const partition::BodyIndex* index = nullptr;   ///< spatial index of the bodies with rows
   const partition::RayGrid* ray_grid = nullptr;  ///< cells of the grid ray engine; null: exact engine
-  std::span<const Pose> poses;                   ///< world frame
+  std::span<const Pose> poses;                   ///< pose of each row, world frame
   std::span<const Transform> transforms;         ///< `poses` as transforms
   std::span<const Vec2> outlines;                ///< vertices of the outlines of all rows, world frame, m
   std::span<const double> radii;                 ///< bounding radius about the origin, m

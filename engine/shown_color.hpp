@@ -17,8 +17,8 @@ inline constexpr std::string_view k_shown_color = "shown_color";
 /// The first device that sets the colour of a part; null if there is none.
 const BodyType::Device* color_device(const BodyType& type, std::uint32_t part);
 
-/// Colour that a device now gives to a part of the row's body; std::nullopt if no device sets the colour of
-/// the part.
+/// Colour that a device now gives to a part of the body with this row (index in the state tables);
+/// std::nullopt if no device sets the colour of the part.
 std::optional<Color> shown_color(const CommittedView& view, Row row, std::uint32_t part);
 
 }  // namespace troupe::engine

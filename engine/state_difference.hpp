@@ -34,7 +34,7 @@ using ReportValue =
 void compare_rows(std::span<const StateField> fields, const std::byte* first, const std::byte* second,
                   const ReportValue& report);
 
-/// Difference between two states of one world in one component.
+/// Difference between two states of one world in one component (one table of the state).
 struct ComponentDifference {
   std::string component;              ///< name of the component (StateTable::component())
   HashGroup group = HashGroup::pose;  ///< hash group of the component

@@ -158,7 +158,7 @@ class StateTable {
   std::span<std::byte> data() { return data_; }       ///< all rows, padding included
   /// Sets every byte to 0, as in a new table.
   void clear() { std::ranges::fill(data_, std::byte{0}); }
-  void clear_row(std::size_t row) { fill_row(row, std::byte{0}); }  ///< fill_row() with 0
+  void clear_row(std::size_t row) { fill_row(row, std::byte{0}); }  ///< sets all bytes of the row to 0
   void fill_row(std::size_t row, std::byte value);  ///< sets every byte of a row's fields to `value`
   /// Copies the row of the same index from a table that has the same fields, layout and number of rows.
   void copy_row(std::size_t row, const StateTable& from);

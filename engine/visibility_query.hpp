@@ -11,7 +11,7 @@ namespace troupe::engine {
 
 /// A ray from the origin of a VisibilityQuery.
 struct SightLine {
-  Vec2 direction = Vec2::UnitX();  ///< world frame, unit length
+  Vec2 direction = Vec2::UnitX();  ///< direction, world frame, unit length
   double length = 0;               ///< length, m; outlines at this distance or farther are not hit
 };
 
@@ -29,9 +29,10 @@ class VisibilityQuery {
   /// own, z: as in SightRay; they hold for all rays
   void stand(const SensingView& view, const Vec2& origin, double reach, Row own, std::optional<double> z);
 
-  /// Rows of the bodies whose enclosing circles reach into the disc with the radius `reach` (see stand())
-  /// about the origin. Each row is listed once. Some of the circles may be slightly outside the disc. The row
-  /// `own` and the bodies that move together with it (SensingView::same_tree()) are excluded.
+  /// Rows (indices in the state tables) of the bodies whose enclosing circles reach into the disc with the
+  /// radius `reach` (see stand()) about the origin. Each row is listed once. Some of the circles may be
+  /// slightly outside the disc. The row `own` and the bodies that move together with it
+  /// (SensingView::same_tree()) are excluded.
   std::span<const std::uint32_t> bodies() const { return {near_.circles().row.data(), bodies_}; }
 
   /// Calls visit(chain) for the outlines of the bodies and of the static scene whose enclosing circles reach

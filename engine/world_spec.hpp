@@ -29,7 +29,7 @@ inline constexpr std::size_t k_most_vertices = 50000000;
 
 /// How a model interacts with other bodies and with their sensors.
 struct Returns {
-  bool obstacle = true;           ///< takes part in collisions
+  bool obstacle = true;           ///< whether the part takes part in collisions
   float ranger = 1;               ///< intensity that a ranger reads; below 0: its rays pass through
   std::int32_t fiducial = 0;      ///< value that fiducial finders read; 0: they do not detect the model
   std::int32_t fiducial_key = 0;  ///< only fiducial finders with the same key detect the model
@@ -143,7 +143,7 @@ struct TypeSpec {
 /// One body of the world.
 struct BodySpec {
   Name name;             ///< made of the words of WorldSpec::names
-  TypeId type;           ///< index into WorldSpec::types
+  TypeId type;           ///< type of the body: index into WorldSpec::types
   Pose pose_world_body;  ///< pose at tick 0, world frame
   Color color;           ///< colour of the parts that set none
   /// Fiducial value of the body's root part. This value replaces Returns::fiducial of the type's root part,

@@ -112,7 +112,7 @@ class BodyIndex {
   std::uint32_t home(std::uint32_t row) const { return homes_[row]; }
   /// Number of known tiles: those that contain bodies, and some that recently did.
   std::size_t tiles() const { return directory_.size(); }
-  const GridGeometry& geometry() const { return geometry_; }  ///< the grid
+  const GridGeometry& geometry() const { return geometry_; }  ///< sizes of the cells and tiles of the index
   /// The largest radius of the bodies that are not wide (not wider than a cell), metres.
   double largest_small_radius() const { return small_radius_; }
   /// Whether there are wide bodies, which for_each_run() may visit several times.

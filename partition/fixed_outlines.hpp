@@ -11,9 +11,9 @@ namespace troupe::partition {
 
 /// One edge of a static solid, world frame, metres.
 struct FixedEdge {
-  Vec2 a;               ///< start
-  Vec2 b;               ///< end
-  std::uint32_t solid;  ///< index into StaticScene::solids()
+  Vec2 a;               ///< start of the edge, world frame, metres
+  Vec2 b;               ///< end of the edge, world frame, metres
+  std::uint32_t solid;  ///< the solid of the edge: index into StaticScene::solids()
 };
 
 /// The outlines of the static scene, for rangers and other sensors. They are divided into pieces: short

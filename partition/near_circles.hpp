@@ -18,7 +18,7 @@ struct CircleArrays {
   std::vector<float> x;            ///< x of the centres
   std::vector<float> y;            ///< y of the centres
   std::vector<float> radius;       ///< minus infinity for a circle that is only padding; no beam hits it
-  std::vector<std::uint32_t> row;  ///< row of a body, or number of a piece of the static scene
+  std::vector<std::uint32_t> row;  ///< row of a body in the state tables, or number of an outline piece
 
   /// Ensures that the arrays have room for this many circles; keeps the contents.
   void make_room(std::size_t size) {

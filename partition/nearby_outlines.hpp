@@ -26,8 +26,8 @@ void unpack(std::span<const CircleRun> runs, std::uint32_t mark, std::size_t siz
 /// sensors need only the first band.
 class NearbyOutlines {
  public:
-  /// In circles(), the member `row` is the row of a body or, with this bit set, the number of a piece of a
-  /// static outline.
+  /// In circles(), the member `row` is the index of a body in the state tables or, with this bit set, the
+  /// number of a piece of a static outline.
   static constexpr std::uint32_t k_fixed = 1u << 31;
 
   /// Sets the indices to search, which must stay valid during the queries, and forgets the current block.

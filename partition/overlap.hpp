@@ -19,7 +19,7 @@ PieceCircle circle_about(const Ring& outline);
 /// The shape of a body for overlap(): convex prisms in the body frame.
 struct ObstacleShape {
   std::vector<ConvexPrism> pieces;   ///< in any order; their union is the body
-  std::vector<PieceCircle> circles;  ///< one per piece
+  std::vector<PieceCircle> circles;  ///< enclosing circles, one per piece
   std::size_t vertices = 0;          ///< number of vertices of all pieces
   double radius = 0;    ///< radius of the circle about the body's origin that encloses the body, m
   double thinnest = 0;  ///< smallest width of any piece, m

@@ -225,11 +225,10 @@ struct MetCircles : CircleArrays {
 
 /// may_meet() requires CircleArrays that are padded to a multiple of this many circles.
 inline constexpr std::size_t k_circle_padding = 16;
-/// Discards circles that no beam can hit. Of the circles in [begin, end) it keeps those that some beam may
-/// hit before its limit and whose nearest point is from `low` to `high` away from the reference, metres.
-/// Writes the rows of the kept circles, and the beams that may hit them, to the first entries of `met`, and
-/// returns their number. Its margins are far above rounding errors, so that no circle that a beam hits is
-/// discarded.
+/// Discards circles that no beam can hit. Keeps those of the circles in [begin, end) that some beam may hit
+/// before its limit and whose nearest point is from `low` to `high` away from the reference, metres. Writes
+/// the rows of the kept circles, and the beams that may hit them, to the first entries of `met`, and returns
+/// their number. Its margins are far above rounding errors, so that no circle that a beam hits is discarded.
 /// begin, end  multiples of k_circle_padding; circles with a radius of minus infinity are never hit
 /// limits      as limits_of() computes them
 std::size_t may_meet(const CircleArrays& circles, std::size_t begin, std::size_t end, const Vec2& reference,

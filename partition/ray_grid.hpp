@@ -44,16 +44,16 @@ struct MovingOutline {
 
 /// A ray to cast.
 struct GridRay {
-  Vec2 origin;               ///< world frame, m
-  Vec2 direction;            ///< unit vector, world frame
+  Vec2 origin;               ///< start of the ray, world frame, m
+  Vec2 direction;            ///< direction of the ray: unit vector, world frame
   double z = 0;              ///< height, m, world frame
-  float range_max = 0;       ///< m; greater than 0
+  float range_max = 0;       ///< length of the ray, m; greater than 0
   std::uint32_t body = ~0u;  ///< the body that casts the ray and whose outlines are ignored; ~0: none
 };
 
 /// The result of a ray.
 struct GridHit {
-  float range;              ///< m; exactly range_max if nothing was hit
+  float range;              ///< distance, m; exactly range_max if nothing was hit
   float ranger_return = 0;  ///< largest intensity of the surfaces hit in the cell; 0 if none
 };
 

@@ -23,7 +23,7 @@ struct GridGeometry {
   double cell_m = 1;       ///< edge of a cell, metres
   unsigned tile_bits = 3;  ///< a tile is 2^tile_bits cells wide
 
-  std::size_t cells_per_tile() const { return std::size_t{1} << (2 * tile_bits); }  ///< cells of a tile
+  std::size_t cells_per_tile() const { return std::size_t{1} << (2 * tile_bits); }  ///< cells per tile
   double tile_m() const { return cell_m * static_cast<double>(1u << tile_bits); }  ///< edge of a tile, metres
 
   /// The cell that contains a point (metres, world frame). Coordinates beyond +-2^30 cells are clamped.
@@ -63,7 +63,7 @@ struct GridGeometry {
 /// slot; the first tile inserted gets slot 0, the next one slot 1 and so on. Other tiles take no memory.
 class TileDirectory {
  public:
-  static constexpr std::uint32_t k_none = ~0u;  ///< no slot
+  static constexpr std::uint32_t k_none = ~0u;  ///< marks the absence of a slot
 
   TileDirectory() : keys_(16), slots_(16, k_none) {}  ///< an empty directory
   /// Removes all tiles; slots start at 0 again.

@@ -18,7 +18,7 @@ namespace troupe::partition {
 struct FixedSolid {
   Solid solid;              ///< the solid, world frame
   BodyId body;              ///< the body that the solid belongs to
-  bool obstacle = true;     ///< whether it blocks motions
+  bool obstacle = true;     ///< whether the solid blocks motions
   float ranger_return = 1;  ///< intensity that rangers read; negative: rangers do not see it
   std::uint32_t part = 0;   ///< index of the solid's part in the type of the body
 };
@@ -74,9 +74,9 @@ class StaticScene {
   bool has_obstacles() const { return has_obstacles_; }  ///< whether any solid blocks motions
 
   /// Returns the index in solids() of an obstacle that has heights in common with the shape and an edge that
-  /// enters the shape; -1 if there is none. Of several such obstacles it returns the one that the search
-  /// finds first. Solids for which ignored(index) is true are skipped. A solid that contains the whole shape
-  /// is not found, because none of its edges enters the shape; blocked() finds it.
+  /// enters the shape; -1 if there is none. If there are several, returns the one that the search finds
+  /// first. Solids for which ignored(index) is true are skipped. A solid that contains the whole shape is
+  /// not found, because none of its edges enters the shape; blocked() finds it.
   template <class Ignored>
   int crossed(const PlacedShape& shape, Ignored&& ignored) const;
 

@@ -64,8 +64,8 @@ struct Layers {
 
 /// How a picture shows a frame.
 struct View {
-  int width = 1280;  ///< pixels
-  int height = 720;  ///< pixels
+  int width = 1280;  ///< width of the picture, pixels
+  int height = 720;  ///< height of the picture, pixels
   /// World region that must be visible, m. In a view from above it fills the picture in one direction, x or
   /// y; in the other direction more of the world may be visible. Other views show it with a margin. If not
   /// given, it is the bounds of the scene with a margin. The members `center`, `across_m` and `eye` of the
@@ -89,8 +89,8 @@ enum class VectorFormat : std::uint8_t { svg, pdf };
 
 /// A picture of 8-bit RGBA pixels, row by row from the top. Alpha is not premultiplied.
 struct Picture {
-  int width = 0;   ///< pixels
-  int height = 0;  ///< pixels
+  int width = 0;   ///< width of the picture, pixels
+  int height = 0;  ///< height of the picture, pixels
   std::vector<std::uint8_t> rgba;
 };
 

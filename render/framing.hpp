@@ -6,8 +6,8 @@ namespace troupe::render {
 
 /// Size and scale of a view from above, and the part of the world that it shows.
 struct Framing {
-  int width = 0;   ///< pixels
-  int height = 0;  ///< pixels
+  int width = 0;   ///< width of the picture, pixels
+  int height = 0;  ///< height of the picture, pixels
   double pixels_per_metre = 1;
   Vec2 center = Vec2::Zero();  ///< world point in the centre of the picture, m
   /// Pixels per stroke. Widths of lines and letters are given in strokes. A stroke is 1 pixel in pictures

@@ -29,7 +29,7 @@ double text_width(std::string_view text, double unit);
 struct Text {
   std::string text;
   Vec2 pen = Vec2::Zero();   ///< start of its baseline, or the end if `ends_at_pen`
-  double unit = 1;           ///< a sixth of the height of its capitals, pixels
+  double unit = 1;           ///< a sixth of the height of a capital letter, pixels
   bool ends_at_pen = false;  ///< true: the text ends at the pen; false: it starts there
 };
 
@@ -37,7 +37,7 @@ struct Text {
 struct Writing {
   Mesh under;               ///< bars and swatches below the lines and texts, pixels from the picture's centre
   Lines lines;              ///< lines, such as those of the scale bar
-  std::vector<Text> texts;  ///< vector formats keep these as text
+  std::vector<Text> texts;  ///< the texts; vector formats store them as text, not as lines
 };
 
 // Widths of the halo and of the ink of lines and letters, strokes.

@@ -19,16 +19,16 @@ class Projection {
   /// A parallel view straight down, with the given framing. `heights` is the interval of heights, m, that the
   /// depth buffer must resolve.
   static Projection from_above(const Framing& framing, const ZInterval& heights);
-  /// A view of width x height pixels. stroke: pixels per stroke, as in Framing. pitch: rad, 0 looks straight
-  /// down, pi/2 horizontally. yaw: rad, counter-clockwise, 0 looks along +y. fov: vertical field of view of a
-  /// perspective view, rad; 0: parallel view. The position of the viewer must be set by one of the functions
-  /// below.
+  /// A view of width x height pixels. stroke: pixels per stroke (Framing::stroke). pitch: rad, 0 looks
+  /// straight down, pi/2 horizontally. yaw: rad, counter-clockwise, 0 looks along +y. fov: vertical field of
+  /// view of a perspective view, rad; 0: parallel view. The position of the viewer must be set by one of the
+  /// functions below.
   Projection(int width, int height, double stroke, double pitch, double yaw, double fov);
 
   bool perspective() const { return focal_ > 0; }
   int width() const { return width_; }
   int height() const { return height_; }
-  /// Pixels per stroke, as in Framing.
+  /// Pixels per stroke, the unit of line widths and letter sizes (Framing::stroke).
   double stroke() const { return stroke_; }
 
   /// Moves the viewer so that all points are in the picture and fill it, except for a margin on all sides and

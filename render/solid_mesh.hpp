@@ -11,8 +11,8 @@ struct SolidStyle {
   float edge = 0;          ///< width of the lines along edges, pixels; 0: no lines
   float halo = 0;          ///< width of a white line drawn under each of these lines, pixels; 0: none
   bool mark = false;       ///< whether there is a triangle at the front that points forward
-  double least_side = 0;   ///< m; corners next to a side shorter than this (steps of a bitmap) have no line
-  double least_edged = 0;  ///< m; shapes narrower than this have no lines
+  double least_side = 0;   ///< corners next to a side shorter than this, m (steps of a bitmap), have no line
+  double least_edged = 0;  ///< shapes narrower than this, m, have no lines
 };
 
 /// The shapes of a type as prisms without undersides, in its body frame, m. `pieces` is pieces_of(type).

@@ -22,7 +22,7 @@ struct VectorPath {
 
 /// One line of text.
 struct VectorText {
-  std::string text;          ///< UTF-8
+  std::string text;          ///< the text, UTF-8
   Vec2 pen = Vec2::Zero();   ///< start of its baseline, or the end if `ends_at_pen`; pixels, as in VectorPath
   bool ends_at_pen = false;  ///< true: the text ends at the pen; false: it starts there
   double cap_height = 11;    ///< height of capitals, pixels
@@ -33,8 +33,8 @@ struct VectorText {
 
 /// A picture as paths and texts, in the order of drawing.
 struct VectorDrawing {
-  int width = 0;   ///< pixels of 1/96 inch
-  int height = 0;  ///< pixels of 1/96 inch
+  int width = 0;   ///< width, pixels of 1/96 inch
+  int height = 0;  ///< height, pixels of 1/96 inch
   Rgba ground{};   ///< background; opacity 0: no background
   std::vector<std::variant<VectorPath, VectorText>> items;
 };

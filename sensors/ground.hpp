@@ -20,7 +20,7 @@ enum GroundField : std::size_t {
 
 /// Returns the sensor kind `ground`, which reads the colours of the ground below given points of its robot.
 /// The ground at a point is a part of another body that contains the point, seen from above, and whose top is
-/// not above `height`. Of several such parts, the one with the highest top counts; at equal tops, the part of
+/// not above `height`. If there are several, the one with the highest top counts; at equal tops, the part of
 /// the body with the lower id, and within one body the part with the lower number. If there is no such part,
 /// the ground is the floor. Bodies that carry the robot or that it carries are ignored.
 ///
@@ -64,9 +64,10 @@ class Ground {
   /// Collects the parts of static bodies that are ground. Must be called once, in DeviceKind::bind_world,
   /// before the first call of below().
   void collect(const engine::WorldSpec& world);
-  /// Returns the ground at a point (world frame, m) for a device on the body of the row `own`. This body, and
-  /// all bodies that it carries or that carry it, are ignored. If the point is on the floor, the body of the
-  /// result is not valid and the colour is that of the floor. Colours are those of the world file.
+  /// Returns the ground at a point (world frame, m) for a device on the body with the row (index in the
+  /// state tables) `own`. This body, and all bodies that it carries or that carry it, are ignored. If the
+  /// point is on the floor, the body of the result is not valid and the colour is that of the floor. Colours
+  /// are those of the world file.
   Zone below(const engine::SensingView& view, Row own, const Vec2& point) const;
   /// Like below(), but parts have the colours that devices such as LEDs show.
   Zone shown_below(const engine::CommittedView& view, Row own, const Vec2& point) const;

@@ -30,7 +30,7 @@ enum RadioField : std::size_t {
 
 /// The fields of a radio's command. The command stays in effect until it is changed.
 enum RadioCommandField : std::size_t {
-  k_radio_mode,   ///< u8: RadioMode
+  k_radio_mode,   ///< u8: whether the radio sends, a RadioMode
   k_radio_bytes,  ///< u8: length of the message, bytes
   k_radio_said,   ///< u8 [payload]: the bytes of the message; 0 after its last byte
 };
@@ -149,9 +149,9 @@ class RadioPort {
 /// chance    Each message that arrives is dropped with probability `drop_rate` of the listener. The random
 ///           number depends only on the seed, the name of the listener's radio, the tick, the sender's body
 ///           and the listener's body.
-/// limits    Of the messages that arrive and are not dropped, those longer than the listener's `payload` are
-///           lost. Of the others, the `most_heard` nearest are heard (at equal ranges those of senders with
-///           lower ids) and the rest are lost.
+/// limits    A message that arrives and is not dropped is lost if it is longer than the listener's `payload`.
+///           The listener hears the `most_heard` nearest of the other messages (at equal ranges those of
+///           senders with lower ids), and the rest are lost.
 /// order     Messages are sorted by the id of the sender.
 ///
 /// strength  The strength in dBm is the power of the sender minus the loss in dB, which the listener's

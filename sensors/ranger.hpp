@@ -36,7 +36,7 @@ struct Ranger {
   /// Prepares the beams of a ranger and the fields of its readings from its parameters. pose_body_sensor:
   /// pose of the ranger in the frame of its body. `data` of the result is a Ranger.
   static engine::DeviceKind::Prepared prepare(const Params& params, const Pose& pose_body_sensor);
-  /// Writes the readings of every row of the batch. Returns the number of rays cast.
+  /// Writes the readings of every body of the batch. Returns the number of rays cast.
   std::uint64_t sense(const engine::DeviceBatch& batch) const;
 };
 

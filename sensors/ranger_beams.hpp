@@ -39,7 +39,7 @@ struct TransducerExtras {
   std::size_t count = 0;      ///< number of its readings
   double range_max = 0;       ///< largest reading, m; readings with noise are clamped to it
   double noise_stddev = 0;    ///< standard deviation of a normally distributed error of a reading, m
-  double noise_relative = 0;  ///< standard deviation of a further such error, as a fraction of the reading
+  double noise_relative = 0;  ///< standard deviation of a second normal error, as a fraction of the reading
   double noise_proportional = 0;  ///< bound of a uniform error, as a fraction of the reading
   double least = 0;               ///< lower readings are raised to this value, m
   double beam_width = 0;          ///< if above 0: opening angle of each beam, rad
@@ -54,7 +54,7 @@ struct RangerBeams {
   std::size_t count = 0;           ///< number of beams of all transducers
   std::vector<BeamGroup> groups;   ///< all beams, in the order of the readings
   Vec2 reference = Vec2::Zero();   ///< origins of beams are relative to this point; body frame, m
-  bool common_origin = true;       ///< whether all beams start at the reference
+  bool common_origin = true;       ///< whether all beams start at `reference`
   double spread = 0;               ///< distance from the reference to the farthest origin, m
   double reach = 0;                ///< bound on the distance from the reference to the end of any beam, m
   bool intensity = false;          ///< whether the readings contain intensities

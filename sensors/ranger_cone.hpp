@@ -18,7 +18,7 @@ std::optional<double> nearest_in_cone(const Vec2& right, const Vec2& left, const
 /// the nearest surface point within the width of its beam, if that is less than the present reading, which
 /// was measured along the middle of the beam. The result is exact, not sampled with rays.
 ///
-/// own          the row of the body that carries the ranger
+/// own          the row (index in the state tables) of the body that carries the ranger
 /// mount        the frame in which the ranger's beams are given, relative to the world
 /// extras       the transducer
 /// ranges       the readings of the transducer, m

@@ -9,14 +9,14 @@
 
 namespace troupe::sensors {
 
-/// Returns the random numbers for the headings of the beams of the i-th row of the batch. Their stream
+/// Returns the random numbers for the headings of the beams of the i-th body of the batch. Their stream
 /// differs from the one for the noise of readings, so that angular noise does not change the other noise.
 Random random_of_headings(const engine::DeviceBatch& batch, std::size_t i);
 
 /// Computes the directions of beams with angular noise. Its memory is reused in each call of draw().
 class NoisyHeadings {
  public:
-  /// Draws the directions of the beams of a group, for one row in one tick. Returns the x and the y
+  /// Draws the directions of the beams of a group, for one body in one tick. Returns the x and the y
   /// components of the unit directions, body frame, one per beam and padded like the group's arrays. The
   /// pointers are valid until the next call.
   std::pair<const double*, const double*> draw(const BeamGroup& group, Random& random);

@@ -36,18 +36,18 @@ struct BatchPart {
   std::string device;   ///< reading: name of the device; empty: the first device that has this field
   std::string field;    ///< reading: name of the field
   /// With `nearest`: the robots among which the nearest ones are searched, given as the name of a type, of a
-  /// population or of one robot; empty: all robots. The observing robot itself and robots that are not in the
-  /// world are skipped. Distances are between the origins of the robots, in the plane. Each robot that is
-  /// found has k_neighbour columns: x, y (m, in the observing robot's frame), cosine and sine of its heading
-  /// relative to the observing robot's heading, and 1. If fewer than `count` robots are found, the remaining
-  /// columns are 0. Of two robots at the same distance, the one with the lower id comes first.
+  /// population or of one robot; empty: all robots. The observing robot itself and robots that are not in
+  /// the world are skipped. Distances are between the origins of the robots, in the plane. Each robot that
+  /// is found has k_neighbour columns: x, y (m, in the observing robot's frame), cosine and sine of its
+  /// heading relative to the observing robot's heading, and 1. If fewer than `count` robots are found, the
+  /// remaining columns are 0. If two robots are at the same distance, the one with the lower id comes first.
   /// With `target`: the name of a model or of a population. A model is the target of all robots. With a
-  /// population, each robot has its own target: the body of the population whose name ends in the same number
-  /// as the name of the robot. For the robot "r3" and the population "goal" it is the body "goal3". The
-  /// columns are 0 while the target is not in the world.
+  /// population, each robot has its own target: the body of the population whose name ends in the same
+  /// number as the name of the robot. For the robot "r3" and the population "goal" it is the body "goal3".
+  /// The columns are 0 while the target is not in the world.
   std::string name;
-  std::size_t count = 1;                                     ///< nearest: number of robots
-  double range_m = std::numeric_limits<double>::infinity();  ///< nearest: search radius, m
+  std::size_t count = 1;                                     ///< nearest: number of robots to find
+  double range_m = std::numeric_limits<double>::infinity();  ///< nearest: farther robots are not found, m
   /// Factor by which lengths, speeds and readings are multiplied. Cosines, sines, `time_left` and columns
   /// that are 0 or 1 are not scaled.
   double scale = 1;
@@ -105,10 +105,10 @@ struct BatchEnd {
 
 /// A group of robots that learn one policy. They have the same observations, actions and rewards.
 struct BatchTeam {
-  std::string name;                    ///< unique
+  std::string name;                    ///< name of the team; no two teams have the same name
   std::string robots;                  ///< name of a type, a population or a robot; empty: all robots
   std::vector<BatchArraySpec> arrays;  ///< observations, and arrays that only rewards and ends use
-  std::vector<BatchAction> actions;    ///< actions of one robot
+  std::vector<BatchAction> actions;    ///< the actions that each robot of the team has
   std::vector<BatchReward> rewards;    ///< terms of the reward, summed in this order
   std::vector<BatchEnd> ends;          ///< conditions that finish a robot, tested in each step
 };

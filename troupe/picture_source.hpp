@@ -16,7 +16,7 @@ namespace troupe {
 /// components, each with named fields of one or more columns.
 struct ChosenValue {
   std::string component;   ///< as StateTable::component(): "velocity", "wander/0"
-  std::string field;       ///< field of the component
+  std::string field;       ///< name of the field in the component
   std::size_t column = 0;  ///< index of the column in the field
   std::string text;        ///< label with unit: "velocity.x (m/s)"
 };
@@ -47,7 +47,7 @@ class PictureSource {
   virtual double tick_s() const = 0;       ///< length of a tick, s
   /// The entry `window` of the world file; null if it has none.
   virtual const engine::Record* window() const = 0;
-  virtual engine::FrameScene scene() const = 0;  ///< the static scene
+  virtual engine::FrameScene scene() const = 0;  ///< the data that do not change during the run
   /// The id of the body of this name; empty if there is no such body.
   virtual std::optional<std::uint32_t> find_body(std::string_view name) const = 0;
 

@@ -55,7 +55,7 @@ struct PictureOptions {
 struct PictureLayer {
   std::string_view name;  ///< its name in PictureOptions::layers
   bool on;                ///< whether it is shown by default
-  std::string_view text;  ///< description
+  std::string_view text;  ///< what the layer shows
 };
 /// Returns all layers that pictures can have, each with its default and its description.
 std::span<const PictureLayer> picture_layers();

@@ -97,7 +97,7 @@ namespace plugin {
 /// measures; `Kind` is ControllerKind, DeviceKind or MeasureKind.
 template <class Kind>
 struct Entry {
-  using Make = Kind (*)(std::string_view name);  ///< returns the kind
+  using Make = Kind (*)(std::string_view name);  ///< a function that returns the kind with this name
 
   /// Prepends itself to the list.
   Entry(std::string_view its_name, Make its_make) : name(its_name), make(its_make), next(first) {
@@ -105,9 +105,9 @@ struct Entry {
   }
 
   std::string_view name;                                 ///< name of the kind
-  Make make;                                             ///< makes the kind
+  Make make;                                             ///< function that makes the kind
   const Entry* next;                                     ///< null at the end of the list
-  static inline constinit const Entry* first = nullptr;  ///< head of the list
+  static inline constinit const Entry* first = nullptr;  ///< first element of the list; null: empty list
 };
 
 template <class C>

@@ -74,10 +74,10 @@ constexpr std::uint64_t layout() {
 /// The interface of a plug-in. The first two members have the same offsets in every version, so that a loader
 /// can always read them.
 struct Library {
-  std::uint32_t interface;  ///< k_interface
-  const char* version;      ///< k_version
-  const char* build;        ///< k_build
-  std::uint64_t layout;     ///< layout()
+  std::uint32_t interface;  ///< number of the plug-in interface: k_interface
+  const char* version;      ///< version of Troupe: k_version
+  const char* build;        ///< build settings: k_build
+  std::uint64_t layout;     ///< hash of the sizes of types: layout()
   /// Whether the plug-in's compiler contracts a product and a sum to one fused multiply-add.
   bool (*contracts)();
   /// Appends the controllers, the devices and the measures of the library to the lists, each under the name

@@ -27,7 +27,7 @@ class Plugins {
   /// A loaded library.
   struct Library {
     std::string name;            ///< name of the file, without .so
-    std::filesystem::path file;  ///< path of the file
+    std::filesystem::path file;  ///< path of the library
     std::uint64_t contents = 0;  ///< hash of the file's bytes
   };
 

@@ -25,12 +25,13 @@ struct Script {
     std::string robots;           ///< type, population or robot; empty: all types with a drive
     std::uint32_t line = 0;       ///< line of the class in the file
   };
-  std::filesystem::path file;                 ///< the script
+  std::filesystem::path file;                 ///< path of the script
   std::uint64_t contents = 0;                 ///< hash of the bytes of the file
   std::vector<Controller> controllers;        ///< in the order of the file
   std::vector<engine::MeasureKind> measures;  ///< in the order of the file
 
-  std::string name() const { return file.stem().string(); }  ///< name of the plug-in
+  /// The name under which simulations find the kinds of the script, as if it were a plug-in: "my" for my.py.
+  std::string name() const { return file.stem().string(); }
 };
 
 /// Makes the controllers of scripts the controllers of their robots, in place of those that the world gives

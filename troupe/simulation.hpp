@@ -196,22 +196,22 @@ class Model {
   /// replaces them. If the robot has a controller, the controller overrides them. Throws std::logic_error, as
   /// accelerate() and go_to() do, for a model that has no drive or is not in the world.
   void set_speed(double forward, double left, double turn);
-  void set_speed(double forward, double turn) { set_speed(forward, 0, turn); }  ///< with `left` = 0
+  void set_speed(double forward, double turn) { set_speed(forward, 0, turn); }  ///< as above, left = 0
   /// Commands accelerations in the body frame: forward and left in m/s^2, turn in rad/s^2 (for a car drive:
   /// the steering angle, rad). They apply from the next tick on, within the drive's limits of acceleration
   /// and speed, until another command replaces them.
   void accelerate(double forward, double left, double turn);
-  void accelerate(double forward, double turn) { accelerate(forward, 0, turn); }  ///< with `left` = 0
+  void accelerate(double forward, double turn) { accelerate(forward, 0, turn); }  ///< as above, left = 0
   /// Commands a goal pose, m and rad, in the frame of the robot's estimated pose (estimate()). The robot
   /// drives to the goal and stays there until another command replaces this one. docs/driving.md describes
   /// the path that each kind of drive takes.
   void go_to(double x, double y, double heading);
-  void go_to(const Pose& goal) { go_to(goal.x, goal.y, goal.heading); }  ///< ignores goal.z
+  void go_to(const Pose& goal) { go_to(goal.x, goal.y, goal.heading); }  ///< as above; ignores goal.z
   /// A velocity in the body frame.
   struct Speed {
-    double forward = 0;  ///< m/s
-    double left = 0;     ///< m/s
-    double turn = 0;     ///< rad/s
+    double forward = 0;  ///< speed forward, m/s
+    double left = 0;     ///< speed to the left, m/s
+    double turn = 0;     ///< turn rate, counter-clockwise, rad/s
   };
   Speed speed() const;  ///< velocity during the last tick, in the body frame
   /// Whether the body is in the world: it was spawned or present from the start, and it was not removed
@@ -571,7 +571,7 @@ class Simulation {
   /// every recording interval, until stop_recording(), reset() or the destruction of the simulation. Throws
   /// as the constructor of Recording does, and std::logic_error if a recording is already running.
   void record(const std::filesystem::path& file);
-  void record(const std::filesystem::path& file, const RecordingOptions& options);  ///< with options
+  void record(const std::filesystem::path& file, const RecordingOptions& options);  ///< with these options
   /// Closes the recording that record() started; other HDF5 tools can then read the file. Throws
   /// std::runtime_error if the file cannot be written. Does nothing if no recording is running.
   void stop_recording();

@@ -33,8 +33,8 @@ struct Simulation::Impl {
   /// The ranks that compute `world` together with this thread; null if it is computed by one rank.
   std::unique_ptr<RankGroup> ranks;
   std::vector<std::string> warnings;
-  std::filesystem::path file;       ///< world file
-  double tile_size_m = 0;           ///< from SimulationOptions
+  std::filesystem::path file;       ///< path of the world file
+  double tile_size_m = 0;           ///< SimulationOptions::tile_size_m
   worldio::PlaceAgain place_again;  ///< places bodies for another seed; empty if no place depends on it
   /// Changes to the world, as pairs of key and value for effective_options(): those of the option `set` (if a
   /// run was resumed with them, the key contains the tick), and `spare`.

@@ -39,13 +39,13 @@ namespace troupe {
 ///           empty span selects all. Commands always skip robots that are not in the world
 /// valid     while the simulation lives, also after a reset
 ///
-/// Functions that read copy the values to `out`. Simulation::world().tables() gives access to the state
-/// tables without a copy; their rows are not in the order of the swarm.
+/// Functions with a parameter `out` copy the values to it. Simulation::world().tables() gives access to
+/// the state tables without a copy; their rows are not in the order of the swarm.
 class Swarm {
  public:
   std::size_t size() const { return rows_.size(); }     ///< number of robots, in the world or not
-  std::span<const BodyId> ids() const { return ids_; }  ///< in ascending order
-  std::vector<std::string> names() const;               ///< in the order of ids()
+  std::span<const BodyId> ids() const { return ids_; }  ///< ids of the robots, in ascending order
+  std::vector<std::string> names() const;               ///< names of the robots, in the order of ids()
   std::uint64_t tick() const;                           ///< number of completed ticks
   double time_s() const;                                ///< world time, s
   /// Names of the types of the robots, each name once, in the order of the world file.

@@ -45,7 +45,7 @@ class Setting {
   Setting(const Settings& values);
   /// A list of values: an array in JSON.
   Setting(const std::vector<Setting>& list);
-  Setting(std::initializer_list<Setting> list);  ///< `{0.3, 0.3, 0.2}`
+  Setting(std::initializer_list<Setting> list);  ///< a list, such as `{0.3, 0.3, 0.2}`
 
   std::string json() const;  ///< the value as JSON
 
@@ -104,7 +104,7 @@ class WorldBuilder {
     };
 
    public:
-    Type(Key, std::string_view name) : name_(name) {}  ///< only for WorldBuilder
+    Type(Key, std::string_view name) : name_(name) {}  ///< only WorldBuilder can call this
     Type(const Type&) = delete;
     Type& operator=(const Type&) = delete;
 

@@ -15,7 +15,7 @@ namespace troupe::models {
 struct Beam {
   std::size_t reading = 0;     ///< index of its reading in Percept::ranges()
   std::size_t transducer = 0;  ///< index of the transducer (fan of beams) to which it belongs
-  double bearing = 0;          ///< rad, counter-clockwise from straight ahead, within [-pi, pi]
+  double bearing = 0;          ///< bearing, rad, counter-clockwise from straight ahead, in [-pi, pi]
   SinCos direction;            ///< unit vector of the bearing
   Vec2 origin = Vec2::Zero();  ///< point at which the beam starts, m
 };

@@ -9,8 +9,8 @@ namespace troupe::models {
 /// The opinion of a robot with the controller `collective_perception`: the colour that, in its opinion,
 /// covers more of the floor. Robots broadcast it by radio as one byte.
 enum class FloorOpinion : std::uint8_t {
-  black,  ///< 0
-  white,  ///< 1
+  black,  ///< 0: more of the floor is black
+  white,  ///< 1: more of the floor is white
 };
 
 /// A collective decision on whether more of a coloured floor is black or white.

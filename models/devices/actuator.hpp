@@ -12,7 +12,7 @@ struct ActuatorCommand {
     velocity,  ///< `goal` is a speed
     position,  ///< `goal` is a position
   };
-  std::uint8_t mode = velocity;  ///< a Mode
+  std::uint8_t mode = velocity;  ///< meaning of `goal`, a Mode
   double goal = 0;               ///< in velocity mode m/s or rad/s, in position mode m or rad
   TROUPE_FIELDS(mode, goal)
 };

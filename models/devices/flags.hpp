@@ -9,8 +9,8 @@ namespace troupe::models {
 
 /// A flag: a coloured token that a body holds.
 struct Flag {
-  std::uint32_t color = 0;  ///< 0xRRGGBBAA
-  float size = 0;           ///< m
+  std::uint32_t color = 0;  ///< colour, 0xRRGGBBAA
+  float size = 0;           ///< size, m
   friend bool operator==(const Flag&, const Flag&) = default;
 };
 inline constexpr Flag k_yellow_flag{0xffff00ff, 0.25f};  ///< the flag of Stage's examples
@@ -30,7 +30,7 @@ struct FlagCommand {
   std::uint32_t target = 0;     ///< the other body of `take` and `give`, a BodyId
   std::uint32_t color = 0;      ///< colour of the flag that `push` adds, 0xRRGGBBAA
   float size = 0;               ///< size of the flag that `push` adds, m
-  std::uint8_t verb = nothing;  ///< a Verb
+  std::uint8_t verb = nothing;  ///< the operation, a Verb
   TROUPE_FIELDS(request, target, color, size, verb)
 
   /// Requests the operation `what` for the next tick. of_whom: the other body (a BodyId), for `take` and

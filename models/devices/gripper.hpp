@@ -17,7 +17,7 @@ struct GripperCommand {
     up,       ///< lift the paddles, with what they hold
     down,     ///< lower the paddles, with what they hold
   };
-  std::uint8_t order = nothing;  ///< an Order
+  std::uint8_t order = nothing;  ///< the motion to start, an Order
   TROUPE_FIELDS(order)
 };
 
@@ -37,8 +37,8 @@ struct GripperState {
     is_up,    ///< at rest at the upper end
     sinking,  ///< moving down
   };
-  std::uint8_t paddles = is_open;  ///< one of Paddles
-  std::uint8_t lift = is_down;     ///< one of Lift
+  std::uint8_t paddles = is_open;  ///< state of the paddles, one of Paddles
+  std::uint8_t lift = is_down;     ///< state of the lift, one of Lift
   std::uint8_t stalled = 0;        ///< 1: its motion in this tick was blocked
   std::uint8_t taken = 0;          ///< 1: it could not grip a body, because another gripper holds that body
   std::uint8_t beam_inner = 0;     ///< 1: a body with gripper_return breaks the beam near the base

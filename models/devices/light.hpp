@@ -14,7 +14,7 @@ struct LightCommand {
     on,             ///< lit, without blinking
     off,            ///< dark
   };
-  std::uint8_t state = as_world_says;  ///< a Switch
+  std::uint8_t state = as_world_says;  ///< how the light is switched, a Switch
   TROUPE_FIELDS(state)
 };
 

@@ -9,13 +9,13 @@ namespace troupe::models {
 /// tick. forward, left and turn are the velocity in this tick that its drive produces, even if the motion is
 /// blocked.
 struct WheelsState {
-  double x = 0;              ///< m, world frame
-  double y = 0;              ///< m, world frame
-  double z = 0;              ///< m, world frame
-  double heading = 0;        ///< rad, world frame
-  double forward = 0;        ///< m/s, frame of the part
-  double left = 0;           ///< m/s, frame of the part
-  double turn = 0;           ///< rad/s, counter-clockwise
+  double x = 0;              ///< x of the part, m, world frame
+  double y = 0;              ///< y of the part, m, world frame
+  double z = 0;              ///< height of the part, m, world frame
+  double heading = 0;        ///< heading of the part, rad, world frame
+  double forward = 0;        ///< speed forward, m/s, frame of the part
+  double left = 0;           ///< speed to the left, m/s, frame of the part
+  double turn = 0;           ///< turn rate, rad/s, counter-clockwise
   std::uint8_t stalled = 0;  ///< 1: the motion of the part in this tick was blocked
   TROUPE_FIELDS(x, y, z, heading, forward, left, turn, stalled)
 };
