@@ -54,7 +54,7 @@ file(STRINGS ${internal_list} troupe_internal_headers REGEX "^[^#]")
 # Libraries that are unity builds unless -DCMAKE_UNITY_BUILD is set: most of their compile time goes into templates that
 # their sources share. The other libraries contain code that is edited often (models), the hot code of a tick, or equal
 # names in several sources.
-set(troupe_unity_libraries engine worldio render troupe)
+set(troupe_unity_libraries engine worldio render troupe live)
 
 function(troupe_add_library folder)
   cmake_parse_arguments(arg "" "" "SOURCES;LINK;PRIVATE_LINK;BUILD_LINK" ${ARGN})

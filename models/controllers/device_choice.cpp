@@ -7,6 +7,25 @@
 
 namespace troupe::models {
 
+Result<Scanner> DeviceChoice::take_scanner(std::size_t share) {
+  Scanner scanner;
+  const auto is_usable = [&](const engine::DeviceInfo& device) {
+    scanner = Scanner(device, share);
+    return scanner.is_usable();
+  };
+  const bool has_one =
+      take([&](const engine::DeviceInfo& device) { return has_fan(device) && is_usable(device); }) ||
+      take(is_usable);
+  if (!has_one) return no_scanner();
+  return scanner;
+}
+
+Result<Scanner> DeviceChoice::take_ground_radio_scanner(std::size_t share) {
+  if (!take_kind("ground")) return Error{"needs a ground sensor"};
+  if (!take_kind("radio")) return Error{"needs a radio"};
+  return take_scanner(share);
+}
+
 bool DeviceChoice::has_fan(const engine::DeviceInfo& device) {
   return std::ranges::any_of(device.prepared.transducers, [](const engine::Transducer& transducer) {
     return transducer.samples >= k_least_samples;

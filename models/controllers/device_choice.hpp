@@ -39,25 +39,10 @@ class DeviceChoice {
   /// If there is none, it takes the first such ranger whose transducers have that many beams together. If no
   /// ranger can be used, the error states the reason for each ranger of the robot. share: the second argument
   /// of the constructor of Scanner.
-  Result<Scanner> take_scanner(std::size_t share) {
-    Scanner scanner;
-    const auto is_usable = [&](const engine::DeviceInfo& device) {
-      scanner = Scanner(device, share);
-      return scanner.is_usable();
-    };
-    const bool has_one =
-        take([&](const engine::DeviceInfo& device) { return has_fan(device) && is_usable(device); }) ||
-        take(is_usable);
-    if (!has_one) return no_scanner();
-    return scanner;
-  }
+  Result<Scanner> take_scanner(std::size_t share);
   /// Claims a ground sensor, a radio and a scanner (take_scanner), in this order, and returns the scanner.
   /// Returns an error if one of the three is missing. share: as for take_scanner().
-  Result<Scanner> take_ground_radio_scanner(std::size_t share) {
-    if (!take_kind("ground")) return Error{"needs a ground sensor"};
-    if (!take_kind("radio")) return Error{"needs a radio"};
-    return take_scanner(share);
-  }
+  Result<Scanner> take_ground_radio_scanner(std::size_t share);
   /// Indices of the claimed devices, in the order in which they were claimed.
   const std::vector<std::size_t>& chosen() const { return chosen_; }
 
