@@ -5,10 +5,12 @@ import contextlib
 import importlib.machinery
 import importlib.util
 import io
+import itertools
 import json
 import math
 import pathlib
 import subprocess
+import sys
 import tempfile
 import unittest
 import unittest.mock
@@ -320,6 +322,18 @@ class RandomProofs(unittest.TestCase):
         with tempfile.TemporaryDirectory() as folder, tempfile.TemporaryDirectory() as kept:
             _, faults = self.prove(Runner(folder, lambda world: world["seed"] % 4 == 0), 60, kept, shrink=False)
             self.assertTrue(any("could be loaded; the most frequent errors: error: no such thing" in fault for fault in faults), faults)
+
+    def test_a_limit_of_time_is_that_of_the_clock(self):
+        with tempfile.TemporaryDirectory() as folder, tempfile.TemporaryDirectory() as kept:
+            ticks = itertools.count(0, 10)
+            proof, _ = self.prove(Runner(folder), None, kept, shrink=False, seconds=45, now=lambda: next(ticks))
+            self.assertEqual(proof.made, 4)
+            self.assertEqual(proof.took_s, 60)
+
+    def test_processor_time_includes_that_of_ended_children(self):
+        before = random_proof.processor_s()
+        subprocess.run([sys.executable, "-c", "import time\nwhile time.process_time() < 0.2: pass"], check=True)
+        self.assertGreaterEqual(random_proof.processor_s() - before, 0.19)
 
     def test_a_folder_that_is_no_case_is_told(self):
         with tempfile.TemporaryDirectory() as folder, self.assertRaises(runs.Fault):
