@@ -1,5 +1,7 @@
 #include "engine/measures.hpp"
 
+#include "engine/kind_errors.hpp"
+
 #include <fmt/format.h>
 
 #include <set>
@@ -17,6 +19,27 @@ std::string column_name(const MeasureSpec& spec, const MeasureKind& kind) {
   const std::string_view unit = unit_suffixes(kind.unit).front().suffix;
   if (!spec.name.empty()) return fmt::format("{}{}", spec.name, unit);
   return fmt::format("{}{}{}{}", kind.name, unit, spec.of.empty() ? "" : ":", spec.of);
+}
+
+/// Calls a function of a measure and returns the result. If it throws, throws a std::runtime_error in its
+/// place whose text names the tick and the measure: the exception of a plug-in does not say where it came
+/// from. Exceptions of Python are not replaced: they name the file and the line, and Python programs catch
+/// them.
+template <class Call>
+auto call_measure(const World& world, const MeasureKind& kind, const std::string& column, Call&& call) {
+  if (kind.is_foreign) return call();
+  try {
+    return call();
+  } catch (...) {
+    throw std::runtime_error(fmt::format("tick {}: measure \"{}\" {}", world.tick(), column, thrown_text()));
+  }
+}
+
+template <class Parts>
+void see_all(World& world, const Parts& parts, const std::vector<std::string>& columns,
+             std::span<const std::unique_ptr<Measure>> measures) {
+  for (std::size_t i = 0; i < parts.size(); ++i)
+    call_measure(world, *parts[i].kind, columns[i], [&] { measures[i]->see(world); });
 }
 
 }  // namespace
@@ -51,17 +74,22 @@ MeasureSet::MeasureSet(World& world, const Registry& registry, std::span<const M
     } catch (const std::logic_error& error) {
       diagnostics.error(spec.where, fmt::format("{}: {}", spec.kind, error.what()));
       continue;
+    } catch (...) {
+      if (kind->is_foreign) throw;
+      diagnostics.error(spec.where, fmt::format("measure \"{}\" {}", spec.kind, thrown_text()));
+      continue;
     }
     parts_.push_back({kind, spec.params, std::move(robots)});
     columns_.push_back(std::move(column));
   }
   seen_ = world_.tick();
-  for (const auto& measure : measures_) measure->see(world_);
+  see_all(world_, parts_, columns_, measures_);
 }
 
 void MeasureSet::begin() {
   for (std::size_t i = 0; i < parts_.size(); ++i)
-    measures_[i] = parts_[i].kind->make(world_, parts_[i].params, parts_[i].robots);
+    call_measure(world_, *parts_[i].kind, columns_[i],
+                 [&] { measures_[i] = parts_[i].kind->make(world_, parts_[i].params, parts_[i].robots); });
 }
 
 void MeasureSet::see() {
@@ -69,18 +97,19 @@ void MeasureSet::see() {
   if (world_.tick() == seen_) return;
   if (world_.tick() != seen_ + 1) begin();
   seen_ = world_.tick();
-  for (const auto& measure : measures_) measure->see(world_);
+  see_all(world_, parts_, columns_, measures_);
 }
 
 double MeasureSet::value(std::size_t column) {
   world_.require_whole();
-  return measures_[column]->value(world_);
+  return call_measure(world_, *parts_[column].kind, columns_[column],
+                      [&] { return measures_[column]->value(world_); });
 }
 
 std::vector<double> MeasureSet::values() {
   world_.require_whole();
   std::vector<double> values;
-  for (const auto& measure : measures_) values.push_back(measure->value(world_));
+  for (std::size_t i = 0; i < parts_.size(); ++i) values.push_back(value(i));
   return values;
 }
 

@@ -5,10 +5,12 @@ import contextlib
 import importlib.machinery
 import importlib.util
 import io
+import itertools
 import json
 import math
 import pathlib
 import subprocess
+import sys
 import tempfile
 import unittest
 import unittest.mock
@@ -18,7 +20,7 @@ spec = importlib.util.spec_from_loader("prove", importlib.machinery.SourceFileLo
 prove = importlib.util.module_from_spec(spec)
 spec.loader.exec_module(prove)
 # scripts/prove has put its folder on the path
-from proofs import builds, checks, coverage, random_proof, random_worlds, runs, scenes, shrink, variants  # noqa: E402
+from proofs import builds, checks, coverage, random_proof, random_worlds, runs, scenes, sessions, shrink, variants  # noqa: E402
 from proofs.kinds import Kinds  # noqa: E402
 
 WORLD = runs.World("crowd.json")
@@ -193,7 +195,7 @@ class RandomWorlds(unittest.TestCase):
 
     def test_worlds_have_every_kind_rule_and_intervention_of_the_schema(self):
         counted = coverage.Coverage(self.kinds)
-        told = {"ticks": 1000, "events": [], "resumed": []}
+        told = {"ticks": 1000, "events": [], "resumed": [], "acts": sessions.ACTS}
         for i in range(400):
             counted.add(random_worlds.make_world(self.kinds, 1, i, self.pairs)[0], told)
         missing = [name for name in counted.missing() if ": " not in name]
@@ -230,6 +232,26 @@ class RandomWorlds(unittest.TestCase):
         led = {event for family, kind, event in counted.pairs if kind == "led"}
         self.assertEqual(led, {"born", "carried", "moved", "set"})
         self.assertEqual(counted.actions["remove"], 0)  # after the end
+
+    def test_acts_that_no_session_has_are_named(self):
+        counted = coverage.Coverage(self.kinds)
+        counted.add(random_worlds.make_world(self.kinds, 1, 0, self.pairs)[0],
+                    {"ticks": 9, "events": [], "resumed": [], "acts": ["hold", "move"]})
+        self.assertIn("act remove", counted.missing())
+        self.assertNotIn("act hold", counted.missing())
+
+    def test_sessions_contain_every_act(self):
+        header = (ROOT / "engine" / "act.hpp").read_text()
+        listed = header[header.index("k_acts{"):].split("}")[0]
+        self.assertEqual(sorted(sessions.ACTS), sorted(listed.split('"')[1::2]))
+
+    def test_a_third_of_the_worlds_has_a_session_and_one_of_20_a_check_of_its_controllers(self):
+        made = [{check["check"] for check in checks.plan(1, i, 20)} for i in range(2000)]
+        self.assertGreater(sum("session" in names for names in made), 2000 / 3)
+        self.assertGreater(sum("controllers" in names for names in made), 2000 / 20)
+        self.assertTrue(all("controllers" in {check["check"] for check in checks.plan(1, i, 20, controllers=True)} for i in range(50)))
+        without_module = [checks.plan(1, i, 20, program_only=True) for i in range(200)]
+        self.assertNotIn("session", {check["check"] for plan in without_module for check in plan})
 
     def test_checkpoints_of_a_plan_lie_within_the_run(self):
         for i in range(50):
@@ -300,6 +322,18 @@ class RandomProofs(unittest.TestCase):
         with tempfile.TemporaryDirectory() as folder, tempfile.TemporaryDirectory() as kept:
             _, faults = self.prove(Runner(folder, lambda world: world["seed"] % 4 == 0), 60, kept, shrink=False)
             self.assertTrue(any("could be loaded; the most frequent errors: error: no such thing" in fault for fault in faults), faults)
+
+    def test_a_limit_of_time_is_that_of_the_clock(self):
+        with tempfile.TemporaryDirectory() as folder, tempfile.TemporaryDirectory() as kept:
+            ticks = itertools.count(0, 10)
+            proof, _ = self.prove(Runner(folder), None, kept, shrink=False, seconds=45, now=lambda: next(ticks))
+            self.assertEqual(proof.made, 4)
+            self.assertEqual(proof.took_s, 60)
+
+    def test_processor_time_includes_that_of_ended_children(self):
+        before = random_proof.processor_s()
+        subprocess.run([sys.executable, "-c", "import time\nwhile time.process_time() < 0.2: pass"], check=True)
+        self.assertGreaterEqual(random_proof.processor_s() - before, 0.19)
 
     def test_a_folder_that_is_no_case_is_told(self):
         with tempfile.TemporaryDirectory() as folder, self.assertRaises(runs.Fault):

@@ -11,8 +11,11 @@ THREADS = (1, 2, 3, 8)
 TILES = (0, 0.6, 0.9, 2.3, 17.3)  # m; 0: automatic
 # Checks that are an option of `troupe check`, with one thread and one tile size.
 OPTIONS = {"controllers": "--controllers", "amnesia": "--amnesia", "reach": "--reach"}
-# Probability that a world is also computed by several ranks.
+# Probabilities that a world is also computed by several ranks, that a session is recorded and repeated in it, and that its
+# controllers are checked, if not those of all worlds.
 RANKS = 0.5
+SESSIONS = 0.35
+CONTROLLERS = 0.1
 
 
 def options_of(check):
@@ -46,7 +49,9 @@ def plan(seed, index, ticks, program_only=False, controllers=False):
                        "seed": draws.randrange(1 << 32)})
     checks.append({"check": "amnesia"})
     checks.append({"check": "reach"})
-    if controllers:
+    if draws.random() < SESSIONS and not program_only:
+        checks.append({"check": "session", "seed": draws.randrange(1 << 32)})
+    if controllers or draws.random() < CONTROLLERS:
         checks.append({"check": "controllers"})
     return checks
 

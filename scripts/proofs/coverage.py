@@ -4,6 +4,7 @@ import re
 from collections import Counter
 
 from .random_worlds import PART_FAMILIES, pairs_of
+from .sessions import ACTS
 
 # Names of the program's events.
 EVENTS = {"birth": "born", "death": "dies", "fails": "disabled", "recovers": "enabled"}
@@ -21,7 +22,7 @@ class Coverage:
     def __init__(self, kinds):
         self.kinds = kinds
         self.wanted_pairs = pairs_of(kinds)
-        self.kind_counts, self.pairs, self.rules, self.actions, self.engines = (Counter() for _ in range(5))
+        self.kind_counts, self.pairs, self.rules, self.actions, self.engines, self.acts = (Counter() for _ in range(6))
 
     def _type_of(self, world, name):
         for model in world.get("models", ()):
@@ -41,6 +42,7 @@ class Coverage:
             self.kind_counts.update(("fault", key) for key in fault if key in self.kinds.of("fault"))
         self.rules.update(each["place"]["rule"] for each in world.get("populations", ()))
         self.engines[world.get("ranging", "exact")] += 1
+        self.acts.update(told.get("acts", ()))
         end = told["ticks"] * world["tick_s"]
         seen = set()
 
@@ -78,10 +80,11 @@ class Coverage:
                 for part in one.get(key, ()) if part["name"] == name]
 
     def missing(self):
-        """Names of kinds, rules, actions and pairs that have not occurred."""
+        """Names of kinds, rules, actions, acts of sessions, and pairs that have not occurred."""
         names = [f"{kind.family} {kind.name}" for kind in self.kinds.all() if not self.kind_counts[kind.family, kind.name]]
         names += [f"placement rule {rule}" for rule in self.kinds.rules if not self.rules[rule]]
         names += [f"intervention {action}" for action in self.kinds.actions if not self.actions[action]]
+        names += [f"act {act}" for act in ACTS if not self.acts[act]]
         names += [f"ranging {engine}" for engine in self.kinds.ranging if not self.engines[engine]]
         return names + [f"{family} {kind}: {event}" for family, kind, event in self.wanted_pairs
                         if not self.pairs[family, kind, event]]

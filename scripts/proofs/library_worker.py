@@ -5,7 +5,7 @@
     out  {"invalid": the reason why the world cannot be loaded}, or
          {"failures": [{"check": {...}, "tick": 7, "text": "..."}], "events": [[type, robot, other], ...],
           "refused": [reasons of `troupe convert`], "resumed": [names of the robots alive at checkpoints],
-          "ticks": ticks of the plain run, "stopped": the line with the error that ended the plain run, or ""}
+          "acts": [kinds of the acts that were carried out in sessions], "ticks": ticks of the plain run, "stopped": the line with the error that ended the plain run, or ""}
 
 It is a separate process because a world may crash it. scripts/proofs/random_proof.py starts it.
 """
@@ -13,6 +13,7 @@ It is a separate process because a world may crash it. scripts/proofs/random_pro
 import json
 import os
 import pathlib
+import random
 import subprocess
 import sys
 
@@ -20,6 +21,7 @@ import troupe
 
 sys.path.insert(0, str(pathlib.Path(__file__).resolve().parent))
 from checks import difference, options_of  # noqa: E402
+from sessions import Viewer  # noqa: E402
 
 
 def names_of_living(simulation):
@@ -35,7 +37,7 @@ class Job:
         self.program = request["program"]
         self.cover = request.get("cover", False)
         self.name = str(self.folder / "world.json")
-        self.events, self.refused, self.resumed = [], [], []
+        self.events, self.refused, self.resumed, self.acts = [], [], [], set()
         self.expected = []
 
     def simulation(self, threads=1, tile=0.0, **options):
@@ -134,6 +136,39 @@ class Job:
             self.expected = self.steps(troupe.Simulation(str(source), threads=1, **options), self.ticks)
         yield self.steps(troupe.Simulation(str(target), threads=1, **options), self.ticks)
 
+    def session(self, check):
+        """Records a session, and lets the program repeat it: from the start with other threads or several ranks, and from a
+        checkpoint that was saved in the session."""
+        draws = random.Random(f"session {check['seed']}")
+        source, log = self.folder / "session.json", self.folder / "session.log"
+        for old in (*self.folder.glob("session.session*.jsonl"), *self.folder.glob("session.checkpoint*.h5")):
+            old.unlink()
+        source.write_text(json.dumps({**self.world, "mortal": True}))  # otherwise bodies cannot be removed or disabled
+        simulation = troupe.Simulation(str(source), threads=draws.choice((1, 2, 3)))
+        view = simulation.view(rate=0, out=self.folder)
+        viewer = Viewer(view, self.world, self.ticks, check["seed"])
+        viewer.start()
+        file = view.session
+        lines = self.steps(simulation, self.ticks)
+        view.close()
+        viewer.join()
+        viewer.socket.socket.close()
+        if viewer.error is not None:
+            raise RuntimeError(f"the viewer failed: {viewer.error!r}")
+        self.acts |= viewer.done
+        self.expected = [line for line in lines if " error " not in line]
+        end_s = repr((len(self.expected) - 1) * self.world.get("tick_s", 0.1))
+        ways = [("run", source, "--threads", draws.choice((1, 2, 3, 8)), "--ranks", draws.choice((1, 1, 2, 3)))]
+        if viewer.checkpoint:
+            ways.append(("resume", self.folder / viewer.checkpoint, "--threads", draws.choice((1, 2, 3))))
+        for way in ways:
+            log.unlink(missing_ok=True)
+            command = [self.program, *way, "--session", file, "--for", end_s, "--hash-log", log, "--quiet"]
+            done = subprocess.run(list(map(str, command)), capture_output=True, text=True)
+            if done.returncode != 0:
+                raise RuntimeError(f"troupe {way[0]} --session: exit code {done.returncode}: {done.stderr.strip()[:1500]}")
+            yield [line for line in log.read_text().splitlines() if not line.startswith("#")]
+
     def program_check(self, check):
         yield from ()
         if check["check"] == "reach" and self.world.get("ranging") == "grid":
@@ -152,7 +187,7 @@ class Job:
         run = {"threads": self.threads, "checkpoints": self.checkpoints, "reset": self.reset, "steps": self.steps_of,
                "observed": self.observed, "converted": self.converted, "program": self.program_check,
                "ranks": self.program_check, "amnesia": self.program_check, "reach": self.program_check,
-               "controllers": self.program_check}[check["check"]]
+               "controllers": self.program_check, "session": self.session}[check["check"]]
         plain = self.expected
         try:
             for lines in run(check):
@@ -176,7 +211,7 @@ class Job:
         self.expected = self.steps(plain, self.ticks)
         failures = [found for found in map(self.failure, checks) if found]
         return {"failures": failures, "events": sorted(set(self.events), key=repr), "refused": self.refused,
-                "resumed": sorted(set(self.resumed)), "ticks": len(self.expected) - 1,
+                "resumed": sorted(set(self.resumed)), "acts": sorted(self.acts), "ticks": len(self.expected) - 1,
                 "stopped": self.expected[-1] if " error " in self.expected[-1] else ""}
 
 

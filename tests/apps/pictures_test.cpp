@@ -1,8 +1,15 @@
 #include "tests/apps/program.hpp"
 
+#include <fcntl.h>
+#include <sys/file.h>
+#include <unistd.h>
+
+#include <csignal>
+#include <cstdint>
 #include <cstdlib>
 #include <filesystem>
 #include <string>
+#include <system_error>
 #include <vector>
 
 namespace troupe::apps {
@@ -13,12 +20,17 @@ using ::testing::ElementsAre;
 using ::testing::HasSubstr;
 using ::testing::IsEmpty;
 
-/// Writes what it is given behind what it was called with, and ends as it is told.
+/// Writes what it is given behind what it was called with, and ends as it is told; or it waits until the
+/// folder of the test is removed.
 constexpr const char* k_fake_ffmpeg = R"(#!/bin/sh
 for last; do :; done
 last=${last#file:}
 echo "$@" > "$last"
 cat >> "$last"
+if [ "$FAKE_FFMPEG_WAITS" ]; then
+  : > waiting
+  while [ -e bin/ffmpeg ]; do sleep 0.05; done
+fi
 exit ${FAKE_FFMPEG_CODE:-0}
 )";
 
@@ -33,7 +45,7 @@ class RunPictures : public ProgramTest {
     std::filesystem::remove(path("try.png"));
   }
   void TearDown() override {
-    for (const char* name : {"FAKE_FFMPEG_CODE"}) unsetenv(name);
+    for (const char* name : {"FAKE_FFMPEG_CODE", "FAKE_FFMPEG_WAITS"}) unsetenv(name);
     if (!old_path_.empty()) setenv("PATH", old_path_.c_str(), 1);
   }
   Outcome run(std::vector<std::string> options) const {
@@ -51,8 +63,18 @@ class RunPictures : public ProgramTest {
     set_path(false);
   }
 
+  /// Whether the film that is being made has pictures already.
+  bool has_pictures() const {
+    std::error_code missing;
+    const std::uintmax_t size = std::filesystem::file_size(path("f.mp4.partial.mp4"), missing);
+    return !missing && size > 3 * 64 * 48 * 4;
+  }
+
   std::string old_path_;
 };
+
+const std::vector<std::string> k_endless_film{"run",    "room.world", "--for",  "1e9",  "--quiet",
+                                              "--size", "64x48",      "--film", "f.mp4"};
 
 TEST_F(RunPictures, SnapshotsAreTakenWhenTheyAreAskedFor) {
   const Outcome outcome =
@@ -176,6 +198,31 @@ TEST_F(RunPictures, AFilmThatFailsIsAFailureAndLeavesNothing) {
   EXPECT_EQ(outcome.code, 1);
   EXPECT_THAT(outcome.err, HasSubstr("f.mp4: error: writing failed: ffmpeg ended with code 7"));
   EXPECT_THAT(files(), ElementsAre("bin", "room.world"));
+}
+
+// The first signal lets the run end with a whole film; the second one ends the program at once.
+TEST_F(RunPictures, AFilmThatIsInterruptedTwiceLeavesNoPartialFile) {
+  add_ffmpeg();
+  setenv("FAKE_FFMPEG_WAITS", "1", 1);
+  const Outcome killed = troupe_with_signals(
+      k_endless_film, {{SIGTERM, [&] { return has_pictures(); }},
+                       {SIGTERM, [&] { return std::filesystem::exists(path("waiting")); }}});
+  EXPECT_EQ(killed.code, 128 + SIGTERM) << killed.err;
+  EXPECT_THAT(files(), ElementsAre("bin", "room.world", "waiting"));
+}
+
+TEST_F(RunPictures, TheNextFilmReplacesThePartialFileOfAKilledOne) {
+  add_ffmpeg();
+  const Outcome killed = troupe_with_signals(k_endless_film, {{SIGKILL, [&] { return has_pictures(); }}});
+  EXPECT_EQ(killed.code, 128 + SIGKILL) << killed.err;
+  EXPECT_THAT(files(), ElementsAre("bin", "f.mp4.partial.mp4", "room.world"));
+  // ffmpeg keeps the lock until it ends.
+  const int partial = open(path("f.mp4.partial.mp4").c_str(), O_RDONLY | O_CLOEXEC);
+  EXPECT_EQ(flock(partial, LOCK_EX), 0);
+  close(partial);
+  const Outcome outcome = run({"--film", "f.mp4"});
+  EXPECT_EQ(outcome.code, 0) << outcome.err;
+  EXPECT_THAT(files(), ElementsAre("bin", "f.mp4", "room.world"));
 }
 
 TEST_F(RunPictures, WhatCannotBeIsRefusedBeforeTheRun) {

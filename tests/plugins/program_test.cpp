@@ -220,6 +220,30 @@ TEST_F(PluginProgram, AControllerThatThrowsEndsTheRunWithAnError) {
   }
 }
 
+TEST_F(PluginProgram, AMeasureThatThrowsIsNamedWithItsTick) {
+  const std::vector<std::string> path{"--plugin-path", folder_of("plugins")};
+  for (const auto& [measure, thrown] :
+       {std::pair("measure_seen", "threw: the map is missing"),
+        std::pair("measure_read", "threw an exception that is not a std::exception")}) {
+    const std::string name = std::string("thrower:") + measure;
+    const std::string expected = fmt::format("troupe: error: tick 3: measure \"{}\" {}\n", name, thrown);
+    for (const std::vector<std::string>& options :
+         {std::vector<std::string>{"--measures", "m.csv", "--measure", name, "--hash-log", "run.log"},
+          std::vector<std::string>{"--set", fmt::format("/stop_when=[\"{} > 1\"]", name)}}) {
+      std::vector<std::string> words = options;
+      words.insert(words.end(), path.begin(), path.end());
+      const Outcome ran = run(words);
+      EXPECT_EQ(ran.code, 1) << name;
+      EXPECT_EQ(ran.err, expected);
+    }
+  }
+  const Outcome made =
+      run({"--measures", "n.csv", "--measure", "thrower:measure_made", "--plugin-path", path.back()});
+  EXPECT_EQ(made.code, 2);
+  EXPECT_THAT(made.err, EndsWith("error: measure \"thrower:measure_made\" threw an exception that is not a "
+                                 "std::exception\n"));
+}
+
 TEST_F(PluginProgram, AnHonestOnePassesTheCheck) {
   const Outcome outcome = troupe({"check", "w.json", "--for", "0.3", "--threads", "2", "--tile-size", "auto",
                                   "--controllers", "--plugin-path", folder_of("plugins")});

@@ -1,7 +1,9 @@
-// Controllers and sensors whose authors let exceptions out, among them such that are no std::exception.
+// Controllers, sensors and measures whose authors let exceptions out, among them such that are no
+// std::exception.
 #include <troupe/plugin.hpp>
 
 #include <stdexcept>
+#include <vector>
 
 namespace {
 
@@ -75,8 +77,29 @@ troupe::DeviceKind unstartable() {
   return kind;
 }
 
+/// Throws a number when it is made, while it is updated in the third tick, or when it is read in the third
+/// tick.
+enum class Moment { made, seen, read };
+template <Moment k_moment>
+struct Counts : troupe::Measure {
+  static constexpr std::string_view text = "counts nothing";
+  Counts(const troupe::World&, const std::vector<troupe::Row>&) {
+    if (k_moment == Moment::made) throw 42;
+  }
+  void see(troupe::World& world) override {
+    if (k_moment == Moment::seen && world.tick() == 3) throw std::runtime_error("the map is missing");
+  }
+  double value(troupe::World& world) override {
+    if (k_moment == Moment::read && world.tick() == 3) throw 42;
+    return 0;
+  }
+};
+
 }  // namespace
 
+TROUPE_MEASURE("measure_made", Counts<Moment::made>)
+TROUPE_MEASURE("measure_seen", Counts<Moment::seen>)
+TROUPE_MEASURE("measure_read", Counts<Moment::read>)
 TROUPE_CONTROLLER("says", Says)
 TROUPE_CONTROLLER("says_nothing", SaysNothing)
 TROUPE_CONTROLLER("for_many", ForMany)
