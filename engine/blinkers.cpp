@@ -18,6 +18,8 @@ Blinkers::Blinkers(WorldState& state)
       outlines_(state.outlines),
       radii_(state.radii),
       shapes_(state.shapes),
+      joint_mounts_(state.joint_mounts),
+      roots_(state.roots),
       tables_(state.tables),
       index_(state.geometry) {}
 
@@ -60,7 +62,11 @@ void Blinkers::hide_from(Row row, const DeviceKind& kind, double reach) {
   hidden_.clear();
   for (std::size_t r = 0; r < state_.row_count(); ++r) {
     const Row other(r);
-    if (state_.view.same_tree(other, row) || !state_.view.is_there(other)) continue;
+    if (!state_.view.is_there(other)) {
+      hidden_.push_back(other);
+      continue;
+    }
+    if (state_.view.same_tree(other, row)) continue;
     if ((state_.view.transform(other).position - origin).norm() - state_.radii[r] > reach + k_slack_m)
       hidden_.push_back(other);
   }
@@ -73,6 +79,13 @@ void Blinkers::hide_from(Row row, const DeviceKind& kind, double reach) {
     for (std::size_t v = state_.outline_begins[r];
          v < state_.outline_begins[r] + state_.type(other).outline_vertices.size(); ++v)
       outlines_[v] = std::exchange(state_.outlines[v], Vec2(k_nan, k_nan));
+    for_joints_of(other, [&](std::size_t j) {
+      joint_mounts_[j] =
+          std::exchange(state_.joint_mounts[j],
+                        Mount(Transform({k_nan, k_nan}, Rotation(SinCos{k_nan, k_nan})), k_nan, k_nan));
+    });
+    if (!state_.roots.empty())
+      roots_[r] = std::exchange(state_.roots[r], std::numeric_limits<std::uint32_t>::max());
     state_.for_tables_of(other, [&](std::size_t t, std::size_t at) {
       tables_[t].copy_row(at, state_.tables[t]);
       state_.tables[t].fill_row(at, std::byte{0xff});  // a floating-point field is then NaN
@@ -84,6 +97,14 @@ void Blinkers::hide_from(Row row, const DeviceKind& kind, double reach) {
   });
   std::swap(state_.index, index_);
   state_.index.rebuild(state_.transforms, state_.radii, serial_);
+}
+
+/// Calls visit(j) for each index j into WorldState::joint_mounts of a joint of the row's body.
+template <class Visit>
+void Blinkers::for_joints_of(Row row, Visit&& visit) const {
+  if (state_.joint_begins.empty()) return;
+  const std::size_t begin = state_.joint_begins[row.index()];
+  for (std::size_t j = begin; j < begin + state_.type(row).joints.size(); ++j) visit(j);
 }
 
 /// Calls visit(t, i) for each row i of a table t with reads[t] == 0, if the row belongs to a visible body
@@ -116,8 +137,25 @@ void Blinkers::show_hidden(Row row, const DeviceKind& kind) {
     for (std::size_t v = state_.outline_begins[r];
          v < state_.outline_begins[r] + state_.type(other).outline_vertices.size(); ++v)
       state_.outlines[v] = outlines_[v];
+    for_joints_of(other, [&](std::size_t j) { state_.joint_mounts[j] = joint_mounts_[j]; });
+    if (!state_.roots.empty()) state_.roots[r] = roots_[r];
     state_.for_tables_of(other,
                          [&](std::size_t t, std::size_t at) { state_.tables[t].copy_row(at, tables_[t]); });
+  }
+}
+
+void Blinkers::check_targets(const BodyType::Device& device, std::span<const Effect> emitted) const {
+  if (device.kind->scope != ApplyScope::trees) return;
+  for (const Effect& effect : emitted) {
+    if (!effect.target.valid()) continue;
+    const Row target = state_.view.row(effect.target);
+    if (!target.valid() || !std::ranges::binary_search(hidden_, target)) continue;
+    throw StepError(
+        fmt::format("tick {}: device \"{}\" ({}) of \"{}\" requested an effect on \"{}\", but that body is "
+                    "beyond its reach, and the scope that the device's kind declares (DeviceKind::scope) "
+                    "requires a target within reach",
+                    state_.now.tick, device.name, device.kind->name, state_.spec.name(effect.source),
+                    state_.spec.name(effect.target)));
   }
 }
 

@@ -12,20 +12,24 @@
 namespace troupe::engine {
 
 /// Implements the test mode World::hide_beyond_reach(). While a device runs, it hides all data that the kind
-/// of the device does not declare to read. It also detects effects (changes that a device makes to bodies)
-/// on bodies that the kind does not declare to change. A row is the index of a body in the state tables, and
-/// a component is one of these tables.
+/// of the device does not declare to read. It also detects effects (changes that a device makes to bodies) on
+/// bodies that the kind does not declare to change. A row is the index of a body in the state tables, and a
+/// component is one of these tables.
 class Blinkers {
  public:
   /// The state must outlive the object.
   explicit Blinkers(WorldState& state);
 
   /// Hides data from a device of the row's body: all data of bodies farther than `reach` (m) from this body,
-  /// and those components of nearer bodies that the kind of the device does not declare to read
-  /// (DeviceKind::reads).
+  /// all data of bodies that are not in the world, and those components of nearer bodies that the kind of the
+  /// device does not declare to read (DeviceKind::reads).
   void hide_from(Row row, const DeviceKind& kind, double reach);
   /// Undoes the last call of hide_from(), which must have had the same row and kind.
   void show_hidden(Row row, const DeviceKind& kind);
+  /// Checks the effects that the device emitted while data were hidden: throws a StepError if the kind of the
+  /// device has the scope ApplyScope::trees and the target of an effect was a hidden body. Call it after
+  /// show_hidden().
+  void check_targets(const BodyType::Device& device, std::span<const Effect> emitted) const;
 
   /// Remembers the state before an effect is applied.
   void begin_effect(const Effect& effect);
@@ -35,6 +39,8 @@ class Blinkers {
 
  private:
   std::vector<std::uint8_t> tables_read_by(const DeviceKind& kind) const;
+  template <class Visit>
+  void for_joints_of(Row row, Visit&& visit) const;
   template <class Visit>
   void for_other_tables(Row row, std::span<const std::uint8_t> reads, Visit&& visit);
   std::vector<std::uint8_t> trees_of(const Effect& effect) const;
@@ -46,11 +52,13 @@ class Blinkers {
   std::vector<Vec2> outlines_;
   std::vector<double> radii_;
   std::vector<const partition::ObstacleShape*> shapes_;
+  std::vector<Mount> joint_mounts_;
+  std::vector<std::uint32_t> roots_;
   std::vector<StateTable> tables_;
   partition::BodyIndex index_;  // while rows are hidden: the complete index; otherwise: memory for the index
                                 // without hidden rows
   partition::Parallel serial_{1};
-  std::vector<Row> hidden_;
+  std::vector<Row> hidden_;  // in ascending order
   // Per kind of device: for each state table, whether the kind reads the rows of other bodies in it.
   std::map<const DeviceKind*, std::vector<std::uint8_t>> reads_;
 

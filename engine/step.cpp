@@ -96,9 +96,11 @@ void World::for_seeing(std::span<const Row> rows, const BodyType& type, const Bo
                        Work&& work) {
   if (!blinkers_) return work(rows);
   for (const Row& row : rows) {
+    const std::size_t emitted = effects_.emitted().size();
     blinkers_->hide_from(row, *device.kind, device.prepared.reach_m + type.joint_reach);
     work(std::span(&row, 1));
     blinkers_->show_hidden(row, *device.kind);
+    blinkers_->check_targets(device, effects_.emitted().subspan(emitted));
   }
 }
 

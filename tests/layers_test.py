@@ -257,6 +257,43 @@ class TheSources(unittest.TestCase):
             self.fail(f"{len(found)} breach(es) of the layers:\n" + "\n".join(found))
 
 
+def phases(text):
+    """The names of the enumerators of `enum class Phase` in the text of engine/phase.hpp."""
+    return re.findall(r"^ +(\w+),", re.search(r"enum class Phase .*?\{(.*?)\}", text, re.S)[1], re.M)
+
+
+def drawn(text, style):
+    """The names in the boxes of a style (class) in the text of docs/images/architecture.svg, from top to bottom."""
+    return re.findall(rf'<rect class="{style}".*?<text class="n"[^>]*>([^<]*)<', text, re.S)
+
+
+class ThePicture(unittest.TestCase):
+    """docs/images/architecture.svg shows the phases of a tick and the layers, as the code has them."""
+
+    PICTURE = ROOT / "docs" / "images" / "architecture.svg"
+
+    def test_it_shows_the_phases(self):
+        expected = phases((ROOT / "engine" / "phase.hpp").read_text())
+        self.assertEqual(len(expected), 6)
+        self.assertEqual(drawn(self.PICTURE.read_text(), "p"), expected)
+
+    def test_the_page_lists_the_phases(self):
+        page = (ROOT / "docs" / "architecture.md").read_text()
+        tick = page[page.index("## The tick"):]
+        listed = re.findall(r"^    ([a-z]+) {2,}\S", tick[:tick.index("S(k) is the state")], re.M)
+        self.assertEqual(listed, [*phases((ROOT / "engine" / "phase.hpp").read_text()), "observe"])
+
+    def test_it_shows_the_folders(self):
+        boxes = {name for style in "abt" for name in drawn(self.PICTURE.read_text(), style)}
+        self.assertEqual(boxes, set(BELOW) | {"observe"})
+
+    def test_a_missing_phase_is_found(self):
+        text = self.PICTURE.read_text()
+        without = re.sub(r' *<rect class="p"[^>]*>\s*<text class="n"[^>]*>actuate<', "", text)
+        self.assertNotIn("actuate", drawn(without, "p"))
+        self.assertNotEqual(without, text)
+
+
 class PlantedFaults(unittest.TestCase):
     """Tests the checks with a small source tree that obeys the rules, into which one fault at a time is inserted."""
 

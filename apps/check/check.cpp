@@ -7,6 +7,7 @@
 #include "engine/controller_check.hpp"
 #include "engine/remade_world.hpp"
 #include "engine/state_difference.hpp"
+#include "engine/step_error.hpp"
 #include "engine/ticks.hpp"
 
 #include <fmt/format.h>
@@ -45,14 +46,20 @@ struct Variant {
   Memory memory = Memory::kept;
   std::unique_ptr<engine::World> remade = nullptr;  // if not null, replaces the simulation's world
   bool differs = false;                             // from the first variant
+  std::optional<std::string> error = {};            // text of the StepError that ended it
 
   engine::World& world() { return remade ? *remade : simulation.world(); }
   void step() {
     if (memory == Memory::remade) remade = engine::remade_world(world(), simulation.registry(), options);
-    if (remade)
-      remade->step();
-    else
-      simulation.step();
+    try {
+      if (remade)
+        remade->step();
+      else
+        simulation.step();
+    } catch (const engine::StepError& stop) {
+      error = stop.what();  // the state is incomplete: neither hashes nor differences can be computed
+      return;
+    }
     if (memory == Memory::forgotten) world().forget();
   }
 };
@@ -168,6 +175,29 @@ std::vector<std::string> compare(std::vector<Variant>& variants) {
   return lines;
 }
 
+/// Compares whether the step of each variant was completed with whether that of the first variant was. Returns
+/// the differences as lines of text, and marks the variants that differ. If the steps of all variants ended with
+/// an error, it is an error of the world: throws that of the first variant as a StepError. (The texts may
+/// differ: an exception of a kind names the first robot of a batch, and batches depend on the threads.)
+std::vector<std::string> compare_errors(std::vector<Variant>& variants) {
+  const auto outcome = [](const Variant& variant) {
+    return variant.error ? fmt::format("stopped with an error: {}", *variant.error)
+                         : std::string("completed the tick");
+  };
+  const Variant& first = variants.front();
+  if (std::ranges::all_of(variants, [](const Variant& variant) { return variant.error.has_value(); }))
+    throw engine::StepError(*first.error);
+  std::vector<std::string> lines;
+  for (auto variant = variants.begin() + 1; variant != variants.end(); ++variant) {
+    if (variant->error.has_value() == first.error.has_value()) continue;
+    variant->differs = true;
+    lines.push_back(fmt::format("  {}, compared with {}:", variant->name, first.name));
+    lines.push_back("    " + outcome(*variant));
+    if (first.error) lines.push_back(fmt::format("    {} {}", first.name, outcome(first)));
+  }
+  return lines;
+}
+
 /// Steps the variants to world time `end_s`, s, or to the first tick at which they differ. Returns the
 /// differences as lines of text; empty: none. decisions: null unless --controllers is given.
 std::vector<std::string> step_to_end(std::vector<Variant>& variants, Decisions* decisions, double end_s) {
@@ -176,13 +206,15 @@ std::vector<std::string> step_to_end(std::vector<Variant>& variants, Decisions* 
   Progress progress(first.time_s(), end_s, true);
   std::vector<std::string> lines = decisions ? decisions->start_twice() : std::vector<std::string>();
   for (;;) {
-    for (std::string& line : compare(variants)) lines.push_back(std::move(line));
+    std::vector<std::string> errors = compare_errors(variants);
+    if (errors.empty()) errors = compare(variants);
+    for (std::string& line : errors) lines.push_back(std::move(line));
     if (!lines.empty() || first.tick() >= ticks) return lines;
     for (Variant& variant : variants) {
       variant.step();
       // The decisions must be repeated before the other variants step, because decisions in these variants
       // would change the static variables of a controller.
-      if (decisions && &variant == &variants.front()) lines = decisions->repeat();
+      if (decisions && &variant == &variants.front() && !variant.error) lines = decisions->repeat();
     }
     progress.update(first.time_s());
   }
@@ -196,7 +228,7 @@ void print_table(std::vector<Variant>& variants, const Decisions* decisions) {
   row("variant", "ticks", "result", "hash");
   for (Variant& variant : variants)
     row(variant.name, fmt::format("{}", variant.world().tick()), variant.differs ? "DIFFERS" : "same bits",
-        hex(variant.world().hashes().state));
+        variant.error ? "-" : hex(variant.world().hashes().state));
   if (decisions)
     row(fmt::format("{} decisions, each 3 times", decisions->count()),
         fmt::format("{}", variants.front().simulation.tick()), decisions->differ() ? "DIFFERS" : "same bits",

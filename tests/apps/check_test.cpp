@@ -2,6 +2,7 @@
 
 #include "engine/device_kind.hpp"
 #include "engine/sensing_view.hpp"
+#include "engine/step_error.hpp"
 #include "engine/world.hpp"
 #include "tests/apps/program.hpp"
 #include "tests/support/rogue_controllers.hpp"
@@ -13,9 +14,13 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <deque>
+#include <exception>
 #include <ostream>
+#include <stdexcept>
 #include <string>
 #include <string_view>
+#include <utility>
 #include <vector>
 
 namespace troupe::apps {
@@ -170,23 +175,72 @@ struct Doppler {
   }
 };
 
-/// A device that in each tick writes to the next body of the world.
+/// A device that in each tick writes to the next body of the world. `k_has_target`: that body is the target of
+/// the effect; otherwise the effect has no target.
+template <bool k_has_target>
 struct Meddler {
   struct State {
     std::uint32_t count = 0;
     TROUPE_FIELDS(count)
   };
-  static constexpr engine::ApplyScope scope = engine::ApplyScope::trees;
 
   static engine::DeviceKind::Prepared prepare(const Pose&) { return {.data = Meddler(), .most_effects = 1}; }
   void act(const engine::DeviceBatch& batch) const {
-    for (std::size_t i = 0; i < batch.rows.size(); ++i) batch.emit(i, 0, 0, BodyId());
+    for (std::size_t i = 0; i < batch.rows.size(); ++i) {
+      const BodyId next(batch.body(i).index() + 1);
+      if (next.index() < batch.view.spec().bodies.size())
+        batch.emit(i, 0, 0, k_has_target ? next : BodyId(), {static_cast<double>(next.value)});
+    }
   }
   void apply(engine::World& world, const engine::Effect& effect) const {
-    const BodyId next(effect.source.index() + 1);
-    if (next.index() >= world.spec().bodies.size() || !world.row(next).valid()) return;
-    const Row row = world.row(next);
-    ++world.state(world.type(row).devices[effect.device]).as<State>(world.slot(row)).count;
+    const Row row = world.row(BodyId(static_cast<std::size_t>(effect.payload[0])));
+    if (row.valid()) ++world.state(world.type(row).devices[effect.device]).template as<State>(world.slot(row)).count;
+  }
+};
+
+/// Sensors that read the joints of all other bodies, and the places of bodies that are not in the world.
+struct JointPeeker {
+  struct State {
+    double lift = 0;
+    TROUPE_FIELDS(lift)
+  };
+
+  static engine::DeviceKind::Prepared prepare(const Pose&) { return {.data = JointPeeker()}; }
+  std::uint64_t sense(const engine::DeviceBatch& batch) const {
+    for (std::size_t i = 0; i < batch.rows.size(); ++i) {
+      double& lift = batch.state.as<State>(batch.slot(i)).lift;
+      lift = 0;
+      for (std::size_t r = 0; r < batch.view.rows(); ++r)
+        if (!batch.view.same_tree(Row(r), batch.rows[i])) lift += batch.view.lift(Row(r), 0);
+    }
+    return 0;
+  }
+};
+struct GhostPeeker {
+  struct State {
+    double x = 0;
+    TROUPE_FIELDS(x)
+  };
+
+  static engine::DeviceKind::Prepared prepare(const Pose&) {
+    return {.data = GhostPeeker(), .reach_m = 1000};
+  }
+  std::uint64_t sense(const engine::DeviceBatch& batch) const {
+    for (std::size_t i = 0; i < batch.rows.size(); ++i) {
+      double& x = batch.state.as<State>(batch.slot(i)).x;
+      x = 0;
+      for (std::size_t r = 0; r < batch.view.rows(); ++r)
+        if (!batch.view.is_there(Row(r))) x += batch.view.transform(Row(r)).position.x();
+    }
+    return 0;
+  }
+};
+
+/// A device that throws in tick 3.
+struct Thrower {
+  static engine::DeviceKind::Prepared prepare(const Pose&) { return {.data = Thrower()}; }
+  void act(const engine::DeviceBatch& batch) const {
+    if (batch.view.tick() == 3) throw std::runtime_error("out of order");
   }
 };
 
@@ -202,9 +256,20 @@ class Check : public test::ScratchTest {
       all.devices.push_back(engine::make_device_kind<Doppler>("doppler", "the speeds of bodies near it"));
       all.devices.push_back(engine::make_device_kind<Doppler>("secret_doppler", "the same, not declared"));
       all.devices.back().reads.clear();
-      all.devices.push_back(engine::make_device_kind<Meddler>("meddler", "writes to another body"));
-      all.devices.push_back(engine::make_device_kind<Meddler>("frank_meddler", "the same, declared"));
-      all.devices.back().scope = engine::ApplyScope::anything;
+      for (const auto& [prefix, scope] :
+           {std::pair("trees", engine::ApplyScope::trees), std::pair("any_target", engine::ApplyScope::any_target),
+            std::pair("anything", engine::ApplyScope::anything)}) {
+        for (const bool has_target : {false, true}) {
+          static std::deque<std::string> names;  // the kinds refer to them
+          names.push_back(fmt::format("{}_{}", prefix, has_target ? "far_target" : "no_target"));
+          all.devices.push_back(has_target ? engine::make_device_kind<Meddler<true>>(names.back(), "meddles")
+                                           : engine::make_device_kind<Meddler<false>>(names.back(), "meddles"));
+          all.devices.back().scope = scope;
+        }
+      }
+      all.devices.push_back(engine::make_device_kind<Thrower>("thrower", "throws"));
+      all.devices.push_back(engine::make_device_kind<JointPeeker>("joint_peeker", "reads joints of others"));
+      all.devices.push_back(engine::make_device_kind<GhostPeeker>("ghost_peeker", "reads unborn bodies"));
       return all;
     }();
     return kinds;
@@ -226,9 +291,16 @@ class Check : public test::ScratchTest {
     ::testing::internal::CaptureStdout();
     ::testing::internal::CaptureStderr();
     Outcome outcome;
-    outcome.code = apps::check(options, registry());
+    std::exception_ptr thrown;
+    try {
+      outcome.code = apps::check(options, registry());
+    } catch (...) {
+      thrown = std::current_exception();
+    }
+    // Also after an exception: otherwise the next test would find the output captured already.
     outcome.out = ::testing::internal::GetCapturedStdout();
     outcome.err = ::testing::internal::GetCapturedStderr();
+    if (thrown) std::rethrow_exception(thrown);
     return outcome;
   }
   Outcome check_controllers(const std::string& controller) const {
@@ -323,19 +395,85 @@ TEST_F(Check, ReachFindsADeviceThatReadsMoreThanItDeclares) {
   }
 }
 
-TEST_F(Check, ReachFindsAnEffectThatChangesMoreThanItsKindDeclares) {
+TEST_F(Check, ReachHidesJointsAndBodiesThatAreNotInTheWorld) {
+  for (const std::string kind : {"compass", "joint_peeker", "ghost_peeker"}) {
+    CheckOptions blinkered = options("honest");
+    blinkered.world = write(kind + ".json", fmt::format(R"({{
+      "troupe": 1, "types": {{"bot": {{"size_m": [0.1, 0.1, 0.2], "drive": {{"kind": "diff"}},
+        "controller": {{"kind": "honest"}}, "devices": [{{"kind": "gripper", "name": "hand"}}],
+        "sensors": [{{"name": "it", "kind": "{}", "active": true}}]}}}},
+      "populations": [{{"name": "r", "type": "bot", "count": 8, "reserve": 2,
+                        "place": {{"rule": "uniform", "region_m": [[-5, -5], [5, 5]]}}}}]}})",
+                                                        kind));
+    blinkered.threads = {1};
+    blinkered.reach = true;
+    const Outcome outcome = check(blinkered);
+    EXPECT_EQ(outcome.code, kind == "compass" ? 0 : 1) << kind << "\n" << outcome.out << outcome.err;
+  }
+}
+
+struct Meddling {
+  std::string kind;    ///< the scope that it declares, and what its effects are
+  std::string report;  ///< what the check says; empty: nothing
+};
+
+void PrintTo(const Meddling& meddling, std::ostream* out) { *out << meddling.kind; }
+
+class CheckScope : public Check, public ::testing::WithParamInterface<Meddling> {};
+
+TEST_P(CheckScope, OfAnEffectIsWhatItsKindDeclares) {
   CheckOptions blinkered = options("honest");
   blinkered.threads = {1};
   blinkered.reach = true;
-  blinkered.world = write("frank.json", crowd_with("devices", "frank_meddler"));
-  const Outcome frank = check(blinkered);
-  EXPECT_EQ(frank.code, 0) << frank.out << frank.err;
-  blinkered.world = write("meddlers.json", crowd_with("devices", "meddler"));
-  EXPECT_THAT(
-      [&] { check(blinkered); },
-      ThrowsMessage<engine::StepError>("tick 1: device \"it\" (meddler) of \"r0\" changed the component "
-                                       "\"meddler/it\" of \"r1\", but that body is outside the scope "
-                                       "that the device's kind declares (DeviceKind::scope)"));
+  blinkered.world = write("meddlers.json", crowd_with("devices", GetParam().kind));
+  const Outcome outcome = check(blinkered);
+  if (GetParam().report.empty()) {
+    EXPECT_EQ(outcome.code, 0) << outcome.out << outcome.err;
+    return;
+  }
+  EXPECT_EQ(outcome.code, 1);
+  EXPECT_THAT(outcome.err, IsEmpty());
+  const std::vector<std::string> lines = lines_of(outcome.out);
+  ASSERT_THAT(lines, SizeIs(6)) << outcome.out;
+  EXPECT_THAT(lines[1], MatchesRegex("1 thread, automatic tiles +1  same bits  [0-9a-f]{16}"));
+  EXPECT_THAT(lines[2],
+              MatchesRegex("1 thread, automatic tiles, bodies beyond reach hidden +1  DIFFERS    -"));
+  EXPECT_EQ(lines[3], "differs at tick 1 (0.1 s):");
+  EXPECT_EQ(lines[4],
+            "  1 thread, automatic tiles, bodies beyond reach hidden, compared with 1 thread, automatic tiles:");
+  EXPECT_EQ(lines[5], fmt::format("    stopped with an error: tick 1: device \"it\" ({}) of \"r0\" {}",
+                                  GetParam().kind, GetParam().report));
+}
+
+std::string changed(std::string_view kind) {
+  return fmt::format(
+      "changed the component \"{}/it\" of \"r1\", but that body is outside the scope that the device's kind "
+      "declares (DeviceKind::scope)",
+      kind);
+}
+
+INSTANTIATE_TEST_SUITE_P(
+    Scopes, CheckScope,
+    ::testing::Values(Meddling{"trees_no_target", changed("trees_no_target")},
+                      Meddling{"any_target_no_target", changed("any_target_no_target")},
+                      Meddling{"anything_no_target", ""},
+                      Meddling{"trees_far_target",
+                               "requested an effect on \"r1\", but that body is beyond its reach, and the scope "
+                               "that the device's kind declares (DeviceKind::scope) requires a target within "
+                               "reach"},
+                      Meddling{"any_target_far_target", ""}, Meddling{"anything_far_target", ""}),
+    [](const auto& meddling) {
+      std::string name = meddling.param.kind;
+      std::erase(name, '_');
+      return name;
+    });
+
+TEST_F(Check, AnErrorOfAllVariantsIsAnErrorOfTheWorld) {
+  CheckOptions both = options("honest");
+  both.world = write("throwers.json", crowd_with("devices", "thrower"));
+  EXPECT_THAT([&] { check(both); },
+              ThrowsMessage<engine::StepError>(
+                  MatchesRegex("tick 3: device \"it\" .thrower. of \"r[0-9]+\".* threw: out of order")));
 }
 
 TEST_F(CheckProgram, ReachNeedsTheExactRayEngine) {
