@@ -588,8 +588,8 @@ constexpr void describe(Description<Pose>& d) {
   using enum Unit;
   constexpr double k_reach = 100000;     // m: the largest extent of a world
   constexpr double k_turns = 20 * k_pi;  // more than ten turns is probably a wrong unit
-  d.member<&Pose::x>("x", meters, within(-k_reach, k_reach), "forward");
-  d.member<&Pose::y>("y", meters, within(-k_reach, k_reach), "left");
+  d.member<&Pose::x>("x", meters, within(-k_reach, k_reach), "along x: forward, if the frame is a body's");
+  d.member<&Pose::y>("y", meters, within(-k_reach, k_reach), "along y: left, if the frame is a body's");
   d.member<&Pose::z>("z", meters, within(-k_reach, k_reach), "up");
   d.member<&Pose::heading>("heading", radians, within(-k_turns, k_turns), "counter-clockwise from +x");
 }

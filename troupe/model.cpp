@@ -54,8 +54,8 @@ Row Model::Place::whole() const {
   const Row row = world->row(body);
   if (!row.valid())
     throw std::logic_error(
-        fmt::format("\"{}\" is static: only bodies with a drive, a sensor or a controller can be moved, "
-                    "removed or disabled",
+        fmt::format("\"{}\" is static: only bodies that have a drive, a device or a controller, or that can be "
+                    "gripped or pushed, can be moved, removed or disabled",
                     name));
   return row;
 }

@@ -3,7 +3,6 @@
 #include "base/math.hpp"
 
 #include <string_view>
-#include <utility>
 #include <vector>
 
 namespace troupe::worldio {
@@ -17,35 +16,41 @@ constexpr double k_most_window_px = 16384;
 constexpr double k_most_turn = 100;  // greatest camera angle, rad
 constexpr double k_reach_m = 100e3;  // greatest coordinate in a world
 
-/// The parameters that switch a layer on or off, with Stage's defaults.
-constexpr std::pair<std::string_view, bool> k_switches[] = {
-    {"show_data", false},
+/// A parameter that switches a layer of the picture on or off.
+struct Switch {
+  std::string_view name;
+  bool is_on;  ///< Stage's default
+  std::string_view text = "a switch of Stage's window, without effect in Troupe";
+};
+
+constexpr Switch k_switches[] = {
+    {"show_data", false, "sensor data are drawn, see the four switches that name this one"},
     {"show_blocks", true},
-    {"show_clock", true},
+    {"show_clock", true, "the world time is drawn"},
     {"show_flags", true},
-    {"show_grid", true},
+    {"show_grid", true, "the grid of the floor is drawn"},
     {"show_follow", false},
-    {"show_footprints", false},
+    {"show_footprints", false, "the past poses of the bodies are drawn"},
     {"show_boundingboxes", false},
-    {"show_occupancy", false},
+    {"show_occupancy", false, "the occupied cells are drawn"},
     {"show_trailarrows", false},
     {"show_trailrise", false},
     {"show_trailfast", false},
     {"show_trailblur", false},
-    {"show_ranger_ranges", true},
+    {"show_ranger_ranges", true, "with `show_data`: the readings of the rangers are drawn"},
     {"show_ranger_strikes", false},
     {"show_ranger_fov", false},
     {"show_ranger_transducers", false},
-    {"show_fiducial", true},
+    {"show_fiducial", true, "with `show_data`: the detected fiducials are drawn"},
     {"show_fiducial_fov", false},
-    {"show_gripper_data", true},
+    {"show_gripper_data", true, "with `show_data`: the state of the grippers is drawn"},
     {"show_camera", true},
     {"show_blinken", true},
     {"show_bumper_hits", true},
     {"show_position_waypoints", true},
     {"show_position_coords", false},
     {"ranger_vis", true},
-    {"blobfinder_vis", true},
+    {"blobfinder_vis", true, "with `show_data`: the detected blobs are drawn"},
     {"raster_vis", false},
     {"energy_dissipation", false},
     {"energy_input", false},
@@ -125,8 +130,8 @@ FieldTable make_window_fields() {
        .fallback = "",
        .text = "name of the model that the view follows"},
   }};
-  for (const auto& [name, is_on] : k_switches)
-    table.fields.push_back({.name = name, .type = FieldType::boolean, .fallback = is_on});
+  for (const auto& [name, is_on, text] : k_switches)
+    table.fields.push_back({.name = name, .type = FieldType::boolean, .fallback = is_on, .text = text});
   return table;
 }
 

@@ -416,7 +416,7 @@ Hdf5Dataset::Hdf5Dataset(Hdf5Id id, fs::path file, std::string path)
     : Hdf5Object(std::move(id), std::move(file), std::move(path)) {
   const Hdf5Id type(H5Dget_type(id_.get()), H5Tclose);
   const std::optional<engine::Element> element = element_of_type(type.get());
-  if (!element) fail("holds neither numbers of 32 or 64 bits nor bytes");
+  if (!element) fail("has elements of an unknown type; known: numbers of 32 or 64 bits, and bytes");
   element_ = *element;
   const Hdf5Id space(H5Dget_space(id_.get()), H5Sclose);
   std::vector<hsize_t> dimensions(
