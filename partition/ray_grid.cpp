@@ -17,9 +17,8 @@ namespace {
 constexpr unsigned k_region_bits = 6;  // 64 cells per edge
 constexpr std::int32_t k_region = 1 << k_region_bits;
 constexpr std::int32_t k_block = 8;
-constexpr std::int32_t k_square = 32;                     // cells per edge of a square, a quarter of a region
-constexpr std::uint64_t k_blocks_of_square = 0x0F0F0F0F;  // the blocks of the first square of a region
-constexpr std::uint32_t k_link = 1u << 31;                // set in a mark that is the number of a Link
+constexpr std::int32_t k_square = 32;       // cells per edge of a square, a quarter of a region
+constexpr std::uint32_t k_link = 1u << 31;  // set in a mark that is the number of a Link
 constexpr std::uint32_t k_unmarked = ~0u;
 constexpr std::uint32_t k_share = 128;        // outlines per drawing task
 constexpr std::size_t k_batch = 8;            // regions per assembling task
@@ -140,22 +139,36 @@ class RayGrid::Rasterizer {
 /// border j along y at (2 j - 1) / up. Jumps do not change this order.
 class RayGrid::Line {
  public:
+  class Jumps;
+
   Line(const GridRay& ray, double cell_m)
       : step_x(ray.direction.x() < 0 ? -1 : 1),
         step_y(ray.direction.y() < 0 ? -1 : 1),
         across(extent(ray.direction.x(), ray, cell_m)),
         up(extent(ray.direction.y(), ray, cell_m)),
-        left(across + up),
+        last(across + up),
         start_(ray.origin / cell_m),
-        at_(start_),
+        base_(start_),
+        sign_(step_x, step_y),
         forward_(ray.direction.cwiseAbs()),
-        per_(forward_.cwiseInverse()),
         cell_m_(cell_m) {}
 
   /// False if the ray starts so far away that its cells have no numbers.
   bool starts_on_grid() const { return start_.cwiseAbs().maxCoeff() < static_cast<double>(k_farthest); }
-  /// The cell of the position, which is rounded towards zero.
-  Cell cell() const { return {static_cast<std::int32_t>(at_.x()), static_cast<std::int32_t>(at_.y())}; }
+  /// The position after the steps to_i and to_j, in cells. No jump may come between the present one and that.
+  Vec2 after(std::int64_t to_i, std::int64_t to_j) const {
+    return {base_.x() + sign_.x() * static_cast<double>(to_i - base_i_),
+            base_.y() + sign_.y() * static_cast<double>(to_j - base_j_)};
+  }
+  /// The cell of a position, which is rounded towards zero.
+  static Cell cell_of(const Vec2& at) {
+    return {static_cast<std::int32_t>(at.x()), static_cast<std::int32_t>(at.y())};
+  }
+  /// True if the position, in this cell, stays in the cells that the ray steps to. Where a ray has crossed an
+  /// axis upwards, positions from -1 to 1 are in cell 0, so its positions fall behind its steps.
+  bool keeps_pace(const Vec2& at) const {
+    return (step_x < 0 || at.x() >= 0 || at.x() <= -1) && (step_y < 0 || at.y() >= 0 || at.y() <= -1);
+  }
 
   /// Negative if the ray crosses border i along x before border j along y.
   std::int64_t order(std::int64_t i, std::int64_t j) const { return up * (2 * i - 1) - across * (2 * j - 1); }
@@ -168,42 +181,25 @@ class RayGrid::Line {
   std::int64_t x_to_border(std::int32_t x) const { return step_x > 0 ? k_block - (x & 7) : (x & 7) + 1; }
   std::int64_t y_to_border(std::int32_t y) const { return step_y > 0 ? k_block - (y & 7) : (y & 7) + 1; }
 
-  /// Jumps from the cell `from`, in an empty square, to the next square: to its border if the ray moves
-  /// upwards, and to one cell beyond the border if it moves downwards.
-  void jump(Cell from) {
-    const double border_x = step_x > 0 ? (from.x | (k_square - 1)) + 1 : (from.x & -k_square) - 1;
-    const double border_y = step_y > 0 ? (from.y | (k_square - 1)) + 1 : (from.y & -k_square) - 1;
-    const double to_x = std::abs(border_x - at_.x());
-    const double to_y = std::abs(border_y - at_.y());
-    const double along_x = to_x * per_.x();  // cells along the ray; infinite if the ray runs along y
-    const double along_y = to_y * per_.y();
-    // The minimum keeps rounding from carrying the ray past the other border.
-    if (along_x < along_y)
-      at_ = {border_x, at_.y() + step_y * std::min(along_x * forward_.y(), to_y)};
-    else
-      at_ = {at_.x() + step_x * std::min(along_y * forward_.x(), to_x), border_y};
-    left = static_cast<std::int64_t>(static_cast<double>(left) - std::min(along_x, along_y) * forward_.sum());
+  /// Ends jumps at this position; so many steps may follow.
+  void land(const Vec2& at, std::int64_t left) {
+    base_ = at;
+    base_i_ = i;
+    base_j_ = j;
+    last = i + j + left;
   }
-  /// Takes steps until i and j are the given numbers.
-  void step_to(std::int64_t to_i, std::int64_t to_j) {
-    at_ = after(to_i, to_j);
-    left -= to_i - i + to_j - j;
-    i = to_i;
-    j = to_j;
-  }
-  /// The range after the steps i and j, m: how far the position has moved along x or y, over the direction.
+  /// The range after the steps to_i and to_j, m: how far the position has moved along x or y, over the
+  /// direction.
   float range(std::int64_t to_i, std::int64_t to_j) const {
     const Vec2 moved = (after(to_i, to_j) - start_).cwiseAbs();
     return static_cast<float>((across > up ? moved.x() / forward_.x() : moved.y() / forward_.y()) * cell_m_);
   }
-  /// The number of steps, i + j, after which the ray ends.
-  std::int64_t last() const { return i + j + left; }
 
   const std::int32_t step_x, step_y;
   const std::int64_t across, up;
   std::int64_t i = 0;
   std::int64_t j = 0;
-  std::int64_t left;  // steps that may follow; a jump counts as the steps that it replaces
+  std::int64_t last;  // the number of steps, i + j, after which the ray ends
 
  private:
   /// The limit keeps order() below 2^62: a ray takes at most 2^30 steps.
@@ -212,16 +208,63 @@ class RayGrid::Line {
         std::abs(component) *
         std::min(static_cast<double>(ray.range_max) / cell_m, static_cast<double>(k_farthest)));
   }
-  Vec2 after(std::int64_t to_i, std::int64_t to_j) const {
-    return {at_.x() + step_x * static_cast<double>(to_i - i),
-            at_.y() + step_y * static_cast<double>(to_j - j)};
-  }
 
   Vec2 start_;
-  Vec2 at_;
+  Vec2 base_;  // the position after the last jump, and the steps that had been taken before it
+  std::int64_t base_i_ = 0;
+  std::int64_t base_j_ = 0;
+  Vec2 sign_;     // step_x and step_y
   Vec2 forward_;  // magnitudes of the direction's components
-  Vec2 per_;      // their inverses
   double cell_m_;
+};
+
+/// The jumps of a ray over empty squares, all along the line from the position where they begin. Each goes to
+/// the next border of squares: to the border itself where the ray moves upwards, and to one cell beyond it
+/// where the ray moves downwards.
+class RayGrid::Line::Jumps {
+ public:
+  /// from: position, cells; cell: its cell.
+  Jumps(const Line& line, const Vec2& from, Cell cell)
+      : from_x_(from.x()),
+        from_y_(from.y()),
+        sign_x_(line.sign_.x()),
+        sign_y_(line.sign_.y()),
+        forward_x_(line.forward_.x()),
+        forward_y_(line.forward_.y()),
+        per_x_(1 / forward_x_),
+        per_y_(1 / forward_y_),
+        border_x_(line.step_x > 0 ? (cell.x | (k_square - 1)) + 1 : (cell.x & -k_square) - 1),
+        border_y_(line.step_y > 0 ? (cell.y | (k_square - 1)) + 1 : (cell.y & -k_square) - 1) {}
+
+  /// Jumps; returns the number of steps that the jump replaces. No branch: which border is nearer is
+  /// unpredictable.
+  double next() {
+    const double to_x = std::abs(border_x_ - from_x_);
+    const double to_y = std::abs(border_y_ - from_y_);
+    const double along_x = to_x * per_x_;  // cells along the ray; infinite if the ray runs along y
+    const double along_y = to_y * per_y_;
+    const double nearest = std::min(along_x, along_y);
+    // The minima keep rounding from carrying the ray past the other border.
+    const double moved_x = from_x_ + sign_x_ * std::min(nearest * forward_x_, to_x);
+    const double moved_y = from_y_ + sign_y_ * std::min(nearest * forward_y_, to_y);
+    at_.x() = along_x < along_y ? border_x_ : moved_x;
+    at_.y() = along_x < along_y ? moved_y : border_y_;
+    border_x_ += along_x < along_y ? k_square * sign_x_ : 0;
+    border_y_ += along_x < along_y ? 0 : k_square * sign_y_;
+    const double steps = (nearest - before_) * (forward_x_ + forward_y_);
+    before_ = nearest;
+    return steps;
+  }
+  const Vec2& at() const { return at_; }  ///< the position after the last jump
+
+ private:
+  const double from_x_, from_y_;
+  const double sign_x_, sign_y_;
+  const double forward_x_, forward_y_;
+  const double per_x_, per_y_;  // cells along the ray per cell along x or y; may be infinite
+  double border_x_, border_y_;  // positions at which the next jumps end
+  double before_ = 0;
+  Vec2 at_;
 };
 
 RayGrid::RayGrid(std::span<const FixedSolid> solids, std::vector<MovingOutline> outlines,
@@ -511,6 +554,8 @@ struct RayGrid::CellPosition {
   /// True if both blocks are in the same square: all bits but the lower two of x and of y are equal.
   bool same_square(CellPosition other) const { return ((at ^ other.at) & ~0x33) == 0; }
   std::uint32_t bit() const { return static_cast<std::uint32_t>((at & 7) | (at >> 1 & 0x38)); }
+  /// The bits of all blocks of the block's square.
+  std::uint64_t blocks_of_square() const { return std::uint64_t{0x0F0F0F0F} << (bit() & 0x24); }
   std::int32_t x() const { return at & 7; }
   std::int32_t y() const { return at >> 4 & 7; }
   /// Moves by step_x (1 or -1) if the bits of `along_x` are all ones, or by step_y if they are all zeros.
@@ -525,56 +570,80 @@ GridHit RayGrid::cast(const GridRay& ray) const {
   GridHit hit{ray.range_max, 0};
   Line line(ray, cells_.cell_m);
   if (!line.starts_on_grid()) return hit;
+  // Copies of what does not change: the compiler reads `line` again after each call of met_in_block().
+  const std::int32_t step_x = line.step_x;
+  const std::int32_t step_y = line.step_y;
+  const std::int64_t back = 2 * k_block * line.across;
+  const std::int64_t both = 2 * k_block * line.up + back;
   Cell here;
   const Region* region = nullptr;
-  for (bool is_known = false; line.left > 0; is_known = true) {
-    const Cell at = line.cell();
-    if (const Cell now = cells_.tile(at); !is_known || now != here) {
-      here = now;
-      const std::uint32_t slot = directory_.find(here);
-      region = slot == TileDirectory::k_none ? nullptr : slots_[slot].seen;
-    }
-    const CellPosition first(at.x >> 3 & 7, at.y >> 3 & 7);
-    const std::uint64_t blocks = region ? region->blocks & (k_blocks_of_square << (first.bit() & 0x24)) : 0;
-    if (blocks == 0) {
-      // Nothing is drawn beyond the outermost regions.
-      if (!region && ((line.step_x > 0 ? here.x > high_.x : here.x < low_.x) ||
-                      (line.step_y > 0 ? here.y > high_.y : here.y < low_.y)))
-        return hit;
-      line.jump(at);
+  const auto look_up = [&](Cell at) {
+    here = cells_.tile(at);
+    const std::uint32_t slot = directory_.find(here);
+    region = slot == TileDirectory::k_none ? nullptr : slots_[slot].seen;
+  };
+  const auto is_empty = [&](CellPosition block) {
+    return !region || (region->blocks & block.blocks_of_square()) == 0;
+  };
+  look_up(Line::cell_of(line.after(0, 0)));
+  while (line.i + line.j < line.last) {
+    const Vec2 position = line.after(line.i, line.j);
+    const Cell at = Line::cell_of(position);
+    if (cells_.tile(at) != here) look_up(at);
+    CellPosition block(at.x >> 3 & 7, at.y >> 3 & 7);
+    if (is_empty(block)) {
+      std::int64_t left = line.last - line.i - line.j;
+      Line::Jumps jumps(line, position, at);
+      do {
+        // Nothing is drawn beyond the outermost regions.
+        if (!region && ((step_x > 0 ? here.x > high_.x : here.x < low_.x) ||
+                        (step_y > 0 ? here.y > high_.y : here.y < low_.y)))
+          return hit;
+        // A jump counts as the steps that it replaces, rounded up.
+        left = static_cast<std::int64_t>(static_cast<double>(left) - jumps.next());
+        const Cell to = Line::cell_of(jumps.at());
+        if (cells_.tile(to) != here) look_up(to);
+        block = {to.x >> 3 & 7, to.y >> 3 & 7};
+      } while (left > 0 && is_empty(block));
+      line.land(jumps.at(), left);
       continue;
     }
 
-    std::int64_t border_i = line.i + line.x_to_border(at.x);
-    std::int64_t border_j = line.j + line.y_to_border(at.y);
+    // Follows the steps through all drawn squares of the region.
+    const bool keeps_pace = line.keeps_pace(position);
+    const std::int64_t first_i = line.i;
+    const std::int64_t first_j = line.j;
+    const std::int64_t last = line.last;
+    std::int64_t border_i = first_i + line.x_to_border(at.x);
+    std::int64_t border_j = first_j + line.y_to_border(at.y);
     std::int64_t borders = border_i + border_j;
     std::int64_t order = line.order(border_i, border_j);
     std::int64_t along_x = order >> 63;  // all ones: the next border is one along x
-    CellPosition block = first;
     for (bool is_first = true;; is_first = false) {
-      if (blocks >> block.bit() & 1 && region->owners[block.bit()] != ray.body) {
-        std::int64_t i = line.i;
-        std::int64_t j = line.j;
+      if (region->blocks >> block.bit() & 1 && region->owners[block.bit()] != ray.body) {
+        std::int64_t i = first_i;
+        std::int64_t j = first_j;
         if (!is_first) {  // computes where the ray entered the block, only if needed
           border_j = borders - border_i;
           i = along_x ? border_i - k_block : line.x_steps(border_j - k_block);
           j = along_x ? line.y_steps(i) : border_j - k_block;
         }
-        const Cell entry{at.x + line.step_x * static_cast<std::int32_t>(i - line.i),
-                         at.y + line.step_y * static_cast<std::int32_t>(j - line.j)};
+        const Cell entry{at.x + step_x * static_cast<std::int32_t>(i - first_i),
+                         at.y + step_y * static_cast<std::int32_t>(j - first_j)};
         if (met_in_block(*region, block.bit(), ray, line, entry, i, j, hit)) return hit;
       }
-      if (borders - k_block >= line.last()) return hit;
+      if (borders - k_block >= last) return hit;
       along_x = order >> 63;
-      block.step(line.step_x, line.step_y, along_x);
-      if (!block.same_square(first)) break;
+      const CellPosition before = block;
+      block.step(step_x, step_y, along_x);
+      if (!block.same_square(before) && (!block.inside() || !keeps_pace || is_empty(block))) break;
       borders += k_block;
       border_i += k_block & along_x;
-      order += (2 * k_block * (line.up + line.across) & along_x) - 2 * k_block * line.across;
+      order += (both & along_x) - back;
     }
     border_j = borders - border_i;
-    const std::int64_t i = along_x ? border_i : line.x_steps(border_j);
-    line.step_to(i, along_x ? line.y_steps(i) : border_j);
+    line.i = along_x ? border_i : line.x_steps(border_j);
+    line.j = along_x ? line.y_steps(line.i) : border_j;
   }
   return hit;
 }
@@ -597,7 +666,7 @@ bool RayGrid::met_in_block(const Region& region, std::uint32_t block, const Grid
         i += std::abs(cell.x() - entry.x());
         j += std::abs(cell.y() - entry.y());
         const float range = line.range(i, j);
-        if (i + j < line.last() && range < ray.range_max) hit = {range, most};
+        if (i + j < line.last && range < ray.range_max) hit = {range, most};
         return true;
       }
     }

@@ -65,16 +65,17 @@ class Canvas {
     const auto across = static_cast<std::int64_t>(cos * (ray.range_max / resolution_));
     const auto up = static_cast<std::int64_t>(sin * (ray.range_max / resolution_));
     const Vec2 start = ray.origin / resolution_;
-    Vec2 at = start;
+    Vec2 base = start;  // the position after the last jump, and the steps since then
+    Vec2 steps(0, 0);
     std::int64_t order = up - across;
     for (std::int64_t left = across + up; left > 0;) {
+      const Vec2 at = base + Vec2(step_x * steps.x(), step_y * steps.y());
       Place cell{static_cast<std::int64_t>(at.x()), static_cast<std::int64_t>(at.y())};
       const Place square = square_of(cell);
       if (squares_.contains(square)) {
-        Vec2 steps(0, 0);
         for (; square_of(cell) == square && left > 0; --left) {
           if (const float most = met(cell, ray); most >= 0) {
-            const Vec2 now = at + Vec2(step_x * steps.x(), step_y * steps.y());
+            const Vec2 now = base + Vec2(step_x * steps.x(), step_y * steps.y());
             const double cells =
                 across > up ? std::abs(now.x() - start.x()) / cos : std::abs(now.y() - start.y()) / sin;
             const auto range = static_cast<float>(cells * resolution_);
@@ -90,19 +91,27 @@ class Canvas {
             order -= 2 * across;
           }
         }
-        at += Vec2(step_x * steps.x(), step_y * steps.y());
       } else {
-        const Vec2 border(static_cast<double>(32 * square.first + (step_x > 0 ? 32 : -1)),
-                          static_cast<double>(32 * square.second + (step_y > 0 ? 32 : -1)));
-        const Vec2 to = (border - at).cwiseAbs();
-        const double along_x = to.x() * (1 / cos);
-        const double along_y = to.y() * (1 / sin);
-        if (along_x < along_y)
-          at = {border.x(), at.y() + step_y * std::min(along_x * sin, to.y())};
-        else
-          at = {at.x() + step_x * std::min(along_y * cos, to.x()), border.y()};
-        left =
-            static_cast<std::int64_t>(static_cast<double>(left) - std::min(along_x, along_y) * (cos + sin));
+        Vec2 border(static_cast<double>(32 * square.first + (step_x > 0 ? 32 : -1)),
+                    static_cast<double>(32 * square.second + (step_y > 0 ? 32 : -1)));
+        double before = 0;
+        do {
+          const Vec2 to = (border - at).cwiseAbs();
+          const double along_x = to.x() * (1 / cos);
+          const double along_y = to.y() * (1 / sin);
+          if (along_x < along_y) {
+            base = {border.x(), at.y() + step_y * std::min(along_x * sin, to.y())};
+            border.x() += 32 * step_x;
+          } else {
+            base = {at.x() + step_x * std::min(along_y * cos, to.x()), border.y()};
+            border.y() += 32 * step_y;
+          }
+          const double nearest = std::min(along_x, along_y);
+          left = static_cast<std::int64_t>(static_cast<double>(left) - (nearest - before) * (cos + sin));
+          before = nearest;
+          cell = {static_cast<std::int64_t>(base.x()), static_cast<std::int64_t>(base.y())};
+        } while (left > 0 && !squares_.contains(square_of(cell)));
+        steps = {0, 0};
       }
     }
     return {ray.range_max, 0};

@@ -232,12 +232,18 @@ def grid_range(maps, squares, origin, heading, z, range_max, cell):
         here = [int(value) for value in at]  # towards zero
         square = square_of(here)
         if square not in squares:
+            # Jumps along the line from here. `borders`: where the next jumps end.
+            line, before = at, 0
             borders = [32 * number + (32 if sign > 0 else -1) for number, sign in zip(square, step)]
-            times = [abs(border - value) / part if part else math.inf for border, value, part in zip(borders, at, forward)]
-            axis = 0 if times[0] < times[1] else 1
-            at = [value + sign * times[axis] * part for value, sign, part in zip(at, step, forward)]
-            at[axis] = fractions.Fraction(borders[axis])
-            left = int(left - times[axis] * sum(forward))
+            while left > 0 and square not in squares:
+                times = [abs(border - value) / part if part else math.inf for border, value, part in zip(borders, line, forward)]
+                axis = 0 if times[0] < times[1] else 1
+                at = [value + sign * times[axis] * part for value, sign, part in zip(line, step, forward)]
+                at[axis] = fractions.Fraction(borders[axis])
+                borders[axis] += 32 * step[axis]
+                left = int(left - (times[axis] - before) * sum(forward))
+                before = times[axis]
+                square = square_of([int(value) for value in at])
             continue
         while left > 0 and square_of(here) == square:
             if any(z_min <= z <= z_max for each in maps for z_min, z_max in each.get(tuple(here), ())):
