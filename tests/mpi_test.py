@@ -10,7 +10,6 @@ import contextlib
 import json
 import os
 import pathlib
-import re
 import shutil
 import signal
 import subprocess
@@ -98,6 +97,15 @@ class OnProcesses:
         self.assertEqual(done.returncode, 0, done.stderr)
         self.assertEqual(done.stdout.count("running\n"), 1)
         self.assertIn("\n  ranks              3\n", done.stdout)
+        self.assertNotIn("rank_seed", done.stdout)
+
+    def test_the_seed_of_random_delays_is_printed(self):
+        line = "\n  rank_seed          7 (random d"
+        done = self.run_on(2, "run", "room.json", "--threads", 1, "--rank-seed", 7)
+        self.assertIn(line + "ivision of the robots)\n", done.stdout, done.stderr)
+        for ranks, count in ((1, 0), (2, 1)):
+            done = self.call([PROGRAM, "run", "room.json", "--ranks", str(ranks), "--rank-seed", "7"])
+            self.assertEqual(done.stdout.count(line + "elays and order of messages, random division of the robots)\n"), count)
 
     def test_other_numbers_of_processes_resume(self):
         expected = self.expected()
@@ -339,7 +347,7 @@ class OnProcesses:
         self.assertEqual(len(list((self.folder / "three").glob("runs-*-of-3.jsonl"))), 3)
 
     def test_another_number_of_processes_continues_a_study(self):
-        self.write_study(for_s=200, count=20)
+        self.write_study(for_s=1000, count=20)
         results = self.folder / "parts"
         runs = lambda: sum(len(file.read_text().splitlines()) for file in results.glob("runs-*.jsonl"))
         sweep = self.start(self.command(3, "sweep", "study.json", "-o", "parts", "--threads", 1, "--quiet"))
@@ -473,9 +481,9 @@ class OnProcesses:
         os.kill(next(process for process in ranks if self.is_rank(process, 2)), signal.SIGSTOP)
         self.assertNotEqual(run.wait(timeout=WAIT_S), 0)
         errors = run.stderr.read()
-        # Rank 1 may wait for rank 0, which waits for rank 2; either limit may end first.
+        # Rank 1 may wait for rank 0, which waits for rank 2; either limit may end first. Open MPI's mpirun lets rank 2 go on
+        # when it ends the run, so rank 2 may print too.
         self.assertRegex(errors, r"rank [01] on \S+: waited 2 s for rank 2 on \S+, which does not answer")
-        self.assertEqual(set(re.findall(r"rank (\d) on \S+: ", errors)) - {"0", "1"}, set(), errors)
         self.assertNotIn("internal error", errors)
 
     def test_all_ranks_that_wait_are_heard(self):

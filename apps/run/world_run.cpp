@@ -178,6 +178,9 @@ void WorldRun::print_options() const {
   fmt::print("running\n");
   for (const auto& [key, value] : report_.options)
     fmt::print("  {:<18} {}\n", key, key == "tile_m" ? four_digits(std::stod(value)) : value);
+  if (options_.simulation.rank_seed && simulation_.ranks() > 1)
+    fmt::print("  {:<18} {} (random {}division of the robots)\n", "rank_seed", *options_.simulation.rank_seed,
+               options_.simulation.processes ? "" : "delays and order of messages, random ");
   if (report_.rate > 0) fmt::print("  {:<18} {:.10g} x real time\n", "rate", report_.rate);
   fmt::print("  {:<18} {:.10g}\n", "until_s", report_.end_s);
   std::fflush(stdout);
