@@ -4,9 +4,11 @@ checkers of these packages, and by comparing their vector environment with that 
 import contextlib
 import dataclasses
 import io
+import re
 import sys
 import time
 import unittest
+import unittest.mock
 import warnings
 
 from packages import run_with_packages
@@ -134,6 +136,20 @@ class Checkers(unittest.TestCase):
                 self.assertEqual((picture.shape, picture.dtype), ((48, 64, 3), np.uint8))
                 self.assertGreater(len(np.unique(picture.reshape(-1, 3), axis=0)), 2)
                 env.close()
+
+    def test_missing_libraries_for_pictures_are_reported_at_once(self):
+        """Pictures need OSMesa, which a wheel does not contain. The error comes with the environment, not with a picture."""
+
+        class WithoutOSMesa(troupe.Simulation):
+            def picture(self, **_):
+                raise RuntimeError("cannot draw: OSMesa is not installed (Debian, Ubuntu: apt install libosmesa6)")
+
+        text = 'render_mode="rgb_array": cannot draw: OSMesa is not installed (Debian, Ubuntu: apt install libosmesa6)'
+        with unittest.mock.patch("troupe.envs.render.Simulation", WithoutOSMesa):
+            for make in (troupe.envs.Env, troupe.envs.ParallelEnv, lambda task, **options: troupe.envs.VectorEnv(task, 4, **options)):
+                with self.assertRaisesRegex(RuntimeError, re.escape(text)):
+                    make(Short(2), render_mode="rgb_array")
+                make(Short(2)).close()
 
     def test_a_picture_as_observation_and_discrete_actions(self):
         env = troupe.envs.Env(Looker())
