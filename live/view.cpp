@@ -82,7 +82,6 @@ View::Impl::Impl(Simulation& simulation, const Options& options)
       token_(make_token()),
       look_token_(make_token()),
       folder_(options.folder),
-      session_(std::make_unique<SessionLog>(options.folder, simulation)),
       next_tick_(simulation.tick()),
       rate_(options.rate),
       line_(simulation.hash_log_line()) {
@@ -100,6 +99,7 @@ View::Impl::Impl(Simulation& simulation, const Options& options)
   server_ = std::make_unique<ViewServer>(ViewServer::Options{options.port, options.bind, options.hosts,
                                                              std::string(k_view_page), token_, look_token_},
                                          static_cast<ViewBackend&>(*this));
+  session_ = std::make_unique<SessionLog>(folder_, simulation);  // last: no file is left if there is no server
   simulation_.before_tick([this](Simulation&) { before_tick(); });
   self_ = std::make_shared<Impl*>(this);
   simulation_.on_tick([self = std::weak_ptr<Impl*>(self_)](Simulation&) {

@@ -166,6 +166,15 @@ class Steered(unittest.TestCase):
             self.assertEqual(refused.returncode, 2)
             self.assertIn("rooms.session.jsonl:1: error: the session began at tick 20, from a checkpoint", refused.stderr)
 
+    def test_a_view_without_an_address_begins_no_session(self):
+        with View() as view:
+            before = sorted(view.folder.iterdir())
+            refused = subprocess.run([TROUPE, "view", view.world, "--out", view.folder, "--port", str(view.port)],
+                                     capture_output=True, text=True)
+            self.assertNotEqual(refused.returncode, 0)
+            self.assertIn(str(view.port), refused.stderr)
+            self.assertEqual(sorted(view.folder.iterdir()), before)
+
     def test_a_step_is_a_tick(self):
         with View() as view, view.open() as viewer:
             viewer.ask(do="pause")
