@@ -30,10 +30,10 @@ namespace fs = std::filesystem;
 using engine::Act;
 using Json = nlohmann::ordered_json;
 
-constexpr int k_wire = 1;                           // version of the wire protocol
+constexpr int k_wire = 1;                                          // version of the wire protocol
 constexpr std::chrono::nanoseconds k_picture{1'000'000'000 / 30};  // mean time between two pictures, at least
-constexpr std::chrono::milliseconds k_nap{50};      // longest wait, so that Ctrl-C takes effect soon
-constexpr std::chrono::seconds k_most_behind{1};    // a run that is later than this does not catch up
+constexpr std::chrono::milliseconds k_nap{50};    // longest wait, so that Ctrl-C takes effect soon
+constexpr std::chrono::seconds k_most_behind{1};  // a run that is later than this does not catch up
 constexpr std::size_t k_spare = 3;  // one picture is being filled, one encoded, and one is the newest
 constexpr std::size_t k_most_messages = 1024;  // messages queued for the simulation
 constexpr std::uint64_t k_most_steps = 1000000000;
@@ -82,7 +82,6 @@ View::Impl::Impl(Simulation& simulation, const Options& options)
       token_(make_token()),
       look_token_(make_token()),
       folder_(options.folder),
-      session_(std::make_unique<SessionLog>(options.folder, simulation)),
       next_tick_(simulation.tick()),
       rate_(options.rate),
       line_(simulation.hash_log_line()) {
@@ -100,6 +99,8 @@ View::Impl::Impl(Simulation& simulation, const Options& options)
   server_ = std::make_unique<ViewServer>(ViewServer::Options{options.port, options.bind, options.hosts,
                                                              std::string(k_view_page), token_, look_token_},
                                          static_cast<ViewBackend&>(*this));
+  // After the server, so that no file is left if the address or the port is not available.
+  session_ = std::make_unique<SessionLog>(folder_, simulation);
   simulation_.before_tick([this](Simulation&) { before_tick(); });
   self_ = std::make_shared<Impl*>(this);
   simulation_.on_tick([self = std::weak_ptr<Impl*>(self_)](Simulation&) {
@@ -312,7 +313,8 @@ bool View::Impl::take_messages() {
     return std::ranges::any_of(holders_, [client](const auto& holder) { return holder.second == client; });
   };
   std::size_t done = 0;
-  while (done < messages.size() && (!clients_.contains(messages[done].client) || obey(messages[done]))) ++done;
+  while (done < messages.size() && (!clients_.contains(messages[done].client) || obey(messages[done])))
+    ++done;
   if (done == messages.size() && !(is_between_ticks_ && std::ranges::any_of(gone, changes_world))) {
     for (const std::uint64_t client : gone) {
       release_all(client);

@@ -123,7 +123,7 @@ class View::Impl : private ViewBackend {
   std::map<std::string, std::uint64_t> holders_;  // name of a robot that a viewer drives -> that client
   bool playing_ = false;
   bool has_begun_ = false;
-  bool is_running_ = false;      // true: run() steps the simulation; false: the program does
+  bool is_running_ = false;  // true: run() steps the simulation; false: the program does
   // True while run() waits between two ticks: the state is then that of the end of a tick, so that jobs can
   // be done at once. In before_tick(), the changes that the world schedules are already part of the state.
   bool is_between_ticks_ = false;

@@ -4,10 +4,10 @@ ticks per second of the world without an environment. One step is one tick.
 
     PYTHONPATH=build/release/lib/python3/dist-packages taskset -c 1 python3 perf/learning.py [COPIES...]
 
-The world without an environment is one Simulation whose robots get the same speeds. A batch is measured with BatchEnv.step(),
-including actions, observations, rewards and ends; copies whose episodes have ended are reset within the step. Each figure is
-the median of five repetitions. The repetitions of the world and of the batches alternate, so that other load affects all of
-them equally.
+The world without an environment is one Simulation whose robots get the same speeds. A batch is measured with BatchEnv.step()
+and with VectorEnv.step(), each including actions, observations, rewards and ends; copies whose episodes have ended are reset
+within the step. VectorEnv needs Gymnasium (pip install gymnasium) and is left out without it. Each figure is the median of
+five repetitions. The repetitions of the world and of the batches alternate, so that other load affects all of them equally.
 """
 
 import statistics
@@ -18,6 +18,13 @@ import numpy as np
 import troupe
 
 BEAMS, ROBOTS = 12, 8
+EPISODE_S = 60
+ACTIONS_KEPT = 64  # steps after which the actions change
+GOAL = {"of": "target", "name": "goal"}
+OBSERVATION = [{"field": "ranges", "scale": 1 / 3}, GOAL, {"of": "speed"}]
+ACTIONS = [{"command": "forward", "low": 0, "high": 0.5}, {"command": "turn", "low": -1.5, "high": 1.5}]
+REWARDS = [{"array": "goal", "column": 2, "weight": -1, "change": True}]
+ENDS = [{"array": "goal", "column": 2, "below": 0.3, "reward": 5}]
 
 
 def world():
@@ -44,63 +51,107 @@ def world():
 
 
 def spec(copies):
-    goal = {"of": "target", "name": "goal"}
     team = {
         "name": "robots",
         "robots": "r",
-        "arrays": [
-            {"name": "observation", "parts": [{"field": "ranges", "scale": 1 / 3}, goal, {"of": "speed"}]},
-            {"name": "goal", "parts": [goal]},
-        ],
-        "actions": [{"command": "forward", "low": 0, "high": 0.5}, {"command": "turn", "low": -1.5, "high": 1.5}],
-        "rewards": [{"array": "goal", "column": 2, "weight": -1, "change": True}],
-        "ends": [{"array": "goal", "column": 2, "below": 0.3, "reward": 5}],
+        "arrays": [{"name": "observation", "parts": OBSERVATION}, {"name": "goal", "parts": [GOAL]}],
+        "actions": ACTIONS,
+        "rewards": REWARDS,
+        "ends": ENDS,
     }
-    return {"copies": copies, "threads": 1, "seconds": 60, "teams": [team]}
+    return {"copies": copies, "threads": 1, "seconds": EPISODE_S, "teams": [team]}
+
+
+def vector_env(copies):
+    """Returns a VectorEnv of the same task, or None if Gymnasium is not installed."""
+    try:
+        import troupe.envs
+    except ImportError:
+        return None
+    task = troupe.envs.Task()
+    task.world = world()
+    task.seconds = EPISODE_S
+    task.teams = [
+        troupe.envs.Team(robots="r", observation=OBSERVATION, arrays={"goal": [GOAL]}, actions=ACTIONS, rewards=REWARDS, ends=ENDS)
+    ]
+    return troupe.envs.VectorEnv(task, copies * ROBOTS, threads=1)
+
+
+def random_actions():
+    """Returns actions from -1 to 1, 64 x robots x 2: a row is used in ACTIONS_KEPT successive steps."""
+    return np.random.default_rng(1).uniform(-1, 1, (64, ROBOTS, 2)).astype(np.float32)
+
+
+def rate(step, least_s=0.5):
+    """Calls step(number of the step) for at least least_s seconds, and returns the number of calls per second."""
+    made, began = 0, time.perf_counter()
+    while (passed := time.perf_counter() - began) < least_s:
+        step(made)
+        made += 1
+    return made / passed
+
+
+class Batched:
+    """Steps of a BatchEnv."""
+
+    def __init__(self, alone, copies):
+        self.copies = copies
+        self.batch = troupe.BatchEnv(alone, spec(copies))
+        self.batch.reset()
+        self.table = random_actions()
+
+    def step(self, made):
+        if made % ACTIONS_KEPT == 0:
+            self.batch.actions()[...] = self.table[made // ACTIONS_KEPT % len(self.table)]
+        self.batch.step(self.batch.over())
+
+
+class Vectorised:
+    """Steps of a VectorEnv."""
+
+    def __init__(self, copies):
+        self.copies = copies
+        self.env = vector_env(copies)
+        self.env.reset()
+        self.table = np.tile(random_actions(), (1, copies, 1))
+
+    def step(self, made):
+        self.env.step(self.table[made // ACTIONS_KEPT % len(self.table)])
 
 
 def main(*sizes):
-    random = np.random.default_rng(1)
-    table = random.uniform(-1, 1, (64, ROBOTS, 2))
+    table = random_actions()
     alone = troupe.Simulation(world(), threads=1)
     swarm = alone.swarm("r")
-    batches = {size: troupe.BatchEnv(alone, spec(size)) for size in sizes}
-    for batch in batches.values():
-        batch.reset()
+    batches = {"BatchEnv": [Batched(alone, size) for size in sizes]}
+    if vector_env(1) is None:
+        print("VectorEnv is not measured, because Gymnasium is not installed: pip install gymnasium")
+    else:
+        batches["VectorEnv"] = [Vectorised(size) for size in sizes]
 
-    def ticks():
-        """Measures ticks per second. Calls from Python cost little time: speeds change only every 64 ticks."""
-        made, began = 0, time.perf_counter()
-        while time.perf_counter() - began < 0.5:
-            if made % 640 == 0:
-                alone.reset(made)
-            actions = table[made // 64 % 64]
-            swarm.set_speeds(0.25 + 0.25 * actions[:, 0], 1.5 * actions[:, 1])
-            alone.step(64)
-            made += 64
-        return made / (time.perf_counter() - began)
+    def ticks(made):
+        """Computes 64 ticks: so few calls from Python cost little time."""
+        if made % 10 == 0:
+            alone.reset(made)
+        actions = table[made % len(table)]
+        swarm.set_speeds(0.25 + 0.25 * actions[:, 0], 1.5 * actions[:, 1])
+        alone.step(ACTIONS_KEPT)
 
-    def steps(batch):
-        made, began = 0, time.perf_counter()
-        while time.perf_counter() - began < 0.5:
-            if made % 64 == 0:
-                batch.actions()[...] = table[made // 64 % 64]
-            batch.step(batch.over())
-            made += 1
-        return made * batch.copies / (time.perf_counter() - began)
-
-    of_world, of_batch = [], {size: [] for size in sizes}
+    of_world, rates = [], {name: [[] for _ in sizes] for name in batches}
     for _ in range(5):
-        of_world.append(ticks())
-        for size, batch in batches.items():
-            of_batch[size].append(steps(batch))
+        of_world.append(ACTIONS_KEPT * rate(ticks))
+        for name, measured in batches.items():
+            for batch, found in zip(measured, rates[name]):
+                found.append(batch.copies * rate(batch.step))
     base = statistics.median(of_world)
     print(f"the world alone: {base:,.0f} ticks/s")
-    for size, rates in of_batch.items():
-        rate = statistics.median(rates)
-        print(f"{size:5} copies: {rate:9,.0f} environment steps/s, {rate / base:.2f}")
-    best = max(map(statistics.median, of_batch.values()))
-    print(f"best batch: {best / base:.2f} environment steps per tick of the world alone")
+    print("environment steps/s, and as a fraction of the ticks/s of the world alone:")
+    print("copies" + "".join(f"{name:>20}" for name in rates))
+    for at, size in enumerate(sizes):
+        medians = [statistics.median(found[at]) for found in rates.values()]
+        print(f"{size:6}" + "".join(f"{median:14,.0f}, {median / base:.2f}" for median in medians))
+    for name, found in rates.items():
+        print(f"best batch of {name}: {max(map(statistics.median, found)) / base:.2f} environment steps per tick of the world alone")
 
 
 if __name__ == "__main__":

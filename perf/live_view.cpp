@@ -16,14 +16,16 @@ namespace {
 
 constexpr std::size_t k_most_robots = 100000;
 
-/// A hospital with space for 100,000 robots, with a given number of robots, and the order in which pages list these robots.
+/// A hospital with space for 100,000 robots, with a given number of robots, and the order in which pages list
+/// these robots.
 struct Shown {
   Simulation simulation;
   worldio::LivePage page;
 };
 
 Shown hospital(std::size_t robots) {
-  Simulation simulation(TROUPE_SOURCE_DIR "/worlds/hospital-10cm.json", {.threads = 1, .robots = {{"", robots}}});
+  Simulation simulation(TROUPE_SOURCE_DIR "/worlds/hospital-10cm.json",
+                        {.threads = 1, .robots = {{"", robots}}});
   worldio::LivePage page = worldio::live_page(simulation.world(), simulation.registry());
   return {std::move(simulation), std::move(page)};
 }

@@ -21,6 +21,7 @@ NOT_RUN = [
     (r"\bsudo\b", "needs root"),
     (r"^git clone ", "needs a network"),
     (r"python/examples/(train_navigation|evolve_dispersion)\.py", "takes minutes, and needs skrl or cma: training_test.py, training_ppo_test.py"),
+    (r"perf/learning_vmas\.py", "takes minutes, and needs VMAS"),
     (r"^apptainer ", "needs Apptainer"),
     (r"^(sbatch|squeue|srun) ", "needs SLURM"),
     (r"^(mpirun|mpicc) ", "needs MPI: tests/mpi_test.py"),

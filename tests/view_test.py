@@ -166,6 +166,15 @@ class Steered(unittest.TestCase):
             self.assertEqual(refused.returncode, 2)
             self.assertIn("rooms.session.jsonl:1: error: the session began at tick 20, from a checkpoint", refused.stderr)
 
+    def test_a_view_without_an_address_begins_no_session(self):
+        with View() as view:
+            before = sorted(view.folder.iterdir())
+            refused = subprocess.run([TROUPE, "view", view.world, "--out", view.folder, "--port", str(view.port)],
+                                     capture_output=True, text=True)
+            self.assertNotEqual(refused.returncode, 0)
+            self.assertIn(str(view.port), refused.stderr)
+            self.assertEqual(sorted(view.folder.iterdir()), before)
+
     def test_a_step_is_a_tick(self):
         with View() as view, view.open() as viewer:
             viewer.ask(do="pause")
@@ -1041,6 +1050,21 @@ class InABrowser(unittest.TestCase):
                 pass
             ends = [pixel(left), pixel(right)]
             self.assertGreater(sum(abs(a - b) for a, b in zip(*ends)), 100, ends)
+            self.assertEqual(page.problems, [])
+
+    def test_a_tablet_is_touched(self):
+        with View() as view, Page(PROGRAM, (1024, 768), touch=True) as page:
+            page.open_address(view.address)
+            page.wait("window.troupe && troupe.state().tick > 2")
+            page.touch(page.run("(({x, y, width, height}) => [x + width / 2, y + height / 2])"
+                                "(document.querySelector('#play').getBoundingClientRect())"))
+            page.wait("!troupe.state().playing && troupe.state().line")
+            page.touch(page.run("troupe.screenPlace('red')"))
+            page.wait("troupe.inspected()?.robot === 'red'")
+            x, y = page.run("troupe.pose('red')")[:2]
+            begin, end = (page.run(f"troupe.screenPlace('red', {shift})") for shift in ([0, 0, 0], [-3 - x, -2.5 - y, 0]))
+            page.touch(*([a + (b - a) * i / 6 for a, b in zip(begin, end)] for i in range(7)))
+            page.wait("Math.abs(troupe.pose('red')[0] + 3) < 0.05 && Math.abs(troupe.pose('red')[1] + 2.5) < 0.05")
             self.assertEqual(page.problems, [])
 
     def test_one_may_only_look(self):

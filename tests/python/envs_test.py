@@ -4,9 +4,11 @@ checkers of these packages, and by comparing their vector environment with that 
 import contextlib
 import dataclasses
 import io
+import re
 import sys
 import time
 import unittest
+import unittest.mock
 import warnings
 
 from packages import run_with_packages
@@ -21,7 +23,7 @@ import troupe
 import troupe.envs
 from gymnasium.utils.env_checker import check_env, data_equivalence
 from gymnasium.vector import AutoresetMode, SyncVectorEnv
-from support import ROOM, ROOT
+from support import ROOM, ROOT, needs_view
 from troupe.envs.tasks import lidar, room, robot_type, spread
 
 sys.path.insert(0, str(ROOT))
@@ -134,6 +136,20 @@ class Checkers(unittest.TestCase):
                 self.assertEqual((picture.shape, picture.dtype), ((48, 64, 3), np.uint8))
                 self.assertGreater(len(np.unique(picture.reshape(-1, 3), axis=0)), 2)
                 env.close()
+
+    def test_missing_libraries_for_pictures_are_reported_at_once(self):
+        """Pictures need OSMesa, which a wheel does not contain. The error comes with the environment, not with a picture."""
+
+        class WithoutOSMesa(troupe.Simulation):
+            def picture(self, **_):
+                raise RuntimeError("cannot draw: OSMesa is not installed (Debian, Ubuntu: apt install libosmesa6)")
+
+        text = 'render_mode="rgb_array": cannot draw: OSMesa is not installed (Debian, Ubuntu: apt install libosmesa6)'
+        with unittest.mock.patch("troupe.envs.render.Simulation", WithoutOSMesa):
+            for make in (troupe.envs.Env, troupe.envs.ParallelEnv, lambda task, **options: troupe.envs.VectorEnv(task, 4, **options)):
+                with self.assertRaisesRegex(RuntimeError, re.escape(text)):
+                    make(Short(2), render_mode="rgb_array")
+                make(Short(2)).close()
 
     def test_a_picture_as_observation_and_discrete_actions(self):
         env = troupe.envs.Env(Looker())
@@ -410,6 +426,7 @@ class Teams(unittest.TestCase):
             seen, _, _, _, _ = env.step(actions)
 
 
+@needs_view
 class Human(unittest.TestCase):
     def shown(self, env, reset, step, batch):
         """Steps an environment in the mode human while a user looks at its page. Returns the state hashes of the steps, the
@@ -485,6 +502,23 @@ class Human(unittest.TestCase):
         batch = troupe.envs.VectorEnv(Short(2), 4).batch.core
         with self.assertRaisesRegex(IndexError, "copy 2 does not exist: give a number from 0 to 1"):
             batch.view(2)
+
+
+class Benchmark(unittest.TestCase):
+    def test_both_environments_of_perf_learning_step_the_same_task(self):
+        sys.path.insert(0, str(ROOT / "perf"))
+        self.addCleanup(sys.path.remove, str(ROOT / "perf"))
+        import learning
+
+        batched = learning.Batched(troupe.Simulation(learning.world(), threads=1), 2)
+        vectorised = learning.Vectorised(2)
+        before = batched.batch.array("observation").copy()
+        for step in range(70):
+            batched.step(step)
+            vectorised.step(step)
+        one, other = batched.batch.array("observation"), vectorised.env.batch.array("observation")
+        self.assertTrue(np.array_equal(one, other))
+        self.assertFalse(np.array_equal(one, before))
 
 
 class Tasks(unittest.TestCase):

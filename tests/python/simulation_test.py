@@ -15,7 +15,7 @@ import weakref
 
 import numpy as np
 import troupe
-from support import HOSPITAL, ROOM, ROOT, InAFolder
+from support import HOSPITAL, ROOM, ROOT, InAFolder, has_view, needs_view
 
 sys.path.insert(0, str(ROOT))
 from tests.support.websocket import Socket  # noqa: E402
@@ -545,6 +545,7 @@ class Models(InAFolder):
         world.reset()
         self.assertEqual(world.parameters("cart"), before)
 
+    @needs_view
     def test_a_view_steps_it_or_the_program_does(self):
         world = troupe.Simulation.from_text(json.dumps({**ROOM, "mortal": True}), "room.json")
         view = world.view(rate=0, out=self.folder)
@@ -576,6 +577,14 @@ class Models(InAFolder):
             view.run()
         world.step()
 
+    @unittest.skipIf(has_view(), "this build has a view")
+    def test_a_build_without_view_says_so(self):
+        with self.assertRaisesRegex(RuntimeError, "^the live view is not available: Troupe was built without it; "
+                                                  "configure it with -DTROUPE_VIEW=ON$"):
+            troupe.Simulation(ROOM).view(out=self.folder)
+        self.assertEqual(list(self.folder.iterdir()), [], "no session is begun")
+
+    @needs_view
     def test_a_view_of_several_ranks_is_that_of_one(self):
         """The same session on one rank and on three ranks: users see and change robots of all ranks."""
         shown = []

@@ -2,6 +2,7 @@
 
 import contextlib
 import csv
+import functools
 import os
 import pathlib
 import subprocess
@@ -48,6 +49,27 @@ ROOM = {
         }
     ],
 }
+
+
+
+@functools.cache
+def has_view():
+    """Whether this build of Troupe can show a run in a browser (the option TROUPE_VIEW of CMake)."""
+    import troupe  # not above: wheel_check.py imports this module before troupe is installed
+
+    with tempfile.TemporaryDirectory() as folder:
+        try:
+            troupe.Simulation(ROOM, threads=1).view(out=folder).close()
+        except RuntimeError as error:
+            if "-DTROUPE_VIEW=ON" not in str(error):
+                raise
+            return False
+    return True
+
+
+def needs_view(test):
+    """Decorates a test, or a class of tests, that needs a build with a view."""
+    return unittest.skipUnless(has_view(), "this build has no view (TROUPE_VIEW)")(test)
 
 
 class InAFolder(unittest.TestCase):

@@ -1,5 +1,5 @@
 """Tests a wheel as a user of pip gets it. Run by `scripts/wheel --check`, in an empty virtual environment, with the
-environment variable TROUPE_WHEEL set to the wheel. Downloads NumPy and h5py from PyPI; needs cmake and a C++ compiler."""
+environment variable TROUPE_WHEEL set to the wheel. Downloads NumPy, h5py, Gymnasium and PettingZoo from PyPI; needs cmake and a C++ compiler."""
 
 import importlib.metadata
 import importlib.util
@@ -144,6 +144,36 @@ print(h5py.version.hdf5_version)"""
                 self.assertIn("20", described)
                 copied = run(PROGRAM, "info", f"{first}_copy.h5")
                 self.assertEqual(copied.replace("_copy", "").splitlines()[1:3], described.splitlines()[1:3], version)
+
+
+class WithGymnasium(InAFolder):
+    def test_an_environment_passes_its_checker(self):
+        pip_install("gymnasium==1.4.0", "pettingzoo==1.27.0")  # the versions of packages.py
+        said = python("""
+import ctypes, warnings
+import gymnasium, numpy, troupe.envs
+from gymnasium.utils.env_checker import check_env
+warnings.filterwarnings("ignore", message=".*Box.*(infinity|low|high).*")
+env = gymnasium.make("troupe/Navigation-v0", robots=3)
+check_env(env.unwrapped)
+envs = gymnasium.make_vec("troupe/Navigation-v0", num_envs=4, vectorization_mode="vector_entry_point", robots=3)
+first, _ = envs.reset(seed=1)
+again, _ = envs.reset(seed=1)
+assert first.shape == (4, 18) and numpy.array_equal(first, again)
+try:  # pictures need OSMesa of the system, which is not in the wheel
+    ctypes.CDLL("libOSMesa.so.8")
+except OSError:
+    try:
+        gymnasium.make("troupe/Navigation-v0", render_mode="rgb_array")
+    except RuntimeError as error:
+        print(error)
+else:
+    drawn = gymnasium.make("troupe/Navigation-v0", render_mode="rgb_array", render_size=(64, 48))
+    drawn.reset(seed=1)
+    print(drawn.render().shape)
+""")
+        last = said.splitlines()[-1]
+        self.assertTrue(last == "(48, 64, 3)" or "apt install libosmesa6" in last, said)
 
 
 @unittest.skipUnless(shutil.which("cmake") and shutil.which("c++"), "plug-ins need cmake and a C++ compiler")

@@ -160,6 +160,12 @@ class Page:
         self.mouse("mousePressed", x, y, button="left", clickCount=1)
         self.mouse("mouseReleased", x, y, button="left", clickCount=1)
 
+    def touch(self, *places):
+        """Touches the screen at a place, or moves a finger from the first to the last of several places."""
+        for i, (x, y) in enumerate(places):
+            self.call("Input.dispatchTouchEvent", type="touchMove" if i else "touchStart", touchPoints=[{"x": x, "y": y}])
+        self.call("Input.dispatchTouchEvent", type="touchEnd", touchPoints=[])
+
     def drag(self, start, end, button="left", steps=8, shift=False):
         keys = {"modifiers": 8 if shift else 0}
         self.mouse("mouseMoved", *start, **keys)

@@ -9,11 +9,20 @@ from typing import Optional, Tuple
 import numpy as np
 import numpy.typing as npt
 
-from .._core import BatchView
+from .._core import BatchView, Simulation
 from .batch import Batch
 
 RENDER_MODES = ["human", "rgb_array"]
 RENDER_SIZE = (480, 480)
+
+
+def _check_pictures() -> None:
+    """Draws a small picture of an empty world, so that a missing library is reported before the training begins and not
+    by its first picture. A wheel does not contain OSMesa."""
+    try:
+        Simulation({"troupe": 1}, threads=1).picture(width=16, height=16)
+    except RuntimeError as error:
+        raise RuntimeError(f'render_mode="rgb_array": {error}') from None
 
 
 class Renderer:
@@ -22,11 +31,15 @@ class Renderer:
     mode  rgb_array: picture() returns pictures. human: from the first episode on, the first copy is shown in a browser
           and runs in real time. None: nothing is rendered
     size  width and height of pictures, pixels
+
+    Raises RuntimeError, which names the package to install, if the mode is rgb_array and pictures cannot be drawn.
     """
 
     def __init__(self, mode: Optional[str], size: Tuple[int, int]) -> None:
         if mode is not None and mode not in RENDER_MODES:
             raise ValueError(f'unknown render_mode "{mode}"; known: {", ".join(RENDER_MODES)}')
+        if mode == "rgb_array":
+            _check_pictures()
         self.mode = mode
         self.size = size
         self._view: Optional[BatchView] = None
