@@ -206,34 +206,15 @@ std::string kind_text(std::string_view group, const Kind& kind) {
   return fmt::format("{} {}: {}\n\n{}\n", group, kind.name, kind.text, fields_text(kind.params));
 }
 
-/// Returns, as text, the properties that entities of this type can have in a Stage world file, without those
-/// that have no effect in Troupe.
-std::string properties_text(std::string_view heading, std::string_view type) {
-  std::string text;
-  for (const worldio::StageRow& row : worldio::stage_rows()) {
-    using enum worldio::StageSupport;
-    if (row.type != type || (row.support != honoured && row.support != fixed)) continue;
-    std::string line = fmt::format("  {:<22}  {}", row.name, row.note);
-    line.erase(line.find_last_not_of(' ') + 1);
-    text += line + "\n";
-  }
-  return text.empty() ? text : fmt::format("{}\n{}\n", heading, text);
-}
-
 std::string model_text(const Registry& registry, const engine::ModelKind& kind) {
   const engine::DeviceKind* device = registry.device(kind.device);
-  std::string text =
-      fmt::format("model {}: {}\n\n  default size {} x {} x {} m, {}\n\n", kind.name, kind.text,
-                  kind.size.x(), kind.size.y(), kind.size.z(),
-                  kind.has_default_body ? "a box unless the model has blocks or a bitmap"
-                  : device && device->body != nullptr
-                      ? "with the shape that the device defines, unless the model has blocks or a bitmap"
-                      : "without a shape unless the model has blocks or a bitmap");
-  if (kind.name != "model") text += properties_text("properties in a Stage world", kind.name);
-  if (kind.name == "ranger")
-    text += properties_text("properties of each sensor( ) block in a ranger", "sensor");
-  return text + properties_text("properties of every model", "model") +
-         properties_text("properties of each block( ) in a model", "block");
+  return fmt::format("model {}: {}\n\n  default size {} x {} x {} m, {}\n\n", kind.name, kind.text,
+                     kind.size.x(), kind.size.y(), kind.size.z(),
+                     kind.has_default_body ? "a box unless the model has blocks or a bitmap"
+                     : device && device->body != nullptr
+                         ? "with the shape that the device defines, unless the model has blocks or a bitmap"
+                         : "without a shape unless the model has blocks or a bitmap") +
+         worldio::stage_properties_text(kind.name);
 }
 
 /// Wraps a text into indented lines of at most 100 characters.

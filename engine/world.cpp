@@ -134,8 +134,8 @@ void World::build_ray_grid(Diagnostics& diagnostics) {
   try {
     state_.ray_grid = std::make_unique<partition::RayGrid>(state_.scene.solids(), std::move(outlines),
                                                            state_.outlines, state_.spec.resolution_m);
-  } catch (const std::length_error& fault) {
-    diagnostics.error(state_.spec.resolution_where, fmt::format("the grid ray engine: {}", fault.what()));
+  } catch (const std::length_error& error) {
+    diagnostics.error(state_.spec.resolution_where, fmt::format("the grid ray engine: {}", error.what()));
     diagnostics.throw_if_errors();
   }
   state_.bind_view();

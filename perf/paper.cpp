@@ -90,6 +90,16 @@ class Progress {
   bool visible_ = isatty(STDERR_FILENO) != 0;
 };
 
+/// Whether a run can be made here. draws: can_draw().
+Result<> can_run(const Run& run, const Result<>& draws) {
+  if (const Result<> found = has_world(run.scene); !found)
+    return Error{fmt::format("{}: {}", run.scene.name, found.error().text)};
+  if (run.frames && !draws) return Error{"frames: " + draws.error().text};
+  if (run.watch == Watch::recording && !worldio::has_hdf5())
+    return Error{"recording: this build has no HDF5"};
+  return {};
+}
+
 /// Removes from the plan the rows that the regular expression `only` does not select and the rows that cannot
 /// run here. If a row about loading is kept, the row of the world without robots is kept too, because its
 /// memory is compared with that of the other rows. Adds the reasons why rows cannot run to `skipped`.
@@ -101,17 +111,14 @@ void reduce(Plan& plan, const std::string& only, std::vector<std::string>& skipp
   std::erase_if(plan.children, [&](const Child& child) {
     return !(child.empty && loads) && !std::regex_search(row_name(child), wanted);
   });
-  const std::string no_frames = missing_frames();
+  const Result<> draws = can_draw();
   std::set<std::string> reasons;
   for (Case& one : plan.cases)
     std::erase_if(one.runs, [&](const Run& run) {
-      std::string reason = missing(run.scene);
-      if (!reason.empty()) reason = fmt::format("{}: {}", run.scene.name, reason);
-      if (reason.empty() && run.frames && !no_frames.empty()) reason = "frames: " + no_frames;
-      if (reason.empty() && run.watch == Watch::recording && !worldio::has_hdf5())
-        reason = "recording: this build has no HDF5";
-      if (!reason.empty() && reasons.insert(reason).second) skipped.push_back(reason);
-      return !reason.empty();
+      const Result<> can = can_run(run, draws);
+      if (can) return false;
+      if (reasons.insert(can.error().text).second) skipped.push_back(can.error().text);
+      return true;
     });
   std::erase_if(plan.cases, [](const Case& one) { return one.runs.empty(); });
 }
@@ -178,8 +185,8 @@ void write_file(const fs::path& file, const std::string& text) {
 }
 
 /// Makes the kernels run on the instruction set `name`. Returns the error text if this is not possible, else
-/// an empty text.
-std::string simd_fault(const std::string& name) {
+/// an empty text, as CLI11 requires of a check.
+std::string select_simd(const std::string& name) {
   try {
     partition::use_simd_target(name);
     return {};
@@ -280,7 +287,7 @@ int paper_main(int argc, char** argv) {
          "Instruction sets, as in avx2,sse4. Rows run on the first one; the comparison of instruction sets "
          "runs on each (default: all that this processor has, the best first)")
       ->delimiter(',')
-      ->check(simd_fault, "");
+      ->check(select_simd, "");
   app.add_option("--out", options.out, "Write all measurements to this file, as JSON");
   app.add_option(
       "--markdown", options.markdown,

@@ -74,9 +74,9 @@ std::vector<Scene> dispersed_and_clustered(Scene scene, double skip_s, double fo
 
 fs::path stage_worlds() { return fs::path(TROUPE_SOURCE_DIR) / "../shared/stage-worlds"; }
 
-std::string missing(const Scene& scene) {
+Result<> has_world(const Scene& scene) {
   if (std::error_code ignored; !fs::exists(scene.world, ignored))
-    return fmt::format("the world file {} does not exist", scene.world.lexically_normal().string());
+    return Error{fmt::format("the world file {} does not exist", scene.world.lexically_normal().string())};
   return {};
 }
 

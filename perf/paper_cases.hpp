@@ -1,5 +1,6 @@
 #pragma once
 
+#include "base/result.hpp"
 #include "engine/world_spec.hpp"
 #include "worldio/load.hpp"
 #include "perf/paper_watch.hpp"
@@ -69,7 +70,7 @@ Plan make_plan(bool quick, const std::vector<unsigned>& threads, const std::vect
 /// The folder with Stage's own worlds, next to the source tree.
 std::filesystem::path stage_worlds();
 
-/// Returns the reason why a scene cannot run here (its world file is missing); empty if it can.
-std::string missing(const Scene& scene);
+/// Whether a scene can run here: whether its world file exists.
+Result<> has_world(const Scene& scene);
 
 }  // namespace troupe::perf

@@ -244,16 +244,16 @@ std::optional<double> watching_cost(const CaseTiming& one, const Timing& watched
   return median(std::move(costs));
 }
 
-std::string missing_frames() {
+Result<> can_draw() {
 #ifdef TROUPE_HAS_RENDER
   try {
     render::draw({}, {}, {.width = 16, .height = 16, .region = Box::around(Vec2::Zero(), 1)});
     return {};
   } catch (const std::exception& error) {
-    return error.what();
+    return Error{error.what()};
   }
 #else
-  return "this build cannot draw pictures: it was configured with TROUPE_RENDER=OFF";
+  return Error{"this build cannot draw pictures: it was configured with TROUPE_RENDER=OFF"};
 #endif
 }
 

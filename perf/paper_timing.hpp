@@ -1,5 +1,6 @@
 #pragma once
 
+#include "base/result.hpp"
 #include "engine/kinds.hpp"
 #include "perf/paper_cases.hpp"
 
@@ -65,8 +66,8 @@ std::string with_text(const Run& run);
 /// `watched` has no observer or the case has no such run.
 std::optional<double> watching_cost(const CaseTiming& one, const Timing& watched);
 
-/// Returns the reason why pictures cannot be drawn here; empty if they can.
-std::string missing_frames();
+/// Whether pictures can be drawn here.
+Result<> can_draw();
 
 double minimum(const std::vector<double>& values);
 double median(std::vector<double> values);

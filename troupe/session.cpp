@@ -2,6 +2,7 @@
 
 #include "base/diagnostics.hpp"
 #include "base/hash.hpp"
+#include "base/result.hpp"
 #include "troupe/acts.hpp"
 #include "troupe/effective_options.hpp"
 #include "troupe/simulation.hpp"
@@ -32,8 +33,8 @@ std::string value_of(const std::vector<std::pair<std::string, std::string>>& opt
   return "not given";
 }
 
-/// Returns, as text, the options in which session and simulation differ; empty if there are none.
-std::string difference(const worldio::SessionHeader& header, const Simulation& simulation) {
+/// Whether session and simulation have the same options. The error lists the options that differ.
+Result<> same_options(const worldio::SessionHeader& header, const Simulation& simulation) {
   const std::vector<std::pair<std::string, std::string>> here = simulation.effective_options();
   std::string text;
   const auto compare = [&](const std::string& key) {
@@ -50,7 +51,8 @@ std::string difference(const worldio::SessionHeader& header, const Simulation& s
     if (!is_free(key) &&
         std::ranges::none_of(header.options, [&k = key](const auto& o) { return o.first == k; }))
       compare(key);
-  return text;
+  if (!text.empty()) return Error{text};
+  return {};
 }
 
 }  // namespace
@@ -134,8 +136,8 @@ SessionReplay::SessionReplay(const fs::path& file, const Simulation& simulation)
     impl_->fail(1, fmt::format("{} wrote this session, but this program is {}, whose results may differ: use "
                                "the version that wrote it",
                                then, now));
-  if (const std::string unlike = difference(header, simulation); !unlike.empty())
-    impl_->fail(1, fmt::format("the session belongs to another run: {}", unlike));
+  if (const Result<> same = same_options(header, simulation); !same)
+    impl_->fail(1, fmt::format("the session belongs to another run: {}", same.error().text));
   impl_->check_state(simulation);
   while (left() > 0 && impl_->session.acts[impl_->next].tick < simulation.tick()) ++impl_->next;
 }

@@ -14,6 +14,7 @@
 
 #include <fmt/format.h>
 
+#include <optional>
 #include <stdexcept>
 
 // Simulations are made here, from files, specs and checkpoints, and saved in checkpoints.
@@ -29,8 +30,8 @@ constexpr std::string_view k_plugin = "plugin ";  // prefix of keys in a header:
 std::string_view version_of(std::string_view line) { return line.substr(0, line.find(" (")); }
 
 /// Throws InputError for a checkpoint of another version unless `across_versions`. Returns a warning if
-/// another version, or another build of this version, wrote the checkpoint; else an empty text.
-std::string check_version(const worldio::Checkpoint& checkpoint, bool across_versions) {
+/// another version, or another build of this version, wrote the checkpoint.
+std::optional<std::string> check_version(const worldio::Checkpoint& checkpoint, bool across_versions) {
   const std::string made_by = checkpoint.header("version");
   const std::string here = version_line();
   if (made_by == here) return {};
@@ -240,8 +241,8 @@ Simulation Simulation::resume(const std::filesystem::path& file, const ResumeOpt
   restore_fp_environment();
   const worldio::Checkpoint checkpoint(file);
   auto impl = std::make_unique<Impl>();
-  if (const std::string warning = check_version(checkpoint, options.across_versions); !warning.empty())
-    impl->warnings.push_back(warning);
+  if (const std::optional<std::string> warning = check_version(checkpoint, options.across_versions))
+    impl->warnings.push_back(*warning);
   impl->registry = std::make_shared<engine::Registry>(std::move(registry));
   impl->plugins = add_plugins(*impl->registry, options.plugin_path, options.scripts);
   append(impl->warnings, load_plugins(checkpoint, *impl->plugins, options.across_plugins));

@@ -239,7 +239,7 @@ std::map<std::size_t, std::string> make_all(const Study& study, const std::vecto
       const std::size_t i = next++;
       if (i >= runs.size()) return;
       std::optional<Made> made;
-      std::string error;
+      std::optional<std::string> error;
       try {
         made = make(study, runs[i], options);
       } catch (const std::exception& thrown) {
@@ -248,7 +248,7 @@ std::map<std::size_t, std::string> make_all(const Study& study, const std::vecto
         error = "unknown exception (not derived from std::exception)";
       }
       const std::lock_guard lock(mutex);
-      if (!error.empty()) failed.emplace(runs[i], error);
+      if (error) failed.emplace(runs[i], *error);
       if (!made) continue;
       try {
         // The rows are written before the entry in the journal, so that they exist for every run in the

@@ -72,7 +72,7 @@ struct Remover {
     std::vector<std::string_view> known;
     bool is_known = false;
     for (std::size_t t = 0; t < world.types.size(); ++t) {
-      if (world.types[t].name == "ground") continue;
+      if (TypeId(t) == world.bodies.front().type) continue;  // the ground
       known.push_back(world.types[t].name);
       types[t] = world.types[t].name == params.of;
       is_known = is_known || types[t] != 0;

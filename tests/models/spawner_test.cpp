@@ -217,6 +217,15 @@ TEST(Remover, TakesThoseOfItsTypeAlone) {
   EXPECT_THAT(error_of(unknown.scene), HasSubstr("unknown type \"othr\"; known: bot, door"));
 }
 
+TEST(Remover, TakesThoseOfATypeThatIsCalledGround) {
+  Door door({device("remover", {{"radius", 5.0}, {"of", "ground"}}, {1, 0, 0, 0})});
+  const BodyId body = door.scene.body("g", door.scene.robot("ground", {box(0.2, 0.2)}), {0, 1, 0, 0});
+  World world = door.scene.world();
+  EXPECT_TRUE(world.is_there(world.row(body)));
+  world.step();
+  EXPECT_FALSE(world.is_there(world.row(body)));
+}
+
 TEST(Remover, TakesPucksThatNoRobotCarries) {
   SceneBuilder scene;
   const TypeId puck = scene.type("puck", {box(0.1, 0.1, 0.1)}, {.gripper = true});

@@ -429,6 +429,19 @@ std::span<const StageRow* const> rows_of_name(std::string_view written) {
   return it->second;
 }
 
+/// Returns a heading and the properties that entities of this type can have, without those that have no
+/// effect in Troupe; empty if there are none.
+std::string properties_text(std::string_view heading, std::string_view type) {
+  std::string text;
+  for (const StageRow& row : k_rows) {
+    if (row.type != type || (row.support != honoured && row.support != fixed)) continue;
+    std::string line = fmt::format("  {:<22}  {}", row.name, row.note);
+    line.erase(line.find_last_not_of(' ') + 1);
+    text += line + "\n";
+  }
+  return text.empty() ? text : fmt::format("{}\n{}\n", heading, text);
+}
+
 }  // namespace
 
 std::span<const StageRow> stage_rows() { return k_rows; }
@@ -463,6 +476,14 @@ std::vector<std::string_view> stage_property_names(std::string_view type) {
     if (row.support != obsolete && (row.type == type || (row.type == "model" && is_model(type))))
       names.push_back(row.name);
   return names;
+}
+
+std::string stage_properties_text(std::string_view model) {
+  std::string text;
+  if (model != "model") text += properties_text("properties in a Stage world", model);
+  if (model == "ranger") text += properties_text("properties of each sensor( ) block in a ranger", "sensor");
+  return text + properties_text("properties of every model", "model") +
+         properties_text("properties of each block( ) in a model", "block");
 }
 
 std::string stage_property_table() {

@@ -43,6 +43,10 @@ bool is_without_effect(std::string_view name);
 /// used to suggest a name for a misspelt property.
 std::vector<std::string_view> stage_property_names(std::string_view type);
 
+/// Returns, as text for `troupe describe`, the properties that models of this type and their blocks can have,
+/// without those that have no effect in Troupe.
+std::string stage_properties_text(std::string_view model);
+
 /// Returns all rows as a Markdown table, which docs/stage-worlds.md contains.
 std::string stage_property_table();
 
