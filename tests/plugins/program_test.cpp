@@ -228,7 +228,7 @@ TEST_F(PluginProgram, AMeasureThatThrowsIsNamedWithItsTick) {
     const std::string name = std::string("thrower:") + measure;
     const std::string expected = fmt::format("troupe: error: tick 3: measure \"{}\" {}\n", name, thrown);
     for (const std::vector<std::string>& options :
-         {std::vector<std::string>{"--measures", "m.csv", "--measure", name, "--hash-log", "run.log"},
+         {std::vector<std::string>{"--measures", "m.csv", "--measure", name, "--measure-every", "0.1"},
           std::vector<std::string>{"--set", fmt::format("/stop_when=[\"{} > 1\"]", name)}}) {
       std::vector<std::string> words = options;
       words.insert(words.end(), path.begin(), path.end());

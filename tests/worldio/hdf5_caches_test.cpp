@@ -9,9 +9,7 @@
 #include <hdf5.h>
 
 #include <cstddef>
-#include <cstdint>
 #include <functional>
-#include <span>
 #include <string>
 #include <utility>
 #include <vector>
@@ -54,33 +52,6 @@ TEST_F(Hdf5Caches, OfMetadataAreBoundedInEveryWayToOpenAFile) {
     EXPECT_EQ(most_bytes(), k_most_bytes) << name;
     file.close();
   }
-}
-
-// Each chunk has an entry in an index, which is metadata.
-TEST_F(Hdf5Caches, OfMetadataStayWithinTheBoundOverManyChunks) {
-  Hdf5File file = Hdf5File::create(file_);
-  {
-    std::vector<Hdf5Dataset> datasets;
-    for (int d = 0; d < 20; ++d)
-      datasets.push_back(
-          file.create_extendible(std::to_string(d), engine::Element::u8, {1}, {.extent = {1, 1}}));
-    file.start_swmr();
-    const std::uint8_t row = 7;
-    for (int r = 0; r < 2000; ++r)
-      for (Hdf5Dataset& dataset : datasets) {
-        dataset.append(std::span<const std::uint8_t>(&row, 1));
-        dataset.flush();
-      }
-    std::size_t most = 0;
-    std::size_t least = 0;
-    std::size_t now = 0;
-    int entries = 0;
-    ASSERT_GE(H5Fget_mdc_size(handle(), &most, &least, &now, &entries), 0);
-    EXPECT_GT(now, 0u);
-    EXPECT_LE(now, k_most_bytes);
-    EXPECT_LE(most, k_most_bytes);
-  }
-  file.close();
 }
 
 }  // namespace
