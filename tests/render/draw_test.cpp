@@ -403,6 +403,30 @@ TEST(Draw, PicturesLargerThanATileHaveNoSeams) {
   EXPECT_EQ(stage.pixel(2280, 1000), k_paper);
 }
 
+TEST(Draw, FewAndManyVerticesGiveTheSamePixels) {
+  Stage few;
+  few.add_fixed({rectangle(-3.9, -1.51, 0, -1.42)});
+  few.scene.fixed.back().pose_world_body.heading = 0.03;  // edges between the pixels
+  for (int i = 0; i < 5; ++i)
+    few.frame.mobile.push_back(body_at(0, {-3.3 + 1.2 * i, 0.3 * i - 0.4, 0, 0.37 * i}, k_blue));
+  few.draw();
+  Stage many = few;
+  for (int i = 0; i < 3000; ++i) many.frame.mobile.push_back(body_at(0, {3.3, 1.3, 0, 0.1 * i}, k_blue));
+  many.draw();
+  int most = 0;
+  int shades = 0;
+  for (int row = 0; row < 400; ++row) {
+    for (int column = 0; column < 600; ++column) {
+      const Pixel a = few.pixel(column, row);
+      const Pixel b = many.pixel(column, row);
+      for (std::size_t c = 0; c < 3; ++c) most = std::max(most, std::abs(a[c] - b[c]));
+      shades += a != k_paper && a != k_blue_pixel && a != k_white && a != k_gray30_pixel;
+    }
+  }
+  EXPECT_LE(most, 1) << "one is drawn once per sample, the other with multisampling";
+  EXPECT_GT(shades, 1000) << "the edges are smooth";
+}
+
 TEST(Draw, TenThousandRobots) {
   Stage stage;
   stage.view = {1000, 1000, Box{{-100, -100}, {100, 100}}};
