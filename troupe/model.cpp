@@ -53,10 +53,10 @@ Row Model::Place::whole() const {
   if (part > 0) throw std::logic_error(fmt::format("\"{}\" is a part of a body: give the body itself", name));
   const Row row = world->row(body);
   if (!row.valid())
-    throw std::logic_error(
-        fmt::format("\"{}\" is static: only bodies that have a drive, a device or a controller, or that can be "
-                    "gripped or pushed, can be moved, removed or disabled",
-                    name));
+    throw std::logic_error(fmt::format(
+        "\"{}\" is static: only bodies that have a drive, a device or a controller, or that can be "
+        "gripped or pushed, can be moved, removed or disabled",
+        name));
   return row;
 }
 
