@@ -109,6 +109,7 @@ SHOWN_ONLY = [
     ("docs/checkpoints.md", "run.h5: error: this is not a", "damaged files: tests/apps/resume_test.cpp"),
     ("docs/controllers.md", 'controller "patrol/0"', "a controller that breaks the rules: tests/plugins/program_test.cpp"),
     ("docs/controllers.md", "troupe: error: tick 3", "a controller that throws: tests/plugins/program_test.cpp"),
+    ("docs/measures.md", "troupe: error: tick 3", "a measure that throws: tests/plugins/program_test.cpp"),
     ("docs/determinism.md", "S(k+1)", "a formula"),
     ("docs/determinism.md", "key = seed", "a formula"),
     ("docs/determinism.md", "component name", "what is hashed, told"),
