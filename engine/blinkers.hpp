@@ -12,8 +12,8 @@
 namespace troupe::engine {
 
 /// Implements the test mode World::hide_beyond_reach(). While a device runs, it hides all data that the kind
-/// of the device does not declare to read. It also detects effects on bodies that the kind does not declare to
-/// change.
+/// of the device does not declare to read. It also detects effects on bodies that the kind does not declare
+/// to change.
 class Blinkers {
  public:
   /// The state must outlive the object.

@@ -1,5 +1,6 @@
 #include "engine/spec_description.hpp"
 
+#include "base/limits.hpp"
 #include "engine/description.hpp"
 #include "engine/world_spec.hpp"
 
@@ -10,7 +11,7 @@ namespace facts = engine::facts;
 
 // Largest absolute value of a coordinate: ten times that of the largest world, and cell numbers still fit 32
 // bits.
-constexpr double k_reach_m = 1e6;
+constexpr double k_reach_m = 10 * k_world_reach_m;
 
 constexpr void describe(Description<Where>& d) {
   d.member<&Where::file>("file");
@@ -39,9 +40,8 @@ constexpr void describe(Description<Solid>& d) {
 namespace troupe::engine {
 namespace {
 
-constexpr double k_most_s = 1e15;        // more than any world needs, and its ticks still fit 64 bits
-constexpr double k_most_return = 1e30;   // far within the range of a float
-constexpr double k_least_tick_s = 1e-6;  // as in Stage, whose clock counts microseconds
+constexpr double k_most_s = 1e15;       // more than any world needs, and its ticks still fit 64 bits
+constexpr double k_most_return = 1e30;  // far within the range of a float
 
 constexpr Fact k_within_reach = facts::within(-k_reach_m, k_reach_m);
 constexpr Fact k_time = facts::within(0, k_most_s);
@@ -164,15 +164,6 @@ constexpr void describe(Description<ReserveSpec>& d) {
   d.member<&ReserveSpec::population>("population");
   d.member<&ReserveSpec::first>("first");
   d.member<&ReserveSpec::count>("count");
-}
-
-constexpr void describe(Description<WatchSpec>& d) {
-  using namespace facts;
-  using enum engine::Unit;
-  d.member<&WatchSpec::clock>("clock");
-  d.member<&WatchSpec::clock_ticks>("clock_ticks", within(1, k_most_clock_ticks));
-  d.member<&WatchSpec::rate>("rate", within(0, k_most_rate));
-  d.member<&WatchSpec::paused>("paused");
 }
 
 // An experiment is stored as in a JSON world file. File positions are stored only for whole entries, because

@@ -1,5 +1,7 @@
 #include "engine/world_state.hpp"
 
+#include "base/limits.hpp"
+
 #include <cstddef>
 
 namespace troupe::engine {
@@ -39,10 +41,7 @@ void WorldState::bind_view() {
   view = CommittedView(columns);
 }
 
-Box WorldState::bounds() const {
-  constexpr double k_world_limit = 100e3;  // half the width of a world without bounds, m
-  return spec.bounds.value_or(Box::around(Vec2::Zero(), k_world_limit));
-}
+Box WorldState::bounds() const { return spec.bounds.value_or(Box::around(Vec2::Zero(), k_world_reach_m)); }
 
 void WorldState::update_presence(Row row) {
   const bool there = view.is_there(row);

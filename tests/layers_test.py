@@ -113,6 +113,12 @@ _VALUE = r"(?:given|boolean|integer|number|text|numbers|records|texts)\(\)"
 _PLACE = r"(?:\d+|k_\w+|[^\]\[]*\bsize\(\)[^\]\[]*)"
 BY_POSITION = re.compile(rf"\[\s*{_PLACE}\s*\]\s*(?:\.|->)\s*{_VALUE}|\b(?:\w+_)?(?:params|record)\s*\[\s*{_PLACE}\s*\]")
 
+# Limits that several readers of world files check are given once. (pattern of a number, name of the limit)
+LIMITS = [(r"(?:(?:100|200)e3|1e5|[12]00'?000)(?:\.0+)?", "base/limits.hpp, k_world_reach_m")]
+# Lines in which such a number is another limit.
+LIMITS_ALLOWED = r"k_most_|counts_readings|constexpr double k_reach = 100000;"
+NAMED_LIMIT = re.compile(r"\bconstexpr\s+[\w:]+\s+(k_(?:most|least|largest|longest|deepest|max|min)\w*)\s*=\s*([^;]+);")
+
 WORDS_ALLOWED = {
     "base/assert.hpp",  # TROUPE_ASSERT prints the violated invariant and ends the process
     # Launchers show themselves only in the environment. A simulation only decides with it whether several ranks are an error.
@@ -217,9 +223,31 @@ def closure_faults(root, paths):
                     break
 
 
+def repeated_limits(root):
+    """Returns limits that are given twice, as `path:line: text`: numbers of LIMITS outside of base/limits.hpp, and constants of
+    the readers of worlds that have the same name and value in two files."""
+    seen = {}
+    for folder, path in sources(root):
+        if folder not in LIBRARY or path.as_posix() == "base/limits.hpp":
+            continue
+        code = without_comments((root / path).read_text(), texts_too=True)
+        for number, line in enumerate(code.split("\n"), 1):
+            for pattern, limit in LIMITS:
+                match = re.search(rf"(?<![\w.']){pattern}(?![\w.'])", line)
+                if match and not re.search(LIMITS_ALLOWED, line):
+                    yield f"{path.as_posix()}:{number}: {match[0]} repeats a limit: use {limit}"
+        if folder != "worldio":
+            continue
+        for match in NAMED_LIMIT.finditer(code):
+            other = seen.setdefault((match[1], match[2]), path)
+            if other != path:
+                yield (f"{path.as_posix()}:{code.count(chr(10), 0, match.start()) + 1}: {match[1]} repeats the limit of "
+                       f"{other.as_posix()}")
+
+
 def findings(root):
     """Returns all violations of the rules under root, as `path:line: text`."""
-    found = list(closure_faults(root, [path for _, path in sources(root)]))
+    found = list(closure_faults(root, [path for _, path in sources(root)])) + list(repeated_limits(root))
     tbb_users = []
     for folder, path in sources(root):
         text = (root / path).read_text()
@@ -315,7 +343,8 @@ class PlantedFaults(unittest.TestCase):
         "models/controllers/wander.hpp": '#include "models/devices/lamp.hpp"\n#include "models/model_kinds.hpp"\n',
         "worldio/stage/parser.hpp": '#include "worldio/json/json.hpp"\n',
         "worldio/json/json.hpp": "",
-        "worldio/json/json.cpp": '#include <fmt/format.h>\n#include <nlohmann/json.hpp>\nauto s = "printf, exit";\n',
+        "worldio/json/json.cpp": '#include <fmt/format.h>\n#include <nlohmann/json.hpp>\nauto s = "printf, exit";\n'
+                              "constexpr double k_most_size = 7;\n",
         "render/draw.cpp": "#include <GL/osmesa.h>\nauto x = a.exit; auto y = b->abort; int snprintf_of;\n",
         "troupe/troupe.hpp": '#include "sensors/ranger.hpp"\n#include "troupe/made.hpp"\n',
         "troupe/made.hpp.in": "",
@@ -387,6 +416,10 @@ class PlantedFaults(unittest.TestCase):
             ("engine/odometry.cpp", "auto x = params[k_kind].text();\n", "`params[k_kind]` reads a parameter by its position"),
             ("apps/examples/far.cpp", "auto x = &params[ranger().params.fields.size()];\n", "by its position"),
             ("tests/base/fan_test.cpp", "auto x = device.params[0];\n", "by its position"),
+            ("worldio/stage/size.cpp", "\nconstexpr double k_limit = 100e3;\n",
+             "worldio/stage/size.cpp:2: 100e3 repeats a limit: use base/limits.hpp, k_world_reach_m"),
+            ("models/far.cpp", "auto x = at_most(100000);\n", "models/far.cpp:1: 100000 repeats a limit"),
+            ("worldio/stage/size.cpp", "constexpr double k_most_size = 7;\n", "k_most_size repeats the limit of worldio/json/json.cpp"),
             ("partition/kernel.cpp", "namespace hn = hwy::HWY_NAMESPACE;\n", "goes around partition/simd.inl"),
         ]:
             with self.subTest(text=text, file=name):

@@ -1,13 +1,13 @@
 #pragma once
 
+#include "engine/controller.hpp"
+#include "engine/kinds.hpp"
 #include "engine/measure_kind.hpp"
-#include "engine/sensing_view.hpp"
-#include "engine/world.hpp"
+#include "troupe/plugin_layout.hpp"
 #include "troupe/version.hpp"
 
 #include <Eigen/Core>
 
-#include <array>
 #include <atomic>
 #include <cstdint>
 #include <string_view>
@@ -36,40 +36,14 @@
 
 namespace troupe::plugin {
 
-/// Version of struct Library and of the functions that it points to.
-inline constexpr std::uint32_t k_interface = 6;
+/// Version of the interface: of struct Library, of the functions that it points to, and of the layouts of the
+/// types that plug-in and program exchange (layout()). A test fails if the layouts have changed but the
+/// version has not.
+inline constexpr std::uint32_t k_interface = 7;
 
 /// Build settings that change the layout of types or the bits of results although all headers are equal.
 inline constexpr const char* k_build = TROUPE_PLUGIN_STANDARD_LIBRARY
     ", " TROUPE_PLUGIN_EIGEN ", EIGEN_MAX_ALIGN_BYTES=" TROUPE_PLUGIN_TEXT(EIGEN_MAX_ALIGN_BYTES);
-
-/// Returns a hash of the sizes of all types that plug-in and program exchange, and of the types whose members
-/// the inline functions of SensingView and World read. If the hashes of plug-in and program differ although
-/// their version numbers are equal, they were compiled with headers of different revisions of Troupe.
-constexpr std::uint64_t layout() {
-  using namespace engine;
-  constexpr std::array k_sizes{
-      // Kinds, and the arguments of their functions.
-      sizeof(ControllerKind), sizeof(ControllerKind::Prepared), sizeof(DeviceKind),
-      sizeof(DeviceKind::Prepared), sizeof(DeviceInfo), sizeof(StateTable), sizeof(StateField), sizeof(Field),
-      sizeof(FieldTable), sizeof(Value), sizeof(DecideBatch), sizeof(Percept), sizeof(Actions),
-      sizeof(Readings), sizeof(Command), sizeof(Random), sizeof(DeviceBatch), sizeof(SenseBatch),
-      sizeof(Effects), sizeof(Effect), sizeof(DeviceView), sizeof(MeasureKind), sizeof(Measure),
-      // What a view consists of.
-      sizeof(SensingView), sizeof(CommittedView), sizeof(PublicColumns), sizeof(TickCounts), sizeof(BodyType),
-      sizeof(BodyType::Device), sizeof(BodyType::Drive), sizeof(BodyType::Joint), sizeof(RayOutline),
-      sizeof(Pose), sizeof(Transform), sizeof(Mount), sizeof(Velocity), sizeof(Carried), sizeof(Life),
-      sizeof(Condition), sizeof(WorldSpec), sizeof(TypeSpec), sizeof(PartSpec), sizeof(BodySpec),
-      sizeof(FixedTargets), sizeof(FixedTargets::Target), sizeof(partition::StaticScene),
-      sizeof(partition::FixedSolid), sizeof(partition::FixedOutlines), sizeof(partition::BodyIndex),
-      sizeof(partition::BodyCircle), sizeof(partition::GridGeometry), sizeof(partition::TileDirectory),
-      sizeof(partition::RayGrid),
-      // apply() and born() change the world.
-      sizeof(World)};
-  std::uint64_t mixture = 0;
-  for (const std::size_t size : k_sizes) mixture = mixture * 0x9e3779b97f4a7c15 + size;
-  return mixture;
-}
 
 /// The interface of a plug-in. The first two members have the same offsets in every version, so that a loader
 /// can always read them.

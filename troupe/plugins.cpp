@@ -6,6 +6,7 @@
 #include "engine/kind_errors.hpp"
 #include "troupe/plugin_library.hpp"
 #include "worldio/files.hpp"
+#include "worldio/json/kind_keys.hpp"
 
 #include <dlfcn.h>
 #include <fmt/format.h>
@@ -16,6 +17,7 @@
 #include <cstring>
 #include <deque>
 #include <optional>
+#include <stdexcept>
 
 namespace troupe {
 namespace fs = std::filesystem;
@@ -269,6 +271,8 @@ Result<> Plugins::keep_kinds(Loaded& library, Kinds all) const {
     for (auto& kind : kinds) {
       std::string name(kind.name);
       if (name != library.name) name = fmt::format("{}:{}", library.name, name);
+      if (const Result<> names = worldio::check_parameter_names(kind); !names)
+        all_right = Error{fmt::format("has a {} \"{}\" that {}", own.what, name, names.error().text)};
       if constexpr (requires { kind.prepare; })
         if (!kind.prepare)
           all_right = Error{fmt::format("has a {} \"{}\" whose member `prepare` is not set", own.what, name)};
@@ -315,6 +319,8 @@ void Plugins::add(std::shared_ptr<const Script> script) {
 
 std::shared_ptr<Plugins> add_plugins(engine::Registry& registry, std::vector<fs::path> path,
                                      std::span<const std::shared_ptr<const Script>> scripts) {
+  if (const Result<> kinds = worldio::check_kinds(registry); !kinds)
+    throw std::invalid_argument(kinds.error().text);
   auto plugins = std::make_shared<Plugins>(std::move(path), registry);
   for (const std::shared_ptr<const Script>& script : scripts) plugins->add(script);
   registry.plugged_controllers = [plugins](std::string_view name, std::string unknown) {

@@ -80,7 +80,8 @@ class Plugins {
 
 /// Allows a registry, and copies of it, to use the kinds of these scripts and to load controllers, devices
 /// and measures from plug-ins in these folders. Returns the object that loads them, which the registry also
-/// owns. Throws InputError as Plugins::add() does.
+/// owns. Throws InputError as Plugins::add() does, and std::invalid_argument if a kind of the registry has a
+/// parameter that is called like a key of JSON worlds (worldio/json/kind_keys.hpp).
 std::shared_ptr<Plugins> add_plugins(engine::Registry& registry, std::vector<std::filesystem::path> path,
                                      std::span<const std::shared_ptr<const Script>> scripts = {});
 

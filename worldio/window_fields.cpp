@@ -1,5 +1,6 @@
 #include "worldio/window_fields.hpp"
 
+#include "base/limits.hpp"
 #include "base/math.hpp"
 
 #include <string_view>
@@ -15,7 +16,6 @@ using engine::Unit;
 
 constexpr double k_most_window_px = 16384;
 constexpr double k_most_turn = 100;  // greatest camera angle, rad
-constexpr double k_reach_m = 100e3;  // greatest coordinate in a world
 
 /// The parameters that switch a layer on or off, with Stage's defaults.
 constexpr std::pair<std::string_view, bool> k_switches[] = {
@@ -65,8 +65,8 @@ FieldTable make_window_fields() {
        .type = FieldType::numbers,
        .unit = Unit::meters,
        .fallback = std::vector<double>{0, 0},
-       .min = -k_reach_m,
-       .max = k_reach_m,
+       .min = -k_world_reach_m,
+       .max = k_world_reach_m,
        .text = "centre of the orthographic view: x, y",
        .columns = 2},
       {.name = "rotate",
@@ -87,8 +87,8 @@ FieldTable make_window_fields() {
        .type = FieldType::numbers,
        .unit = Unit::meters,
        .fallback = std::vector<double>{0, -4, 3},
-       .min = -k_reach_m,
-       .max = k_reach_m,
+       .min = -k_world_reach_m,
+       .max = k_world_reach_m,
        .text = "camera position of the perspective view: x, y, z",
        .columns = 3},
       {.name = "camera_angle",

@@ -175,10 +175,11 @@ std::vector<std::string> compare(std::vector<Variant>& variants) {
   return lines;
 }
 
-/// Compares whether the step of each variant was completed with whether that of the first variant was. Returns
-/// the differences as lines of text, and marks the variants that differ. If the steps of all variants ended with
-/// an error, it is an error of the world: throws that of the first variant as a StepError. (The texts may
-/// differ: an exception of a kind names the first robot of a batch, and batches depend on the threads.)
+/// Compares whether the step of each variant was completed with whether that of the first variant was.
+/// Returns the differences as lines of text, and marks the variants that differ. If the steps of all variants
+/// ended with an error, it is an error of the world: throws that of the first variant as a StepError. (The
+/// texts may differ: an exception of a kind names the first robot of a batch, and batches depend on the
+/// threads.)
 std::vector<std::string> compare_errors(std::vector<Variant>& variants) {
   const auto outcome = [](const Variant& variant) {
     return variant.error ? fmt::format("stopped with an error: {}", *variant.error)

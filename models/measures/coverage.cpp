@@ -1,5 +1,6 @@
 #include "models/measures/coverage.hpp"
 
+#include "base/limits.hpp"
 #include "engine/measures.hpp"
 
 #include <fmt/format.h>
@@ -36,7 +37,7 @@ class Coverage : public Measure {
     double cell = 1;
 
     static constexpr void describe(engine::Description<Params>& d) {
-      d.member<&Params::cell>("cell", Unit::meters, engine::facts::within(0.001, 100000),
+      d.member<&Params::cell>("cell", Unit::meters, engine::facts::within(0.001, k_world_reach_m),
                               "edge length of the square cells");
     }
   };

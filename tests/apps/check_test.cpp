@@ -175,8 +175,8 @@ struct Doppler {
   }
 };
 
-/// A device that in each tick writes to the next body of the world. `k_has_target`: that body is the target of
-/// the effect; otherwise the effect has no target.
+/// A device that in each tick writes to the next body of the world. `k_has_target`: that body is the target
+/// of the effect; otherwise the effect has no target.
 template <bool k_has_target>
 struct Meddler {
   struct State {
@@ -194,7 +194,8 @@ struct Meddler {
   }
   void apply(engine::World& world, const engine::Effect& effect) const {
     const Row row = world.row(BodyId(static_cast<std::size_t>(effect.payload[0])));
-    if (row.valid()) ++world.state(world.type(row).devices[effect.device]).template as<State>(world.slot(row)).count;
+    if (row.valid())
+      ++world.state(world.type(row).devices[effect.device]).template as<State>(world.slot(row)).count;
   }
 };
 
@@ -256,14 +257,15 @@ class Check : public test::ScratchTest {
       all.devices.push_back(engine::make_device_kind<Doppler>("doppler", "the speeds of bodies near it"));
       all.devices.push_back(engine::make_device_kind<Doppler>("secret_doppler", "the same, not declared"));
       all.devices.back().reads.clear();
-      for (const auto& [prefix, scope] :
-           {std::pair("trees", engine::ApplyScope::trees), std::pair("any_target", engine::ApplyScope::any_target),
-            std::pair("anything", engine::ApplyScope::anything)}) {
+      for (const auto& [prefix, scope] : {std::pair("trees", engine::ApplyScope::trees),
+                                          std::pair("any_target", engine::ApplyScope::any_target),
+                                          std::pair("anything", engine::ApplyScope::anything)}) {
         for (const bool has_target : {false, true}) {
           static std::deque<std::string> names;  // the kinds refer to them
           names.push_back(fmt::format("{}_{}", prefix, has_target ? "far_target" : "no_target"));
-          all.devices.push_back(has_target ? engine::make_device_kind<Meddler<true>>(names.back(), "meddles")
-                                           : engine::make_device_kind<Meddler<false>>(names.back(), "meddles"));
+          all.devices.push_back(has_target
+                                    ? engine::make_device_kind<Meddler<true>>(names.back(), "meddles")
+                                    : engine::make_device_kind<Meddler<false>>(names.back(), "meddles"));
           all.devices.back().scope = scope;
         }
       }
@@ -439,8 +441,9 @@ TEST_P(CheckScope, OfAnEffectIsWhatItsKindDeclares) {
   EXPECT_THAT(lines[2],
               MatchesRegex("1 thread, automatic tiles, bodies beyond reach hidden +1  DIFFERS    -"));
   EXPECT_EQ(lines[3], "differs at tick 1 (0.1 s):");
-  EXPECT_EQ(lines[4],
-            "  1 thread, automatic tiles, bodies beyond reach hidden, compared with 1 thread, automatic tiles:");
+  EXPECT_EQ(
+      lines[4],
+      "  1 thread, automatic tiles, bodies beyond reach hidden, compared with 1 thread, automatic tiles:");
   EXPECT_EQ(lines[5], fmt::format("    stopped with an error: tick 1: device \"it\" ({}) of \"r0\" {}",
                                   GetParam().kind, GetParam().report));
 }
@@ -457,10 +460,11 @@ INSTANTIATE_TEST_SUITE_P(
     ::testing::Values(Meddling{"trees_no_target", changed("trees_no_target")},
                       Meddling{"any_target_no_target", changed("any_target_no_target")},
                       Meddling{"anything_no_target", ""},
-                      Meddling{"trees_far_target",
-                               "requested an effect on \"r1\", but that body is beyond its reach, and the scope "
-                               "that the device's kind declares (DeviceKind::scope) requires a target within "
-                               "reach"},
+                      Meddling{
+                          "trees_far_target",
+                          "requested an effect on \"r1\", but that body is beyond its reach, and the scope "
+                          "that the device's kind declares (DeviceKind::scope) requires a target within "
+                          "reach"},
                       Meddling{"any_target_far_target", ""}, Meddling{"anything_far_target", ""}),
     [](const auto& meddling) {
       std::string name = meddling.param.kind;

@@ -2,9 +2,11 @@
 
 #include "base/diagnostics.hpp"
 #include "base/fp_environment.hpp"
+#include "base/hash.hpp"
 #include "engine/world.hpp"
 #include "tests/support/scratch.hpp"
 #include "troupe/lint.hpp"
+#include "troupe/plugin_library.hpp"
 #include "troupe/recording.hpp"
 #include "troupe/registry.hpp"
 #include "troupe/simulation.hpp"
@@ -16,7 +18,12 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <cstddef>
+#include <cstdint>
 #include <filesystem>
+#include <fstream>
+#include <set>
+#include <sstream>
 #include <string>
 #include <string_view>
 #include <utility>
@@ -94,6 +101,50 @@ class PluginsTest : public test::ScratchTest {
     return (folder_of(folder) / name).string() + ".so ";
   }
 };
+
+// The layouts of one version of the interface never change, so that a plug-in that was built for another
+// layout has another version too, and the error that refuses it says so.
+TEST(PluginLayout, ChangesOnlyWithTheVersionOfTheInterface) {
+#if !defined(__x86_64__) || defined(_LIBCPP_VERSION) || defined(_GLIBCXX_DEBUG)
+  GTEST_SKIP() << "layouts.txt has the layouts of libstdc++ on x86-64";
+#endif
+  const fs::path file = TROUPE_SOURCE_DIR "/tests/plugins/layouts.txt";
+  std::ifstream stream(file);
+  std::uint32_t version = 0;
+  std::string last;
+  std::set<std::string> seen;
+  for (std::string line; std::getline(stream, line);) {
+    if (line.empty() || line.starts_with('#')) continue;
+    std::istringstream words(line);
+    std::uint32_t next = 0;
+    ASSERT_TRUE(words >> next >> last) << line;
+    EXPECT_GT(next, version) << "versions rise from line to line";
+    EXPECT_TRUE(seen.insert(last).second) << "two versions have one layout: " << line;
+    version = next;
+  }
+  EXPECT_EQ(version, plugin::k_interface)
+      << file << " needs a line for this version: " << plugin::k_interface << ' ' << hex(plugin::layout());
+  EXPECT_EQ(last, hex(plugin::layout())) << "the layout of a type that plug-ins use has changed "
+                                            "(troupe/plugin_layout.hpp): raise k_interface in "
+                                            "troupe/plugin_library.hpp, and add a line to "
+                                         << file;
+}
+
+namespace layouts {
+struct Before {
+  double first = 0;
+  double second = 0;
+};
+struct Swapped {
+  double second = 0;
+  double first = 0;
+};
+constexpr std::uint64_t k_before =
+    plugin::detail::of_members<Before>({offsetof(Before, first), offsetof(Before, second)});
+constexpr std::uint64_t k_swapped =
+    plugin::detail::of_members<Swapped>({offsetof(Swapped, first), offsetof(Swapped, second)});
+static_assert(k_before != k_swapped, "members of one type that change places are another layout");
+}  // namespace layouts
 
 TEST_F(PluginsTest, AreFoundByStageWorlds) {
   Simulation simulation(stage_world("walker speed=0.2"), options({folder_of("plugins")}));
@@ -184,11 +235,11 @@ TEST_F(PluginsTest, ThatCannotBeUsedSayWhy) {
       AllOf(testing::StartsWith(about("undefined_symbol") + "cannot be loaded: undefined symbol: "),
             HasSubstr("no_such_function"), EndsWith(" (link it with the CMake target troupe::plugin)")));
   EXPECT_THAT(error_of("another_version"),
-              MatchesRegex(about("another_version") + "was built for troupe 99.1.0 .interface 6., but this "
-                                                      "program is troupe 0.2.0 .interface 6.: rebuild it"));
+              MatchesRegex(about("another_version") + "was built for troupe 99.1.0 .interface 7., but this "
+                                                      "program is troupe 0.2.0 .interface 7.: rebuild it"));
   EXPECT_THAT(error_of("old_interface"),
               MatchesRegex(about("old_interface") + "was built for troupe 0.2.0 .interface 3., but this "
-                                                    "program is troupe 0.2.0 .interface 6.: rebuild it"));
+                                                    "program is troupe 0.2.0 .interface 7.: rebuild it"));
   EXPECT_THAT(error_of("another_build"),
               MatchesRegex(about("another_build") +
                            "was built with libc.., vectorized Eigen, but Troupe with libstdc..*"));
@@ -445,7 +496,7 @@ TEST_F(PluginSensors, ThatCannotBeUsedSayWhereAndWhy) {
       error(room("another_version"), "unusable"),
       MatchesRegex(at("3", "/kind") +
                    "sensor or device \"another_version\": .*another_version.so was built for troupe "
-                   "99.1.0 .interface 6., but this program is troupe 0.2.0 .interface 6.: rebuild it"));
+                   "99.1.0 .interface 7., but this program is troupe 0.2.0 .interface 7.: rebuild it"));
   EXPECT_THAT(
       error(room("ranger:ranger"), "unusable"),
       EndsWith(
@@ -453,6 +504,9 @@ TEST_F(PluginSensors, ThatCannotBeUsedSayWhereAndWhy) {
   EXPECT_THAT(
       error(room("twice"), "unusable"),
       EndsWith("twice.so has two kinds with the name \"twice\", each a sensor or device: rename one"));
+  EXPECT_THAT(error(room("misnamed"), "unusable"),
+              EndsWith("misnamed.so has a sensor or device \"misnamed\" that has a parameter \"active\", but "
+                       "\"active\" is a key that every sensor has in JSON worlds: rename the parameter"));
   EXPECT_THAT(
       error(room("unprepared"), "unusable"),
       EndsWith("unprepared.so has a sensor or device \"unprepared\" whose member `prepare` is not set"));

@@ -1,5 +1,6 @@
 #include "worldio/images/ros_map.hpp"
 
+#include "base/limits.hpp"
 #include "worldio/files.hpp"
 
 #include <fmt/format.h>
@@ -14,8 +15,8 @@
 namespace troupe::worldio {
 namespace {
 
-constexpr std::size_t k_most_bytes = 1 << 16;  // a map has a dozen lines
-constexpr double k_most_meters = 200e3;        // greatest size of a world
+constexpr std::size_t k_most_bytes = 1 << 16;          // a map has a dozen lines
+constexpr double k_most_meters = 2 * k_world_reach_m;  // greatest size of a world
 
 constexpr std::string_view k_keys[] = {"image",           "resolution",  "origin", "negate",
                                        "occupied_thresh", "free_thresh", "mode"};
@@ -149,8 +150,8 @@ void MapReader::read_origin(const YAML::Node& origin, RosMap& map) {
   }
   double parts[3] = {};
   for (std::size_t i = 0; i < 3; ++i)
-    parts[i] = number(origin[i], "origin", -k_most_meters / 2, k_most_meters / 2,
-                      "[x, y, yaw]: x and y from -100000 to 100000 m, yaw in rad")
+    parts[i] = number(origin[i], "origin", -k_world_reach_m, k_world_reach_m,
+                      fmt::format("[x, y, yaw]: x and y from -{0} to {0} m, yaw in rad", k_world_reach_m))
                    .value_or(0);
   map.pose_map_corner = {parts[0], parts[1], 0, wrap_angle(parts[2])};
 }

@@ -8,6 +8,7 @@
 #include "worldio/json/json_reader.hpp"
 #include "worldio/json/world_document.hpp"
 
+#include <algorithm>
 #include <cstddef>
 #include <cstdint>
 #include <limits>
@@ -206,6 +207,9 @@ struct DocumentTable {
   void (*check)(const void* object, const JsonCursor& at) = nullptr;
   Placed& (*placed)(void* object) = nullptr;  ///< returns the struct as its base class Placed
   const void* usual = nullptr;                ///< a struct whose members have their default values
+  /// Names of the structs that have members without a key, other than those given to DocumentKeys::no_key().
+  /// Always empty; a test checks it.
+  std::vector<std::string> incomplete;
   /// Returns whether the writer omits the key `kind` of this object, because the reader finds its kind by
   /// DocumentKinds::implied. Null: the writer always writes the key.
   bool (*is_kind_implied)(const void* object) = nullptr;
@@ -248,13 +252,40 @@ struct InnerOf<std::optional<T>> {
 template <class T>
 using Inner = typename InnerOf<T>::Type;
 
+/// Converts to any type of a member of a document, that is, to any except vectors of Eigen: the constructors
+/// of std::optional would otherwise try to make such a vector from it, which does not compile.
+struct AnyMember {
+  template <class T>
+  requires(!requires { T::RowsAtCompileTime; }) operator T() const;
+};
+
+template <class T, std::size_t... I>
+concept HasMembers = requires {
+  T{(static_cast<void>(I), AnyMember{})...};
+};
+
+template <class T, std::size_t... I>
+constexpr bool has_members(std::index_sequence<I...>) {
+  return HasMembers<T, I...>;
+}
+
+/// Returns the number of members of a struct, in which a base class counts as one: the largest number of
+/// initialisers that the struct accepts.
+template <class T, std::size_t N = 0>
+constexpr std::size_t member_count() {
+  if constexpr (has_members<T>(std::make_index_sequence<N + 1>{}))
+    return member_count<T, N + 1>();
+  else
+    return N;
+}
+
 }  // namespace detail
 
 /// Fills the table of T: one call per key, in the order in which the writer writes the keys.
 template <class T>
 class DocumentKeys {
  public:
-  explicit DocumentKeys(DocumentTable& table) : table_(table) {}
+  explicit DocumentKeys(DocumentTable& table) : table_(table) { noted<T>(); }
 
   /// Adds a key for a member that engine::Description accepts: a number, a bool, an enum, a pose, ... Path:
   /// the pointer to the member, or a chain of pointers to a member of a member. `facts` are the unit, the
@@ -267,6 +298,7 @@ class DocumentKeys {
     engine::FieldTable fields;
     engine::detail::add_field(fields, name, engine::detail::TypeOf<Member>::value, &example, &member,
                               {engine::Fact(facts)...});
+    note<Path...>();
     DocumentKey& key = table_.keys.emplace_back();
     key.field = std::move(fields.fields.front());
     key.field.fallback = {};  // an absent key leaves the member unchanged
@@ -294,6 +326,7 @@ class DocumentKeys {
     key.field = {.name = name, .type = engine::FieldType::text, .text = text};
     key.form = form;
     key.expects = expects;
+    note<Path...>();
     if constexpr (sizeof...(Path) > 0) {
       key.is_optional =
           detail::IsOptional<std::remove_cvref_t<decltype(at<Path...>(std::declval<const void*>()))>>::value;
@@ -360,6 +393,20 @@ class DocumentKeys {
     return key;
   }
 
+  /// Says that members have no key.
+  template <auto... Members>
+  void no_key() {
+    note<Members...>();
+  }
+
+  /// Returns DocumentTable::incomplete, after all keys were added.
+  std::vector<std::string> incomplete() const {
+    std::vector<std::string> found;
+    for (const Noted& of : noted_)
+      if (of.members.size() != of.count) found.emplace_back(of.name);
+    return found;
+  }
+
   void rule(DocumentRule rule) { table_.rules.push_back(std::move(rule)); }
   template <void (*Check)(const T& object, const JsonCursor& at)>
   void check() {
@@ -387,7 +434,36 @@ class DocumentKeys {
     return below<Path...>(*static_cast<T*>(object));
   }
 
+  /// The members of a struct that have a key, or none because of no_key().
+  struct Noted {
+    std::string_view name;                  ///< a text that contains the name of the struct
+    std::size_t count = 0;                  ///< number of its members
+    std::vector<std::string_view> members;  ///< engine::detail::tag() of those that were given
+  };
+  template <class C>
+  static constexpr std::string_view name_of() {
+    return __PRETTY_FUNCTION__;
+  }
+  template <class C>
+  Noted& noted() {
+    const auto found = std::ranges::find(noted_, name_of<C>(), &Noted::name);
+    if (found != noted_.end()) return *found;
+    // A struct that is derived from Placed, or from another document, has this base as its first initialiser.
+    const std::size_t bases = std::is_base_of_v<Placed, C> ? 1 : 0;
+    return noted_.emplace_back(Noted{name_of<C>(), detail::member_count<C>() - bases, {}});
+  }
+  template <auto... Path>
+  void note() {
+    [[maybe_unused]] const auto add = [](std::vector<std::string_view>& members, std::string_view member) {
+      if (std::ranges::find(members, member) == members.end()) members.push_back(member);
+    };
+    (add(noted<typename engine::detail::Pointed<decltype(Path)>::Class>().members,
+         engine::detail::tag<Path>()),
+     ...);
+  }
+
   DocumentTable& table_;
+  std::vector<Noted> noted_;
 };
 
 template <class T>
@@ -399,6 +475,7 @@ const DocumentTable& document_table() {
     made.placed = [](void* object) -> Placed& { return *static_cast<T*>(object); };
     DocumentKeys<T> keys(made);
     T::describe(keys);
+    made.incomplete = keys.incomplete();
     return made;
   }();
   return table;

@@ -32,9 +32,7 @@ using How = DocumentRule::How;
 constexpr Unit meters = Unit::meters;
 constexpr Unit seconds = Unit::seconds;
 
-constexpr double k_most_period_s = 1e6;      // maximum period of a device, drive or controller
 constexpr double k_most_chosen = 1e9;        // maximum number of bodies in a group
-constexpr double k_most_return = 1e6;        // maximum absolute value of ranger_return
 constexpr double k_most_in_ring = 10000;     // maximum number of objects of a ring
 constexpr double k_most_disc_corners = 100;  // maximum number of corners of a disc
 constexpr double k_least_step_m = 0.001;     // minimum distance between bodies and cell size of free_floor
@@ -327,7 +325,7 @@ void describe_returns(DocumentKeys<T>& d) {
   d.template value<Path..., &Returns::obstacle>("obstacle",
                                                 "true: the body blocks the motion of other bodies");
   d.template value<Path..., &Returns::ranger>(
-      "ranger_return", within(-k_most_return, k_most_return),
+      "ranger_return", within(-k_most_ranger_return, k_most_ranger_return),
       "intensity that a ranger reads where a beam meets the body; below 0: beams pass through the body");
   d.template value<Path..., &Returns::fiducial>(
       "fiducial_return", "number that fiducial finders read from the body; 0: they do not find it");
@@ -455,7 +453,11 @@ void describe_device(DocumentKeys<D>& d, std::string_view word, bool is_own) {
                                "time between two readings; 0: every tick")
       .or_named("update_period");
   d.template other<&D::params>(Form::parameters, "");
-  if (is_own) return;
+  d.template no_key<&D::is_kind_implied>();  // is_kind_implied: the writer sets it
+  if (is_own) {
+    d.template no_key<&D::on, &D::color, &D::returns, &D::size, &D::blocks>();  // those of the part are used
+    return;
+  }
   d.template other<&D::on>(Form::name, "on",
                            "name of the device on which this device is mounted and with which it moves",
                            "the name of a device with a joint");
@@ -723,6 +725,7 @@ void TypeDocument::describe(DocumentKeys<TypeDocument>& d) {
       Form::model_kind, "kind",
       "model type of Stage that corresponds to the body itself; default: \"position\" with a drive, else "
       "\"model\"");
+  d.no_key<&TypeDocument::alias, &TypeDocument::pose, &TypeDocument::joint>();  // those of parts only
   describe_body(d);
   d.object<&TypeDocument::drive>("drive",
                                  "the drive of the bodies; without one, they do not move by themselves");
@@ -959,8 +962,7 @@ void GroundDocument::describe(DocumentKeys<GroundDocument>& d) {
 }
 
 void WorldDocument::describe(DocumentKeys<WorldDocument>& d) {
-  constexpr double k_least_tick_s = 1e-6;
-  constexpr double k_most_tick_s = 3600;
+  d.no_key<&WorldDocument::files>();  // the reader sets it
   d.other<&WorldDocument::schema>(Form::name, "$schema", "path of the JSON Schema, for editors",
                                   "the path of the JSON Schema");
   static const std::string version = fmt::format("{}, the version of the format", k_format_version);

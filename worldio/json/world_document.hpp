@@ -3,6 +3,7 @@
 #include "base/color.hpp"
 #include "base/diagnostics.hpp"
 #include "base/geometry.hpp"
+#include "base/limits.hpp"
 #include "base/pose.hpp"
 #include "engine/experiment_spec.hpp"
 #include "engine/fields.hpp"
@@ -34,8 +35,8 @@ namespace troupe::worldio {
 template <class T>
 class DocumentKeys;
 
-inline constexpr std::int64_t k_format_version = 1;  ///< the only version of the format
-inline constexpr double k_max_size_m = 100000;       ///< maximum of sizes and of absolute coordinates
+inline constexpr std::int64_t k_format_version = 1;      ///< the only version of the format
+inline constexpr double k_max_size_m = k_world_reach_m;  ///< maximum of sizes and of absolute coordinates
 inline constexpr std::size_t k_most_block_points =
     1000;  ///< maximum per outline; the time of check_outline() grows with the square of this number
 

@@ -1,6 +1,7 @@
 #include "worldio/results/recorded_scene.hpp"
 
 #include "base/diagnostics.hpp"
+#include "base/limits.hpp"
 #include "engine/names.hpp"
 #include "engine/sensor_params.hpp"
 #include "engine/shown_color.hpp"
@@ -24,8 +25,8 @@ namespace {
 
 using Json = nlohmann::json;
 
-constexpr double k_reach = 1e6;                 // m: ten times the largest coordinate in a world
-constexpr std::int64_t k_most_beams = 1 << 20;  // beams of a fan: ten times the maximum in a world
+constexpr double k_reach = 10 * k_world_reach_m;  // m; damaged coordinates are usually far larger
+constexpr std::int64_t k_most_beams = 1 << 20;    // beams of a fan: ten times the maximum in a world
 
 [[noreturn]] void fail(const RecordingReader& recording, std::string_view message) {
   throw Hdf5Error(fmt::format("{}: error: {}", recording.file().string(), message));

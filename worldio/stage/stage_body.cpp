@@ -1,6 +1,7 @@
 #include "worldio/stage/stage_body.hpp"
 
 #include "worldio/images/bitmap.hpp"
+#include "worldio/json/document_table.hpp"
 #include "worldio/stage/stage_files.hpp"
 
 #include <fmt/format.h>
@@ -180,6 +181,10 @@ void StageBodies::add_block(const StageModel& block, std::vector<Solid>& solids)
     const auto v = values_.tuple(*property, 2, 2, "[min max]");
     if (!v) return;
     z = {(*v)[0] * values_.length_unit(), (*v)[1] * values_.length_unit()};
+    const engine::Field& limits = document_table<BlockDocument>().find("z")->field;
+    if (!values_.is_within(*property, limits, z.min, (*v)[0]) ||
+        !values_.is_within(*property, limits, z.max, (*v)[1]))
+      return;
     if (z.min > z.max) {
       values_.error(values_.where(*property), "\"z\" needs [min max], and min must not exceed max");
       return;

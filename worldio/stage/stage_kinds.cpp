@@ -1,5 +1,6 @@
 #include "worldio/stage/stage_kinds.hpp"
 
+#include "worldio/json/document_table.hpp"
 #include "worldio/stage/stage_devices.hpp"
 #include "worldio/stage/stage_limits.hpp"
 
@@ -60,6 +61,8 @@ double StageKinds::period_s(const StageModel& model) {
                     fmt::format("\"update_interval\" must be 0 (every tick) or above, in ms, "
                                 "found {}",
                                 ms));
+    else
+      values_.is_within(*property, document_table<DeviceDocument>().find("period")->field, ms / 1000, ms);
   }
   return ms / 1000;
 }
@@ -160,12 +163,7 @@ std::optional<Value> StageKinds::value(const StageProperty& property, const Fiel
   const auto checked = [&](std::optional<double> given) -> std::optional<double> {
     if (!given) return {};
     const double si = field.unit == engine::Unit::radians ? within_a_turn(*given * to_si) : *given * to_si;
-    const Result<> kept = check_limits(field, si);
-    if (kept) return si;
-    values_.error(values_.where(property),
-                  fmt::format("\"{}\" {}, found {}{}", values_.key(property), kept.error().text, *given,
-                              to_si == 1 ? "" : fmt::format(" (in SI units {:.6g})", si)));
-    return {};
+    return values_.is_within(property, field, si, *given) ? std::optional(si) : std::nullopt;
   };
   switch (field.type) {
     case FieldType::boolean:

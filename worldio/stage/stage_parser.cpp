@@ -2,6 +2,7 @@
 
 #include "worldio/files.hpp"
 #include "worldio/stage/stage_files.hpp"
+#include "worldio/stage/stage_limits.hpp"
 
 #include <fmt/format.h>
 
@@ -19,7 +20,6 @@ using Kind = StageToken::Kind;
 constexpr std::size_t k_most_errors = 50;
 constexpr std::size_t k_most_inclusions = 1000;
 constexpr std::size_t k_most_included_bytes = 256 << 20;  // a file counts each time it is included
-constexpr std::size_t k_deepest_nesting = 200;
 
 /// Thrown when it is no longer useful to continue parsing. parse_stage() catches it.
 struct GiveUp {};

@@ -1,5 +1,7 @@
 #include "worldio/stage/stage_text.hpp"
 
+#include "worldio/stage/stage_limits.hpp"
+
 #include <fmt/format.h>
 
 #include <array>
@@ -100,8 +102,7 @@ void StageText::texts(std::string_view key, std::span<const std::string> values)
 }
 
 std::string StageText::spelt(double value) {
-  constexpr double k_largest = 9007199254740992.0;  // 2^53, the largest number that the reader accepts
-  if (!(std::abs(value) <= k_largest))
+  if (!(std::abs(value) <= k_largest_number))
     diagnostics_.error(
         where_,
         fmt::format("{:g} is out of range for a .world file; numbers must be from -2^53 to 2^53", value));

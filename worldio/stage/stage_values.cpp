@@ -1,6 +1,8 @@
 #include "worldio/stage/stage_values.hpp"
 
+#include "base/limits.hpp"
 #include "worldio/colors.hpp"
+#include "worldio/stage/stage_limits.hpp"
 
 #include <fmt/format.h>
 
@@ -8,15 +10,6 @@
 #include <cmath>
 
 namespace troupe::worldio {
-
-namespace {
-
-// The limits of the engine: coordinates are from -100 km to 100 km.
-constexpr double k_world_limit = 100e3;
-// Above this number, doubles do not represent every whole number.
-constexpr double k_largest = 9007199254740992.0;  // 2^53
-
-}  // namespace
 
 bool StageValues::first_time(Where where, const std::string& message) {
   return reported_.emplace(where.file, where.line, message).second;
@@ -67,7 +60,7 @@ std::optional<double> StageValues::number(const StageProperty& property, const S
   const char* end = text.data() + text.size();
   const auto [rest, code] = std::from_chars(text.data(), end, value, std::chars_format::fixed);
   if (code == std::errc() && rest == end && std::isfinite(value)) {
-    if (std::abs(value) <= k_largest) return value;
+    if (std::abs(value) <= k_largest_number) return value;
     error(where(property), fmt::format("\"{}\": {} is out of range; numbers must be from -2^53 to 2^53",
                                        key(property), token.text));
     return {};
@@ -135,9 +128,9 @@ std::optional<Pose> StageValues::pose(const StageProperty& property, bool is_wra
                              key(property)));
   const double z = v->size() == 4 ? (*v)[2] : 0;
   for (const double part : {(*v)[0], (*v)[1], z})
-    if (std::abs(part) * length_ > k_world_limit) {
+    if (std::abs(part) * length_ > k_world_reach_m) {
       error(where(property), fmt::format("\"{}\" is outside the world, which reaches {} km from its origin",
-                                         key(property), k_world_limit / 1000));
+                                         key(property), k_world_reach_m / 1000));
       return {};
     }
   const double heading = v->back() * angle_;
@@ -154,9 +147,9 @@ std::optional<Eigen::Vector3d> StageValues::size(const StageProperty& property, 
                     "[x y z]",
                     key(property), default_height));
   for (const double extent : *v) {
-    if (extent * length_ > 2 * k_world_limit) {
+    if (extent * length_ > 2 * k_world_reach_m) {
       error(where(property), fmt::format("\"{}\" is larger than the world, which is {} km wide",
-                                         key(property), 2 * k_world_limit / 1000));
+                                         key(property), 2 * k_world_reach_m / 1000));
       return {};
     }
     if (extent < 0) {
@@ -167,6 +160,15 @@ std::optional<Eigen::Vector3d> StageValues::size(const StageProperty& property, 
   }
   return Eigen::Vector3d((*v)[0] * length_, (*v)[1] * length_,
                          v->size() == 3 ? (*v)[2] * length_ : default_height);
+}
+
+bool StageValues::is_within(const StageProperty& property, const engine::Field& field, double si,
+                            double written) {
+  const Result<> kept = check_limits(field, si);
+  if (kept) return true;
+  error(where(property), fmt::format("\"{}\" {}, found {}{}", key(property), kept.error().text, written,
+                                     si == written ? "" : fmt::format(" (in SI units {:.6g})", si)));
+  return false;
 }
 
 std::optional<double> StageValues::column(const StageProperty& property, std::size_t column) {

@@ -2,6 +2,7 @@
 
 #include "base/color.hpp"
 #include "base/pose.hpp"
+#include "engine/fields.hpp"
 #include "worldio/stage/stage_parser.hpp"
 
 #include <Eigen/Core>
@@ -60,6 +61,10 @@ class StageValues {
   std::optional<std::vector<double>> tuple(const StageProperty& property, std::size_t least, std::size_t most,
                                            std::string_view layout);
 
+  /// Whether a number is within the limits of a field. If not, reports an error.
+  /// si       the number in SI units
+  /// written  the number as the file gives it
+  bool is_within(const StageProperty& property, const engine::Field& field, double si, double written);
   /// Returns one number of a tuple of two numbers, by its index 0 or 1.
   std::optional<double> column(const StageProperty& property, std::size_t column);
 

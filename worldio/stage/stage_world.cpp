@@ -1,5 +1,6 @@
 #include "engine/add_device.hpp"
 #include "engine/world_spec.hpp"
+#include "worldio/json/document_table.hpp"
 #include "worldio/json/json_document.hpp"
 #include "worldio/json/json_world.hpp"
 #include "worldio/json/spec_difference.hpp"
@@ -7,6 +8,7 @@
 #include "worldio/stage/stage_body.hpp"
 #include "worldio/stage/stage_demos.hpp"
 #include "worldio/stage/stage_kinds.hpp"
+#include "worldio/stage/stage_limits.hpp"
 #include "worldio/stage/stage_lint.hpp"
 #include "worldio/stage/stage_models.hpp"
 #include "worldio/stage/stage_parser.hpp"
@@ -34,8 +36,13 @@ namespace {
 using engine::TypeSpec;
 using engine::WorldSpec;
 
+/// The field that describes a key of JSON worlds, for the limits of the same value in Stage's files.
+template <class Document>
+const engine::Field& json_field(std::string_view key) {
+  return document_table<Document>().find(key)->field;
+}
+
 constexpr std::size_t k_most_entities = 20000;  // in one top-level model, after its macros are expanded
-constexpr std::size_t k_deepest_nesting = 200;
 // Maximum number of entities in all distinct top-level models together. It is limited because macros can
 // multiply the entities of a file.
 constexpr std::size_t k_most_parts = 1000000;
@@ -205,11 +212,11 @@ void StageWorld::read_world() {
   if (const StageProperty* property = document_.world_property("interval_sim"))
     if (const auto ms = values_.number(*property)) {
       const double us = std::floor(*ms * 1000);  // Stage's clock counts whole microseconds
-      if (us >= 1)
-        spec_->tick_s = us / 1e6;
-      else
+      if (us < 1)
         values_.error(values_.where(*property),
                       fmt::format("\"interval_sim\" must be at least 0.001 ms, found {}", *ms));
+      else if (values_.is_within(*property, json_field<WorldDocument>("tick"), us / 1e6, *ms))
+        spec_->tick_s = us / 1e6;
     }
   if (const StageProperty* property = document_.world_property("resolution")) {
     spec_->resolution_where = values_.where(*property);
@@ -224,7 +231,9 @@ void StageWorld::read_world() {
   }
   if (const StageProperty* property = document_.world_property("quit_time"))
     if (const auto seconds = values_.number(*property)) {
-      if (*seconds > 0) spec_->quit_time_s = *seconds;
+      if (*seconds > 0 &&
+          values_.is_within(*property, json_field<WorldDocument>("quit_time"), *seconds, *seconds))
+        spec_->quit_time_s = *seconds;
       if (*seconds < 0)
         values_.error(values_.where(*property),
                       fmt::format("\"quit_time\" must be 0 (never) or above, in s, found {}", *seconds));
@@ -591,9 +600,14 @@ engine::Returns StageWorld::returns(const StageModel& model) {
       if (const auto given = value(*property)) member = static_cast<std::decay_t<decltype(member)>>(*given);
   };
   const auto flag = [this](const StageProperty& property) { return values_.flag(property); };
-  const auto number = [this](const StageProperty& property) { return values_.number(property); };
+  const auto intensity = [this](const StageProperty& property) {
+    std::optional<double> given = values_.number(property);
+    if (given && !values_.is_within(property, json_field<PartDocument>("ranger_return"), *given, *given))
+      given.reset();
+    return given;
+  };
   read("obstacle_return", returns.obstacle, flag);
-  read("ranger_return", returns.ranger, number);
+  read("ranger_return", returns.ranger, intensity);
   const auto mark_of = [this](const StageProperty& property) { return mark(property); };
   read("fiducial_return", returns.fiducial, mark_of);
   read("fiducial_key", returns.fiducial_key, mark_of);

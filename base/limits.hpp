@@ -1,0 +1,16 @@
+#pragma once
+
+namespace troupe {
+
+// Limits of the values in world files that the readers of several formats check. Each limit is given once,
+// here or in the description of a field (engine/fields.hpp).
+
+/// Largest absolute value of a coordinate, m: a world reaches this far from its origin in each direction. The
+/// limits of poses (engine::pose_fields()) are the same.
+inline constexpr double k_world_reach_m = 100e3;
+inline constexpr double k_least_tick_s = 1e-6;       ///< shortest tick, s; Stage's clock counts microseconds
+inline constexpr double k_most_tick_s = 3600;        ///< longest tick, s
+inline constexpr double k_most_period_s = 1e6;       ///< longest period of a device, drive or controller, s
+inline constexpr double k_most_ranger_return = 1e6;  ///< largest absolute value of `ranger_return`
+
+}  // namespace troupe

@@ -1,0 +1,60 @@
+#include "worldio/json/kind_keys.hpp"
+
+#include "worldio/json/document_table.hpp"
+#include "worldio/json/world_document.hpp"
+
+#include <fmt/format.h>
+
+#include <string_view>
+
+namespace troupe::worldio {
+namespace {
+
+/// `kind`: argument of DocumentKey::is_of.
+Result<> check_names(const engine::FieldTable& params, const DocumentTable& table, const void* kind) {
+  for (const engine::Field& field : params.fields) {
+    const DocumentKey* key = table.find(field.name);
+    if (key == nullptr || key->other || (key->is_of && !key->is_of(kind))) continue;
+    return Error{fmt::format(
+        "has a parameter \"{}\", but \"{}\" is a key that every {} has in JSON worlds: rename the parameter",
+        field.name, field.name, table.kinds->what)};
+  }
+  return {};
+}
+
+}  // namespace
+
+Result<> check_parameter_names(const engine::DeviceKind& kind) {
+  const DocumentTable& table =
+      kind.is_sensor() ? document_table<SensorDocument>() : document_table<DeviceDocument>();
+  if (Result<> listed = check_names(kind.params, table, &kind); !listed) return listed;
+  return check_names(kind.params, document_table<OwnDeviceDocument>(), &kind);
+}
+
+Result<> check_parameter_names(const engine::DriveKind& kind) {
+  return check_names(kind.params, document_table<DriveDocument>(), nullptr);
+}
+
+Result<> check_parameter_names(const engine::ControllerKind& kind) {
+  return check_names(kind.params, document_table<ControllerDocument>(), nullptr);
+}
+
+Result<> check_parameter_names(const engine::MeasureKind& kind) {
+  return check_names(kind.params, document_table<MeasureDocument>(), nullptr);
+}
+
+Result<> check_kinds(const engine::Registry& registry) {
+  Result<> all;
+  const auto check = [&all](std::string_view what, const auto& kinds) {
+    for (const auto& kind : kinds)
+      if (const Result<> names = check_parameter_names(kind); all && !names)
+        all = Error{fmt::format("{} \"{}\" {}", what, kind.name, names.error().text)};
+  };
+  check("the device kind", registry.devices);
+  check("the drive kind", registry.drives);
+  check("the controller kind", registry.controllers);
+  check("the measure kind", registry.measures);
+  return all;
+}
+
+}  // namespace troupe::worldio

@@ -1,0 +1,23 @@
+#pragma once
+
+#include "base/result.hpp"
+#include "engine/kinds.hpp"
+
+namespace troupe::worldio {
+
+// The parameters of a kind are keys of the same JSON object as `name`, `pose` and the other keys that all
+// objects of such kinds have. The functions below check that no parameter has the name of one of these keys.
+
+/// Returns success if the kind can be used in JSON worlds. The error continues a sentence about the kind:
+/// `has a parameter "name", but ...`.
+///@{
+Result<> check_parameter_names(const engine::DeviceKind& kind);
+Result<> check_parameter_names(const engine::DriveKind& kind);
+Result<> check_parameter_names(const engine::ControllerKind& kind);
+Result<> check_parameter_names(const engine::MeasureKind& kind);
+///@}
+
+/// Checks the kinds of a registry with check_parameter_names(). The error names the kind.
+Result<> check_kinds(const engine::Registry& registry);
+
+}  // namespace troupe::worldio
