@@ -18,7 +18,7 @@ spec = importlib.util.spec_from_loader("prove", importlib.machinery.SourceFileLo
 prove = importlib.util.module_from_spec(spec)
 spec.loader.exec_module(prove)
 # scripts/prove has put its folder on the path
-from proofs import builds, checks, coverage, random_proof, random_worlds, runs, scenes, shrink, variants  # noqa: E402
+from proofs import builds, checks, coverage, random_proof, random_worlds, reach, runs, scenes, shrink, variants  # noqa: E402
 from proofs.kinds import Kinds  # noqa: E402
 
 WORLD = runs.World("crowd.json")
@@ -37,6 +37,36 @@ class Difference(unittest.TestCase):
         other[9] = other[9].replace("pose", "pos")
         self.assertTrue(runs.difference(LOG, other).startswith("differs from tick 7 on, in sensor, memory:\n"))
         self.assertIn(f"\n  expected {LOG[7]}\n  got      {other[7]}", runs.difference(LOG, other))
+
+
+class Reach(unittest.TestCase):
+    def test_populations_keep_their_proportions(self):
+        world = {"populations": [{"name": "a", "count": 3000}, {"name": "b", "count": 1000}, {"name": "c", "count": 1}]}
+        self.assertEqual(reach.populations(world, 100), ("a=75", "b=25", "c=1"))
+        self.assertEqual(reach.populations(world, 5000), ())
+        self.assertEqual(reach.populations({}, 5000), ())
+
+    def prove(self, code, result):
+        """Makes the reach test with a stand-in for the program that prints this result."""
+        done = subprocess.CompletedProcess([], code, f"1 thread   50 same bits  0123\n1 thread, bodies beyond reach hidden  7 {result}\n", "")
+        with unittest.mock.patch.object(reach.subprocess, "run", return_value=done) as run:
+            found = reach.prove("troupe", runs.World("crowd.json", populations=("r=9",)), 50)
+        self.assertEqual(run.call_args[0][0][2:], [str(ROOT / "worlds/crowd.json"), "--robots", "r=9", "--reach", "--threads", "1",
+                                                   "--tile-size", "auto", "--for", "5"])
+        return found
+
+    def test_a_difference_is_a_fault(self):
+        self.assertEqual(self.prove(0, "same bits 0123"), ("0123", ""))
+        state, fault = self.prove(1, "DIFFERS 4567")
+        self.assertEqual(state, "4567")
+        self.assertIn("crowd, reach:", fault)
+        with self.assertRaises(runs.Fault):
+            self.prove(2, "")
+
+    def test_unknown_worlds_are_refused(self):
+        with self.assertRaisesRegex(runs.Fault, "there is no world none.json; known: "):
+            scenes.Scenes().named(["none.json"])
+        self.assertEqual(scenes.Scenes().named(), [row["world"] for row in scenes.Scenes().rows])
 
 
 class Given:

@@ -97,15 +97,20 @@ class Scenes:
         return tuple(World(row["world"], weight=run["weight"], ranging=run.get("ranging", ""))
                      for row in self.rows for run in row.get("prove", []) if run.get("quick") or not quick)
 
-    def ranked(self, names=()):
-        """(world, robots, ticks) of scripts/prove --ranks: one run of each shipped world, or of those with these names. Worlds
-        that are excluded from the proofs have the few robots of perf --quick."""
+    def named(self, names=()):
+        """The file names of all worlds, or these names if there are any. Raises Fault for a name of no world."""
         known = [row["world"] for row in self.rows]
         if unknown := [name for name in names if name not in known]:
             raise Fault(f"{self.file}: there is no world {', '.join(unknown)}; known: {', '.join(known)}")
+        return list(names) or known
+
+    def ranked(self, names=()):
+        """(world, robots, ticks) of scripts/prove --ranks: one run of each shipped world, or of those with these names. Worlds
+        that are excluded from the proofs have the few robots of perf --quick."""
+        chosen = self.named(names)
         runs = []
         for row in self.rows:
-            if names and row["world"] not in names:
+            if row["world"] not in chosen:
                 continue
             if row.get("excluded"):
                 perf = row["perf"][0]

@@ -13,16 +13,21 @@
 #include "troupe/troupe.hpp"
 
 #include <gtest/gtest.h>
+#include <nlohmann/json.hpp>
 
 #include <algorithm>
+#include <cctype>
 #include <cfenv>
 #include <clocale>
+#include <cmath>
 #include <cstdlib>
 #include <filesystem>
+#include <fstream>
 #include <locale>
 #include <memory>
 #include <string>
 #include <thread>
+#include <utility>
 #include <vector>
 
 #if defined(__x86_64__)
@@ -119,6 +124,64 @@ TEST_P(SameBits, WithBodiesBeyondReachHidden) {
     ASSERT_EQ(blinkered.hash_log_line(), whole.hash_log_line());
   }
 }
+
+/// The file names of all shipped worlds.
+std::vector<std::string> shipped_worlds() {
+  std::vector<std::string> names;
+  for (const auto& entry : fs::directory_iterator(TROUPE_SOURCE_DIR "/worlds")) {
+    const fs::path& file = entry.path();
+    if ((file.extension() == ".json" || file.extension() == ".world") && file.filename() != "scenes.json")
+      names.push_back(file.filename());
+  }
+  std::ranges::sort(names);
+  return names;
+}
+
+/// Numbers of robots for the populations of a world file, in the proportions of the file, but with about
+/// `most` bodies in all. Empty if the file has no more.
+std::vector<std::pair<std::string, std::size_t>> fewer_robots(const fs::path& file, double most) {
+  if (file.extension() != ".json") return {};
+  std::ifstream stream(file);
+  const auto world = nlohmann::json::parse(stream);
+  if (!world.contains("populations")) return {};
+  double all = 0;
+  for (const auto& population : world.at("populations")) all += population.at("count").get<double>();
+  std::vector<std::pair<std::string, std::size_t>> robots;
+  if (all <= most) return robots;
+  for (const auto& population : world.at("populations"))
+    robots.emplace_back(
+        population.at("name").get<std::string>(),
+        static_cast<std::size_t>(std::ceil(population.at("count").get<double>() * most / all)));
+  return robots;
+}
+
+class Reach : public ::testing::TestWithParam<std::string> {};
+
+// The reach test of every shipped world. The time of a tick grows with the square of the number of rows, so
+// large worlds have fewer robots here; `scripts/prove --reach` runs them with all of their robots.
+TEST_P(Reach, OfEveryDeviceHoldsInEveryWorld) {
+  const fs::path file = fs::path(TROUPE_SOURCE_DIR) / "worlds" / GetParam();
+  SimulationOptions options;
+  options.threads = 1;
+  options.robots = fewer_robots(file, 60);
+  Simulation whole(file, options);
+  Simulation blinkered(file, options);
+  ASSERT_EQ(whole.world().spec().ranging, RangingEngine::exact);
+  blinkered.world().hide_beyond_reach(true);
+  const std::uint64_t ticks = test::k_slow_build ? 10 : 50;
+  while (whole.tick() < ticks) {
+    whole.step();
+    blinkered.step();
+    ASSERT_EQ(blinkered.hash_log_line(), whole.hash_log_line());
+  }
+}
+
+INSTANTIATE_TEST_SUITE_P(Worlds, Reach, ::testing::ValuesIn(shipped_worlds()), [](const auto& world) {
+  std::string name = world.param;
+  for (char& c : name)
+    if (std::isalnum(static_cast<unsigned char>(c)) == 0) c = '_';
+  return name;
+});
 
 std::vector<scenes::Run> runs() {
   return scenes::runs_of(test::k_slow_build ? "same_bits_slow" : "same_bits");
