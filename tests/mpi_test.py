@@ -268,6 +268,12 @@ class OnProcesses:
     def test_wrong_usage_is_reported_once(self):
         self.refused(self.run_on(2, "run", "room.json", "--thread", 3), 'unknown option "--thread"')
 
+    def test_controllers_in_python_are_refused(self):
+        done = self.run_on(2, "run", "room.json", "--controller", "my.py")
+        self.assertEqual(done.returncode, 2, done.stdout + done.stderr)
+        self.assertIn("--controller works only in one process, but mpirun of", done.stderr)
+        self.assertEqual([file.name for file in self.folder.iterdir()], ["room.json"])
+
     def test_ranks_in_one_process_are_refused(self):
         self.refused(self.run_on(2, "run", "room.json", "--ranks", 2), "leave out --ranks")
         self.refused(self.run_on(2, "check", "room.json", "--ranks", "1,3"), "leave out --ranks")

@@ -4,6 +4,7 @@ import json
 import os
 import pathlib
 import re
+import shutil
 import subprocess
 import sys
 import unittest
@@ -174,6 +175,35 @@ class Controllers(InAFolder):
             made = self.troupe("run", "w.json", "--controller", "my.py", "--measures", "m.csv", "--measure", "my:reach", code=1)
             line = ROAM.splitlines().index('@troupe.measure(unit="m")') + 1
             self.assertIn(f"my.py:{line}: the measure reach returned {found}, expected a number", made.stderr)
+
+    def test_a_film_shows_what_it_does(self):
+        film = ("run", "w.json", "--for", "1", "--fps", "5", "--size", "64x64", "--film")
+        for name in ("still", "roaming"):
+            (self.folder / name).mkdir()
+        made = subprocess.run([PROGRAM, *film, "still/%06d.png"], capture_output=True, text=True)
+        if made.returncode == 1:
+            self.skipTest(f"no pictures here: {made.stderr}")
+        self.troupe(*film, "roaming/%06d.png", "--controller", "roam.py")
+
+        def pixels(file):  # without the texts before them, which state the hash of the state
+            data = file.read_bytes()
+            return data[data.index(b"IDAT"):]
+
+        still, roaming = ([pixels(file) for file in sorted((self.folder / name).iterdir())] for name in ("still", "roaming"))
+        self.assertEqual((len(still), len(roaming)), (6, 6))
+        self.assertEqual(roaming[0], still[0], "the start is the same")
+        self.assertEqual(len(set(roaming[1:]) & set(still)), 0)
+        self.troupe("render", "w.json", "--at", "1", "--size", "64x64", "-o", "end.png", "--controller", "roam.py")
+        self.assertEqual(pixels(self.folder / "end.png"), roaming[-1])
+
+    def test_the_program_is_not_linked_with_python(self):
+        readelf = shutil.which("readelf")
+        if not readelf:
+            self.skipTest("readelf is missing (apt install binutils)")
+        needed = subprocess.run([readelf, "-dW", PROGRAM], check=True, capture_output=True, text=True).stdout
+        self.assertIn("(NEEDED)", needed)
+        self.assertNotIn("libpython", needed)
+        self.assertNotIn("libpython", subprocess.run(["ldd", PROGRAM], check=True, capture_output=True, text=True).stdout)
 
     def test_a_sweep_uses_both(self):
         self.write("study.json", '{"troupe_study": 1, "world": "w.json", "seeds": {"from": 1, "count": 3}, "measures": ["roam:reach"]}')
