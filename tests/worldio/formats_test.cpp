@@ -21,7 +21,7 @@ namespace {
 
 namespace fs = std::filesystem;
 
-engine::WorldSpec read(const fs::path& file) {
+engine::WorldSpec world_of(const fs::path& file) {
   Diagnostics diagnostics;
   engine::WorldSpec spec = load_world(file, make_registry(), {}, diagnostics);
   diagnostics.throw_if_errors();
@@ -42,7 +42,7 @@ TEST(Formats, FilesOfEveryVersionAreReadAsBefore) {
     ASSERT_TRUE(words >> name >> ticks >> hash);
     EXPECT_EQ(name, "world_" + std::to_string(versions));
     const fs::path file = folder / (name + ".json");
-    EXPECT_EQ(spec_difference(read(file), read(folder / (name + ".expanded.json"))), "");
+    EXPECT_EQ(spec_difference(world_of(file), world_of(folder / (name + ".expanded.json"))), "");
     SimulationOptions options;
     options.threads = 2;
     Simulation simulation(file, options);
