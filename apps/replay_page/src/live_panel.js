@@ -39,17 +39,17 @@ export class LivePanel extends Panel {
   }
 
   /** Begins or ends the plot of a field of the state: the smallest of its columns over time. */
-  togglePlot(component, { name, unit }) {
-    const label = `${component} ${name}${unitText(unit)}`;
+  togglePlot(of, { name, unit }) {
+    const label = `${of.name} ${name}${unitText(unit)}`;
     if (this.plots.has(label)) {
       this.plots.get(label).card.remove();
       this.plots.delete(label);
       return;
     }
-    const card = plotCard(() => this.togglePlot(component, { name, unit }));
+    const card = plotCard(() => this.togglePlot(of, { name, unit }));
     document.getElementById("plots").append(card);
     const read = ({ components }) => {
-      const values = components.find((one) => one.name === component)?.fields.find((field) => field.name === name)?.values ?? [];
+      const values = components.find(({ component }) => component === of.component)?.fields.find((field) => field.name === name)?.values ?? [];
       const known = values.filter((value) => value !== null);
       return known.length > 0 ? Math.min(...known) : null;
     };
@@ -70,18 +70,19 @@ export class LivePanel extends Panel {
   /** Builds one row per field. */
   build({ components }) {
     this.state.replaceChildren();
-    this.rows = components.map(({ name, fields }) => {
-      this.state.append(element("h3", { textContent: name }));
+    this.rows = components.map(({ component, name, runs, fields }) => {
+      this.state.append(element("h3", { textContent: runs ? name : `${name} (does not run)` }));
       return fields.map((field) => {
         const made = row(field.name, `${field.text}; a click plots the value over time`);
         made.object.classList.add("plottable");
-        made.object.onclick = () => this.togglePlot(name, field);
+        made.object.onclick = () => this.togglePlot({ component, name }, field);
         this.state.append(made.object);
         const drawn = field.values.length > MOST_NUMBERS ? chart(field.values.length) : null;
         if (drawn) this.state.append(drawn);
         return ({ values, unit }) => {
           const known = values.filter(Number.isFinite);
-          if (drawn) {
+          if (!runs) made.value.textContent = "no reading";
+          else if (drawn) {
             made.value.textContent = known.length > 0 ? `${text(Math.min(...known))} to ${text(Math.max(...known))}${unitText(unit)}` : "–";
             bars(drawn, values, Math.min(0, ...known), Math.max(...known));
           } else made.value.textContent = `${values.map(text).join(", ")}${unitText(unit)}`;
