@@ -15,6 +15,7 @@
 #include <bit>
 #include <cmath>
 #include <limits>
+#include <map>
 #include <utility>
 
 namespace troupe::engine {
@@ -376,13 +377,38 @@ double World::mean_displacement() const {
 
 /// Returns the shapes and the radius of the body of `row` as they are drawn, with its joints where they are
 /// now. If `row` is not valid, the joints are at rest. `t`: index of the body's type.
+namespace {
+
+/// The looks of a frame that differ from those of the scene only in colours: for each type, and for each list
+/// of the colours of its parts, the index of the look (FrameBody::type). Bodies that look alike share a look,
+/// because a viewer draws all bodies of one look at once.
+using LooksByColor = std::map<std::pair<std::uint32_t, std::vector<float>>, std::uint32_t>;
+
+/// The colours that devices give the parts of a body, except its root part; empty if there are none.
+std::vector<float> colors_of_parts(const CommittedView& view, Row row) {
+  std::vector<float> colors;
+  for (const BodyType::Device& device : view.type(row).devices) {
+    if (device.part == 0 || !device.kind->shows_color) continue;
+    const std::span<const float> shown = view.percepts(device).cell<float>(view.slot(row), 0);
+    colors.insert(colors.end(), shown.begin(), shown.begin() + 3);
+  }
+  return colors;
+}
+
+}  // namespace
+
 FrameType World::look_of(std::size_t t, Row row) const {
   FrameType look{.mobile = state_.types[t].drive.has_value(),
                  .radius = state_.types[t].radius,
                  .name = state_.spec.types[t].name};
-  for (const PartSpec& part : state_.spec.types[t].parts)
+  const std::vector<PartSpec>& parts = state_.spec.types[t].parts;
+  for (std::uint32_t p = 0; p < parts.size(); ++p) {
+    const PartSpec& part = parts[p];
+    // FrameBody::color is the colour of the root part.
+    const std::optional<Color> shown =
+        row.valid() && p > 0 ? shown_color(state_.view, row, p) : std::optional<Color>();
     for (const Solid& solid : part.solids) {
-      look.shapes.push_back({solid, part.color});
+      look.shapes.push_back({solid, shown ? shown : part.color});
       if (part.joint == k_rigid || !row.valid()) continue;
       const Mount& now = state_.mounts(row)[static_cast<std::size_t>(part.joint)];
       Solid& moved = look.shapes.back().solid;
@@ -390,6 +416,7 @@ FrameType World::look_of(std::size_t t, Row row) const {
         for (Vec2& point : ring) point = now.transform * point;
       moved.z = moved.z.shifted(now.z);
     }
+  }
   if (row.valid()) look.radius = state_.radii[row.index()];
   return look;
 }
@@ -419,6 +446,7 @@ Frame World::frame() const {
   gather();  // devices that are drawn read their state
   Frame frame{time_s(), state_.now.tick, {}};
   frame.mobile.reserve(rows());
+  LooksByColor looks;
   for (std::size_t b = 0; b < state_.rows.size(); ++b) {
     const BodySpec& body = state_.spec.bodies[b];
     const Row r = state_.rows[b];
@@ -429,9 +457,15 @@ Frame World::frame() const {
     const auto has_moved = [](const Mount& joint) {
       return joint.transform.position != Vec2::Zero() || joint.z != 0 || joint.heading != 0;
     };
-    if (type(r).joints.empty() || std::ranges::none_of(state_.mounts(r), has_moved)) continue;
-    frame.mobile.back().type = static_cast<std::uint32_t>(state_.types.size() + frame.types.size());
-    frame.types.push_back(look_of(body.type.value, r));
+    const auto next = static_cast<std::uint32_t>(state_.types.size() + frame.types.size());
+    std::uint32_t look = next;
+    if (type(r).joints.empty() || std::ranges::none_of(state_.mounts(r), has_moved)) {
+      const std::vector<float> colors = colors_of_parts(state_.view, r);
+      if (colors.empty()) continue;
+      look = looks.try_emplace({body.type.value, colors}, next).first->second;
+    }
+    frame.mobile.back().type = look;
+    if (look == next) frame.types.push_back(look_of(body.type.value, r));
   }
   return frame;
 }

@@ -1,6 +1,7 @@
 #include "live/watched.hpp"
 
 #include "engine/frame.hpp"
+#include "engine/sensed_rows.hpp"
 #include "troupe/frame_data.hpp"
 #include "worldio/results/hdf5_file.hpp"
 
@@ -141,16 +142,20 @@ WatchedJson inspection(Simulation& simulation, BodyId id) {
   for (const StateTable& table : world.tables()) {
     const std::size_t at = table.rows() == world.rows() ? row.index() : world.slot(row);
     if (at >= table.rows() || table.ids()[at] != id || table.component() == "pose") continue;
+    const bool runs = engine::SensedRows(world, table).exist(at);
     WatchedJson fields = WatchedJson::array();
     for (std::size_t f = 0; f < table.fields().size(); ++f) {
       const StateField& field = table.fields()[f];
       WatchedJson values = WatchedJson::array();
       for (std::uint32_t c = 0; c < std::min(field.columns, k_most_values); ++c)
-        values.push_back(value_of(table, at, f, c));
+        values.push_back(runs ? value_of(table, at, f, c) : std::numeric_limits<double>::quiet_NaN());
       fields.push_back(
           {{"name", field.name}, {"unit", field.unit}, {"text", field.text}, {"values", values}});
     }
-    json["components"].push_back({{"name", table.component()}, {"fields", std::move(fields)}});
+    json["components"].push_back({{"component", table.component()},
+                                  {"name", engine::given_name(table.component())},
+                                  {"runs", runs},
+                                  {"fields", std::move(fields)}});
   }
   json["eyes"] = WatchedJson::object();
   std::map<std::string, int>
@@ -185,7 +190,7 @@ WatchedJson color_values(const engine::World& world) {
 
 bool has_value(const engine::World& world, const ColorValue& color) {
   return std::ranges::any_of(world.tables(), [&](const StateTable& table) {
-    if (table.component() != color.component) return false;
+    if (!engine::selects(color.component, table.component())) return false;
     const std::optional<std::size_t> field = field_index(table, color.field);
     return field && color.column.value_or(0) < table.fields()[*field].columns;
   });
@@ -195,13 +200,14 @@ void take_shades(const engine::World& world, std::span<const std::uint32_t> plac
                  ColorValue& color, std::vector<std::uint8_t>& shades) {
   std::vector<double> values(robots, std::numeric_limits<double>::quiet_NaN());
   for (const StateTable& table : world.tables()) {
-    if (table.component() != color.component) continue;
+    if (!engine::selects(color.component, table.component())) continue;
     const std::optional<std::size_t> field = field_index(table, color.field);
     if (!field || color.column.value_or(0) >= table.fields()[*field].columns) continue;
+    const engine::SensedRows readings(world, table);
     for (std::size_t row = 0; row < table.rows(); ++row) {
       const BodyId id = table.ids()[row];
       const std::uint32_t place = places[id.index()];
-      if (place >= robots || !world.is_there(world.row(id))) continue;
+      if (place >= robots || !world.is_there(world.row(id)) || !readings.exist(row)) continue;
       const double value = value_of(table, row, *field, color.column);
       if (!std::isfinite(value)) continue;
       values[place] = value;

@@ -18,13 +18,15 @@ namespace troupe::live {
 // The data that a viewer requests in addition to the poses and colours of all robots (docs/live.md).
 
 /// Returns the state of a body as JSON: name, pose, the fields of all its components, the ranges of its
-/// rangers, and the commands to its devices. For static geometry, such as a wall, which has no row in the
+/// rangers, and the commands to its devices. Each component has the members component (its name in the
+/// state), name (engine::given_name()), runs (false for a sensor that does not run, whose values are NaN) and
+/// fields. For static geometry, such as a wall, which has no row in the
 /// state tables, returns only the name and whether the body is alive.
 nlohmann::ordered_json inspection(Simulation& simulation, BodyId id);
 
 /// A value of the state by which a viewer colours robots.
 struct ColorValue {
-  std::string component;                ///< name of a component, as StateTable::component() returns it
+  std::string component;                ///< a name that selects components (engine::selects())
   std::string field;                    ///< name of a field of the component
   std::optional<std::uint32_t> column;  ///< column of the field; not set: the minimum of all columns
   /// The least and the largest value of any robot since the viewer chose this value.

@@ -1,4 +1,5 @@
 #include "base/diagnostics.hpp"
+#include "engine/sensed_rows.hpp"
 #include "engine/world.hpp"
 #include "python/bindings.hpp"
 
@@ -6,6 +7,7 @@
 #include <pybind11/stl.h>
 
 #include <algorithm>
+#include <limits>
 #include <stdexcept>
 #include <string>
 #include <utility>
@@ -33,8 +35,11 @@ struct Table {
       known.push_back(fields[f].name);
       if (fields[f].name == name) return view_of(f);
     }
-    throw std::out_of_range(unknown_name("field of " + table->component(), name, known));
+    throw std::out_of_range(unknown_name("field of " + given(), name, known));
   }
+  std::string given() const { return std::string(engine::given_name(table->component())); }
+  /// Whether the values of all rows exist: false if the table has readings of a sensor that does not run.
+  bool runs() const { return engine::SensedRows(held->use().world(), *table).all_exist(); }
 
  private:
   py::array view_of(std::size_t f) const {
@@ -46,7 +51,20 @@ struct Table {
       shape.push_back(field.columns);
       strides.push_back(element.itemsize());
     }
-    return view(element, std::move(shape), std::move(strides), table->cell<std::byte>(0, f).data(), held);
+    py::array whole =
+        view(element, std::move(shape), std::move(strides), table->cell<std::byte>(0, f).data(), held);
+    const bool is_real = field.element == Element::f64 || field.element == Element::f32;
+    return is_real && !runs() ? with_nan(whole) : whole;
+  }
+
+  /// Returns a read-only copy of a field of floating-point numbers, with NaN where no reading exists.
+  py::array with_nan(const py::array& whole) const {
+    py::array copy = py::module_::import("numpy").attr("array")(whole);
+    const engine::SensedRows readings(held->use().world(), *table);
+    for (std::size_t row = 0; row < table->rows(); ++row)
+      if (!readings.exist(row)) copy[py::int_(row)] = std::numeric_limits<double>::quiet_NaN();
+    copy.attr("setflags")(py::arg("write") = false);
+    return copy;
   }
 };
 
@@ -68,12 +86,17 @@ std::vector<Table> tables_of(const Holder& held) {
   return tables;
 }
 
+/// The table of one component. component: the name that the world gives it, or the name in the state.
 Table table_of(const Holder& held, const std::string& component, const std::string& type) {
   std::vector<Table> found;
   std::vector<std::string> names;
-  for (Table& table : tables_of(held)) {
-    names.push_back(table.table->component());
-    if (table.table->component() == component && (type.empty() || table.type == type))
+  std::vector<Table> all = tables_of(held);
+  const bool is_whole =
+      std::ranges::any_of(all, [&](const Table& table) { return table.table->component() == component; });
+  for (Table& table : all) {
+    names.push_back(table.given());
+    if ((is_whole ? table.table->component() : names.back()) == component &&
+        (type.empty() || table.type == type))
       found.push_back(std::move(table));
   }
   if (found.size() == 1) return found.front();
@@ -82,6 +105,13 @@ Table table_of(const Holder& held, const std::string& component, const std::stri
     const std::string what = type.empty() ? "component" : fmt::format("component of type {}", type);
     throw std::out_of_range(unknown_name(what, component, std::move(known)));
   }
+  std::vector<std::string_view> components;
+  for (const Table& table : found)
+    if (std::ranges::find(components, table.table->component()) == components.end())
+      components.emplace_back(table.table->component());
+  if (components.size() > 1)
+    throw std::invalid_argument(fmt::format("{} components are called {}; give the name of one of them: {}",
+                                            components.size(), component, comma_list(components)));
   std::vector<std::string_view> types;
   for (const Table& table : found) types.push_back(table.type);
   throw std::invalid_argument(
@@ -122,9 +152,20 @@ void bind_tables(py::module_& module, SimulationClass& simulation) {
       module, "Table",
       "A component of the state, with one row per body. table[\"ranges\"] is one field of it: a read-only "
       "array that\nrefers to the memory of the simulation, so that its content changes with each step. Rows "
-      "are in the order of\nstorage, not of ids; ids[i] is the id of the body in row i.")
+      "are in the order of\nstorage, not of ids; ids[i] is the id of the body in row i. For a sensor that "
+      "does not run "
+      "(`runs`), a field of\nfloating-point numbers is a copy instead, with NaN where there is no reading.")
       .def_property_readonly(
-          "component", [](const Table& t) { return t.table->component(); }, "Name of the component.")
+          "component", [](const Table& t) { return t.table->component(); },
+          "Name of the component in the state, such as \"ranger/ir\".")
+      .def_property_readonly(
+          "name", [](const Table& t) { return t.given(); },
+          "Name that the world gives the component, such as \"ir\".")
+      .def_property_readonly(
+          "runs", [](const Table& t) { return t.runs(); },
+          "False if the table has the readings of a sensor that does not run on one or more robots, because "
+          "it "
+          "is not active\nand no controller uses it; subscribe() makes it run.")
       .def_property_readonly(
           "type", [](const Table& t) { return t.type; },
           "Name of the type of the bodies; empty if they are of several types.")
@@ -143,7 +184,8 @@ void bind_tables(py::module_& module, SimulationClass& simulation) {
       .def("__getitem__", &Table::field, py::arg("field"))
       .def("__len__", [](const Table& t) { return t.table->rows(); })
       .def("__repr__", [](const Table& t) {
-        return fmt::format("<Table {}: {} rows>", t.table->component(), t.table->rows());
+        return fmt::format("<Table {}: {} rows{}>", t.given(), t.table->rows(),
+                           t.runs() ? "" : "; the sensor does not run");
       });
 
   simulation
@@ -151,7 +193,8 @@ void bind_tables(py::module_& module, SimulationClass& simulation) {
            "All tables of the state that have rows, one per component and, for devices and controllers, per "
            "type of robot.")
       .def("table", &table_of, py::arg("component"), py::arg("type") = "",
-           "The table of one component, such as \"pose\" or \"ranger/ir\". If several types of robots have "
+           "The table of one component, such as \"pose\", or \"ir\" of a device with this name. If several "
+           "types of robots have "
            "this component,\n`type` must name one of them. Raises LookupError, whose text lists the known "
            "names, for an unknown component.");
 }

@@ -408,6 +408,9 @@ class Steered(unittest.TestCase):
             self.assertEqual(viewer.ask(do="color", component="pose", field="x", column=0)["type"], "done")
             self.assertEqual(viewer.ask(do="layers", layers=["radio"])["type"], "done")
             self.assertIn("no field", viewer.ask(do="color", component="pose", field="w")["reason"])
+            for name in ("lamp", "led/lamp"):
+                self.assertEqual(viewer.ask(do="color", component=name, field="shown_color")["type"], "done")
+            self.assertEqual(viewer.ask(do="color", component="pose", field="x", column=0)["type"], "done")
             self.assertIn('unknown layer "x"', viewer.ask(do="layers", layers=["x"])["reason"])
             state = viewer.state()
             while "shades" not in state or not state.get("lines", {}).get("radio"):
@@ -429,6 +432,21 @@ class Steered(unittest.TestCase):
             while state.get("inspected", {}).get("commands", {}).get("lamp", {}).get("red") != [0.25]:
                 state = viewer.state()
             self.assertEqual(state["inspected"]["commands"]["lamp"]["shows"], [1])
+
+    def test_a_viewer_sees_that_a_sensor_does_not_run(self):
+        world = json.loads(json.dumps(YARD))
+        world["types"]["bot"]["sensors"].append(
+            {"name": "sonar", "kind": "ranger", "active": False, "transducers": [{"range_max_m": 2}]})
+        with View("--rate", 0, world=world) as view, view.open() as viewer:
+            viewer.ask(do="inspect", robot="b3")
+            state = viewer.state()
+            while "inspected" not in state:
+                state = viewer.state()
+            parts = {part["name"]: part for part in state["inspected"]["components"]}
+            self.assertEqual(parts["lamp"]["component"], "led/lamp")
+            self.assertTrue(parts["eye"]["runs"])
+            self.assertFalse(parts["sonar"]["runs"])
+            self.assertEqual(parts["sonar"]["fields"][0]["values"], [None])
 
     def test_a_thousand_acts_of_three_viewers_are_repeated(self):
         with View("--rate", 20, world=YARD) as view:

@@ -1,6 +1,7 @@
 #include "troupe/frame_data.hpp"
 
 #include "base/diagnostics.hpp"
+#include "engine/sensed_rows.hpp"
 #include "troupe/value_names.hpp"
 
 #include <fmt/format.h>
@@ -129,13 +130,17 @@ Pose moved_by_joints(const World& world, Row row, const BodyType::Device& device
 
 Result<ChosenValue> find_value(const World& world, const std::string& name) {
   for (ChosenValue& reading : readings_of(name)) {
+    bool is_resting = true;
     for (const StateTable& table : world.tables()) {
       const StateField* const field = field_of(table, reading.field);
       if (!field || !has_name(table, reading.component)) continue;
       if (reading.column >= field->columns) return no_such_column(reading, field->columns);
       reading.text = with_unit(name, field->unit);
-      return reading;
+      is_resting = is_resting && engine::SensedRows(world, table).none_exists();
     }
+    if (reading.text.empty()) continue;
+    if (is_resting) reading.text += ": the sensor does not run";
+    return reading;
   }
   const std::vector<std::string> known = value_names(world);
   return Error{unknown_name("value", name, {known.begin(), known.end()})};
@@ -148,9 +153,11 @@ std::vector<double> values_of(const World& world, const ChosenValue& value, cons
     const StateField* const field = field_of(table, value.field);
     if (!field || !has_name(table, value.component) || value.column >= field->columns) continue;
     const auto index = static_cast<std::size_t>(field - table.fields().data());
+    const engine::SensedRows readings(world, table);
     for (std::size_t row = 0; row < table.rows(); ++row) {
       const std::uint32_t place = places[table.ids()[row].index()];
-      if (place < values.size()) values[place] = number_of(table, row, index, value.column);
+      if (place < values.size() && readings.exist(row))
+        values[place] = number_of(table, row, index, value.column);
     }
   }
   return values;

@@ -16,6 +16,7 @@
 #include <cmath>
 #include <cstring>
 #include <limits>
+#include <map>
 #include <span>
 #include <string_view>
 #include <utility>
@@ -56,16 +57,6 @@ void convert(Element element, std::span<const std::byte> bytes, std::span<double
   }
 }
 
-/// Whether an array of a recording belongs to the component or the kind of this name. Recordings name the
-/// components of sensors differently: `ranger/eye` of the type minibot is `sensors/minibot/eye`.
-bool has_name(const Array& array, std::string_view name) {
-  const std::string_view component = array.component;
-  if (engine::selects(name, component)) return true;
-  if (!component.starts_with("sensors/")) return false;
-  const auto slash = name.rfind('/');
-  return slash != name.npos && component.substr(component.rfind('/') + 1) == name.substr(slash + 1);
-}
-
 template <class T>
 T number_in(const RecordingReader& reader, const std::string& key, T fallback) {
   const auto found = reader.meta().find(key);
@@ -89,6 +80,8 @@ struct RecordedRun::Impl {
   std::vector<const Array*> readings;
   std::vector<std::uint32_t> rows;         // per body id: its row in the recording, or k_none
   std::vector<const Array*> shown_colors;  // per type; null if not recorded
+  /// Per type and part: the colour that a device gives the part; null if there is none.
+  std::vector<std::vector<const Array*>> part_colors;
   /// Displacements of the joints of each type: per joint four arrays (x, y, z, heading). Empty for a type
   /// whose joints were not recorded.
   std::vector<std::vector<std::array<const Array*, 4>>> joints;
@@ -117,6 +110,9 @@ struct RecordedRun::Impl {
       }
       shown_colors.push_back(type.shown_color.empty() ? nullptr
                                                       : find(type.shown_color, engine::k_shown_color));
+      auto& colors = part_colors.emplace_back();
+      for (const std::string& component : type.part_colors)
+        colors.push_back(component.empty() ? nullptr : find(component, engine::k_shown_color));
       auto& of_type = joints.emplace_back();
       for (const RecordedScene::Joint& joint : type.joints) of_type.push_back(find_pose(joint.component));
       const auto is_whole = [](const auto& arrays) {
@@ -229,25 +225,64 @@ struct RecordedRun::Impl {
     return mounts;
   }
 
-  /// Replaces the type of each body whose joints have moved by a new type, whose shapes are at the moved
-  /// positions.
-  void move_parts(Frame& shown) const {
+  /// The colours that devices give the parts of the bodies of a type in the current frame.
+  class PartColors {
+   public:
+    PartColors(const Impl& run, std::size_t type) : rows_(run.reader.ids().size()) {
+      for (const Array* array : run.part_colors[type]) {
+        values_.push_back(array ? run.read(*array) : std::vector<double>());
+        for (std::size_t r = 0; array && r < array->bodies.size(); ++r) rows_[array->bodies[r]] = r;
+      }
+    }
+    bool empty() const {
+      return std::ranges::all_of(values_, [](const auto& values) { return values.empty(); });
+    }
+    /// The colours of all parts of the body in a recorded row, three numbers each; -1: not known.
+    std::vector<double> of(std::size_t row) const {
+      std::vector<double> colors;
+      for (const std::vector<double>& values : values_)
+        for (std::size_t c = 0; c < 3; ++c) {
+          const double value = values.empty() ? k_nan : values[3 * rows_[row] + c];
+          colors.push_back(std::isfinite(value) ? value : -1);  // NaN would have no place in an order
+        }
+      return colors;
+    }
+
+   private:
+    std::vector<std::vector<double>> values_;  // per part
+    std::vector<std::size_t> rows_;            // for each recorded row, its row in the arrays of its type
+  };
+
+  /// Replaces the type of each body whose joints have moved, or whose parts show colours, by a new type.
+  /// Bodies without joints that show the same colours share a type, as in World::frame().
+  void change_parts(Frame& shown) const {
     for (std::uint32_t type = 0; type < world.types.size(); ++type) {
       const auto moved = mounts(type);
-      if (moved.empty()) continue;
+      const PartColors colors(*this, type);
+      if (moved.empty() && colors.empty()) continue;
       const RecordedScene::Type& at_rest = world.types[type];
+      std::map<std::vector<double>, std::uint32_t> looks;  // by the colours of the parts
       for (engine::FrameBody& body : shown.mobile) {
         if (body.type != type) continue;
+        const std::vector<double> parts = colors.of(rows[body.id]);
+        const auto next = static_cast<std::uint32_t>(world.types.size() + shown.types.size());
+        if (moved.empty()) {
+          body.type = looks.try_emplace(parts, next).first->second;
+          if (body.type != next) continue;
+        }
         engine::FrameType look = at_rest.look;
         for (std::size_t k = 0; k < look.shapes.size(); ++k) {
-          if (at_rest.shape_joints[k] < 0) continue;
+          const std::size_t part = at_rest.shape_parts[k];
+          const std::span<const double> color = std::span(parts).subspan(3 * part, 3);
+          if (color[0] >= 0) look.shapes[k].color = worldio::shown_color(color, body.color);
+          if (moved.empty() || at_rest.shape_joints[k] < 0) continue;
           const engine::Mount& now = moved[rows[body.id]][static_cast<std::size_t>(at_rest.shape_joints[k])];
           Solid& solid = look.shapes[k].solid;
           for (Ring& ring : solid.contours)
             for (Vec2& point : ring) point = now.transform * point;
           solid.z = solid.z.shifted(now.z);
         }
-        body.type = static_cast<std::uint32_t>(world.types.size() + shown.types.size());
+        body.type = next;
         shown.types.push_back(std::move(look));
       }
     }
@@ -297,7 +332,8 @@ struct RecordedRun::Impl {
     const std::vector<std::uint32_t> places = places_in(shown);
     std::vector<double> values(shown.mobile.size(), k_nan);
     for (const Array& array : reader.arrays()) {
-      if (array.field.name != field || column >= array.field.columns || !has_name(array, component)) continue;
+      if (array.field.name != field || column >= array.field.columns || !selects(component, array, reader))
+        continue;
       const std::vector<std::uint8_t> has = reader.has(array);
       const std::vector<double> all = read(array);
       for (std::size_t r = 0; r < array.bodies.size(); ++r)
@@ -407,7 +443,7 @@ std::optional<std::uint32_t> RecordedRun::find_body(std::string_view name) const
 Result<ChosenValue> RecordedRun::find_value(const std::string& name) const {
   for (ChosenValue& reading : readings_of(name)) {
     for (const Array& array : impl_->reader.arrays()) {
-      if (array.field.name != reading.field || !has_name(array, reading.component)) continue;
+      if (array.field.name != reading.field || !selects(reading.component, array, impl_->reader)) continue;
       if (reading.column >= array.field.columns) return no_such_column(reading, array.field.columns);
       reading.text = with_unit(name, array.field.unit);
       return reading;
@@ -429,7 +465,7 @@ Result<> RecordedRun::check(const FrameWishes& wishes) const {
   if (wishes.scans && !has_ranges) return not_recorded("ranges", "ranges");
   const auto has = [&](std::string_view component, std::string_view field) {
     return std::ranges::any_of(impl_->reader.arrays(), [&](const Array& array) {
-      return array.field.name == field && has_name(array, component);
+      return array.field.name == field && selects(component, array, impl_->reader);
     });
   };
   if (wishes.charges && !has("sensors", "stored")) return not_recorded("power packs", "power_pack");
@@ -457,7 +493,7 @@ Frame RecordedRun::frame(const FrameWishes& wishes) const {
     if (wishes.names)
       for (const engine::FrameBody& body : shown.mobile)
         shown.names.push_back(impl_->world.bodies[body.id].name);
-    impl_->move_parts(shown);
+    impl_->change_parts(shown);
     if (wishes.value) {
       shown.values = impl_->values(shown, wishes.value->component, wishes.value->field, wishes.value->column);
       shown.value_name = wishes.value->text;

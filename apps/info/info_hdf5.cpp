@@ -45,7 +45,7 @@ Summary summary_of(const worldio::RecordingReader& recording) {
                                     : array.field.name;
     if (array.component != component) {
       component = array.component;
-      summary.emplace_back("  " + component, columns);
+      summary.emplace_back("  " + worldio::shown_name(component), columns);
     } else {
       summary.back().second += ", " + columns;
     }

@@ -75,8 +75,9 @@ ExitCode plot(const PlotOptions& options) {
   execvp(python.c_str(), arguments.data());
   fmt::print(
       stderr,
-      "troupe plot: error: {} cannot be started: {} (Debian, Ubuntu: apt install python3-matplotlib)\n",
-      python, std::strerror(errno));
+      "troupe plot: error: {} cannot be started: {} (Debian, Ubuntu: apt install python3-matplotlib; the "
+      "environment variable TROUPE_PYTHON {} Python interpreter)\n",
+      python, std::strerror(errno), chosen && *chosen ? "names this" : "can name another");
   return k_failed;
 }
 

@@ -59,37 +59,79 @@ double end_of_run(const RunOptions& options, const Simulation& simulation, const
   return end_of(options, simulation);
 }
 
-/// Returns warnings about robots that are still at their start after a run. Usually their type lacks a
-/// controller.
-std::vector<std::string> standstill_warnings(const Simulation& simulation, const std::string& name) {
-  const engine::World& world = simulation.world();
-  const engine::WorldSpec& spec = world.spec();
-  struct Robots {
-    std::size_t all = 0, still = 0;
-  };
-  std::vector<Robots> of_type(spec.types.size());
+bool commands_nothing(const engine::Command& command) {
+  return command.mode == engine::ControlMode::velocity && command.x == 0 && command.y == 0 &&
+         command.turn == 0;
+}
+
+/// "the controller \"wander\"", or "the controllers \"avoid\" and \"sing\"".
+std::string controllers_text(const engine::TypeSpec& type) {
+  std::string names;
+  for (std::size_t c = 0; c < type.controllers.size(); ++c)
+    names += fmt::format("{}\"{}\"",
+                         c == 0                            ? ""
+                         : c + 1 < type.controllers.size() ? ", "
+                                                           : " and ",
+                         type.controllers[c].kind);
+  return fmt::format("the controller{} {}", type.controllers.size() == 1 ? "" : "s", names);
+}
+
+/// The robots of one type that can move and are in the world.
+struct Robots {
+  std::size_t all = 0;
+  std::size_t still = 0;        ///< robots at the position where they started
+  std::size_t uncommanded = 0;  ///< robots at their start whose command is not to move, and that never turned
+};
+
+/// Returns the robots of each type.
+std::vector<Robots> robots_by_type(const engine::World& world) {
+  std::vector<Robots> of_type(world.spec().types.size());
   for (std::size_t r = 0; r < world.rows(); ++r) {
     const Row row(r);
     if (!world.type(row).drive || !world.is_there(row)) continue;
-    Robots& robots = of_type[spec.bodies[world.body(row).index()].type.index()];
+    const engine::BodySpec& body = world.spec().bodies[world.body(row).index()];
+    Robots& robots = of_type[body.type.index()];
     ++robots.all;
-    if (world.transform(row).position == world.origin(row)) ++robots.still;
+    if (world.transform(row).position != world.origin(row)) continue;
+    ++robots.still;
+    const bool was_born = world.birth_tick(row) > 0;  // with a heading that the spec does not state
+    const bool has_turned = !was_born && world.poses()[r].heading != body.pose_world_body.heading;
+    robots.uncommanded += commands_nothing(world.commands()[r]) && !has_turned && !world.is_disabled(row);
   }
+  return of_type;
+}
+
+/// Returns warnings about robots that are still at their start after a run. Usually their type lacks a
+/// controller, or the controller never commands the drive. Robots of a type with a controller are reported
+/// only if all of them stand still without a command, because single robots may have to wait.
+std::vector<std::string> standstill_warnings(const Simulation& simulation, const std::string& name) {
+  const engine::World& world = simulation.world();
+  const engine::WorldSpec& spec = world.spec();
+  const std::vector<Robots> of_type = robots_by_type(world);
   std::vector<std::string> warnings;
   std::size_t all = 0, still = 0;
   for (std::size_t t = 0; t < of_type.size(); ++t) {
-    all += of_type[t].all;
-    still += of_type[t].still;
-    if (of_type[t].still == 0 || !spec.types[t].controllers.empty()) continue;
-    Diagnostics place(spec.files);
-    const std::size_t count = of_type[t].still;
-    place.warning(
-        spec.types[t].parts.front().where,
-        fmt::format("{} of type \"{}\" did not move, because the type has no controller that commands "
-                    "{}: give the type a controller, or a script with --controller",
-                    count == 1 ? "1 robot" : fmt::format("{} robots", grouped(count)), spec.types[t].name,
-                    count == 1 ? "it" : "them"));
-    warnings.push_back(place.warnings().front());
+    const Robots& robots = of_type[t];
+    all += robots.all;
+    still += robots.still;
+    const engine::TypeSpec& type = spec.types[t];
+    const auto warn = [&](Where where, std::string_view reason) {
+      Diagnostics place(spec.files);
+      place.warning(
+          where, fmt::format("{} of type \"{}\" did not move, because {}",
+                             robots.still == 1 ? "1 robot" : fmt::format("{} robots", grouped(robots.still)),
+                             type.name, reason));
+      warnings.push_back(place.warnings().front());
+    };
+    const char* const them = robots.still == 1 ? "it" : "them";
+    if (type.controllers.empty() && robots.still > 0)
+      warn(type.parts.front().where,
+           fmt::format("the type has no controller that commands {}: give the type a controller, or a script "
+                       "with --controller",
+                       them));
+    else if (robots.all > 0 && robots.uncommanded == robots.all)
+      warn(type.controllers.front().where,
+           fmt::format("{} did not command {} to move", controllers_text(type), them));
   }
   if (warnings.empty() && all > 0 && still == all)
     warnings.push_back(fmt::format(

@@ -124,7 +124,9 @@ engine::MeasureKind largest_cluster_measure() {
       "largest_cluster", Unit::none,
       "fraction of the pushable bodies or of the robots that are in the largest cluster",
       "The number of bodies in the largest of the clusters that the measure `clusters` counts, divided by "
-      "the number of bodies in all clusters. The value is NaN if there are no such bodies.",
+      "the number of bodies in all clusters. The value is NaN if there are no such bodies. Source, for "
+      "aggregates of robots: Gauci et al., Self-organized aggregation without computation, International "
+      "Journal of Robotics Research 33, 2014.",
       "max_c |c| / sum_c |c|, over the clusters c");
 }
 

@@ -153,7 +153,9 @@ engine::MeasureKind coverage_measure() {
       "four of them. A cell is free if its centre is within the bounds of the world and in no static "
       "obstacle, whatever the height of the obstacle. If the world has no bounds, the box around the static "
       "geometry and the robots at the start is used instead. Cells that no robot can reach, such as those in "
-      "a closed room, also count as free cells.",
+      "a closed room, also count as free cells. Source, for single robots and teams: Koenig, Szymanski, Liu, "
+      "Efficient and inefficient ant coverage methods, Annals of Mathematics and Artificial Intelligence 31, "
+      "2001.",
       "|visited free cells| / |free cells|");
 }
 

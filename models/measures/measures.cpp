@@ -1,6 +1,7 @@
 #include "models/measures/measures.hpp"
 
 #include "engine/measures.hpp"
+#include "engine/sensed_rows.hpp"
 
 #include <fmt/format.h>
 
@@ -200,6 +201,7 @@ class OfState : public OfRobots {
     std::size_t table = k_none;
     std::size_t field = 0;
     std::size_t row = 0;
+    std::size_t reading = 0;  // index of the table in tables_
   };
   static constexpr std::size_t k_none = std::numeric_limits<std::size_t>::max();
 
@@ -224,9 +226,22 @@ class OfState : public OfRobots {
       : OfState(world, params, std::move(rows), cells_of(world, params)) {}
 
  protected:
-  /// The number of the state (Params) that robots()[i] has now.
-  double number_of(const World& world, std::size_t i) const {
-    return number(world.tables()[cells_[i].table], cells_[i]);
+  /// Mean of term(number) over the present numbers (Params) of those robots that are in the world and whose
+  /// number exists (engine::SensedRows); NaN if there are none.
+  template <class Term>
+  double mean_of(World& world, Term&& term) const {
+    std::vector<engine::SensedRows> readings;
+    for (const std::size_t table : tables_) readings.emplace_back(world, world.tables()[table]);
+    const auto exists = [&](std::size_t i) {
+      return world.is_there(robots()[i]) && readings[cells_[i].reading].exist(cells_[i].row);
+    };
+    std::size_t count = 0;
+    for (std::size_t i = 0; i < cells_.size(); ++i) count += exists(i);
+    if (count == 0) return std::numeric_limits<double>::quiet_NaN();
+    const double sum = engine::exact_sum(world, cells_.size(), [&](std::size_t i) {
+      return exists(i) ? term(number(world.tables()[cells_[i].table], cells_[i])) : 0.0;
+    });
+    return sum / static_cast<double>(count);
   }
 
  private:
@@ -234,7 +249,12 @@ class OfState : public OfRobots {
   OfState(const World& world, const Params& params, std::vector<Row> rows, const std::vector<Cell>& cells)
       : OfRobots(world, with(world, cells, std::move(rows))),
         column_(static_cast<std::size_t>(params.column)) {
-    for (const Row row : robots()) cells_.push_back(cells[world.body(row).index()]);
+    for (const Row row : robots()) {
+      Cell& cell = cells_.emplace_back(cells[world.body(row).index()]);
+      const auto known = std::ranges::find(tables_, cell.table);
+      cell.reading = static_cast<std::size_t>(known - tables_.begin());
+      if (known == tables_.end()) tables_.push_back(cell.table);
+    }
   }
 
   /// For each body, in order of ids, the table, field and row that hold its number; `table` is k_none if the
@@ -254,7 +274,8 @@ class OfState : public OfRobots {
       if ((is_whole ? table.component() : known.back()) != component) continue;
       has_component = true;
       const std::size_t field = field_of(table, params);
-      for (std::size_t row = 0; row < table.rows(); ++row) cells[table.ids()[row].index()] = {t, field, row};
+      for (std::size_t row = 0; row < table.rows(); ++row)
+        cells[table.ids()[row].index()] = {.table = t, .field = field, .row = row};
     }
     if (!has_component) {
       std::ranges::sort(known);
@@ -298,14 +319,15 @@ class OfState : public OfRobots {
   }
 
   std::size_t column_;
-  std::vector<Cell> cells_;  // per robot, in the order of robots()
+  std::vector<Cell> cells_;          // per robot, in the order of robots()
+  std::vector<std::size_t> tables_;  // the tables of the cells, each once
 };
 
 class StateMean : public OfState {
  public:
   using OfState::OfState;
   double value(World& world) override {
-    return mean(world, [&](std::size_t i) { return number_of(world, i); });
+    return mean_of(world, [](double number) { return number; });
   }
 };
 
@@ -313,11 +335,8 @@ class StateVariance : public OfState {
  public:
   using OfState::OfState;
   double value(World& world) override {
-    const double middle = mean(world, [&](std::size_t i) { return number_of(world, i); });
-    return mean(world, [&](std::size_t i) {
-      const double from_mean = number_of(world, i) - middle;
-      return from_mean * from_mean;
-    });
+    const double middle = mean_of(world, [](double number) { return number; });
+    return mean_of(world, [middle](double number) { return (number - middle) * (number - middle); });
   }
 };
 
@@ -437,7 +456,9 @@ engine::MeasureKind order_measure() {
 engine::MeasureKind spread_measure() {
   return engine::make_measure_kind<Spread>(
       "spread", Unit::meters, "mean distance of the robots from their centre",
-      "The mean over the robots of the distance between a robot's origin and the mean of all their origins.",
+      "The mean over the robots of the distance between a robot's origin and the mean of all their origins. "
+      "Related, with the squares of these distances: Graham and Sloane, Penny-packing and two-dimensional "
+      "codes, Discrete and Computational Geometry 5, 1990.",
       "1/n sum_i |x_i - 1/n sum_j x_j|");
 }
 
@@ -452,8 +473,10 @@ engine::MeasureKind state_mean_measure() {
   return engine::make_measure_kind<StateMean>(
       "state_mean", Unit::none, "mean of one number of the robots' state",
       "The mean of one number of the state, such as a variable in the memory of a controller or a reading of "
-      "a sensor, over the robots that have this number. If the number is 0 or 1, the mean is the fraction of "
-      "these robots for which it is 1.",
+      "a sensor, over the robots that have this number. Readings of sensors that do not run are left out; "
+      "the "
+      "mean is NaN if no robot has the number. If the number is 0 or 1, the mean is the fraction of these "
+      "robots for which it is 1.",
       "m = 1/n sum_i s_i");
 }
 

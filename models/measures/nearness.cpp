@@ -151,7 +151,8 @@ engine::MeasureKind neighbours_measure() {
       "neighbours", Unit::none, "mean number of other robots nearby",
       "The mean over the robots of the number of other robots, among those that `of` selects, whose origin "
       "is within `radius` of the robot's origin. Walls between two robots make no difference. The value is "
-      "the mean degree of the graph that joins all pairs of robots within that distance.",
+      "the mean degree of the graph that joins all pairs of robots within that distance. Source, for such "
+      "graphs: Penrose, Random geometric graphs, Oxford University Press, 2003.",
       "1/n sum_i sum_(j != i) [|x_i - x_j| <= radius]");
 }
 

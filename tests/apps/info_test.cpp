@@ -118,7 +118,7 @@ TEST_F(Info, OfARecording) {
   EXPECT_THAT(lines, Contains("frames 5"));
   EXPECT_THAT(lines, Contains("ticks 0 to 20, 0 to 2 s"));
   EXPECT_THAT(lines, Contains("pose heading, x, y, z"));
-  EXPECT_THAT(lines, Contains(HasSubstr("ranges[9]")));
+  EXPECT_THAT(lines, Contains("ranger:0 (bot) ranges[9]")) << "as in --record-fields and --color-by";
   EXPECT_EQ(lines.back(), "complete yes");
 
   write("copy", read("r").substr(0, 3000));

@@ -59,6 +59,20 @@ TEST_F(ReplayPage, IsOneFileThatNeedsNoOther) {
   EXPECT_THAT(files(), ElementsAre("room.world", "run.h5", "run.html", "swarm.html"));
 }
 
+TEST_F(ReplayPage, ADeviceHasTheNamesThatRecordingAccepts) {
+  record("ranges.h5", "pose,ranger/ranger:0");
+  std::string page;
+  for (const char* name :
+       {"ranger:0", "ranger/ranger:0", "bot/ranger:0", "ranger/ranger:0.ranges", "ranges"}) {
+    const Outcome outcome = troupe({"replay", "ranges.h5", "--force", "--fields", name});
+    ASSERT_EQ(outcome.code, 0) << name << outcome.err;
+    if (page.empty()) page = read("ranges.html");
+    EXPECT_EQ(read("ranges.html"), page) << name;
+  }
+  EXPECT_THAT(error_of({"ranges.h5", "--force", "--fields", "ranger/eye"}),
+              HasSubstr("unknown field \"ranger/eye\"; known: "));
+}
+
 TEST_F(ReplayPage, SaysThatFramesAreLeftOut) {
   ASSERT_EQ(troupe({"run", "room.world", "--quiet", "--for", "200", "--record", "long.h5"}).code, 0);
   ASSERT_EQ(troupe({"replay", "long.h5"}).code, 0);

@@ -320,7 +320,10 @@ TEST_F(Run, RobotsThatNothingMovedAreWarnings) {
   const auto world = [&](const std::string& robots) {
     write("still.json", R"({"troupe": 1, "arena": {"size_m": [4, 4]}, "types": {
 "bot": {"size_m": [0.2, 0.2, 0.2], "drive": {"kind": "diff"}},
-"mover": {"extends": "bot", "controller": {"kind": "script", "law": "line"}}},
+"mover": {"extends": "bot", "controller": {"kind": "script", "law": "line"}},
+"idler": {"extends": "bot", "controller": {"kind": "script", "legs": [{"until_s": 0.5}]}},
+"turner": {"extends": "bot", "controller": {"kind": "script", "legs": [{"until_s": 0.5, "turn_radps": 1}]}},
+"post": {"size_m": [0.2, 0.2, 0.2], "controller": {"kind": "rasterize"}}},
 "models": [)" + robots + "]}");
     return lines_of(troupe({"run", "still.json", "--for", "1", "--json"}).err);
   };
@@ -340,6 +343,13 @@ TEST_F(Run, RobotsThatNothingMovedAreWarnings) {
       world(R"({"name": "d", "type": "mover", "pose": {"x_m": 1.88}})"),
       ElementsAre("still.json: warning: no robot moved: the mean displacement is 0 m, and 1 of 1 robot is "
                   "stalled"));
+  const std::string e = R"({"name": "e", "type": "idler", "pose": {"x_m": -1}})";
+  const std::string f = R"({"name": "f", "type": "turner", "pose": {"y_m": -1}})";
+  const std::string g = R"({"name": "g", "type": "post", "pose": {"y_m": 1}})";
+  EXPECT_THAT(world(c + "," + e),
+              ElementsAre("still.json:4: warning: 1 robot of type \"idler\" did not move, because the "
+                          "controller \"script\" did not command it to move"));
+  EXPECT_THAT(world(c + "," + f + "," + g), IsEmpty()) << "f has turned, and g has no drive";
   EXPECT_THAT(lines_of(troupe({"run", "still.json", "--for", "1", "--quiet"}).err), IsEmpty());
   for (const char* end_s : {"0", "0.1"})
     EXPECT_THAT(lines_of(troupe({"run", "still.json", "--for", end_s, "--json"}).err), IsEmpty()) << end_s;

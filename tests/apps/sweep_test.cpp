@@ -126,7 +126,8 @@ TEST_F(Sweep, PlotHandsOverToPython) {
   EXPECT_EQ(missing.code, 1);
   EXPECT_THAT(lines_of(missing.err),
               ElementsAre(AllOf(StartsWith("troupe plot: error: ./no-such-python cannot be started"),
-                                HasSubstr("apt install python3-matplotlib"))));
+                                HasSubstr("apt install python3-matplotlib; the environment variable "
+                                          "TROUPE_PYTHON names this Python interpreter)"))));
   EXPECT_EQ(troupe({"plot"}).code, 2);
   EXPECT_EQ(troupe({"plot", "out", "--measure", ""}).code, 2);
 }

@@ -485,6 +485,17 @@ TEST(Measures, RankErrorsAreThePairsThatStandTheWrongWayRound) {
       3.0 / 5);
 }
 
+TEST(Measures, ThoseOfTheLiteratureNameTheirSource) {
+  for (const char* name : {"coverage", "mean_nearest_distance", "neighbours", "order", "polarisation",
+                           "spread", "rank_errors", "clusters", "largest_cluster"}) {
+    const auto kind = std::ranges::find(test::registry().measures, name, &engine::MeasureKind::name);
+    ASSERT_NE(kind, test::registry().measures.end()) << name;
+    EXPECT_THAT(std::string(kind->definition),
+                ::testing::ContainsRegex("(Source|Related).* (19|20)[0-9][0-9][.,]"))
+        << name;
+  }
+}
+
 TEST(Measures, StateMeanIsOfTheRobotsThatHaveTheField) {
   test::SceneBuilder scene;
   const TypeId wanderer = scene.robot("wanderer", {test::box(0.2, 0.2)});
@@ -519,6 +530,32 @@ TEST(Measures, StateMeanIsOfTheRobotsThatHaveTheField) {
               HasSubstr("state_mean: unknown component \"ranger/ear\"; known: command, eye, pose, "));
   EXPECT_THAT(error(spec("state_mean", "", {{"component", "ranger/eye"}, {"field", "range"}})),
               HasSubstr("state_mean: unknown field \"range\"; known: ranges"));
+}
+
+TEST(Measures, StateMeanLeavesOutSensorsThatDoNotRun) {
+  test::SceneBuilder scene;
+  const TypeId near = scene.robot("near", {test::box(0.2, 0.2)});
+  scene[near].devices.push_back(test::ranger("eye", {{{}, 2, 3, 9}}));
+  const TypeId far = scene.robot("far", {test::box(0.2, 0.2)});
+  scene[far].devices.push_back(test::ranger("eye", {{{}, 5, 3, 9}}));
+  scene[far].devices.back().active = false;
+  scene.body("n0", near, {0, 0, 0, 0});
+  scene.body("f0", far, {0, 50, 0, 0});
+  scene.body("f1", far, {0, 90, 0, 0});
+  World world = scene.world();
+  const auto ranges = [](const char* kind, std::string of = {}) {
+    return spec(kind, std::move(of), {{"component", "eye"}, {"field", "ranges"}});
+  };
+  MeasureSet means = measures(world, {ranges("state_mean"), ranges("state_mean", "f")});
+  world.subscribe(world.find("f1"));
+  world.step();
+  EXPECT_EQ(means.values()[0], (2 + 5) / 2.0) << "f0 has no reading";
+  EXPECT_EQ(means.values()[1], 5);
+  EXPECT_EQ(value(world, ranges("state_variance")), 1.5 * 1.5);
+  World resting = scene.world();
+  resting.step();
+  EXPECT_TRUE(std::isnan(value(resting, ranges("state_mean", "f"))));
+  EXPECT_TRUE(std::isnan(value(resting, ranges("state_variance", "f"))));
 }
 
 TEST(Measures, CoverageOfAWorldWithoutBoundsIsOfTheGroundAtTheStart) {

@@ -678,6 +678,37 @@ class Tables(InAFolder):
             world.table("ranger/ear")
         self.assertIn("stall", [table.component for table in world.tables()])
 
+    def test_of_a_device_have_the_name_that_the_world_gives_it(self):
+        world = troupe.Simulation(ROOM)
+        world.step()
+        eyes = world.table("eye", "bot")
+        self.assertEqual((eyes.component, eyes.name), ("ranger/eye", "eye"))
+        np.testing.assert_array_equal(eyes["ranges"], world.table("ranger/eye", "bot")["ranges"])
+        self.assertTrue(repr(eyes).startswith("<Table eye: 8 rows"))
+        with self.assertRaisesRegex(LookupError, 'unknown component "eyes"; known: .*eye.*did you mean "eye"'):
+            world.table("eyes")
+        two = {**ROOM, "types": {"bot": {**ROOM["types"]["bot"], "devices": [{"name": "eye", "kind": "led"}]}},
+               "models": [], "populations": [{"name": "r", "type": "bot", "count": 2, "place": {"rule": "uniform"}}]}
+        with self.assertRaisesRegex(ValueError, "2 components are called eye; give the name of one of them: .*ranger/eye"):
+            troupe.Simulation(two).table("eye")
+
+    def test_have_no_readings_of_sensors_that_do_not_run(self):
+        bot = {"size_m": [0.2, 0.2, 0.2], "drive": {"kind": "diff"}, "sensors": [
+            {"name": "sonar", "kind": "ranger", "active": False, "transducers": [{"range_max_m": 5}]}]}
+        resting = {"troupe": 1, "arena": {"size_m": [4, 4]}, "types": {"bot": bot},
+                   "models": [{"name": "a", "type": "bot"}, {"name": "b", "type": "bot", "pose": {"y_m": 1}}]}
+        world = troupe.Simulation(resting)
+        world.subscribe("b")
+        world.step()
+        sonar = world.table("sonar")
+        self.assertFalse(sonar.runs)
+        self.assertIn("does not run", repr(sonar))
+        ranges = dict(zip(sonar.ids, sonar["ranges"].reshape(-1)))
+        self.assertTrue(np.isnan(ranges[world.find("a").id]))
+        self.assertEqual(ranges[world.find("b").id], 2)
+        self.assertFalse(sonar["ranges"].flags.writeable)
+        self.assertTrue(world.table("pose").runs)
+
     def test_keep_their_world_alive(self):
         world = troupe.Simulation(ROOM)
         world.step()

@@ -1,6 +1,7 @@
 #include "troupe/pictures.hpp"
 
 #include "base/diagnostics.hpp"
+#include "models/devices/led.hpp"
 #include "tests/support/scratch.hpp"
 
 #include <gmock/gmock.h>
@@ -10,6 +11,7 @@
 #include <array>
 #include <filesystem>
 #include <string>
+#include <utility>
 #include <vector>
 
 namespace troupe {
@@ -27,6 +29,9 @@ constexpr const char* k_world = R"({
   "populations": [{"name": "r", "type": "bot", "count": 6,
                    "place": {"rule": "grid", "region_m": [[0, 0], [4, 4]], "pitch_m": 1.5}}]
 })";
+
+/// Leaves out everything but the bodies.
+constexpr const char* k_only_robots = "-grid,-shadows,-headings,-scale,-clock,-legend";
 
 class PicturesTest : public test::ScratchTest {
  protected:
@@ -82,6 +87,95 @@ TEST_F(PicturesTest, TheyShowWhatTheWorldHas) {
   }
 }
 
+/// What a picture with a white background shows besides it.
+struct Blots {
+  int count = 0;            ///< connected areas of pixels that are not white
+  bool touch_edge = false;  ///< whether one of them reaches the edge of the picture
+};
+
+Blots blots_in(const std::vector<std::uint8_t>& rgba, int width, int height) {
+  const auto is_white = [&](int i) { return rgba[4 * static_cast<std::size_t>(i)] > 250; };
+  std::vector<std::uint8_t> seen(static_cast<std::size_t>(width) * height, 0);
+  Blots blots;
+  for (int start = 0; start < width * height; ++start) {
+    if (seen[start] != 0 || is_white(start)) continue;
+    ++blots.count;
+    std::vector<int> open{start};
+    seen[start] = 1;
+    while (!open.empty()) {
+      const int i = open.back();
+      open.pop_back();
+      const int x = i % width, y = i / width;
+      blots.touch_edge = blots.touch_edge || x == 0 || y == 0 || x == width - 1 || y == height - 1;
+      for (const auto& [dx, dy] : {std::pair(1, 0), std::pair(-1, 0), std::pair(0, 1), std::pair(0, -1)}) {
+        if (x + dx < 0 || x + dx >= width || y + dy < 0 || y + dy >= height) continue;
+        const int next = i + dx + dy * width;
+        if (seen[next] != 0 || is_white(next)) continue;
+        seen[next] = 1;
+        open.push_back(next);
+      }
+    }
+  }
+  return blots;
+}
+
+TEST_F(PicturesTest, CamerasThatFollowAllRobotsShowAllOfThem) {
+  for (const double away : {0.0, 40.0}) {
+    Simulation simulation(world_);
+    Pictures fit(
+        simulation,
+        {.width = 320, .height = 240, .camera = "fit", .layers = k_only_robots, .background = "white"});
+    Pictures follow(simulation, {.width = 320,
+                                 .height = 240,
+                                 .camera = "follow:all",
+                                 .layers = k_only_robots,
+                                 .background = "white"});
+    if (away > 0) {  // far outside of the region where the robots started
+      for (std::size_t i = 0; i < 6; ++i) {
+        Model robot = simulation.find(simulation.robot_names()[i]);
+        const Pose pose = robot.pose();
+        robot.set_pose({pose.x + away, pose.y + 1.5 * away, 0, 0});
+      }
+    }
+    for (Pictures* pictures : {&fit, &follow}) {
+      const Blots blots = blots_in(pictures->draw(pictures->take(simulation)), 320, 240);
+      EXPECT_EQ(blots.count, 6) << away << (pictures == &fit ? " fit" : " follow:all");
+      EXPECT_FALSE(blots.touch_edge) << away;
+    }
+  }
+}
+
+TEST_F(PicturesTest, LedsOnPartsAreDrawn) {
+  // Two robots of a type whose LED is on a part above the body. The second one's LED is commanded.
+  world_ = write(
+      "lit.json",
+      R"({"troupe": 1, "types": {"bot": {"size_m": [1, 1, 0.2], "color": "gray", "drive": {"kind": "diff"},
+    "parts": [{"name": "mast", "size_m": [0.5, 0.5, 0.1], "pose": {"z_m": 0.2},
+               "devices": [{"name": "lamp", "kind": "led", "shows": [0, 1, 0]}]}]}},
+    "models": [{"name": "a", "type": "bot", "pose": {"x_m": -1}}, {"name": "b", "type": "bot", "pose": {"x_m": 1}}]})");
+  Simulation simulation(world_);
+  PictureOptions options{.width = 200,
+                         .height = 100,
+                         .center_m = std::array<double, 2>{0, 0},
+                         .across_m = 4,
+                         .layers = k_only_robots};
+  const auto middles = [](Pictures& pictures, const Pictures::Shot& shot) {
+    const std::vector<std::uint8_t> rgba = pictures.draw(shot);
+    std::vector<std::vector<int>> found;
+    for (const std::size_t x : {40U, 140U}) {  // behind the heading mark
+      const std::uint8_t* pixel = &rgba[4 * (50 * 200 + x)];
+      found.push_back({pixel[0], pixel[1], pixel[2]});
+    }
+    return found;
+  };
+  const std::vector<int> red{255, 0, 0}, green{0, 255, 0};
+  Pictures pictures(simulation, options);
+  EXPECT_THAT(middles(pictures, pictures.take(simulation)), ::testing::ElementsAre(green, green));
+  simulation.find("b").command<models::LedCommand>("lamp") = {.shows = 1, .red = 1};
+  simulation.step();
+  EXPECT_THAT(middles(pictures, pictures.take(simulation)), ::testing::ElementsAre(green, red));
+}
+
 TEST_F(PicturesTest, AWindowSaysItsSizeUnlessAnotherIsAskedFor) {
   const Simulation simulation(world_);
   EXPECT_EQ(Pictures(simulation, {.camera = "window"}).width(), 200);
@@ -128,6 +222,22 @@ TEST_F(PicturesTest, AnyNumberOfTheStateMayBeTheColour) {
                             "eye.ranges.4", "ranger.ranges.0", "command.mode"}) {
     Pictures pictures(simulation, {.width = 64, .height = 48, .color_by = value});
     EXPECT_EQ(pictures.draw(pictures.take(simulation)).size(), 64U * 48 * 4) << value;
+  }
+}
+
+TEST_F(PicturesTest, TheLegendSaysThatASensorDoesNotRun) {
+  world_ = write("resting.json", R"({"troupe": 1, "types": {"bot": {"size_m": [0.4, 0.4, 0.2],
+    "drive": {"kind": "diff"}, "sensors": [
+      {"name": "eye", "kind": "ranger", "active": false, "transducers": [{"range_max_m": 2}]}]}},
+    "models": [{"name": "r0", "type": "bot"}]})");
+  for (const bool runs : {false, true}) {
+    Simulation simulation(world_);
+    if (runs) simulation.subscribe("r0");
+    simulation.step();
+    Pictures pictures(simulation, {.color_by = "eye.ranges"});
+    const std::filesystem::path file = folder_ / "colors.svg";
+    pictures.write(pictures.take(simulation), file.string());
+    EXPECT_EQ(content(file).find("eye.ranges (m): the sensor does not run") == std::string::npos, runs);
   }
 }
 

@@ -319,14 +319,14 @@ TEST_F(IncludeTest, SetChangesATypeAndThoseThatExtendIt) {
 
 TEST_F(IncludeTest, ErrorsOfExtends) {
   EXPECT_THAT(load(R"("types": {"a": {"extends": "bass"}, "base": {"size_m": [1, 1, 1]}})").found,
-              testing::Contains("maze.json:2: error: /types/a/extends: unknown type \"bass\"; known: base "
-                                "(did you mean \"base\"?)"));
+              ElementsAre("maze.json:2: error: /types/a/extends: unknown type \"bass\"; known: base "
+                          "(did you mean \"base\"?)"));
   EXPECT_THAT(
       load("\"types\": {\"a\": {\"extends\": \"b\"},\n\"b\": {\"extends\": \"c\"}, \"c\": {\"extends\": "
            "\"a\"}}")
           .found,
-      testing::Contains("maze.json:2: error: /types/a/extends: the types extend each other in a circle: a "
-                        "extends b extends c extends a"));
+      ElementsAre("maze.json:2: error: /types/a/extends: the types extend each other in a circle: a "
+                  "extends b extends c extends a"));
   EXPECT_THAT(
       load(R"("types": {"a": {"extends": 3, "size_m": [1, 1, 1]}})").found,
       ElementsAre("maze.json:2: error: /types/a/extends: expected the name of a type, found the number 3"));

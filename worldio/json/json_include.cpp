@@ -262,6 +262,19 @@ class TypeMerger {
   std::vector<const JsonMember*> open_;  // types that are being resolved, each extends the next one
 };
 
+/// Replaces the key "extends" of a type whose base is wrong by a shape, if the type has none: otherwise the
+/// reader would also report that the type has no shape, which it would have inherited.
+void replace_wrong_base(JsonNode& type) {
+  constexpr std::array<std::string_view, 7> k_shapes{"size_m", "size_cm", "size_mm", "disc",
+                                                     "blocks", "bitmap",  "device"};
+  Members& members = *members_of(&type);
+  const Where where = type.find("extends")->where;
+  remove_key(members, "extends");
+  if (std::ranges::any_of(k_shapes, [&](std::string_view key) { return type.find(key) != nullptr; })) return;
+  const JsonNode one{1.0, where};
+  members.push_back({"size_m", where, {JsonNode::List{one, one, one}, where}});
+}
+
 void TypeMerger::resolve(JsonMember& type) {
   const JsonNode* extends = type.node.find("extends");
   if (!extends) return;
@@ -271,7 +284,7 @@ void TypeMerger::resolve(JsonMember& type) {
   if (circle != open_.end()) {
     std::string chain;
     for (auto each = circle; each != open_.end(); ++each) chain += fmt::format("{} extends ", (*each)->key);
-    remove_key(*members_of(&type.node), "extends");
+    replace_wrong_base(type.node);
     return error(type, where, fmt::format("the types extend each other in a circle: {}{}", chain, type.key));
   }
   const std::string* name = value.text();
@@ -283,7 +296,7 @@ void TypeMerger::resolve(JsonMember& type) {
     error(type, where,
           name ? unknown_name("type", *name, std::move(known))
                : fmt::format("expected the name of a type, found {}", value.describe()));
-    return remove_key(*members_of(&type.node), "extends");
+    return replace_wrong_base(type.node);
   }
   if (bases_) bases_->push_back(base->key);
   open_.push_back(&type);

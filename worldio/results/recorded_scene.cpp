@@ -97,6 +97,8 @@ void add_shapes(const Json& json, RecordedScene::Type& type) {
   engine::FrameType& look = type.look;
   look.mobile = json.contains("drive");
   for (const Json& part : json.at("parts")) {
+    const auto index = static_cast<std::uint32_t>(type.part_colors.size());
+    type.part_colors.emplace_back();
     std::optional<Color> color;
     if (const auto own = part.find("color"); own != part.end())
       color = Color{own->at(0).get<float>(), own->at(1).get<float>(), own->at(2).get<float>(),
@@ -104,6 +106,7 @@ void add_shapes(const Json& json, RecordedScene::Type& type) {
     for (const Json& solid : part.at("solids")) {
       look.shapes.push_back({solid_of(solid), color});
       type.shape_joints.push_back(joint_of(part, "joint", type.joints.size()));
+      type.shape_parts.push_back(index);
     }
   }
   for (const engine::FrameShape& shape : look.shapes)
@@ -157,7 +160,9 @@ RecordedScene::Type type_of(const Json& json) {
   for (const Json& sensor : json.at("sensors")) {
     std::string name = hdf5_name(text_of(sensor.at("name")));
     if (const int n = ++met[name]; n > 1) name += fmt::format("~{}", n);
-    if (sensor.value("part", 0) == 0) type.body_devices.push_back(name);
+    const auto part = sensor.value("part", std::uint32_t{0});
+    if (part >= type.part_colors.size()) throw Damaged();
+    type.devices.push_back({name, part});
     if (sensor.at("params").contains("transducers"))  // only the kinds of rangers have transducers
       type.eyes.push_back({std::move(name), fans_of(sensor), joint_of(sensor, "joint", type.joints.size())});
   }
@@ -193,10 +198,11 @@ RecordedScene scene_of(const Json& json, const RecordingReader::Scene& columns) 
   return scene;
 }
 
-/// Finds the component that gives each type its shown colour. If several devices of a body show a colour, the
-/// first one counts, as in the engine.
+/// Finds the components that give each type and its parts their shown colours. If several devices of a part
+/// show a colour, the first one counts, as in the engine.
 void find_shown_colors(const RecordingReader& recording, RecordedScene& scene) {
-  std::vector<std::size_t> best(scene.types.size(), std::numeric_limits<std::size_t>::max());
+  // For each type and part, the index of the device that counts.
+  std::map<std::pair<std::uint32_t, std::uint32_t>, std::size_t> best;
   for (const RecordingReader::Array& array : recording.arrays()) {
     if (array.field.name != engine::k_shown_color || array.field.columns != 3 || array.bodies.empty() ||
         !array.component.starts_with("sensors/"))
@@ -204,11 +210,14 @@ void find_shown_colors(const RecordingReader& recording, RecordedScene& scene) {
     const std::uint32_t t = scene.bodies[recording.ids()[array.bodies.front()]].type;
     RecordedScene::Type& type = scene.types[t];
     const auto device =
-        std::ranges::find(type.body_devices, array.component.substr(array.component.rfind('/') + 1));
-    const auto place = static_cast<std::size_t>(device - type.body_devices.begin());
-    if (device == type.body_devices.end() || place >= best[t]) continue;
-    best[t] = place;
-    type.shown_color = array.component;
+        std::ranges::find(type.devices, array.component.substr(array.component.rfind('/') + 1),
+                          &RecordedScene::Type::Device::name);
+    if (device == type.devices.end()) continue;
+    const auto place = static_cast<std::size_t>(device - type.devices.begin());
+    const auto [known, is_first] = best.try_emplace({t, device->part}, place);
+    if (!is_first && known->second <= place) continue;
+    known->second = place;
+    (device->part == 0 ? type.shown_color : type.part_colors[device->part]) = array.component;
   }
 }
 

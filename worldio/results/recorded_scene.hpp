@@ -44,12 +44,19 @@ struct RecordedScene {
     engine::FrameType look;  ///< the shapes, with all joints at rest
     std::vector<Eye> eyes;
     std::vector<Joint> joints;
-    std::vector<std::string>
-        body_devices;  ///< groups in /sensors/<type> of the devices that are mounted on the first part
+    struct Device {
+      std::string name;        ///< its group in /sensors/<type>
+      std::uint32_t part = 0;  ///< index of the part on which it is mounted
+    };
+    std::vector<Device> devices;
     /// The component whose field `shown_color` gives each body its colour (engine/shown_color.hpp), such as
     /// "sensors/robot/lamp". Empty if no such field was recorded.
     std::string shown_color;
     std::vector<std::int32_t> shape_joints;  ///< for each shape of `look`: its joint; k_rigid: none
+    std::vector<std::uint32_t> shape_parts;  ///< for each shape of `look`: index of its part
+    /// For each part, the component whose field `shown_color` gives the shapes of this part their colour;
+    /// empty if there is none, and for the first part, whose colour is that of the body (`shown_color`).
+    std::vector<std::string> part_colors;
   };
   struct Body {
     std::string name;

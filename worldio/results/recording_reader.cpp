@@ -177,4 +177,26 @@ void RecordingReader::read(const Array& array, std::size_t frame, std::span<std:
   array.dataset.read_bytes(frame, into);
 }
 
+bool selects(std::string_view name, const RecordingReader::Array& array, const RecordingReader& recording) {
+  constexpr std::string_view k_sensors = "sensors/";
+  const std::string_view component = array.component;
+  if (engine::selects(name, component)) return true;
+  const std::size_t slash = name.find('/');
+  if (!component.starts_with(k_sensors) || slash == name.npos ||
+      name.substr(slash + 1) != engine::given_name(component))
+    return false;
+  const std::string_view first = name.substr(0, slash);
+  const std::string_view rest = component.substr(k_sensors.size());
+  return first == rest.substr(0, rest.find('/')) ||
+         std::ranges::find(recording.types(), first) == recording.types().end();
+}
+
+std::string shown_name(std::string_view component) {
+  constexpr std::string_view k_sensors = "sensors/";
+  const std::string_view given = engine::given_name(component);
+  if (!component.starts_with(k_sensors)) return std::string(given);
+  const std::string_view rest = component.substr(k_sensors.size());
+  return fmt::format("{} ({})", given, rest.substr(0, rest.find('/')));
+}
+
 }  // namespace troupe::worldio

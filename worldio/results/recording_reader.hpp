@@ -10,6 +10,7 @@
 #include <optional>
 #include <span>
 #include <string>
+#include <string_view>
 #include <vector>
 
 namespace troupe::worldio {
@@ -95,5 +96,13 @@ class RecordingReader {
   std::vector<Array> arrays_;
   std::optional<Hdf5Dataset> alive_;
 };
+
+/// Whether a name selects the component of an array. In addition to the names that engine::selects() accepts,
+/// KIND/NAME and TYPE/NAME select a device: `led/lamp` and `minibot/lamp` select `sensors/minibot/lamp`.
+/// Recordings do not store kinds, so KIND may be any word that is not the name of another type.
+bool selects(std::string_view name, const RecordingReader::Array& array, const RecordingReader& recording);
+/// Returns the name of a component for people: `lamp (minibot)` for `sensors/minibot/lamp`, and
+/// engine::given_name() for components of /state.
+std::string shown_name(std::string_view component);
 
 }  // namespace troupe::worldio

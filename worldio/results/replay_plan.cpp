@@ -54,11 +54,11 @@ bool is_appearance(const Array& array) {
 }
 
 /// Whether a name of --fields chooses an array.
-bool chooses(std::string_view name, const Array& array) {
-  if (name == "all" || name == array.field.name || engine::selects(name, array.component)) return true;
+bool chooses(std::string_view name, const Array& array, const RecordingReader& recording) {
+  if (name == "all" || name == array.field.name || selects(name, array, recording)) return true;
   const std::size_t end = name.find_last_of("./");  // COMPONENT.FIELD, or COMPONENT/FIELD of earlier versions
   return end != name.npos && name.substr(end + 1) == array.field.name &&
-         engine::selects(name.substr(0, end), array.component);
+         selects(name.substr(0, end), array, recording);
 }
 
 /// Returns the arrays that --fields chooses, and those that are needed to draw the bodies. Throws InputError
@@ -66,7 +66,8 @@ bool chooses(std::string_view name, const Array& array) {
 std::vector<const Array*> chosen_arrays(const RecordingReader& recording,
                                         std::span<const std::string> names) {
   for (const std::string& name : names) {
-    if (std::ranges::any_of(recording.arrays(), [&](const Array& array) { return chooses(name, array); }) ||
+    if (std::ranges::any_of(recording.arrays(),
+                            [&](const Array& array) { return chooses(name, array, recording); }) ||
         name == "all")
       continue;
     std::vector<std::string> known;
@@ -77,8 +78,9 @@ std::vector<const Array*> chosen_arrays(const RecordingReader& recording,
   std::vector<const Array*> arrays;
   for (const Array& array : recording.arrays())
     if (array.component != "pose" && array.field.columns > 0 &&
-        (names.empty() || is_appearance(array) ||
-         std::ranges::any_of(names, [&](const std::string& name) { return chooses(name, array); })))
+        (names.empty() || is_appearance(array) || std::ranges::any_of(names, [&](const std::string& name) {
+           return chooses(name, array, recording);
+         })))
       arrays.push_back(&array);
   return arrays;
 }

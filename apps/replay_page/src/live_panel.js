@@ -9,7 +9,7 @@ const text = (number) => (number === null ? "–" : Number.isInteger(number) ? S
 
 /** Returns a function that reads the smallest column of a field from the state of a robot. */
 const leastOf = (component, name) => ({ components }) => {
-  const values = components.find((one) => one.name === component)?.fields.find((field) => field.name === name)?.values ?? [];
+  const values = components.find((one) => one.component === component)?.fields.find((field) => field.name === name)?.values ?? [];
   const known = values.filter((value) => value !== null);
   return known.length > 0 ? Math.min(...known) : null;
 };
@@ -83,17 +83,18 @@ export class LivePanel extends Panel {
   /** Builds one row per field. */
   build({ components }) {
     this.state.replaceChildren();
-    this.rows = components.map(({ name, fields }) => {
-      this.state.append(element("h3", { textContent: name }));
+    this.rows = components.map(({ component, name, runs, fields }) => {
+      this.state.append(element("h3", { textContent: runs ? name : `${name} (does not run)` }));
       return fields.map((field) => {
         const made = row(field.name, field.text);
-        this.makePlottable(made.object, `${name} ${field.name}${unitText(field.unit)}`, leastOf(name, field.name));
+        this.makePlottable(made.object, `${name} ${field.name}${unitText(field.unit)}`, leastOf(component, field.name));
         this.state.append(made.object);
         const drawn = field.values.length > MOST_NUMBERS ? chart(field.values.length) : null;
         if (drawn) this.state.append(drawn);
         return ({ values, unit }) => {
           const known = values.filter(Number.isFinite);
-          if (drawn) {
+          if (!runs) made.value.textContent = "no reading";
+          else if (drawn) {
             made.value.textContent = known.length > 0 ? `${text(Math.min(...known))} to ${text(Math.max(...known))}${unitText(unit)}` : "–";
             bars(drawn, values, Math.min(0, ...known), Math.max(...known));
           } else made.value.textContent = `${values.map(text).join(", ")}${unitText(unit)}`;
