@@ -18,7 +18,7 @@ struct LightState {
   std::uint8_t lit = 0;  ///< 1 if the light is lit in this tick
 
   static constexpr void describe(engine::Description<LightState>& d) {
-    d.member<&LightState::lit>(k_lit, engine::facts::is_appearance);
+    d.member<&LightState::lit>(k_lit, engine::facts::is_appearance, "1: the light is lit in this tick");
   }
 };
 

@@ -1,6 +1,7 @@
 #pragma once
 
 #include "engine/controller.hpp"
+#include "engine/description.hpp"
 #include "engine/kinds.hpp"
 
 namespace troupe::models {
@@ -14,7 +15,11 @@ struct ActuatorCommand {
   };
   std::uint8_t mode = velocity;  ///< meaning of `goal`, a Mode
   double goal = 0;               ///< in velocity mode m/s or rad/s, in position mode m or rad
-  TROUPE_FIELDS(mode, goal)
+
+  static constexpr void describe(engine::Description<ActuatorCommand>& d) {
+    d.member<&ActuatorCommand::mode>("mode", "0: `goal` is a velocity; 1: `goal` is a position");
+    d.member<&ActuatorCommand::goal>("goal", "velocity, m/s or rad/s, or position, m or rad");
+  }
 };
 
 /// State of an actuator.
@@ -23,7 +28,15 @@ struct ActuatorState {
   double velocity = 0;       ///< velocity in this tick, m/s or rad/s; 0 if stalled
   double asked = 0;          ///< position at the end of this tick unless its motion is blocked, m or rad
   std::uint8_t stalled = 0;  ///< 1: its motion in this tick was blocked
-  TROUPE_FIELDS(position, velocity, asked, stalled)
+
+  static constexpr void describe(engine::Description<ActuatorState>& d) {
+    d.member<&ActuatorState::position>(
+        "position", "position of the joint, m (linear) or rad (rotational); 0 is the pose in the world file");
+    d.member<&ActuatorState::velocity>("velocity", "velocity in this tick, m/s or rad/s; 0 if stalled");
+    d.member<&ActuatorState::asked>(
+        "asked", "position at the end of this tick unless its motion is blocked, m or rad");
+    d.member<&ActuatorState::stalled>("stalled", "1: its motion in this tick was blocked");
+  }
 };
 
 /// A joint that moves the parts mounted on it: along an axis (linear) or about a vertical axis (rotational).

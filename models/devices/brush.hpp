@@ -1,6 +1,7 @@
 #pragma once
 
 #include "engine/controller.hpp"
+#include "engine/description.hpp"
 #include "engine/kinds.hpp"
 
 #include <cstdint>
@@ -13,7 +14,13 @@ struct BrushCommand {
   float red = 0;            ///< from 0 to 1; other values are clamped
   float green = 0;          ///< from 0 to 1; other values are clamped
   float blue = 0;           ///< from 0 to 1; other values are clamped
-  TROUPE_FIELDS(paints, red, green, blue)
+
+  static constexpr void describe(engine::Description<BrushCommand>& d) {
+    d.member<&BrushCommand::paints>("paints", "1: paints the zone below the brush in each tick");
+    d.member<&BrushCommand::red>("red", "colour to paint with, from 0 to 1");
+    d.member<&BrushCommand::green>("green", "as red");
+    d.member<&BrushCommand::blue>("blue", "as red");
+  }
 
   /// Makes the brush paint with this colour from the next tick on. r, g, b: red, green, blue, each 0 to 1.
   void paint(float r, float g, float b) { *this = {1, r, g, b}; }
@@ -22,7 +29,10 @@ struct BrushCommand {
 /// State of a brush.
 struct BrushState {
   std::uint64_t painted = 0;  ///< number of ticks in which it changed the colour of a zone
-  TROUPE_FIELDS(painted)
+
+  static constexpr void describe(engine::Description<BrushState>& d) {
+    d.member<&BrushState::painted>("painted", "number of ticks in which it changed the colour of a zone");
+  }
 };
 
 /// A brush: a device that gives the zone (a flat coloured body) below it the commanded colour, if the zone

@@ -1,6 +1,7 @@
 #pragma once
 
 #include "engine/controller.hpp"
+#include "engine/description.hpp"
 #include "engine/kinds.hpp"
 
 #include <cstdint>
@@ -31,7 +32,15 @@ struct FlagCommand {
   std::uint32_t color = 0;      ///< colour of the flag that `push` adds, 0xRRGGBBAA
   float size = 0;               ///< size of the flag that `push` adds, m
   std::uint8_t verb = nothing;  ///< the operation, a Verb
-  TROUPE_FIELDS(request, target, color, size, verb)
+
+  static constexpr void describe(engine::Description<FlagCommand>& d) {
+    using enum engine::Unit;
+    d.member<&FlagCommand::request>("request", "number of operations requested so far");
+    d.member<&FlagCommand::target>("target", "id of the other body of `take` and `give`");
+    d.member<&FlagCommand::color>("color", "colour of the flag that `push` adds, 0xRRGGBBAA");
+    d.member<&FlagCommand::size>("size", meters, "size of the flag that `push` adds");
+    d.member<&FlagCommand::verb>("verb", "operation: 0: none, 1: push, 2: pop, 3: take, 4: give");
+  }
 
   /// Requests the operation `what` for the next tick. of_whom: the other body (a BodyId), for `take` and
   /// `give`. flag: the new flag, for `push`.

@@ -1,6 +1,7 @@
 #pragma once
 
 #include "engine/controller.hpp"
+#include "engine/description.hpp"
 #include "engine/kinds.hpp"
 
 namespace troupe::models {
@@ -18,7 +19,10 @@ struct GripperCommand {
     down,     ///< lower the paddles, with what they hold
   };
   std::uint8_t order = nothing;  ///< the motion to start, an Order
-  TROUPE_FIELDS(order)
+
+  static constexpr void describe(engine::Description<GripperCommand>& d) {
+    d.member<&GripperCommand::order>("order", "motion to start: 0: none, 1: open, 2: close, 3: up, 4: down");
+  }
 };
 
 /// State of a gripper: its motions and its readings.
@@ -50,8 +54,30 @@ struct GripperState {
   double lift_position = 0;        ///< from 0 (down) to 1 (up)
   double asked_paddle = 0;         ///< paddle position, 0 to 1, at the end of this tick unless blocked
   double asked_lift = 0;           ///< lift position, 0 to 1, at the end of this tick unless blocked
-  TROUPE_FIELDS(paddles, lift, stalled, taken, beam_inner, beam_outer, contact_left, contact_right, held,
-                paddle_position, lift_position, asked_paddle, asked_lift)
+
+  static constexpr void describe(engine::Description<GripperState>& d) {
+    d.member<&GripperState::paddles>("paddles",
+                                     "state of the paddles: 0: open, 1: closing, 2: closed, 3: opening");
+    d.member<&GripperState::lift>("lift", "state of the lift: 0: down, 1: rising, 2: up, 3: sinking");
+    d.member<&GripperState::stalled>("stalled", "1: its motion in this tick was blocked");
+    d.member<&GripperState::taken>("taken",
+                                   "1: it could not grip a body, because another gripper holds that body");
+    d.member<&GripperState::beam_inner>("beam_inner",
+                                        "1: a body with gripper_return breaks the beam near the base");
+    d.member<&GripperState::beam_outer>("beam_outer",
+                                        "1: a body with gripper_return breaks the beam near the tips");
+    d.member<&GripperState::contact_left>(
+        "contact_left", "1: a body with gripper_return touches the left paddle's inner face");
+    d.member<&GripperState::contact_right>(
+        "contact_right", "1: a body with gripper_return touches the right paddle's inner face");
+    d.member<&GripperState::held>("held", "id + 1 of the body that it holds; 0: none");
+    d.member<&GripperState::paddle_position>("paddle_position", "from 0 (open) to 1 (closed)");
+    d.member<&GripperState::lift_position>("lift_position", "from 0 (down) to 1 (up)");
+    d.member<&GripperState::asked_paddle>("asked_paddle",
+                                          "paddle position, 0 to 1, at the end of this tick unless blocked");
+    d.member<&GripperState::asked_lift>("asked_lift",
+                                        "lift position, 0 to 1, at the end of this tick unless blocked");
+  }
 };
 
 /// A base with two paddles, which close on bodies that can be gripped and lift them.

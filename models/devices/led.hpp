@@ -1,6 +1,7 @@
 #pragma once
 
 #include "engine/controller.hpp"
+#include "engine/description.hpp"
 #include "engine/kinds.hpp"
 
 #include <array>
@@ -15,7 +16,14 @@ struct LedCommand {
   float red = 0;    ///< from 0 to 1; other values are clamped
   float green = 0;  ///< from 0 to 1; other values are clamped
   float blue = 0;   ///< from 0 to 1; other values are clamped
-  TROUPE_FIELDS(shows, red, green, blue)
+
+  static constexpr void describe(engine::Description<LedCommand>& d) {
+    d.member<&LedCommand::shows>(
+        "shows", "1: the LED takes the colour of this command in each tick; 0: it keeps its colour");
+    d.member<&LedCommand::red>("red", "colour to show, from 0 to 1");
+    d.member<&LedCommand::green>("green", "as red");
+    d.member<&LedCommand::blue>("blue", "as red");
+  }
 
   /// Makes the LED show this colour from the next tick on. r, g, b: red, green, blue, each 0 to 1.
   void show(float r, float g, float b) { *this = {1, r, g, b}; }
@@ -27,7 +35,8 @@ struct LedState {
   std::array<float, 3> shown_color{};  ///< red, green, blue, 0 to 1
 
   static constexpr void describe(engine::Description<LedState>& d) {
-    d.member<&LedState::shown_color>("shown_color", engine::facts::is_appearance);
+    d.member<&LedState::shown_color>("shown_color", engine::facts::is_appearance,
+                                     "colour that the LED shows: red, green, blue, from 0 to 1");
   }
 };
 

@@ -1,6 +1,7 @@
 #pragma once
 
 #include "engine/controller.hpp"
+#include "engine/description.hpp"
 #include "engine/kinds.hpp"
 #include "sensors/light_source.hpp"
 
@@ -15,7 +16,10 @@ struct LightCommand {
     off,            ///< dark
   };
   std::uint8_t state = as_world_says;  ///< how the light is switched, a Switch
-  TROUPE_FIELDS(state)
+
+  static constexpr void describe(engine::Description<LightCommand>& d) {
+    d.member<&LightCommand::state>("state", "0: as the parameters say, 1: lit, 2: dark");
+  }
 };
 
 using sensors::LightState;

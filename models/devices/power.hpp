@@ -1,6 +1,7 @@
 #pragma once
 
 #include "engine/controller.hpp"
+#include "engine/description.hpp"
 #include "engine/kinds.hpp"
 
 #include <cstdint>
@@ -64,7 +65,12 @@ struct PowerContactState {
   /// For a giving contact: number of taking contacts that it touched at the end of the last tick, at most
   /// k_most_takers. For other contacts: 0.
   std::uint8_t touched = 0;
-  TROUPE_FIELDS(touched)
+
+  static constexpr void describe(engine::Description<PowerContactState>& d) {
+    d.member<&PowerContactState::touched>("touched",
+                                          "for a giving contact: number of taking contacts that it touched "
+                                          "at the end of the last tick; otherwise 0");
+  }
 };
 
 /// A power contact. Two touching contacts transfer energy between the power packs that supply them: one

@@ -1,6 +1,7 @@
 #pragma once
 
 #include "engine/controller.hpp"
+#include "engine/description.hpp"
 #include "engine/kinds.hpp"
 
 #include <cstdint>
@@ -12,7 +13,11 @@ struct RemoverState {
   /// Number of bodies that it has removed since the birth of its own body. A body that several removers
   /// remove in the same tick counts for each of them.
   std::uint64_t removed = 0;
-  TROUPE_FIELDS(removed)
+
+  static constexpr void describe(engine::Description<RemoverState>& d) {
+    d.member<&RemoverState::removed>("removed",
+                                     "number of bodies that it has removed since the birth of its own body");
+  }
 };
 
 /// A device that removes bodies that come near it from the world. It can model an exit, a pit or a crusher.

@@ -1,6 +1,7 @@
 #pragma once
 
 #include "engine/controller.hpp"
+#include "engine/description.hpp"
 #include "engine/kinds.hpp"
 
 #include <cstdint>
@@ -10,7 +11,10 @@ namespace troupe::models {
 /// The command of a spawner. Each time a controller increases `request` by 1, one more birth becomes due.
 struct SpawnerCommand {
   std::uint32_t request = 0;  ///< number of births requested so far
-  TROUPE_FIELDS(request)
+
+  static constexpr void describe(engine::Description<SpawnerCommand>& d) {
+    d.member<&SpawnerCommand::request>("request", "number of births requested so far");
+  }
 
   void ask() { ++request; }  ///< requests one more birth
 };
@@ -24,7 +28,22 @@ struct SpawnerState {
   std::uint32_t request = 0;  ///< the value of SpawnerCommand::request that was counted last
   std::uint32_t last = 0;     ///< id + 1 of the body that it spawned last; 0: none
   std::uint8_t status = 0;    ///< result of its last try, an engine::BirthStatus
-  TROUPE_FIELDS(flags, born, owed, refused, request, last, status)
+
+  static constexpr void describe(engine::Description<SpawnerState>& d) {
+    d.member<&SpawnerState::flags>("flags",
+                                   "number of flags that its body had received when the spawner last ran");
+    d.member<&SpawnerState::born>("born",
+                                  "number of bodies that it has spawned since the birth of its own body");
+    d.member<&SpawnerState::owed>("owed", "number of births that are due but have not succeeded yet");
+    d.member<&SpawnerState::refused>("refused",
+                                     "number of tries that failed: the place was occupied or out of bounds");
+    d.member<&SpawnerState::request>("request",
+                                     "number of requested births of the command that was carried out last");
+    d.member<&SpawnerState::last>("last", "id + 1 of the body that it spawned last; 0: none");
+    d.member<&SpawnerState::status>(
+        "status",
+        "result of its last try: 0: none, 1: born, 2: occupied or out of bounds, 3: the reserve is used up");
+  }
 };
 
 /// Spawns bodies of a population from its reserve. The reserve holds the bodies of the population that are

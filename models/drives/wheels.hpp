@@ -1,6 +1,7 @@
 #pragma once
 
 #include "engine/controller.hpp"
+#include "engine/description.hpp"
 #include "engine/kinds.hpp"
 
 namespace troupe::models {
@@ -17,7 +18,19 @@ struct WheelsState {
   double left = 0;           ///< speed to the left, m/s, frame of the part
   double turn = 0;           ///< turn rate, rad/s, counter-clockwise
   std::uint8_t stalled = 0;  ///< 1: the motion of the part in this tick was blocked
-  TROUPE_FIELDS(x, y, z, heading, forward, left, turn, stalled)
+
+  static constexpr void describe(engine::Description<WheelsState>& d) {
+    using enum engine::Unit;
+    d.member<&WheelsState::x>("x", meters, "estimated position, world frame");
+    d.member<&WheelsState::y>("y", meters, "estimated position, world frame");
+    d.member<&WheelsState::z>("z", meters, "estimated height, world frame");
+    d.member<&WheelsState::heading>("heading", radians, "estimated heading, world frame");
+    d.member<&WheelsState::forward>("forward", meters_per_second, "velocity of the part, forward");
+    d.member<&WheelsState::left>("left", meters_per_second, "velocity of the part, to the left");
+    d.member<&WheelsState::turn>("turn", radians_per_second,
+                                 "angular velocity of the part, counter-clockwise");
+    d.member<&WheelsState::stalled>("stalled", "1: the motion of the part in this tick was blocked");
+  }
 };
 
 /// A drive for one part of a body, like a `position` model inside another model of Stage. The driven part

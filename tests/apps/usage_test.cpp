@@ -290,6 +290,28 @@ TEST_F(Describe, DevicesShowWhatTheyReadAndChangeOfOthers) {
   EXPECT_THAT(troupe({"describe", "ranger"}).out, Not(HasSubstr("other bodies\n")));
 }
 
+// What a field of a state or a command means, and its unit, is given where the struct is described.
+TEST_F(Describe, EveryFieldOfAStateOrCommandHasAMeaning) {
+  std::size_t fields = 0;
+  for (const engine::DeviceKind& kind : make_registry().devices) {
+    bool is_field = false;
+    for (const std::string& line : lines_of(troupe({"describe", std::string(kind.name)}).out)) {
+      if (line.starts_with("readings,") || line.starts_with("state,") || line == "command") {
+        is_field = true;
+      } else if (line.empty()) {
+        is_field = false;
+      } else if (is_field) {
+        ++fields;
+        EXPECT_THAT(line, MatchesRegex("  [a-z_]+ +([0-9]+ x )?(uint|int|float)[0-9]+.*  [^ ].*"))
+            << kind.name;
+      }
+    }
+  }
+  EXPECT_GT(fields, 80u);
+  EXPECT_THAT(troupe({"describe", "wheels"}).out,
+              HasSubstr("  heading  float64 rad           estimated heading"));
+}
+
 // Kinds of others may leave the scope at its default, `anything`.
 TEST_F(Describe, ShippedKindsDeclareTheScopeOfTheirEffects) {
   for (const engine::DeviceKind& kind : make_registry().devices)
