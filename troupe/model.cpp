@@ -22,17 +22,16 @@ const engine::BodyType::Device* device_on(const engine::BodyType& type, std::siz
   return nullptr;
 }
 
-/// Whether the names of the fields are those in `names`, which a struct lists with TROUPE_FIELDS, in the same
-/// order.
-bool are_listed(std::span<const engine::StateField> fields, std::string_view names) {
-  for (const engine::StateField& field : fields) {
-    const std::size_t comma = names.find(',');
-    std::string_view name = names.substr(0, comma);
-    while (name.starts_with(' ')) name.remove_prefix(1);
-    if (name != field.name) return false;
-    names.remove_prefix(comma == names.npos ? names.size() : comma + 1);
-  }
-  return names.empty();
+/// Whether the fields have the same names, in the same order.
+bool same_names(std::span<const engine::StateField> a, std::span<const engine::StateField> b) {
+  return std::ranges::equal(a, b, {}, &engine::StateField::name, &engine::StateField::name);
+}
+
+/// The names of the fields, for messages.
+std::string names_of(std::span<const engine::StateField> fields) {
+  std::vector<std::string_view> names;
+  for (const engine::StateField& field : fields) names.push_back(field.name);
+  return fmt::format("{}", fmt::join(names, ", "));
 }
 
 /// The robot that Swarm::for_each() visits on this thread; null outside of it.
@@ -267,25 +266,23 @@ std::span<const engine::StateField> Model::fields(std::string_view device) const
   return place_->world->percepts(place_->device(device)).fields();
 }
 
-std::byte* Model::asked(std::string_view wanted, std::size_t bytes, std::string_view fields) {
+std::byte* Model::asked(std::string_view wanted, std::size_t bytes,
+                        std::span<const engine::StateField> fields) {
   refuse_others_in_for_each();
   const auto takes = [](const engine::BodyType::Device& d) { return d.command_table.has_value(); };
   const auto takes_these = [&](const engine::BodyType::Device& d) {
-    return takes(d) && d.prepared.command_bytes == bytes && are_listed(d.prepared.commands, fields);
+    return takes(d) && d.prepared.command_bytes == bytes && same_names(d.prepared.commands, fields);
   };
   const auto* device = place_->find([&](const engine::BodyType::Device& d) {
     return wanted.empty() ? takes_these(d) : takes(d) && d.name == wanted;
   });
   if (!device) place_->throw_unknown("device that takes this command struct", wanted, takes);
-  if (!takes_these(*device)) {
-    std::vector<std::string_view> own;
-    for (const engine::StateField& field : device->prepared.commands) own.push_back(field.name);
+  if (!takes_these(*device))
     throw std::invalid_argument(
         fmt::format("\"{}\" of \"{}\" takes commands of kind {}, with the fields {} in {} bytes; the given "
                     "struct has the fields {} in {} bytes",
-                    device->name, name(), device->kind->name, fmt::join(own, ", "),
-                    device->prepared.command_bytes, fields, bytes));
-  }
+                    device->name, name(), device->kind->name, names_of(device->prepared.commands),
+                    device->prepared.command_bytes, names_of(fields), bytes));
   return place_->world->asked_of(*device).row(place_->slot());
 }
 

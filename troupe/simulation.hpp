@@ -36,6 +36,9 @@ struct BodySpec;
 struct Registry;
 struct WorldSpec;
 enum class ControlMode : std::uint8_t;
+// engine/controller.hpp, which the header of each command struct includes
+template <class Memory>
+std::vector<StateField> memory_fields();
 }  // namespace troupe::engine
 namespace troupe::worldio {
 struct LoadOptions;
@@ -289,10 +292,11 @@ class Model {
   /// (models::GripperCommand, models::LedCommand, ...). An empty `device` means the first device that takes
   /// this struct. If a controller of the robot uses the device, the controller overrides the command. Throws
   /// std::out_of_range, with the known names, if there is no such device, and std::invalid_argument if the
-  /// device takes another struct, with other field names (TROUPE_FIELDS) or another size.
+  /// device takes another struct, with other field names or another size.
   template <class Command>
   Command& command(std::string_view device = {}) {
-    return *reinterpret_cast<Command*>(asked(device, sizeof(Command), Command::troupe_field_names()));
+    static const std::vector<engine::StateField> fields = engine::memory_fields<Command>();
+    return *reinterpret_cast<Command*>(asked(device, sizeof(Command), fields));
   }
   /// The command of a device as bytes, for callers that know its fields only at run time.
   struct Asked {
@@ -322,7 +326,7 @@ class Model {
   static Model of(engine::World& world, BodyId body);
   std::span<const std::byte> cell(std::string_view field, std::string_view device,
                                   engine::Element element) const;
-  std::byte* asked(std::string_view device, std::size_t bytes, std::string_view fields);
+  std::byte* asked(std::string_view device, std::size_t bytes, std::span<const engine::StateField> fields);
   /// Marks a robot as the one for which Swarm::for_each() calls its function on this thread, as long as this
   /// object exists. Functions that change other robots throw std::logic_error on this thread meanwhile.
   class Visit {

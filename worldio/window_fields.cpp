@@ -30,7 +30,7 @@ constexpr Switch k_switches[] = {
     {"show_flags", true},
     {"show_grid", true, "the grid of the floor is drawn"},
     {"show_follow", false},
-    {"show_footprints", false, "the past poses of the bodies are drawn"},
+    {"show_footprints", false, "the outlines of the bodies are drawn on the floor"},
     {"show_boundingboxes", false},
     {"show_occupancy", false, "the occupied cells are drawn"},
     {"show_trailarrows", false},
