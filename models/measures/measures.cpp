@@ -8,6 +8,7 @@
 #include <algorithm>
 #include <cstdint>
 #include <limits>
+#include <span>
 #include <stdexcept>
 #include <string>
 #include <utility>
@@ -201,7 +202,7 @@ class OfState : public OfRobots {
     std::size_t table = k_none;
     std::size_t field = 0;
     std::size_t row = 0;
-    std::size_t reading = 0;  // index of the table in tables_
+    std::size_t of_sensed_rows = 0;  // index of the table's entry in sensed_rows_
   };
   static constexpr std::size_t k_none = std::numeric_limits<std::size_t>::max();
 
@@ -230,16 +231,15 @@ class OfState : public OfRobots {
   /// number exists (engine::SensedRows); NaN if there are none.
   template <class Term>
   double mean_of(World& world, Term&& term) const {
-    std::vector<engine::SensedRows> readings;
-    for (const std::size_t table : tables_) readings.emplace_back(world, world.tables()[table]);
+    const std::span<const StateTable> tables = world.tables();
     const auto exists = [&](std::size_t i) {
-      return world.is_there(robots()[i]) && readings[cells_[i].reading].exist(cells_[i].row);
+      return world.is_there(robots()[i]) && sensed_rows_[cells_[i].of_sensed_rows].exist(cells_[i].row);
     };
     std::size_t count = 0;
     for (std::size_t i = 0; i < cells_.size(); ++i) count += exists(i);
     if (count == 0) return std::numeric_limits<double>::quiet_NaN();
     const double sum = engine::exact_sum(world, cells_.size(), [&](std::size_t i) {
-      return exists(i) ? term(number(world.tables()[cells_[i].table], cells_[i])) : 0.0;
+      return exists(i) ? term(number(tables[cells_[i].table], cells_[i])) : 0.0;
     });
     return sum / static_cast<double>(count);
   }
@@ -249,12 +249,14 @@ class OfState : public OfRobots {
   OfState(const World& world, const Params& params, std::vector<Row> rows, const std::vector<Cell>& cells)
       : OfRobots(world, with(world, cells, std::move(rows))),
         column_(static_cast<std::size_t>(params.column)) {
+    std::vector<std::size_t> tables;  // those of the cells, each once
     for (const Row row : robots()) {
       Cell& cell = cells_.emplace_back(cells[world.body(row).index()]);
-      const auto known = std::ranges::find(tables_, cell.table);
-      cell.reading = static_cast<std::size_t>(known - tables_.begin());
-      if (known == tables_.end()) tables_.push_back(cell.table);
+      const auto known = std::ranges::find(tables, cell.table);
+      cell.of_sensed_rows = static_cast<std::size_t>(known - tables.begin());
+      if (known == tables.end()) tables.push_back(cell.table);
     }
+    for (const std::size_t table : tables) sensed_rows_.emplace_back(world, world.tables()[table]);
   }
 
   /// For each body, in order of ids, the table, field and row that hold its number; `table` is k_none if the
@@ -319,8 +321,8 @@ class OfState : public OfRobots {
   }
 
   std::size_t column_;
-  std::vector<Cell> cells_;          // per robot, in the order of robots()
-  std::vector<std::size_t> tables_;  // the tables of the cells, each once
+  std::vector<Cell> cells_;                      // per robot, in the order of robots()
+  std::vector<engine::SensedRows> sensed_rows_;  // one for each table of the cells
 };
 
 class StateMean : public OfState {

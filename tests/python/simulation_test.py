@@ -687,8 +687,9 @@ class Tables(InAFolder):
         self.assertTrue(repr(eyes).startswith("<Table eye: 8 rows"))
         with self.assertRaisesRegex(LookupError, 'unknown component "eyes"; known: .*eye.*did you mean "eye"'):
             world.table("eyes")
-        two = {**ROOM, "types": {"bot": {**ROOM["types"]["bot"], "devices": [{"name": "eye", "kind": "led"}]}},
-               "models": [], "populations": [{"name": "r", "type": "bot", "count": 2, "place": {"rule": "uniform"}}]}
+        lantern = {"size_m": [0.1, 0.1, 0.1], "drive": {"kind": "diff"}, "devices": [{"name": "eye", "kind": "led"}]}
+        two = {**ROOM, "types": {**ROOM["types"], "lantern": lantern},
+               "models": [*ROOM.get("models", []), {"name": "lantern", "type": "lantern", "pose": {"z_m": 5}}]}
         with self.assertRaisesRegex(ValueError, "2 components are called eye; give the name of one of them: .*ranger/eye"):
             troupe.Simulation(two).table("eye")
 
