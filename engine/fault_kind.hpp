@@ -15,8 +15,12 @@ struct Impairment {
   std::uint32_t dead = 0;  ///< devices that stop working: bit d for device d of the type
   double speed = 1;        ///< factor on the velocity of the body's drive; above 0, at most 1
   bool drops_out = false;  ///< true: a drop-out, which stops all devices, all controllers and the drive
-  double per_s = 0;        ///< mean rate of occurrence, 1/s, from FaultSpec::from_s on; 0: once, at from_s
-  double lasts_s = 0;      ///< duration of a drop-out, s; afterwards it may recur; 0: it never ends
+  /// The rate at which the fault occurs, 1/s, from FaultSpec::from_s on: the time until it occurs is
+  /// exponentially distributed with the mean 1 / per_s. 0: it occurs at from_s.
+  double per_s = 0;
+  /// Duration of a drop-out, s; 0: it never ends. Only a drop-out that ends can occur again, and only if per_s
+  /// is above 0; any other fault occurs at most once per body.
+  double lasts_s = 0;
 };
 
 /// The largest number of devices of a type that can fail: the number of bits of Impairment::dead.

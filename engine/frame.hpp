@@ -49,7 +49,7 @@ struct FrameTransducer {
 struct FrameRanger {
   std::uint32_t type = 0;                    ///< type of the body: index into FrameScene::types
   std::size_t readings = 0;                  ///< number of readings of all transducers
-  std::vector<FrameTransducer> transducers;  ///< the fans of its beams; each reading belongs to one of them
+  std::vector<FrameTransducer> transducers;  ///< each reading belongs to exactly one of them
 };
 
 /// The data that are constant during a run.

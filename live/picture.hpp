@@ -18,9 +18,11 @@ struct Picture {
   /// Further members of this object that only one client receives, by client: for example, the state of the
   /// robot that the client inspects.
   std::map<std::uint64_t, std::string> own;
-  /// The poses of the robots that the page shows: first all x, then all y, then all headings, then, if
-  /// heights can change, all z. Lengths are in steps of k_replay_step_m. Headings are in steps of
-  /// 1 / k_replay_turn of a turn, from 0; a robot that is not in the world has the heading k_gone.
+  /// The poses of the robots that the page shows, world frame, in the order of the robots that take() was
+  /// given: first x of all robots, then y of all, then the heading of all, then, if heights can change, z of
+  /// all. x, y and z are in units of worldio::k_replay_step_m and clamped to +-1000 km. Headings are numbers
+  /// from 0 to worldio::k_replay_turn - 1, in units of 1 / k_replay_turn of a turn. A robot that is not in
+  /// the world has the heading k_gone; its other values are 0.
   std::vector<std::int32_t> poses;
   std::vector<std::uint8_t> colors;  ///< red, green, blue of each robot; empty if no body shows colours
   /// For each client that colours robots by a value: one byte per robot, see take_shades().

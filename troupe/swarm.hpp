@@ -77,22 +77,28 @@ class Swarm {
   /// Returns the largest range that the first robot's ranger can report, m; 0 for a swarm without robots.
   /// Throws as bearings() does.
   double range_bound(std::string_view sensor = {}) const;
-  /// Returns the description (name, type, columns, unit) of the field `field` of the readings of the device
-  /// named `device`. An empty name of the device means the first device of each robot that has this field.
-  /// Throws std::out_of_range if a robot has no such device or field, std::invalid_argument if the types or
-  /// numbers of columns differ between robots, and std::logic_error for a swarm without robots.
+  /// Returns the description (name, type, columns, unit) of the field `field` of the readings of the first
+  /// robot's device named `device`. An empty name of the device means the robot's first device that has this
+  /// field. Throws std::out_of_range if the robot has no such device or field, and std::logic_error for a
+  /// swarm without robots.
   const engine::StateField& reading_field(std::string_view field, std::string_view device = {}) const;
-  /// Writes one field of the readings: for each robot, of its device named `device`. The values are robots x
-  /// columns, row-major, in elements of the type of reading_field(). Throws as reading_field() does,
-  /// std::invalid_argument if `out` has another size in bytes, and std::logic_error if a sensor does not run.
+  /// Copies the field `field` of the readings of each robot's device named `device` to `out`. An empty name of
+  /// the device means the robot's first device that has this field. The values are robots x columns,
+  /// row-major, and have the type that reading_field() returns. Does nothing for a swarm without robots.
+  /// Throws std::out_of_range if a robot has no such device or field; std::invalid_argument if the types or
+  /// numbers of columns differ between robots, or if the size of `out` in bytes is not robots x columns x the
+  /// size of an element; std::logic_error if the device of a robot is a sensor that does not run (call
+  /// subscribe() before the first step).
   void readings(std::span<std::byte> out, std::string_view field, std::string_view device = {}) const;
   /// Returns descriptions of the fields of the command that the first robot's device named `device` takes.
   /// Throws std::out_of_range if that robot has no device of this name that takes commands, and
   /// std::logic_error for a swarm without robots.
   std::span<const engine::StateField> command_fields(std::string_view device) const;
-  /// Writes one field of the current commands: for each robot, of the command of its device named `device`.
-  /// The values are robots x columns, row-major, in elements of the type of the field. Throws as readings()
-  /// does.
+  /// Copies the field `field` of the current command of each robot's device named `device` to `out`. The
+  /// values are robots x columns, row-major, and have the type of the field (see command_fields()). Does
+  /// nothing for a swarm without robots. Throws std::out_of_range if a robot has no such device or field, and
+  /// std::invalid_argument if the types or numbers of columns differ between robots, or if the size of `out`
+  /// is wrong.
   void commands(std::span<std::byte> out, std::string_view field, std::string_view device) const;
   /// Makes all sensors of the robots of this group run, as Simulation::subscribe() does for one robot. Throws
   /// std::logic_error after the first step.
@@ -100,9 +106,10 @@ class Swarm {
 
   /// Calls the function `visit` once for each robot that is in the world, in parallel on all threads of the
   /// simulation and in any order. Call for_each() between two steps, or in a callback of on_tick(). `visit`
-  /// may read the whole state, cast rays, and draw from Model::random() of its robot. It may change only the
-  /// commands and the estimate of its robot, and data of the caller that belong to robot i, such as element i
-  /// of an array. The result is then the same on any number of threads. Commands for other robots,
+  /// may cast rays, draw from Model::random() of its robot, and read the whole state except the commands and
+  /// the estimates of other robots, which other calls may be changing. It may change only the commands and
+  /// the estimate of its robot, and data of the caller that belong to robot i, such as element i of an array.
+  /// Under these conditions the result is the same on any number of threads. Commands for other robots,
   /// set_pose(), spawn(), remove(), step(), reset() and subscribe() throw std::logic_error in `visit`:
   /// collect such changes, and apply them after for_each(). If `visit` throws for some robots, it is still
   /// called for all others, and for_each() then rethrows the exception of the first of these robots.
@@ -114,9 +121,9 @@ class Swarm {
   void accelerate(std::span<const Model::Speed> accelerations, std::span<const std::uint8_t> where = {});
   /// Calls Model::go_to() for each robot.
   void go_to(std::span<const Pose> goals, std::span<const std::uint8_t> where = {});
-  /// Sets one field of the commands: for each robot, of the command of its device named `device`. Other
-  /// fields of the commands keep their values. values: robots x columns, row-major, in elements of the type
-  /// of the field. Throws as readings() does.
+  /// Sets the field `field` of the command of each robot's device named `device`; the other fields of the
+  /// command keep their values. values: robots x columns, row-major, of the type of the field. Throws as
+  /// commands() does.
   void set_commands(std::span<const std::byte> values, std::string_view field, std::string_view device,
                     std::span<const std::uint8_t> where = {});
   /// Calls Model::set_pose() for each robot, but rebuilds the spatial index of the bodies only once. If one

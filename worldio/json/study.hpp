@@ -61,7 +61,7 @@ struct Study {
   std::optional<std::size_t> samples;  ///< number of random samples; empty: all combinations
   std::uint64_t random_seed = 1;       ///< seed of the samples
 
-  /// The number of runs of the study, at most k_most_runs.
+  /// The number of runs of the study. load_study() reports an error for a study with more than k_most_runs.
   std::size_t run_count() const;
   /// Returns the run with this index, which must be below run_count(). Without samples, the runs are all
   /// combinations of the values: the first parameter varies slowest and the seed fastest. With samples, each

@@ -222,8 +222,9 @@ class Hdf5File : public Hdf5Group {
   void flush();
   /// Returns the present bytes of a file in memory. They begin with the user block, which is zero.
   std::vector<std::byte> image();
-  /// Writes the remaining data and closes the file. Its datasets and groups must have been destroyed before.
-  /// Throws if that fails.
+  /// Writes the remaining data and closes the file. All datasets and groups of the file must have been
+  /// destroyed before. Throws Hdf5Error if one of them still exists, or if the data cannot be written. Does
+  /// nothing if the file is already closed or abandoned.
   void close();
   /// Gives up the file without closing it: the file on the disk stays as it is. Call this after a failed
   /// write, because on a full disk, writing the remaining data would damage the file. Datasets and groups of
