@@ -18,8 +18,8 @@ struct Impairment {
   /// The rate at which the fault occurs, 1/s, from FaultSpec::from_s on: the time until it occurs is
   /// exponentially distributed with the mean 1 / per_s. 0: it occurs at from_s.
   double per_s = 0;
-  /// Duration of a drop-out, s; 0: it never ends. Only a drop-out that ends can occur again, and only if per_s
-  /// is above 0; any other fault occurs at most once per body.
+  /// Duration of a drop-out, s; 0: it never ends. Only a drop-out that ends can occur again, and only if
+  /// per_s is above 0; any other fault occurs at most once per body.
   double lasts_s = 0;
 };
 

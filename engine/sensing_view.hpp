@@ -127,9 +127,9 @@ class SensingView {
   bool is_there(Row row) const { return columns_.now->absent == 0 || presence(row) == Presence::there; }
   /// Pose of each row, world frame. All values of an unborn body are 0.
   std::span<const Pose> poses() const { return columns_.poses; }
-  /// Pose of any body, world frame. The pose of a static body is that of its spec, and the pose of a dead body
-  /// is the last one before its death. For an unborn body all values are NaN, unlike in poses(), where they
-  /// are 0.
+  /// Pose of any body, world frame. The pose of a static body is that of its spec, and the pose of a dead
+  /// body is the last one before its death. For an unborn body all values are NaN, unlike in poses(), where
+  /// they are 0.
   Pose pose(BodyId body) const;
   /// The row's pose as a transform. Equals Transform(pose) bit for bit.
   const Transform& transform(Row row) const { return columns_.transforms[row.index()]; }

@@ -22,10 +22,10 @@ struct BodyCircle {
   std::uint32_t row;  ///< row of the body; in FixedOutlines the number of a piece of an outline
 };
 
-/// Makes a BodyCircle that encloses the circle with this radius about this position (m, world frame). Rounding
-/// a coordinate c to float moves it by at most 2^-24 |c|, or 2^-150 if c is smaller than the normal floats.
-/// Rounding therefore moves the centre by at most 2^-24 (|x| + |y|) + 2^-149. The radius is increased by
-/// slightly more, and then multiplied by 1 + 2^-22 because it is rounded itself. The increase is 12
+/// Makes a BodyCircle that encloses the circle with this radius about this position (m, world frame).
+/// Rounding a coordinate c to float moves it by at most 2^-24 |c|, or 2^-150 if c is smaller than the normal
+/// floats. Rounding therefore moves the centre by at most 2^-24 (|x| + |y|) + 2^-149. The radius is increased
+/// by slightly more, and then multiplied by 1 + 2^-22 because it is rounded itself. The increase is 12
 /// micrometres at x = y = 100 m and 12 millimetres at x = y = 100 km. row: stored in the circle.
 inline BodyCircle enclosing_circle(const Vec2& position, double radius, std::uint32_t row) {
   const double shift = 0x1p-24 * (std::abs(position.x()) + std::abs(position.y())) + 0x1p-120;

@@ -82,8 +82,8 @@ class Swarm {
   /// field. Throws std::out_of_range if the robot has no such device or field, and std::logic_error for a
   /// swarm without robots.
   const engine::StateField& reading_field(std::string_view field, std::string_view device = {}) const;
-  /// Copies the field `field` of the readings of each robot's device named `device` to `out`. An empty name of
-  /// the device means the robot's first device that has this field. The values are robots x columns,
+  /// Copies the field `field` of the readings of each robot's device named `device` to `out`. An empty name
+  /// of the device means the robot's first device that has this field. The values are robots x columns,
   /// row-major, and have the type that reading_field() returns. Does nothing for a swarm without robots.
   /// Throws std::out_of_range if a robot has no such device or field; std::invalid_argument if the types or
   /// numbers of columns differ between robots, or if the size of `out` in bytes is not robots x columns x the
