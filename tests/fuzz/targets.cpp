@@ -25,6 +25,7 @@
 #include <filesystem>
 #include <fstream>
 #include <iterator>
+#include <optional>
 #include <span>
 #include <string>
 #include <string_view>
@@ -191,7 +192,12 @@ void read_bitmap(std::string_view bytes) {
 
 void read_map(std::string_view text) {
   Diagnostics diagnostics;
-  const auto map = worldio::parse_ros_map("map.yaml", text, diagnostics);
+  std::optional<worldio::RosMap> map;
+  try {
+    map = worldio::parse_ros_map("map.yaml", text, diagnostics);
+  } catch (const InputError&) {  // too many errors
+    return;
+  }
   check(map.has_value() != diagnostics.has_errors());
   if (!map) return;
   check(map->resolution_m > 0 && map->free_thresh <= map->occupied_thresh);
