@@ -62,7 +62,10 @@ struct DocumentKey {
   bool required = false;       ///< an object without the key is an error
   std::string_view hint = {};  ///< text after `missing "key": ` in errors; empty: see missing_hint()
   std::string_view expects = {};  ///< if the value is a text: what follows `expected ` in errors
-  std::size_t least = 0;          ///< minimum number of entries of a list, or of points of an outline
+  /// What an absent key means, if the default of the member does not say it, such as "the bounds of the
+  /// world".
+  std::string_view by_default = {};
+  std::size_t least = 0;  ///< minimum number of entries of a list, or of points of an outline
   std::size_t most = std::numeric_limits<std::size_t>::max();  ///< maximum number of points of an outline
   bool always = false;         ///< true: the writer also writes default values, except a z of 0 in a pose
   bool counts_bodies = false;  ///< the maximum of the value is LoadOptions::most_bodies
@@ -126,6 +129,10 @@ struct DocumentKey {
   DocumentKey& or_named(std::string_view name) {
     other = field;
     other->name = name;
+    return *this;
+  }
+  DocumentKey& or_default(std::string_view what) {
+    by_default = what;
     return *this;
   }
   DocumentKey& resolve() {
