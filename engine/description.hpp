@@ -188,22 +188,23 @@ struct Anything {
 };
 
 // A concept, not an expression in takes(): clang's tools walk through the bodies of all templates, and need
-// time quadratic in the number of non-dependent expressions such as Anything{}.
-template <class T, std::size_t... I>
+// time quadratic in the number of non-dependent expressions such as Any{}.
+template <class T, class Any, std::size_t... I>
 concept Takes = requires {
-  T{(static_cast<void>(I), Anything{})...};
+  T{(static_cast<void>(I), Any{})...};
 };
 
-template <class T, std::size_t... I>
+template <class T, class Any, std::size_t... I>
 constexpr bool takes(std::index_sequence<I...>) {
-  return Takes<T, I...>;
+  return Takes<T, Any, I...>;
 }
 
-/// Returns the number of members of an aggregate T. It is the largest number of initialisers that T accepts.
-template <class T, std::size_t N = 0>
+/// Returns the number of members of an aggregate T, in which a base class counts as one. It is the largest
+/// number of initialisers that T accepts. Any: a type that converts to the type of each member.
+template <class T, class Any = Anything, std::size_t N = 0>
 constexpr std::size_t member_count() {
-  if constexpr (takes<T>(std::make_index_sequence<N + 1>{}))
-    return member_count<T, N + 1>();
+  if constexpr (takes<T, Any>(std::make_index_sequence<N + 1>{}))
+    return member_count<T, Any, N + 1>();
   else
     return N;
 }

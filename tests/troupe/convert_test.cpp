@@ -250,6 +250,50 @@ TEST_F(ConvertTest, WhatStageHasNoWordForIsNamedWithItsLine) {
           HasSubstr("it has no device \"power\", but when the written file is")));
 }
 
+TEST_F(ConvertTest, SecondNamesJointsAndLargeSeedsAreNamedWithTheirLines) {
+  const std::string text = R"({"troupe": 1, "seed": 9007199254740993,
+  "ground": {"alias": "floor"},
+  "types": {"big bot": {"size_m": [0.2, 0.2, 0.2], "parts": [
+    {"name": "lift", "kind": "actuator", "size_m": [0.1, 0.1, 0.1], "device": {}, "parts": [
+      {"name": "load", "size_m": [0.1, 0.1, 0.1], "joint": null}]},
+    {"name": "box", "alias": "chest", "size_m": [0.1, 0.1, 0.1]},
+    {"name": "turned", "pose": {"heading_rad": 7}, "size_m": [0.1, 0.1, 0.1]}]}},
+  "models": [
+    {"name": "r", "alias": "robot", "type": "big bot", "global_parts": ["load"]}]})";
+  convert(write("w.json", text), "w.world");
+  EXPECT_THAT(found, ElementsAre(HasSubstr("w.json:1: error: a .world file cannot express this: \"seed\": "
+                                           "numbers of a .world file must be from -2^53 to 2^53")));
+
+  std::string small = text;
+  small.replace(small.find("9007199254740993"), 16, "9007199254740992");
+  convert(write("w.json", small), "w.world");
+  EXPECT_THAT(
+      found,
+      ElementsAre(
+          HasSubstr("a .world file cannot express this: \"_ground_model\": its second name \"floor\""),
+          HasSubstr("w.json:9: error: a .world file cannot express this: \"r\": its second name \"robot\""),
+          HasSubstr("w.json:6: error: a .world file cannot express this: type \"big bot\": part \"box\": "
+                    "its second name \"chest\""),
+          HasSubstr("w.json:5: error: a .world file cannot express this: type \"big bot\": part \"load\": "
+                    "the joint that it is mounted on")));
+  EXPECT_THAT(warnings,
+              ElementsAre(HasSubstr("type \"big bot\" is called \"big_bot\" when the written file is read"),
+                          HasSubstr("part \"turned\": its heading is changed by whole turns")));
+}
+
+TEST_F(ConvertTest, PartsThatAPowerPackSuppliesAreKeptOrNamed) {
+  convert(write("w.json", R"({"troupe": 1, "types": {"bot": {"size_m": [0.2, 0.2, 0.2], "parts": [
+    {"name": "lift", "kind": "actuator", "size_m": [0.1, 0.1, 0.1], "device": {},
+     "devices": [{"name": "lift.power", "kind": "power_pack", "capacity_J": 9, "stored_J": 9, "idle_W": 0}]},
+    {"name": "box", "size_m": [0.1, 0.1, 0.1], "joint": "lift",
+     "sensors": [{"name": "eye", "kind": "fiducial"}]}]}},
+  "models": [{"name": "r", "type": "bot"}]})"),
+          "w.world");
+  EXPECT_THAT(found,
+              ElementsAre(HasSubstr("w.json:3: error: a .world file cannot express this: type \"bot\": "
+                                    "device \"lift.power\": the devices that it supplies")));
+}
+
 TEST_F(ConvertTest, AJsonWorldThatStageCanSayRunsTheSame) {
   const fs::path json = write("w.json", R"({"troupe": 1, "seed": 5, "tick_s": 0.05,
   "types": {

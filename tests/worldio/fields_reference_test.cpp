@@ -8,6 +8,9 @@
 
 #include <fstream>
 #include <sstream>
+#include <stdexcept>
+#include <string>
+#include <vector>
 
 namespace troupe::worldio {
 namespace {
@@ -53,6 +56,35 @@ TEST(WorldFormatReference, StandsInTheDocument) {
     ADD_FAILURE() << "docs/world-format.md does not hold what the field tables say; put in the contents of "
                   << made;
   }
+}
+
+TEST(WorldFormatReference, TablesOfKeysStandInTheDocument) {
+  const std::string page = with_key_tables(document(), document_key_tables(make_registry()));
+  if (page != document()) {
+    const std::string made = TROUPE_BINARY_DIR "/world-format.md";
+    std::ofstream(made) << page;
+    ADD_FAILURE() << "tables of keys in docs/world-format.md differ from the descriptions in "
+                     "worldio/json/world_document.cpp; replace the page by "
+                  << made;
+  }
+}
+
+TEST(WorldFormatReference, AMissingHeadingOrTableIsAnError) {
+  const std::vector<KeyTable> tables{{"## One", "| key |\n|---|\n| new |\n"}, {"## One", "| key |\n"}};
+  const auto error = [&](const std::string& page) -> std::string {
+    try {
+      with_key_tables(page, tables);
+    } catch (const std::runtime_error& found) {
+      return found.what();
+    }
+    return {};
+  };
+  EXPECT_EQ(error("# Page\n"), "the page has no heading ## One");
+  EXPECT_EQ(error("# Page\n\n## One\n\n| key |\n\n## Two\n\n| key |\n"),
+            "too few tables below the heading ## One");
+  EXPECT_EQ(with_key_tables("# Page\n\n## One\n\nText\n\n| key |\n|---|\n| old |\n\nMore\n\n| key |\nold\n",
+                            tables),
+            "# Page\n\n## One\n\nText\n\n| key |\n|---|\n| new |\n\nMore\n\n| key |\n");
 }
 
 TEST(MeasuresReference, StandsInTheDocument) {

@@ -62,7 +62,10 @@ struct DocumentKey {
   bool required = false;       ///< an object without the key is an error
   std::string_view hint = {};  ///< text after `missing "key": ` in errors; empty: see missing_hint()
   std::string_view expects = {};  ///< if the value is a text: what follows `expected ` in errors
-  std::size_t least = 0;          ///< minimum number of entries of a list, or of points of an outline
+  /// What an absent key means, if the default of the member does not say it, such as "the bounds of the
+  /// world".
+  std::string_view by_default = {};
+  std::size_t least = 0;  ///< minimum number of entries of a list, or of points of an outline
   std::size_t most = std::numeric_limits<std::size_t>::max();  ///< maximum number of points of an outline
   bool always = false;         ///< true: the writer also writes default values, except a z of 0 in a pose
   bool counts_bodies = false;  ///< the maximum of the value is LoadOptions::most_bodies
@@ -126,6 +129,10 @@ struct DocumentKey {
   DocumentKey& or_named(std::string_view name) {
     other = field;
     other->name = name;
+    return *this;
+  }
+  DocumentKey& or_default(std::string_view what) {
+    by_default = what;
     return *this;
   }
   DocumentKey& resolve() {
@@ -252,32 +259,13 @@ struct InnerOf<std::optional<T>> {
 template <class T>
 using Inner = typename InnerOf<T>::Type;
 
-/// Converts to any type of a member of a document, that is, to any except vectors of Eigen: the constructors
-/// of std::optional would otherwise try to make such a vector from it, which does not compile.
+/// Converts to any type of a member of a document, for engine::detail::member_count(): to any type except
+/// vectors of Eigen. The constructors of std::optional would otherwise try to make such a vector from it,
+/// which does not compile.
 struct AnyMember {
   template <class T>
   requires(!requires { T::RowsAtCompileTime; }) operator T() const;
 };
-
-template <class T, std::size_t... I>
-concept HasMembers = requires {
-  T{(static_cast<void>(I), AnyMember{})...};
-};
-
-template <class T, std::size_t... I>
-constexpr bool has_members(std::index_sequence<I...>) {
-  return HasMembers<T, I...>;
-}
-
-/// Returns the number of members of a struct, in which a base class counts as one: the largest number of
-/// initialisers that the struct accepts.
-template <class T, std::size_t N = 0>
-constexpr std::size_t member_count() {
-  if constexpr (has_members<T>(std::make_index_sequence<N + 1>{}))
-    return member_count<T, N + 1>();
-  else
-    return N;
-}
 
 }  // namespace detail
 
@@ -450,7 +438,8 @@ class DocumentKeys {
     if (found != noted_.end()) return *found;
     // A struct that is derived from Placed, or from another document, has this base as its first initialiser.
     const std::size_t bases = std::is_base_of_v<Placed, C> ? 1 : 0;
-    return noted_.emplace_back(Noted{name_of<C>(), detail::member_count<C>() - bases, {}});
+    return noted_.emplace_back(
+        Noted{name_of<C>(), engine::detail::member_count<C, detail::AnyMember>() - bases, {}});
   }
   template <auto... Path>
   void note() {

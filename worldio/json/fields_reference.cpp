@@ -1,16 +1,24 @@
 #include "worldio/json/fields_reference.hpp"
 
 #include "engine/watch_spec.hpp"
+#include "worldio/json/document_table.hpp"
 #include "worldio/json/fields_json.hpp"
+#include "worldio/json/world_document.hpp"
 #include "worldio/window_fields.hpp"
 
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <cctype>
+#include <map>
+#include <stdexcept>
 #include <variant>
 
 namespace troupe::worldio {
 namespace {
+
+constexpr std::string_view k_watch_heading = "### `watch{}`: clock and pace";
+constexpr std::string_view k_window_heading = "### `window{}`: the view of `--camera window`";
 
 using engine::Field;
 using engine::FieldTable;
@@ -95,15 +103,209 @@ void append_kinds(std::string_view heading, const Kinds& kinds, std::string& tex
   }
 }
 
+// ---- the keys of the document
+
+constexpr std::string_view k_table_head = "| key | value | default | meaning |\n|---|---|---|---|\n";
+
+/// A table of the page.
+struct Section {
+  std::string_view heading;
+  std::string_view name;  ///< of its objects, in references such as "as for `types`"
+  const DocumentTable& (*table)();
+  /// Which keys the table lists, if the keys of some kinds have a table of their own.
+  enum class Of { all, every_kind, some_kinds } of = Of::all;
+};
+
+constexpr Section k_sections[] = {
+    {"## Top level", "", document_table<WorldDocument>},
+    {"### `record{}`", "record", document_table<RecordDocument>},
+    {"### `arena{}`", "arena", document_table<ArenaDocument>},
+    {"### `floorplans[]`", "floorplans", document_table<FloorplanDocument>},
+    {"### `types{}`", "types", document_table<TypeDocument>},
+    {"#### `blocks[]`", "blocks", document_table<BlockDocument>},
+    {"#### `disc{}`", "disc", document_table<DiscDocument>},
+    {"#### `drive{}`", "drive", document_table<DriveDocument>},
+    {"#### `sensors[]` and `devices[]`", "devices", document_table<DeviceDocument>, Section::Of::every_kind},
+    {"#### `sensors[]` and `devices[]`", "devices", document_table<DeviceDocument>, Section::Of::some_kinds},
+    {"#### `controllers[]`", "controllers", document_table<ControllerDocument>},
+    {"#### `parts[]`", "parts", document_table<PartDocument>},
+    {"#### `ring{}`", "ring", document_table<RingDocument>},
+    {"### `models[]`", "models", document_table<ModelDocument>},
+    {"### `populations[]`", "populations", document_table<PopulationDocument>},
+    {"#### `place{}`", "place", document_table<PlaceDocument>},
+    {"### `measures[]`", "measures", document_table<MeasureDocument>},
+    {"### `stop_when[]`", "stop_when", document_table<ConditionDocument>},
+    {"### `at[]`", "at", document_table<InterventionDocument>},
+    {"#### `remove{}`, `disable{}` and `enable{}`", "remove", document_table<GroupDocument>},
+    {"#### `add{}`", "add", document_table<AddDocument>},
+    {"#### `move{}`", "move", document_table<MoveDocument>},
+    {"#### `set{}`", "set", document_table<SettingDocument>},
+    {"### `faults[]`", "faults", document_table<FaultDocument>}};
+
+/// Returns the anchor of a heading, as in the address of a page: "### `watch{}`: clock" has "watch-clock".
+std::string anchor(std::string_view heading) {
+  std::string text;
+  heading.remove_prefix(heading.find(' ') + 1);
+  for (const char c : heading) {
+    const auto byte = static_cast<unsigned char>(c);
+    if (std::isalnum(byte) || c == '-' || c == '_') text += static_cast<char>(std::tolower(byte));
+    if (c == ' ') text += '-';
+  }
+  return text;
+}
+
+/// Returns the heading below which the page describes the value of a key; empty if it is nowhere else.
+std::string_view heading_of(const DocumentKey& key) {
+  if (key.block == &engine::watch_fields()) return k_watch_heading;
+  if (key.block == &window_fields()) return k_window_heading;
+  if (key.table == nullptr) return {};
+  const DocumentTable* table = &key.table();
+  if (table == &document_table<SensorDocument>()) table = &document_table<DeviceDocument>();
+  for (const Section& section : k_sections)
+    if (&section.table() == table) return section.heading;
+  return {};
+}
+
+/// Turns the names of pages, such as docs/lives.md, into links.
+std::string with_links(std::string_view text) {
+  constexpr std::string_view k_folder = "docs/", k_end = ".md";
+  std::string linked;
+  while (true) {
+    const std::size_t at = text.find(k_folder);
+    const std::size_t end = at == text.npos ? at : text.find(k_end, at);
+    if (end == text.npos) return linked += text;
+    const std::string_view page =
+        text.substr(at + k_folder.size(), end + k_end.size() - at - k_folder.size());
+    linked += fmt::format("{}[{}]({})", text.substr(0, at), page, page);
+    text.remove_prefix(end + k_end.size());
+  }
+}
+
+std::string form_text(const DocumentKey& key, const Field& field) {
+  switch (key.form) {
+    case Form::value: return what(field);
+    case Form::choice: return comma_list(field.choices);
+    case Form::version: return fmt::format("{}", k_format_version);
+    case Form::seed: return "whole number, from 0 to 2^64 - 1";
+    case Form::names: return "list of texts";
+    case Form::color: return "colour";
+    case Form::color_or_random: return "colour, or \"random\"";
+    case Form::heading:
+      return fmt::format("{}; `{}`: the text \"random\"", what(heading_field()), field.name);
+    case Form::points: return "[[x, y], ...]";
+    case Form::box: return "[[x_min, y_min], [x_max, y_max]]";
+    case Form::contours: return "[[[x, y], ...], ...]";
+    case Form::joint: return "text or null";
+    case Form::comparison: return "text, as in `\">= 0.9\"`";
+    case Form::list: return "list";
+    case Form::map: return "object, whose keys are names";
+    case Form::block:
+    case Form::kept:
+    case Form::faults:
+    case Form::object: return "object";
+    default: return "text";
+  }
+}
+
+std::string default_text(const DocumentTable& table, const DocumentKey& key, const Field& field) {
+  if (key.required) return "required";
+  if (!key.by_default.empty()) return with_links(key.by_default);
+  if (key.is_resolved || key.form == Form::kind || key.form == Form::faults) return "none";
+  if (key.form == Form::value) {
+    if (field.type == FieldType::record) return "the defaults of its keys";
+    const Value value = engine::get(field, table.usual);
+    return value.given() ? value_text(value, field) : "none";
+  }
+  const void* usual = key.find(table.usual);
+  if (usual != nullptr && key.form == Form::choice)
+    return fmt::format("\"{}\"", field.choices[*static_cast<const std::uint8_t*>(usual)]);
+  if (usual != nullptr && key.form == Form::seed)
+    return fmt::format("{}", *static_cast<const std::uint64_t*>(usual));
+  return "none";
+}
+
+std::string meaning(const DocumentTable& table, const DocumentKey& key, std::string_view heading) {
+  std::string text;
+  if (key.variants != ~0u) {
+    const auto& choices = table.find(table.variant)->field.choices;
+    for (std::size_t i = 0; i < choices.size(); ++i)
+      if ((key.variants >> i & 1) != 0) text += fmt::format("{}{}", text.empty() ? "" : ", ", choices[i]);
+    text += ": ";
+  }
+  if (key.form == Form::kind)
+    text += fmt::format("the {}; its parameters are further keys", table.kinds->what);
+  else if (key.form == Form::faults)
+    text += "a fault and its parameters";
+  else
+    text += with_links(key.field.text);
+  const std::string_view below = heading_of(key);
+  if (text.empty() && key.table != nullptr && below.empty())
+    for (const DocumentKey& inner : key.table().keys)
+      text += fmt::format("{}`{}`: {}", text.empty() ? "" : "; ", inner.field.name, inner.field.text);
+  if (key.other)
+    text += fmt::format("; called `{}{}` for kinds with a parameter `{}`", key.other->name,
+                        engine::unit_suffixes(key.other->unit).front().suffix, key.field.name);
+  if (!below.empty() && below != heading)
+    text += fmt::format("{}[below](#{})", text.empty() ? "" : ": ", anchor(below));
+  return text;
+}
+
+/// A row of a table.
+struct Row {
+  std::string first_key;  ///< the first of its keys
+  std::string text;       ///< the row as Markdown
+};
+
+Row row_of(const DocumentTable& table, const DocumentKey& key, std::string_view heading,
+           const engine::Registry& registry) {
+  std::string names;
+  if (key.form == Form::heading)
+    names = fmt::format("{}, `{}`", keys(heading_field()), key.field.name);
+  else if (key.form == Form::faults)
+    for (const engine::FaultKind& fault : registry.faults)
+      names += fmt::format("{}`{}`", names.empty() ? "" : ", ", fault.name);
+  else
+    names = keys(key.field);
+  return {names.substr(0, names.find(',')),
+          fmt::format("| {} | {} | {} | {} |\n", names, form_text(key, key.field),
+                      default_text(table, key, key.field), meaning(table, key, heading))};
+}
+
+/// Appends the rows of a table. At least `k_fewest` consecutive rows that an earlier table has too are
+/// replaced by one row, which refers to that table.
+void append_rows(const std::vector<Row>& rows, const std::map<std::string, const Section*>& earlier,
+                 std::string& text) {
+  constexpr std::size_t k_fewest = 3;
+  const auto section_of = [&](std::size_t i) {
+    const auto found = i < rows.size() ? earlier.find(rows[i].text) : earlier.end();
+    return found == earlier.end() ? nullptr : found->second;
+  };
+  for (std::size_t i = 0; i < rows.size();) {
+    const Section* section = section_of(i);
+    std::size_t end = i + 1;
+    while (section && section_of(end) == section) ++end;
+    if (section && end - i >= k_fewest) {
+      text += "| ";
+      for (std::size_t k = i; k < end; ++k) text += fmt::format("{}{}", k > i ? ", " : "", rows[k].first_key);
+      text += fmt::format(" | as for [`{}`](#{}) | | |\n", section->name, anchor(section->heading));
+    } else {
+      for (std::size_t k = i; k < end; ++k) text += rows[k].text;
+    }
+    i = end;
+  }
+}
+
 }  // namespace
 
 std::string world_format_reference(const engine::Registry& registry) {
   std::string text = "### Poses\n\n";
   append_table(engine::pose_fields(), text);
-  text += "### `watch{}`: clock and pace\n\nThese keys do not change the results of a run.\n\n";
+  text += k_watch_heading;
+  text += "\n\nThese keys do not change the results of a run.\n\n";
   append_table(engine::watch_fields(), text);
+  text += k_window_heading;
   text +=
-      "### `window{}`: the view of `--camera window`\n\n[pictures.md](pictures.md) describes this view. It "
+      "\n\n[pictures.md](pictures.md) describes this view. It "
       "shows the layers `show_grid`, `show_clock`, `show_footprints` and `show_occupancy`; with `show_data`, "
       "also `show_ranger_ranges`, `show_fiducial`, `show_gripper_data` and `blobfinder_vis`. `--layers` adds "
       "and removes layers. The other switches, `interval` and the keys of screenshots have no effect.\n\n";
@@ -127,6 +329,45 @@ std::string world_format_reference(const engine::Registry& registry) {
   }
   text.pop_back();  // the blank line after the last table
   return text;
+}
+
+std::vector<KeyTable> document_key_tables(const engine::Registry& registry) {
+  std::vector<KeyTable> tables;
+  std::map<std::string, const Section*> sections;  // per row: the first table that has it
+  for (const Section& section : k_sections) {
+    const DocumentTable& table = section.table();
+    std::vector<Row> rows;
+    for (const DocumentKey& key : table.keys)
+      if (key.form != Form::parameters && (section.of == Section::Of::all ||
+                                           (key.is_of != nullptr) == (section.of == Section::Of::some_kinds)))
+        rows.push_back(row_of(table, key, section.heading, registry));
+    std::string text(k_table_head);
+    append_rows(rows, sections, text);
+    for (const Row& row : rows) sections.emplace(row.text, &section);
+    tables.push_back({section.heading, std::move(text)});
+  }
+  return tables;
+}
+
+std::string with_key_tables(const std::string& page, const std::vector<KeyTable>& tables) {
+  std::string made = page;
+  std::string_view heading;
+  std::size_t at = 0;
+  for (const KeyTable& table : tables) {
+    if (table.heading != heading) {
+      at = made.find(fmt::format("\n{}\n", table.heading));
+      if (at == made.npos) throw std::runtime_error(fmt::format("the page has no heading {}", table.heading));
+      ++at;
+    }
+    heading = table.heading;
+    const std::size_t next = made.find("\n#", at + (made[at] == '#' ? 1 : 0));
+    const std::size_t begin = made.find("\n| key", at);
+    if (begin >= next) throw std::runtime_error(fmt::format("too few tables below the heading {}", heading));
+    const std::size_t end = std::min(made.find("\n\n", begin), made.size() - 1);
+    made.replace(begin + 1, end - begin, table.markdown);
+    at = begin + 1 + table.markdown.size();
+  }
+  return made;
 }
 
 std::string measures_reference(const engine::Registry& registry) {

@@ -322,11 +322,11 @@ const DocumentShorthand k_condition_text{
 template <class T, auto... Path>
 void describe_returns(DocumentKeys<T>& d) {
   using engine::Returns;
-  d.template value<Path..., &Returns::obstacle>("obstacle",
-                                                "true: the body blocks the motion of other bodies");
+  d.template value<Path..., &Returns::obstacle>(
+      "obstacle", "true: the body blocks other bodies; false: they pass through it");
   d.template value<Path..., &Returns::ranger>(
       "ranger_return", within(-k_most_ranger_return, k_most_ranger_return),
-      "intensity that a ranger reads where a beam meets the body; below 0: beams pass through the body");
+      "intensity that a ranger reads; below 0: beams pass through the body");
   d.template value<Path..., &Returns::fiducial>(
       "fiducial_return", "number that fiducial finders read from the body; 0: they do not find it");
   d.template value<Path..., &Returns::fiducial_key>(
@@ -335,12 +335,13 @@ void describe_returns(DocumentKeys<T>& d) {
                                                "true: grippers sense the body and can hold it");
   d.template value<Path..., &Returns::blob>("blob_return", "true: blob finders see the colour of the body");
   d.template value<Path..., &Returns::pushable>("pushable",
-                                                "true: robots can push the whole body instead of stalling");
+                                                "true: a robot that drives against the body pushes the whole "
+                                                "body instead of stalling (docs/pushing.md)");
 }
 
 constexpr std::string_view k_size_text =
-    "size [x, y, height] of a box that stands on z = 0; with an image or `fit`: the box to which the image "
-    "or the blocks are scaled";
+    "size [x, y, height] of a box that is centred on the origin and stands on z = 0; with an image or `fit`: "
+    "the size to which the image or the blocks are scaled";
 
 /// Returns the value of the key `bitmap`, the path of an image; null if the object has no such text.
 const std::string* bitmap_of(const JsonNode& object) {
@@ -376,14 +377,15 @@ void describe_image(DocumentKeys<T>& d, std::string_view text, bool is_plan) {
   static constexpr std::array<std::string_view, 2> k_margins{"trim", "keep"};
   static constexpr std::array<std::string_view, 2> k_unknown{"free", "solid"};
   d.template other<Image, &ImageDocument::bitmap>(Form::name, "bitmap", text, k_path);
-  DocumentKey& size = d.template value<Image, &ImageDocument::size>("size", meters, above(0),
-                                                                    at_most(k_max_size_m), k_size_text);
+  DocumentKey& size = d.template value<Image, &ImageDocument::size>(
+      "size", meters, above(0), at_most(k_max_size_m),
+      is_plan ? "size [x, y, height] to which the image is scaled; required with an image" : k_size_text);
   size.hint = "[x, y, height]";
   size.when(is_plan ? has_scaled_image : has_no_map);
   d.template value<Image, &ImageDocument::height>(
        "height", meters, above(0), at_most(k_max_size_m),
-       is_plan ? "with a ROS map or `walls_m`: height of the walls; default: 1 m"
-               : "with a ROS map: height of the walls; default: 1 m")
+       is_plan ? "with a ROS map or `walls_m`: height of the walls" : "with a ROS map: height of the walls")
+      .or_default("1 m")
       .when(is_plan ? has_height : has_map);
   d.template choice<Image, &ImageDocument::unknown>("unknown", k_unknown,
                                                     "with a ROS map: whether unknown cells are free or solid")
@@ -394,7 +396,8 @@ void describe_image(DocumentKeys<T>& d, std::string_view text, bool is_plan) {
        "the whole image")
       .when(is_plan ? has_scaled_image : has_plain_image);
   DocumentKey& boundary = d.template value<Image, &ImageDocument::boundary>(
-      "boundary", "true: adds four walls just inside the edges of the scaled image or of the map");
+      "boundary",
+      "true: adds four walls, 0.01 m thick, just inside the edges of the scaled image or of the map");
   boundary.when(is_plan ? has_no_lines : has_image);
 }
 
@@ -434,13 +437,16 @@ void describe_device(DocumentKeys<D>& d, std::string_view word, bool is_own) {
   };
   const auto joint = [&] {
     d.template other<&D::joint>(Form::joint, "joint",
-                                "name of the joint that moves the device; null: no joint moves it");
+                                "name of the joint that moves the device; null: no joint moves it; with "
+                                "`joint`, `pose` is in the frame of the body, unless `on` is given too")
+        .or_default("the joint that moves the part on which the device is mounted");
   };
   if (is_own) kind();
   d.template other<&D::name>(Form::name, "name", "name of the device; unique within the type",
                              is_own             ? "the device's name"
                              : word == "sensor" ? "the sensor's name"
-                                                : "the device's name");
+                                                : "the device's name")
+      .or_default(is_own ? "the name of the part" : "KIND:0, KIND:1, ...");
   if (!is_own) kind();
   d.template value<&D::pose>(
       "pose",
@@ -459,25 +465,31 @@ void describe_device(DocumentKeys<D>& d, std::string_view word, bool is_own) {
     return;
   }
   d.template other<&D::on>(Form::name, "on",
-                           "name of the device on which this device is mounted and with which it moves",
+                           "name of the actuator or `wheels` on which this device is mounted and with which "
+                           "it moves (docs/gripping.md); in `devices`, that device must come before this one",
                            "the name of a device with a joint");
   const std::size_t shown = d.table().keys.size();
-  d.template other<&D::color>(Form::color, "color");
+  d.template other<&D::color>(Form::color, "color", "colour of the solids of the device")
+      .or_default("that of the body");
   describe_returns<D, &D::returns>(d);
   for (std::size_t i = shown; i < d.table().keys.size(); ++i) d.table().keys[i].of_kind(moves_joints);
   d.template value<&D::size>("size", meters, above(0), at_most(k_max_size_m), k_size_text)
       .of_kind(shows_blocks);
-  d.template list<&D::blocks>("blocks").of_kind(shows_blocks);
+  d.template list<&D::blocks>("blocks", "the solids that the device moves, in its frame")
+      .of_kind(shows_blocks);
 }
 
 template <class G>
 void describe_group(DocumentKeys<G>& d) {
-  d.template other<&G::population>(Form::name, "population", {}, "a name");
-  d.template other<&G::type>(Form::name, "type", {}, "a name");
-  d.template other<&G::model>(Form::name, "model", {}, "a name");
+  d.template other<&G::population>(Form::name, "population", "all bodies of this population", "a name");
+  d.template other<&G::type>(Form::name, "type", "all bodies of this type", "a name");
+  d.template other<&G::model>(Form::name, "model", "the body of this name", "a name");
   d.template value<&G::count>("count", within(0, k_most_chosen),
-                              "number of bodies to select at random from the group");
-  d.template value<&G::share>("share", within(0, 1), "fraction of the group to select at random");
+                              "number of bodies to select at random from the group; all of them if the group "
+                              "has fewer")
+      .or_default("all bodies of the group");
+  d.template value<&G::share>("share", within(0, 1),
+                              "instead of `count`: fraction of the group to select at random");
   constexpr std::string_view k_whom = "give exactly one of \"population\", \"type\" and \"model\"";
   d.rule({.how = How::one_of,
           .keys = {"population", "type", "model"},
@@ -490,11 +502,13 @@ void describe_group(DocumentKeys<G>& d) {
 template <class T, auto... Path>
 void describe_experiment(DocumentKeys<T>& d) {
   d.template list<Path..., &ExperimentDocument::stop_when>(
-      "stop_when", "conditions on measures: the run ends when any of them holds; see docs/experiments.md");
+      "stop_when",
+      "conditions on measures: the run ends with the first tick after which one of them holds "
+      "(docs/experiments.md)");
   d.template list<Path..., &ExperimentDocument::at>("at",
-                                                    "interventions: changes to the world at given times");
-  d.template list<Path..., &ExperimentDocument::faults>(
-      "faults", "faults: which robots fail during the run, when and how");
+                                                    "interventions, which are changes to the world at given "
+                                                    "times");
+  d.template list<Path..., &ExperimentDocument::faults>("faults", "failures of robots");
 }
 
 template <class P>
@@ -513,12 +527,17 @@ void describe_body(DocumentKeys<P>& d) {
   d.template list<&P::blocks>("blocks", "upright prisms that form the solid shape of the body or part")
       .when(no_image);
   d.template value<&P::floor_plan>(
-      "floor_plan",
-      "true: controllers and troupe lint treat the shape as a floor plan; default: true with `bitmap`");
+       "floor_plan",
+       "true: the shape is that of walls; controllers that plan paths and `troupe lint` then treat the body "
+       "as a floor plan")
+      .or_default("true with `bitmap`");
   d.template value<&P::extent>(
       "extent", meters, within(0, 2 * k_max_size_m),
-      "size [x, y, height] that sensors and controllers read, if it differs from the extent of the solids");
-  d.template other<&P::color>(Form::color, "color");
+      "size [x, y, height] that fiducial finders report and controllers read, if it differs from the extent "
+      "of the solids");
+  d.template other<&P::color>(Form::color, "color",
+                              std::is_same_v<P, TypeDocument> ? "colour of the bodies" : "colour of the part")
+      .or_default(std::is_same_v<P, TypeDocument> ? "by type, see above" : "that of the body");
   describe_returns<P, &P::returns>(d);
 }
 
@@ -527,8 +546,8 @@ void describe_contents(DocumentKeys<P>& d) {
   d.template object<&P::device>("device", "makes the body or the part itself a device, such as an actuator");
   d.template list<&P::sensors>("sensors", "devices that only observe the world");
   d.template list<&P::devices>("devices", "devices that act, by themselves or on command");
-  d.template object<&P::controller>("controller");
-  d.template list<&P::controllers>("controllers");
+  d.template object<&P::controller>("controller", "the only controller of the body or part");
+  d.template list<&P::controllers>("controllers", "several controllers, instead of `controller`");
   d.template list<&P::parts>("parts", "parts that are mounted on this body or part");
   d.rule({.how = How::not_both,
           .keys = {"controller", "controllers"},
@@ -699,11 +718,12 @@ void PartDocument::describe(DocumentKeys<PartDocument>& d) {
       .require("the part's name");
   d.other<&PartDocument::alias>(Form::name, "alias", "another name, by which programs can find the part",
                                 "another name of the part");
-  d.other<&PartDocument::kind>(Form::model_kind, "kind",
-                               "model type of Stage that corresponds to the part; default: \"model\"");
+  d.other<&PartDocument::kind>(Form::model_kind, "kind", "model type of Stage that corresponds to the part")
+      .or_default("\"model\"");
   d.value<&PartDocument::pose>("pose", "pose in the frame of the body, with all joints at rest");
   d.other<&PartDocument::joint>(Form::joint, "joint",
-                                "name of the joint that moves the part; null: no joint moves it");
+                                "name of the joint that moves the part; null: no joint moves it")
+      .or_default("the joint that moves the body or part on which the part is mounted");
   describe_ring(d);
   describe_body(d);
   describe_contents(d);
@@ -718,22 +738,23 @@ void TypeDocument::describe(DocumentKeys<TypeDocument>& d) {
        "inherited key")
       .resolve();
   d.other<&TypeDocument::name>(
-      Form::name, "name",
-      "name of the type, if it differs from the key; several types may have the same name",
-      "the name of the type");
-  d.other<&TypeDocument::kind>(
-      Form::model_kind, "kind",
-      "model type of Stage that corresponds to the body itself; default: \"position\" with a drive, else "
-      "\"model\"");
+       Form::name, "name",
+       "name of the type, if it differs from the key; several types may have the same name",
+       "the name of the type")
+      .or_default("the key of the type");
+  d.other<&TypeDocument::kind>(Form::model_kind, "kind",
+                               "model type of Stage that corresponds to the body itself, without its parts")
+      .or_default("\"position\" with a drive, else \"model\"");
   d.no_key<&TypeDocument::alias, &TypeDocument::pose, &TypeDocument::joint>();  // those of parts only
   describe_body(d);
   d.object<&TypeDocument::drive>("drive",
                                  "the drive of the bodies; without one, they do not move by themselves");
   describe_contents(d);
   d.other<&TypeDocument::device_order>(
-      Form::names, "device_order",
-      "names of all devices of the type, each exactly once, in the order in which controllers choose among "
-      "them; default: the order in the file");
+       Form::names, "device_order",
+       "names of all devices of the type, each exactly once, in the order in which controllers choose among "
+       "them")
+      .or_default("the order in the file");
   d.rule({.how = How::any_of,
           .keys = {"size", "disc", "blocks", "bitmap", "device"},
           .none = "the type has no shape: give \"size_m\" (a box), \"disc\", \"blocks\", \"bitmap\" or "
@@ -742,16 +763,21 @@ void TypeDocument::describe(DocumentKeys<TypeDocument>& d) {
 }
 
 void FloorplanDocument::describe(DocumentKeys<FloorplanDocument>& d) {
-  d.other<&FloorplanDocument::name>(Form::name, "name", {}, "a name").require("the floor plan's name");
+  d.other<&FloorplanDocument::name>(Form::name, "name", "name of the body and of its type", "a name")
+      .require("the floor plan's name");
   describe_image<FloorplanDocument, &FloorplanDocument::image>(
-      d, "a PNG, JPEG, BMP or PNM image, in which dark pixels are solid, or the YAML file of a ROS map",
+      d,
+      "path, relative to the world file, of a PNG, JPEG, BMP or PNM image, in which pixels whose first "
+      "channel is at most 127 are solid, or of the YAML file of a ROS map; required without `walls_m`",
       true);
-  d.other<&FloorplanDocument::walls>(Form::points, "walls_m",
-                                     "instead of an image: a line along the middle of the walls; the line is "
-                                     "closed if the last point repeats the first")
+  d.other<&FloorplanDocument::walls>(
+       Form::points, "walls_m",
+       "instead of an image: points of the line along the middle of the walls, in "
+       "the frame of `pose`; the line is closed if its last point repeats its "
+       "first")
       .entries(2, k_most_block_points);
   d.value<&FloorplanDocument::thickness>("thickness", meters, above(0), at_most(k_max_size_m),
-                                         "thickness of the walls along the line")
+                                         "with `walls_m`: thickness of the walls")
       .when(has_lines);
   d.rule({.how = How::one_of,
           .keys = {"bitmap", "walls_m"},
@@ -762,7 +788,7 @@ void FloorplanDocument::describe(DocumentKeys<FloorplanDocument>& d) {
           .at_key = true});
   d.value<&FloorplanDocument::pose>("pose",
                                     "pose of the centre of the image; for a ROS map, pose of the map frame");
-  d.other<&FloorplanDocument::color>(Form::color, "color");
+  d.other<&FloorplanDocument::color>(Form::color, "color", "colour of the walls").or_default("gray30");
   describe_returns<FloorplanDocument, &FloorplanDocument::returns>(d);
   d.check<check_floorplan>();
 }
@@ -771,27 +797,34 @@ void ArenaDocument::describe(DocumentKeys<ArenaDocument>& d) {
   d.value<&ArenaDocument::size>("size", meters, above(0), at_most(k_max_size_m),
                                 "size of the free floor along x and y; its centre is the origin of the world")
       .require("[x, y], the size of the free floor");
-  d.value<&ArenaDocument::walls>("walls", "true: a static body \"arena\" encloses the free floor");
+  d.value<&ArenaDocument::walls>(
+      "walls",
+      "true: a static body `arena` encloses the free floor; false: the arena has no walls, "
+      "and only sets the bounds");
   d.value<&ArenaDocument::height>("height", meters, above(0), at_most(k_max_size_m), "height of the walls");
   d.value<&ArenaDocument::thickness>("thickness", meters, above(0), at_most(k_max_size_m),
                                      "thickness of the walls, which are outside the free floor");
-  d.other<&ArenaDocument::color>(Form::color, "color");
+  d.other<&ArenaDocument::color>(Form::color, "color", "colour of the walls").or_default("gray30");
 }
 
 void ModelDocument::describe(DocumentKeys<ModelDocument>& d) {
-  d.other<&ModelDocument::name>(Form::name, "name", {}, "a name").require("the model's name");
+  d.other<&ModelDocument::name>(Form::name, "name", "name of the body", "a name").require("the model's name");
   d.other<&ModelDocument::alias>(Form::name, "alias", "another name, by which programs can find the body",
                                  "another name of the model");
   d.other<&ModelDocument::type>(Form::name, "type", "the name of one of the types", k_type_of)
       .require(k_type_of);
   d.other<&ModelDocument::reserve_of>(
       Form::name, "reserve_of",
-      "name of the population into which the body may be born during the run; see docs/lives.md",
+      "name of a population: the body does not exist at the start and may be born into that population later "
+      "(docs/lives.md); `troupe convert` writes the `reserve` of a population in this way",
       "the name of a population");
-  d.value<&ModelDocument::pose>("pose").write_always();
-  d.other<&ModelDocument::color>(Form::color, "color");
-  d.value<&ModelDocument::fiducial_return>("fiducial_return",
-                                           "number that fiducial finders read from this body");
+  d.value<&ModelDocument::pose>("pose", "pose of the body in the world frame").write_always();
+  d.other<&ModelDocument::color>(Form::color, "color", "colour of the body").or_default("that of its type");
+  d.value<&ModelDocument::fiducial_return>(
+       "fiducial_return",
+       "number that fiducial finders read from this body; its type must have "
+       "a `fiducial_return` too")
+      .or_default("that of its type");
   d.other<&ModelDocument::global_parts>(
       Form::names, "global_parts", "names of parts that programs can look up without the name of the body",
       "the name of a part");
@@ -802,15 +835,14 @@ void PlaceDocument::describe(DocumentKeys<PlaceDocument>& d) {
   using Rule = engine::PlacementRule::Kind;
   constexpr auto bit = [](Rule one) { return 1u << static_cast<unsigned>(one); };
   d.table().variant = "rule";
-  d.choice<&PlaceDocument::rule>("rule", k_rules)
+  d.choice<&PlaceDocument::rule>("rule", k_rules, "placement rule, described below")
       .require("grid, uniform, gaussian, poisson_disc or free_floor");
-  d.other<&PlaceDocument::region>(
-      Form::box, "region_m",
-      "rectangle in which the origins of the bodies lie; default without `polygon_m`: the bounds of the "
-      "world");
+  d.other<&PlaceDocument::region>(Form::box, "region_m", "rectangle in which the origins of the bodies lie")
+      .or_default("the bounding box of `polygon_m`, else the bounds of the world");
   d.other<&PlaceDocument::polygon>(
        Form::points, "polygon_m",
-       "polygon in which the origins of the bodies lie; with `region_m`, they lie in both")
+       "polygon in which the origins of the bodies lie; it must not cross itself; with `region_m`, they lie "
+       "in both")
       .entries(3);
   d.other<&PlaceDocument::spill>(Form::box, "spill_m",
                                  "second rectangle, for bodies that do not fit into `region_m`")
@@ -836,11 +868,14 @@ void PlaceDocument::describe(DocumentKeys<PlaceDocument>& d) {
       .of_variants(bit(Rule::poisson_disc));
   d.value<&PlaceDocument::from>("from", meters, within(-k_max_size_m, k_max_size_m),
                                 "bodies are placed only on floor that can be reached from this point")
+      .or_default("a point of the largest connected floor area")
       .of_variants(bit(Rule::free_floor));
   d.value<&PlaceDocument::cell>("cell", meters, within(k_least_step_m, k_max_size_m),
                                 "cell size of the search for reachable floor")
+      .or_default("half of the body's radius, at least 0.02 m")
       .of_variants(bit(Rule::free_floor));
-  d.other<&PlaceDocument::heading>(Form::heading, "heading");
+  d.other<&PlaceDocument::heading>(Form::heading, "heading", "heading of each body")
+      .or_default("grid: 0; other rules: random");
   d.value<&PlaceDocument::z>("z", meters, within(-k_max_size_m, k_max_size_m), "height of the origins");
   d.check<check_place>();
 }
@@ -856,31 +891,38 @@ void PopulationDocument::describe(DocumentKeys<PopulationDocument>& d) {
   count.require().counts_bodies = true;
   d.value<&PopulationDocument::reserve>(
        "reserve", within(0, LoadOptions().most_bodies),
-       "number of further bodies that may be born during the run; see docs/lives.md")
+       "number of further bodies that may be born during the run (docs/lives.md)")
       .counts_bodies = true;
-  d.other<&PopulationDocument::color>(
-      Form::color_or_random, "color",
-      "colour of all bodies; \"random\": each body has a random colour of its own");
-  d.object<&PopulationDocument::place>("place").require("{\"rule\": ..., \"region_m\": ...}");
+  d.other<&PopulationDocument::color>(Form::color_or_random, "color",
+                                      "colour of all bodies; \"random\": each body has a random colour, "
+                                      "which depends only on the seed and the "
+                                      "body")
+      .or_default("that of the type");
+  d.object<&PopulationDocument::place>("place", "how the bodies are placed")
+      .require("{\"rule\": ..., \"region_m\": ...}");
 }
 
 void MeasureDocument::describe(DocumentKeys<MeasureDocument>& d) {
   d.table().kinds = &k_measures;
   d.table().shorthand = &k_measure_text;
   d.other<&MeasureDocument::kind>(Form::kind, "kind").require();
-  d.other<&MeasureDocument::of>(Form::name, "of",
-                                "name of the type, population or robot that is measured; default: all robots",
-                                "the name of a type, a population or a robot");
-  d.other<&MeasureDocument::name>(Form::name, "name", "name of the column in the table of results",
-                                  "the name of the column");
+  d.other<&MeasureDocument::of>(Form::name, "of", "name of the type, population or robot that is measured",
+                                "the name of a type, a population or a robot")
+      .or_default("all robots");
+  d.other<&MeasureDocument::name>(Form::name, "name",
+                                  "name of the column in the table of results, without its unit",
+                                  "the name of the column")
+      .or_default("KIND or KIND:OF");
   d.other<&MeasureDocument::params>(Form::parameters, "");
   d.check<check_measure>();
 }
 
 void ConditionDocument::describe(DocumentKeys<ConditionDocument>& d) {
   d.table().shorthand = &k_condition_text;
-  d.object<&ConditionDocument::measure>("measure").require("the name of a measure, or {\"kind\": ..., ...}");
-  d.other<&ConditionDocument::is>(Form::comparison, "is", {}, "a comparison, as in \">= 0.9\"")
+  d.object<&ConditionDocument::measure>("measure", "what is compared")
+      .require("the name of a measure, or {\"kind\": ..., ...}");
+  d.other<&ConditionDocument::is>(Form::comparison, "is", "the comparison that must hold",
+                                  "a comparison, as in \">= 0.9\"")
       .require("a comparison, as in \">= 0.9\"");
 }
 
@@ -893,16 +935,20 @@ void AddDocument::describe(DocumentKeys<AddDocument>& d) {
   d.other<&AddDocument::population>(Form::name, "population", "name of a population with a reserve of bodies",
                                     "a name")
       .require();
-  d.value<&AddDocument::count>("count", within(0, k_most_chosen),
-                               "number of births; default: all bodies that remain in the reserve");
-  d.value<&AddDocument::pose>("pose").write_always();
-  d.other<&AddDocument::region>(Form::box, "region_m");
+  d.value<&AddDocument::count>("count", within(0, k_most_chosen), "number of births")
+      .or_default("all bodies that remain in the reserve");
+  d.value<&AddDocument::pose>("pose", "pose of each new body in the world frame")
+      .or_default("a random pose")
+      .write_always();
+  d.other<&AddDocument::region>(Form::box, "region_m", "instead of `pose`: region of random poses")
+      .or_default("the bounds of the world");
   d.check<check_add>();
 }
 
 void MoveDocument::describe(DocumentKeys<MoveDocument>& d) {
-  d.other<&MoveDocument::model>(Form::name, "model", {}, "a name").require("the name of a body");
-  d.value<&MoveDocument::pose>("pose").require("the new pose").write_always();
+  d.other<&MoveDocument::model>(Form::name, "model", "name of the body", "a name")
+      .require("the name of a body");
+  d.value<&MoveDocument::pose>("pose", "new pose, in the world frame").require("the new pose").write_always();
 }
 
 void SettingDocument::describe(DocumentKeys<SettingDocument>& d) {
@@ -920,14 +966,14 @@ void SettingDocument::describe(DocumentKeys<SettingDocument>& d) {
 
 void InterventionDocument::describe(DocumentKeys<InterventionDocument>& d) {
   d.value<&InterventionDocument::time>("time", seconds, within(0, engine::k_most_seconds),
-                                       "simulated time of the intervention")
+                                       "simulated time of the intervention, rounded up to the end of a tick")
       .require();
-  d.object<&InterventionDocument::remove>("remove");
-  d.object<&InterventionDocument::add>("add");
-  d.object<&InterventionDocument::disable>("disable");
-  d.object<&InterventionDocument::enable>("enable");
-  d.object<&InterventionDocument::move>("move");
-  d.object<&InterventionDocument::set>("set");
+  d.object<&InterventionDocument::remove>("remove", "removes bodies: they die");
+  d.object<&InterventionDocument::add>("add", "bodies of a population's reserve are born");
+  d.object<&InterventionDocument::disable>("disable", "stops everything on bodies");
+  d.object<&InterventionDocument::enable>("enable", "lets disabled bodies continue");
+  d.object<&InterventionDocument::move>("move", "moves a body to a pose");
+  d.object<&InterventionDocument::set>("set", "changes parameters for all bodies of a type");
   d.rule({.how = How::one_of,
           .keys = {engine::k_actions.begin(), engine::k_actions.end()},
           .none = fmt::format("the entry has no action: give one of {}", comma_list(engine::k_actions)),
@@ -945,12 +991,19 @@ void FaultDocument::describe(DocumentKeys<FaultDocument>& d) {
 void ExperimentDocument::describe(DocumentKeys<ExperimentDocument>& d) { describe_experiment(d); }
 
 void RecordDocument::describe(DocumentKeys<RecordDocument>& d) {
-  d.other<&RecordDocument::file>(Form::name, "file", "name of the recording (a file) that troupe run writes",
-                                 "the name of a file");
+  d.other<&RecordDocument::file>(
+      Form::name, "file",
+      "file that `troupe run` writes, in or below the working folder; without it, a "
+      "run records only if `--record` names a file",
+      "the name of a file");
   d.value<&RecordDocument::every>("every", seconds, above(0), at_most(engine::k_most_seconds),
-                                  "simulated time between two frames; default: 0.1 s");
+                                  "simulated time between frames; `--record-every` overrides it")
+      .or_default("0.1 s");
   d.other<&RecordDocument::fields>(
-       Form::names, "fields", "fields of the state to record; see docs/recordings.md", "the name of a field")
+       Form::names, "fields",
+       "fields of the state to record (docs/recordings.md); `--record-fields` overrides it",
+       "the name of a field")
+      .or_default("[\"pose\"]")
       .entries(1);
 }
 
@@ -967,48 +1020,54 @@ void WorldDocument::describe(DocumentKeys<WorldDocument>& d) {
                                   "the path of the JSON Schema");
   static const std::string version = fmt::format("{}, the version of the format", k_format_version);
   d.other<>(Form::version, "troupe", "the version of the format").require(version);
-  d.other<&WorldDocument::title>(Form::name, "title", "title of the world, for display", "the world's title");
-  d.other<&WorldDocument::seed>(Form::seed, "seed", "seed of all random numbers");
+  d.other<&WorldDocument::title>(Form::name, "title", "title of the world, shown in summaries and on pages",
+                                 "the world's title")
+      .or_default("the file's name without its ending");
+  d.other<&WorldDocument::seed>(Form::seed, "seed", "seed of all random numbers; `--seed` overrides it");
   d.value<&WorldDocument::tick>("tick", seconds, within(k_least_tick_s, k_most_tick_s),
-                                "length of a tick; default: 0.1 s")
+                                "length of a tick, which is one simulation step")
       .write_always();
   d.value<&WorldDocument::quit_time>("quit_time", seconds, above(0), at_most(engine::k_most_seconds),
-                                     "simulated time at which a run ends");
-  d.value<&WorldDocument::measure_every>("measure_every", seconds, within(0, engine::k_most_seconds),
-                                         "simulated time between two measurements; 0: every tick");
-  d.choice<&WorldDocument::ranging>("ranging", engine::k_ranging_engines,
-                                    "engine that computes ranges; see docs/sensing.md");
-  d.value<&WorldDocument::resolution>("resolution", meters,
-                                      within(engine::k_min_resolution_m, engine::k_max_resolution_m),
-                                      "edge length of the cells that `ranging` \"grid\" uses");
-  d.other<&WorldDocument::bounds>(
-      Form::box, "bounds_m",
-      "rectangle that robots may not leave; default: that of the floor plans and the arena");
+                                     "time at which a run ends; `--for` overrides it");
+  d.value<&WorldDocument::measure_every>(
+      "measure_every", seconds, within(0, engine::k_most_seconds),
+      "interval between measurements; 0: every tick; `--measure-every` overrides it");
+  d.choice<&WorldDocument::ranging>(
+      "ranging", engine::k_ranging_engines,
+      "engine that computes ranges (docs/sensing.md); `--raytracer` overrides it");
+  d.value<&WorldDocument::resolution>(
+      "resolution", meters, within(engine::k_min_resolution_m, engine::k_max_resolution_m),
+      "edge length of the cells of the grid engine; without effect on the exact engine");
+  d.other<&WorldDocument::bounds>(Form::box, "bounds_m", "rectangle that robots may not leave")
+      .or_default("the bounding box of the floor plans and the arena");
   d.object<&WorldDocument::ground>("ground");
-  d.object<&WorldDocument::record>(
-      "record", "recording of a run: its file, its interval and the fields of the state that it contains");
-  d.other<&WorldDocument::watch>(Form::block, "watch", "whether a run prints the time, and how fast it runs")
+  d.object<&WorldDocument::record>("record",
+                                   "what a run records: the file, the interval and the fields of the state");
+  d.other<&WorldDocument::watch>(Form::block, "watch", "clock and pace of a run")
+      .or_default("the defaults of its keys")
       .block = &engine::watch_fields();
-  d.other<&WorldDocument::window>(Form::block, "window", "the view that --camera window draws").block =
+  d.other<&WorldDocument::window>(Form::block, "window", "the view of `--camera window`").block =
       &window_fields();
-  d.value<&WorldDocument::mortal>("mortal",
-                                  "true: programs may remove and disable bodies, even if nothing else in the "
-                                  "world file adds, removes or disables bodies; see docs/lives.md");
+  d.value<&WorldDocument::mortal>(
+      "mortal",
+      "true: programs that use Troupe as a library may remove and disable bodies; "
+      "false: they may do so only in worlds with reserves, faults or other causes "
+      "of removing or disabling (docs/lives.md)");
   d.choice<&WorldDocument::overlaps>(
-      "overlaps", k_checks, "whether a model that overlaps something at the start is an error or a warning");
+      "overlaps", k_checks,
+      "whether a model that overlaps another body at the start is an error or a warning");
   d.choice<&WorldDocument::same_names>("same_names", k_checks,
-                                       "whether two bodies of the same name are an error or a warning");
-  d.list<&WorldDocument::floorplans>("floorplans", "walls, as images or lines");
-  d.object<&WorldDocument::arena>("arena", "a rectangular free floor about the origin, with walls");
-  d.other<>(Form::names, "include", "files whose types are added to the types of this world",
-            "the name of a file")
+                                       "whether two bodies of the same name are an error or a warning; with "
+                                       "\"warn\", a search by this name finds the last of them");
+  d.list<&WorldDocument::floorplans>("floorplans", "walls, given as images, ROS maps or lines");
+  d.object<&WorldDocument::arena>("arena", "a rectangular floor with four walls");
+  d.other<>(Form::names, "include", "files with further types for this world", "the name of a file")
       .resolve();
-  d.map<&WorldDocument::types>("types",
-                               "types by name: the properties that bodies of the same construction share")
-      .write_always();
+  d.map<&WorldDocument::types>("types", "the properties that bodies of one type share").write_always();
   d.list<&WorldDocument::models>("models", "single bodies").write_always();
-  d.list<&WorldDocument::populations>("populations", "many bodies of one type, placed by a rule");
-  d.list<&WorldDocument::measures>("measures", "measures that troupe run --measures computes");
+  d.list<&WorldDocument::populations>("populations", "groups of many bodies of one type, placed by a rule");
+  d.list<&WorldDocument::measures>(
+      "measures", "what `troupe run --measures` measures (docs/measures.md); `--measure` overrides it");
   describe_experiment<WorldDocument, &WorldDocument::experiment>(d);
 }
 

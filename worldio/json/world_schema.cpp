@@ -301,7 +301,7 @@ class DocumentSchema {
     for (const DocumentKey& key : table.keys) {
       if (variant != k_no_variant && (key.variants >> variant & 1) == 0) continue;
       if (key.is_of && !(kind && key.is_of(kind->kind))) continue;
-      add_key(key, kind, schema);
+      add_key(table, key, kind, schema);
       if (variant != k_no_variant && key.field.name == table.variant)
         schema.replace(key.field.name, kind_of(key.field.choices[variant]));
     }
@@ -309,10 +309,21 @@ class DocumentSchema {
     return schema.done();
   }
 
-  void add_key(const DocumentKey& key, const DocumentKind* kind, ObjectSchema& schema) const {
+  void add_key(const DocumentTable& table, const DocumentKey& key, const DocumentKind* kind,
+               ObjectSchema& schema) const {
+    std::string about(key.field.text);
+    if (!key.by_default.empty())
+      about += fmt::format("{}default: {}", about.empty() ? "" : "; ", key.by_default);
     switch (key.form) {
-      case Form::value: schema.field(field_of(key, kind ? kind->params : nullptr), key.required); return;
-      case Form::choice: schema.field(key.field, key.required); return;
+      case Form::value:
+      case Form::choice: {
+        Field field = key.form == Form::value ? field_of(key, kind ? kind->params : nullptr) : key.field;
+        field.text = about;
+        if (key.form == Form::value && !key.required && !key.is_optional)
+          field.fallback = engine::get(field, table.usual);
+        schema.field(field, key.required);
+        return;
+      }
       case Form::heading:
         schema.member(key.field.name, object_of({{"const", text("random")}})).field(heading_field(), false);
         return;
@@ -335,9 +346,9 @@ class DocumentSchema {
       default: break;
     }
     if (key.required)
-      schema.required(key.field.name, value(key), key.field.text);
+      schema.required(key.field.name, value(key), about);
     else
-      schema.member(key.field.name, value(key), key.field.text);
+      schema.member(key.field.name, value(key), about);
   }
 
   JsonNode value(const DocumentKey& key) const {

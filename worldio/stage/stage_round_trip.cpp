@@ -8,10 +8,12 @@
 
 #include <algorithm>
 #include <cmath>
+#include <map>
 #include <optional>
 #include <set>
 #include <string>
 #include <string_view>
+#include <unordered_map>
 #include <utility>
 #include <vector>
 
@@ -47,6 +49,20 @@ std::optional<double> distance(const std::vector<Solid>& a, const std::vector<So
   return most;
 }
 
+/// Returns the name of a joint; empty for k_rigid.
+std::string joint_name(const TypeSpec& type, std::int32_t joint) {
+  return joint == engine::k_rigid ? std::string() : type.joints[static_cast<std::size_t>(joint)].name;
+}
+
+/// Returns the names of the devices of a part and of the parts mounted on it, sorted.
+std::vector<std::string> devices_below(const TypeSpec& type, std::uint32_t part) {
+  std::vector<std::string> names;
+  for (const DeviceSpec& device : type.devices)
+    if (engine::is_below(type, device.part, part)) names.push_back(device.name);
+  std::ranges::sort(names);
+  return names;
+}
+
 class RoundTrip {
  public:
   RoundTrip(const TypeSpec& type, const TypeSpec& back, const engine::Registry& registry,
@@ -58,6 +74,7 @@ class RoundTrip {
     check_devices();
     check_controllers();
     check_joints();
+    check_reach();
     check_bodies();
   }
 
@@ -85,7 +102,9 @@ class RoundTrip {
   void check_device(const DeviceSpec& a, const DeviceSpec& b);
   void check_controllers();
   void check_joints();
+  void check_reach();
   void check_bodies();
+  void check_pose(const PartSpec& a, const PartSpec& b, const std::string& owner);
   void check_size(const PartSpec& a, const PartSpec& b, const std::string& owner);
 
   const TypeSpec& type_;
@@ -157,7 +176,7 @@ void RoundTrip::check_devices() {
 
 void RoundTrip::check_device(const DeviceSpec& a, const DeviceSpec& b) {
   const std::string owner = fmt::format("device \"{}\"", a.name);
-  const bool is_placeless = a.kind == "power_pack" || a.kind == "flags";
+  const bool is_placeless = a.kind == "power_pack" || a.kind == "flags";  // pose and joint have no effect
   if (const engine::DeviceKind* kind = registry_.device(a.kind))
     check_params(a.where, owner, a.params, b.params, kind->params);
   Pose pose = a.pose_body_device;
@@ -165,12 +184,9 @@ void RoundTrip::check_device(const DeviceSpec& a, const DeviceSpec& b) {
     pose.heading = b.pose_body_device.heading;
   if (!is_placeless && !same_bits(pose, b.pose_body_device))
     lacks(a.where, owner + ": its exact \"pose\"; the last bits would change");
-  if (!is_placeless && !same_bits(a.period_s, b.period_s)) lacks(a.where, owner + ": \"period_s\"");
-  if (!is_placeless && a.active != b.active) lacks(a.where, owner + ": \"active\"");
-  const auto joint = [](const TypeSpec& type, std::int32_t j) {
-    return j == engine::k_rigid ? std::string() : type.joints[static_cast<std::size_t>(j)].name;
-  };
-  if (!is_placeless && joint(type_, a.joint) != joint(back_, b.joint))
+  if (!same_bits(a.period_s, b.period_s)) lacks(a.where, owner + ": \"period_s\"");
+  if (a.active != b.active) lacks(a.where, owner + ": \"active\"");
+  if (!is_placeless && joint_name(type_, a.joint) != joint_name(back_, b.joint))
     lacks(a.where, owner + ": the joint that it is mounted on");
 }
 
@@ -199,7 +215,28 @@ void RoundTrip::check_joints() {
   if (!is_same) lacks(type_.parts.front().where, "its joints");
 }
 
+/// Compares the devices that a controller can use, and those that a power pack supplies. A part that another
+/// part's joint moves is written inside that other part, which can change them.
+void RoundTrip::check_reach() {
+  for (std::size_t i = 0; i < std::min(type_.controllers.size(), back_.controllers.size()); ++i) {
+    const engine::ControllerSpec& a = type_.controllers[i];
+    if (devices_below(type_, a.part) != devices_below(back_, back_.controllers[i].part))
+      lacks(a.where, fmt::format("controller \"{}\": the devices that it can use", a.kind));
+  }
+  for (const DeviceSpec& a : type_.devices) {
+    const auto b = std::ranges::find(back_.devices, a.name, &DeviceSpec::name);
+    if (a.kind == "power_pack" && b != back_.devices.end() &&
+        devices_below(type_, a.part) != devices_below(back_, b->part))
+      lacks(a.where, fmt::format("device \"{}\": the devices that it supplies", a.name));
+  }
+}
+
 void RoundTrip::check_bodies() {
+  for (const PartSpec& part : type_.parts) {
+    const auto other = std::ranges::find(back_.parts, part.name, &PartSpec::name);
+    if (!part.alias.empty() && (other == back_.parts.end() || other->alias != part.alias))
+      lacks(part.where, fmt::format("part \"{}\": its second name \"{}\"", part.name, part.alias));
+  }
   const auto solid_parts = [](const TypeSpec& type) {
     std::vector<const PartSpec*> parts;
     for (const PartSpec& part : type.parts)
@@ -234,6 +271,9 @@ void RoundTrip::check_bodies() {
                          ": its \"obstacle\", its \"fiducial_key\", or one of \"ranger_return\", "
                          "\"fiducial_return\", \"gripper_return\" and \"blob_return\"");
     check_size(a, b, owner);
+    check_pose(a, b, owner);
+    if (joint_name(type_, a.joint) != joint_name(back_, b.joint))
+      lacks(a.where, owner + ": the joint that it is mounted on");
     if (a.floor_plan != b.floor_plan) lacks(a.where, owner + ": \"floor_plan\"");
     if (a.color && a.color != b.color) lacks(a.where, owner + ": \"color\"");
     const std::optional<double> off = distance(a.solids, b.solids);
@@ -260,6 +300,43 @@ void RoundTrip::check_size(const PartSpec& a, const PartSpec& b, const std::stri
                                               type_.name, owner));
 }
 
+void RoundTrip::check_pose(const PartSpec& a, const PartSpec& b, const std::string& owner) {
+  Pose pose = a.pose_body_part;
+  const Pose& other = b.pose_body_part;
+  if (is_turned(a.where, owner, pose.heading, other.heading)) pose.heading = other.heading;
+  if (same_bits(pose, other)) return;
+  const double off = std::max({std::abs(pose.x - other.x), std::abs(pose.y - other.y),
+                               std::abs(pose.z - other.z), std::abs(pose.heading - other.heading)});
+  if (off > k_rounding_m) return lacks(a.where, owner + ": its \"pose\"");
+  diagnostics_.warning(a.where, fmt::format("type \"{}\": {}: its pose is rounded; the state hashes of a run "
+                                            "may differ from those of the original world",
+                                            type_.name, owner));
+}
+
+/// Reports the second names of bodies, and the global names of parts, that a `.world` file cannot express.
+/// Stage generates second names itself, and no property sets one.
+void check_names(const WorldSpec& spec, const WorldSpec& back, Diagnostics& diagnostics) {
+  std::unordered_map<std::string, BodyId> others;
+  for (const engine::NamedBody& alias : back.aliases) others.emplace(back.names.text(alias.name), alias.body);
+  const auto lacks = [&](BodyId body, const std::string& what, const std::string& name) {
+    diagnostics.error(
+        spec.bodies[body.index()].where,
+        fmt::format("a .world file cannot express this: \"{}\": {} \"{}\"", spec.name(body), what, name));
+  };
+  for (const engine::NamedBody& alias : spec.aliases) {
+    const std::string name = spec.names.text(alias.name);
+    const auto found = others.find(name);
+    if (found == others.end() || found->second != alias.body) lacks(alias.body, "its second name", name);
+  }
+  const std::map<std::string, engine::PartName> parts(spec.part_aliases.begin(), spec.part_aliases.end());
+  for (const auto& [name, place] : parts) {
+    const auto found = back.part_aliases.find(name);
+    if (found == back.part_aliases.end() || found->second.body != place.body ||
+        found->second.part != place.part)
+      lacks(place.body, "its entry of \"global_parts\",", name);
+  }
+}
+
 }  // namespace
 
 void check_stage_round_trip(const WorldSpec& spec, const WorldSpec& back, const engine::Registry& registry,
@@ -275,6 +352,7 @@ void check_stage_round_trip(const WorldSpec& spec, const WorldSpec& back, const 
         whole,
         fmt::format("the number of bodies, which is {}: when the written file is read, the number differs",
                     spec.bodies.size()));
+  check_names(spec, back, diagnostics);
   std::set<std::pair<std::uint32_t, std::uint32_t>> types;
   for (std::size_t b = 1; b < spec.bodies.size(); ++b) {
     const engine::BodySpec& body = spec.bodies[b];
@@ -286,8 +364,14 @@ void check_stage_round_trip(const WorldSpec& spec, const WorldSpec& back, const 
     if (body.color != other.color) lacks(body.where, fmt::format("\"{}\": its color", name));
     if (fiducial_of(spec, BodyId(b), 0) != fiducial_of(back, BodyId(b), 0))
       lacks(body.where, fmt::format("\"{}\": its \"fiducial_return\"", name));
-    if (types.emplace(body.type.value, other.type.value).second)
-      RoundTrip(spec.types[body.type.index()], back.types[other.type.index()], registry, diagnostics).check();
+    if (!types.emplace(body.type.value, other.type.value).second) continue;
+    const TypeSpec& type = spec.types[body.type.index()];
+    const TypeSpec& other_type = back.types[other.type.index()];
+    if (type.name != other_type.name)
+      diagnostics.warning(body.where,
+                          fmt::format("type \"{}\" is called \"{}\" when the written file is read", type.name,
+                                      other_type.name));
+    RoundTrip(type, other_type, registry, diagnostics).check();
   }
 }
 

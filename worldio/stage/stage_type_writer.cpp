@@ -364,6 +364,7 @@ void TypeText::write_name(std::uint32_t parent, const std::string& name, const s
   const std::string& above = type_.parts[parent].name;
   const std::string prefix = above.empty() ? "" : above + ".";
   const std::string given = fmt::format("{}{}:{}", prefix, kind, generated[kind]++);
+  if (macro_.global_parts.contains(name)) return text_.text("name", "/" + name);
   if (name == given) return;
   const bool is_below = name.size() > prefix.size() && name.starts_with(prefix) && name[prefix.size()] != '/';
   text_.text("name", is_below ? name.substr(prefix.size()) : "/" + name);

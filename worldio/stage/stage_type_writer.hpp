@@ -8,6 +8,7 @@
 
 #include <cstdint>
 #include <filesystem>
+#include <set>
 #include <string>
 #include <vector>
 
@@ -29,10 +30,11 @@ std::vector<bool> added_parts(const engine::TypeSpec& type, std::uint64_t seed,
 
 /// The macro that a type is written as.
 struct StageMacro {
-  std::string word;              ///< name of the macro
-  Color color;                   ///< colour of the bodies that do not have a colour of their own
-  bool has_many_colors = false;  ///< the bodies differ in colour: `color` is then written as color_rgba
-  std::vector<bool> added;       ///< for each part: whether it is omitted, from added_parts()
+  std::string word;                    ///< name of the macro
+  Color color;                         ///< colour of the bodies that do not have a colour of their own
+  bool has_many_colors = false;        ///< the bodies differ in colour: `color` is then written as color_rgba
+  std::vector<bool> added;             ///< for each part: whether it is omitted, from added_parts()
+  std::set<std::string> global_parts;  ///< names of the parts that can be found without the body's name
 };
 
 /// Writes a type as a macro. The body of the macro is the root part of the type. Inside it are a model for

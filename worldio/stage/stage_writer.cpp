@@ -3,6 +3,7 @@
 #include "worldio/images/floor_image.hpp"
 #include "worldio/json/document_table.hpp"
 #include "worldio/load.hpp"
+#include "worldio/stage/stage_limits.hpp"
 #include "worldio/stage/stage_round_trip.hpp"
 #include "worldio/stage/stage_text.hpp"
 #include "worldio/stage/stage_type_writer.hpp"
@@ -11,7 +12,10 @@
 #include <fmt/format.h>
 
 #include <cmath>
+#include <cstdint>
 #include <set>
+#include <string>
+#include <utility>
 #include <vector>
 
 namespace troupe::worldio {
@@ -147,7 +151,10 @@ void WorldText::write_settings() {
   if (spec_.quit_time_s) text_.number("quit_time", *spec_.quit_time_s);
   if (spec_.resolution_m != WorldSpec().resolution_m) text_.number("resolution", spec_.resolution_m);
   text_.at(where_of("seed"));
-  text_.number("seed", static_cast<double>(spec_.seed));
+  if (spec_.seed > static_cast<std::uint64_t>(k_largest_number))
+    lacks("seed", "numbers of a .world file must be from -2^53 to 2^53");
+  else
+    text_.number("seed", static_cast<double>(spec_.seed));
   write_stage_watch(spec_.watch, text_);
   text_.at(where_of("window"));
   if (spec_.window) write_stage_window(*spec_.window, text_);
@@ -167,6 +174,9 @@ void WorldText::write_types() {
   std::set<std::string> taken{"define", "include", "block", "sensor", "window", "laser", "sonar"};
   for (const engine::ModelKind& kind : registry_.models) taken.emplace(kind.name);
   macros_.resize(spec_.types.size());
+  std::vector<std::set<std::string>> global_parts(spec_.types.size());
+  for (const auto& [name, place] : spec_.part_aliases)
+    global_parts[spec_.bodies[place.body.index()].type.index()].insert(name);
   for (std::size_t t = 1; t < spec_.types.size(); ++t) {
     if (!is_used[t]) continue;
     const TypeSpec& type = spec_.types[t];
@@ -176,7 +186,8 @@ void WorldText::write_types() {
     const StageMacro macro{.word = macros_[t],
                            .color = colors_[t],
                            .has_many_colors = has_many_colors[t],
-                           .added = added_parts(type, spec_.seed, registry_)};
+                           .added = added_parts(type, spec_.seed, registry_),
+                           .global_parts = std::move(global_parts[t])};
     TypeSpec colored = type;  // in a spec, a part without a colour has that of its body
     for (std::size_t p = 1; p < colored.parts.size(); ++p) {
       if (macro.added[p] || colored.parts[p].color || colored.parts[p].solids.empty()) continue;
