@@ -14,8 +14,9 @@ set(header_dir ${in_package}/include/troupe)
 set(CMAKE_INSTALL_DEFAULT_COMPONENT_NAME python)
 install(TARGETS troupe_base troupe_partition troupe_engine troupe_sensors troupe_plugin EXPORT troupe
         ARCHIVE DESTINATION ${in_package}/lib FILE_SET HEADERS DESTINATION ${header_dir})
-install(FILES ${PROJECT_SOURCE_DIR}/troupe/plugin.hpp ${PROJECT_SOURCE_DIR}/troupe/plugin_library.hpp
-              ${PROJECT_BINARY_DIR}/generated/troupe/version.hpp DESTINATION ${header_dir}/troupe)
+install(FILES ${PROJECT_SOURCE_DIR}/troupe/plugin.hpp ${PROJECT_SOURCE_DIR}/troupe/plugin_layout.hpp
+              ${PROJECT_SOURCE_DIR}/troupe/plugin_library.hpp ${PROJECT_BINARY_DIR}/generated/troupe/version.hpp
+        DESTINATION ${header_dir}/troupe)
 install(EXPORT troupe NAMESPACE troupe:: FILE troupeTargets.cmake DESTINATION ${package_dir})
 write_basic_package_version_file(${PROJECT_BINARY_DIR}/troupeConfigVersion.cmake COMPATIBILITY SameMinorVersion)
 install(FILES ${PROJECT_SOURCE_DIR}/cmake/wheel/troupeConfig.cmake ${PROJECT_BINARY_DIR}/troupeConfigVersion.cmake

@@ -375,8 +375,6 @@ double World::mean_displacement() const {
   return robots_ > 0 ? sum.value() / static_cast<double>(robots_) : 0;
 }
 
-/// Returns the shapes and the radius of the body of `row` as they are drawn, with its joints where they are
-/// now. If `row` is not valid, the joints are at rest. `t`: index of the body's type.
 namespace {
 
 /// The looks of a frame that differ from those of the scene only in colours: for each type, and for each list
@@ -397,6 +395,9 @@ std::vector<float> colors_of_parts(const CommittedView& view, Row row) {
 
 }  // namespace
 
+/// Returns the shapes and the radius of the body of `row` as they are drawn, with its joints where they are
+/// now and its parts in the colours that devices give them. If `row` is not valid, the joints are at rest and
+/// the colours are those of the world file. `t`: index of the body's type.
 FrameType World::look_of(std::size_t t, Row row) const {
   FrameType look{.mobile = state_.types[t].drive.has_value(),
                  .radius = state_.types[t].radius,

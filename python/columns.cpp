@@ -1,5 +1,7 @@
 #include "python/columns.hpp"
 
+#include "base/diagnostics.hpp"
+
 #include <fmt/format.h>
 #include <pybind11/stl.h>
 
@@ -64,6 +66,16 @@ std::span<std::byte> bytes_of(py::array& array) {
 
 std::span<const std::byte> const_bytes_of(const py::array& array) {
   return {static_cast<const std::byte*>(array.data()), static_cast<std::size_t>(array.nbytes())};
+}
+
+const engine::StateField& command_field(std::span<const engine::StateField> fields, std::string_view name,
+                                        std::string_view whose) {
+  const auto field = std::ranges::find(fields, name, &engine::StateField::name);
+  if (field != fields.end()) return *field;
+  std::vector<std::string_view> known;
+  for (const engine::StateField& each : fields) known.push_back(each.name);
+  throw std::out_of_range(
+      fmt::format("{}: {}", whose, unknown_name("command field", name, std::move(known))));
 }
 
 py::array rows_for(const engine::StateField& field, const py::handle& value, py::ssize_t robots) {

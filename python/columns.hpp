@@ -47,6 +47,11 @@ py::array empty_rows(const engine::StateField& field, py::ssize_t robots);
 std::span<std::byte> bytes_of(py::array& array);
 std::span<const std::byte> const_bytes_of(const py::array& array);
 
+/// Returns the field of a command with this name. Throws std::out_of_range, which lists the known names, if
+/// there is none. whose: the beginning of that text, such as `device "lamp"`.
+const engine::StateField& command_field(std::span<const engine::StateField> fields, std::string_view name,
+                                        std::string_view whose);
+
 /// Converts a value to an array robots x columns with the element type of a field of a command. Throws
 /// ValueError if the shape does not fit, or if the element type is an integer type that cannot represent a
 /// number.

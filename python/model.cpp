@@ -1,13 +1,11 @@
-#include "base/diagnostics.hpp"
 #include "python/bindings.hpp"
+#include "python/columns.hpp"
 
 #include <fmt/format.h>
 #include <pybind11/stl.h>
 
-#include <algorithm>
 #include <cstring>
 #include <optional>
-#include <stdexcept>
 #include <string>
 #include <utility>
 #include <vector>
@@ -46,14 +44,9 @@ py::dict command(HeldModel& m, const std::string& device, const py::kwargs& valu
   std::vector<std::pair<const engine::StateField*, py::array>> set;
   for (const auto& [key, value] : values) {
     const std::string name = key.cast<std::string>();
-    const auto field = std::ranges::find(asked.fields, name, &engine::StateField::name);
-    if (field == asked.fields.end()) {
-      std::vector<std::string_view> known;
-      for (const engine::StateField& each : asked.fields) known.push_back(each.name);
-      throw std::out_of_range(fmt::format("device \"{}\" of \"{}\": {}", device, m.model.name(),
-                                          unknown_name("command field", name, known)));
-    }
-    set.emplace_back(&*field, elements_of(*field, value));
+    const engine::StateField& field =
+        command_field(asked.fields, name, fmt::format("device \"{}\" of \"{}\"", device, m.model.name()));
+    set.emplace_back(&field, elements_of(field, value));
   }
   for (const auto& [field, made] : set)
     std::memcpy(asked.bytes.data() + field->offset, made.data(), static_cast<std::size_t>(made.nbytes()));

@@ -275,14 +275,8 @@ void RobotBatch::command(const std::string& device, const Where& where, const py
   std::vector<std::pair<const StateField*, py::array>> set;
   for (const auto& [key, value] : values) {
     const std::string name = key.cast<std::string>();
-    const auto field = std::ranges::find(fields, name, &StateField::name);
-    if (field == fields.end()) {
-      std::vector<std::string_view> known;
-      for (const StateField& each : fields) known.push_back(each.name);
-      throw std::out_of_range(
-          fmt::format("device \"{}\": {}", device, unknown_name("command field", name, std::move(known))));
-    }
-    set.emplace_back(&*field, rows_for(*field, value, size()));
+    const StateField& field = command_field(fields, name, fmt::format("device \"{}\"", device));
+    set.emplace_back(&field, rows_for(field, value, size()));
   }
   const std::vector<std::uint8_t> mask = mask_of(where, batch().size());
   for (const auto& [field, rows] : set) {

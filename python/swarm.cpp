@@ -1,13 +1,11 @@
 #include "troupe/swarm.hpp"
 
-#include "base/diagnostics.hpp"
 #include "python/bindings.hpp"
 #include "python/columns.hpp"
 
 #include <fmt/format.h>
 #include <pybind11/stl.h>
 
-#include <algorithm>
 #include <optional>
 #include <string>
 #include <utility>
@@ -88,14 +86,8 @@ void command_device(HeldSwarm& held, const std::string& device, const Where& whe
   std::vector<std::pair<std::string, py::array>> set;
   for (const auto& [key, value] : values) {
     const std::string name = key.cast<std::string>();
-    const auto field = std::ranges::find(fields, name, &engine::StateField::name);
-    if (field == fields.end()) {
-      std::vector<std::string_view> known;
-      for (const engine::StateField& each : fields) known.push_back(each.name);
-      throw std::out_of_range(
-          fmt::format("device \"{}\": {}", device, unknown_name("command field", name, known)));
-    }
-    set.emplace_back(name, rows_for(*field, value, held.size()));
+    const engine::StateField& field = command_field(fields, name, fmt::format("device \"{}\"", device));
+    set.emplace_back(name, rows_for(field, value, held.size()));
   }
   const std::vector<std::uint8_t> mask = mask_of(where, swarm.size());
   for (const auto& [name, rows] : set) {  // checks every device before the first change

@@ -153,8 +153,8 @@ void bind_tables(py::module_& module, SimulationClass& simulation) {
       "A component of the state, with one row per body. table[\"ranges\"] is one field of it: a read-only "
       "array that\nrefers to the memory of the simulation, so that its content changes with each step. Rows "
       "are in the order of\nstorage, not of ids; ids[i] is the id of the body in row i. For a sensor that "
-      "does not run "
-      "(`runs`), a field of\nfloating-point numbers is a copy instead, with NaN where there is no reading.")
+      "does not run (`runs`), a field of\nfloating-point numbers is a copy instead, with NaN where there is "
+      "no reading.")
       .def_property_readonly(
           "component", [](const Table& t) { return t.table->component(); },
           "Name of the component in the state, such as \"ranger/ir\".")
@@ -164,8 +164,7 @@ void bind_tables(py::module_& module, SimulationClass& simulation) {
       .def_property_readonly(
           "runs", [](const Table& t) { return t.runs(); },
           "False if the table has the readings of a sensor that does not run on one or more robots, because "
-          "it "
-          "is not active\nand no controller uses it; subscribe() makes it run.")
+          "it is not active\nand no controller uses it; subscribe() makes it run.")
       .def_property_readonly(
           "type", [](const Table& t) { return t.type; },
           "Name of the type of the bodies; empty if they are of several types.")
@@ -194,9 +193,8 @@ void bind_tables(py::module_& module, SimulationClass& simulation) {
            "type of robot.")
       .def("table", &table_of, py::arg("component"), py::arg("type") = "",
            "The table of one component, such as \"pose\", or \"ir\" of a device with this name. If several "
-           "types of robots have "
-           "this component,\n`type` must name one of them. Raises LookupError, whose text lists the known "
-           "names, for an unknown component.");
+           "types of robots have this component,\n`type` must name one of them. Raises LookupError, whose "
+           "text lists the known names, for an unknown component.");
 }
 
 }  // namespace troupe::python

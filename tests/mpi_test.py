@@ -403,7 +403,7 @@ class OnProcesses:
         self.addCleanup(self.end_all, ranks)
         # Rank 0 ends its own runs first: it must not wait for the others without end.
         os.kill(next(process for process in ranks if self.is_rank(process, 0)), signal.SIGTERM)
-        self.assertNotEqual(sweep.wait(timeout=120), 0)
+        self.assertNotEqual(sweep.wait(timeout=WAIT_S), 0)
         self.assertRegex(sweep.stderr.read(), r"rank 0 on \S+: waited 4 s for rank 1 on \S+, which does not answer")
         self.assertFalse((self.folder / "parts" / "table.csv").exists())
 
@@ -498,7 +498,7 @@ class OnProcesses:
         ticks = lambda: len(lines_of(self.folder / "log"))
         self.wait_for(lambda: ticks() > 5, run)
         os.kill(of_rank[2], signal.SIGSTOP)
-        self.wait_until(lambda: ticks() == [ticks(), time.sleep(1)][0])
+        self.wait_until(lambda: [ticks(), time.sleep(1)][0] == ticks())  # rank 0 waits for rank 2
         # The limit of rank 1 runs out first. Rank 0 still has the time to print for whom it waits.
         os.kill(of_rank[0], signal.SIGSTOP)
         errors = run.stderr.readline()

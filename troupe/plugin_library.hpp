@@ -51,7 +51,7 @@ struct Library {
   std::uint32_t interface;  ///< number of the plug-in interface: k_interface
   const char* version;      ///< version of Troupe: k_version
   const char* build;        ///< build settings: k_build
-  std::uint64_t layout;     ///< hash of the sizes of types: layout()
+  std::uint64_t layout;     ///< hash of the layouts of types: layout()
   /// Whether the plug-in's compiler contracts a product and a sum to one fused multiply-add.
   bool (*contracts)();
   /// Appends the controllers, the devices and the measures of the library to the lists, each under the name

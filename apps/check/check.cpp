@@ -207,9 +207,9 @@ std::vector<std::string> step_to_end(std::vector<Variant>& variants, Decisions* 
   Progress progress(first.time_s(), end_s, true);
   std::vector<std::string> lines = decisions ? decisions->start_twice() : std::vector<std::string>();
   for (;;) {
-    std::vector<std::string> errors = compare_errors(variants);
-    if (errors.empty()) errors = compare(variants);
-    for (std::string& line : errors) lines.push_back(std::move(line));
+    std::vector<std::string> found = compare_errors(variants);
+    if (found.empty()) found = compare(variants);  // the states can be compared only if all are complete
+    lines.insert(lines.end(), found.begin(), found.end());
     if (!lines.empty() || first.tick() >= ticks) return lines;
     for (Variant& variant : variants) {
       variant.step();

@@ -112,8 +112,7 @@ ExitCode run_checked(const RunOptions& options) {
   if (options.view && options.simulation.processes)
     throw InputError(
         "--view: error: --view shows a run of one process, but a launcher such as mpirun started several: "
-        "start "
-        "the program without the launcher; --ranks N computes N ranks in one process");
+        "start the program without the launcher; --ranks N computes N ranks in one process");
   count_save_requests();
   std::vector<RunOptions> each = one_for_each_world(options);
   check_files(each);

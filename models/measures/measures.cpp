@@ -32,12 +32,16 @@ class OfRobots : public Measure {
   /// Mean of term(i) over those robots()[i] that are in the world; NaN if there are none.
   template <class Term>
   double mean(World& world, Term&& term) const {
-    const std::size_t there = engine::count_there(world, robots_);
-    if (there == 0) return std::numeric_limits<double>::quiet_NaN();
-    const double sum = engine::exact_sum(world, robots_.size(), [&](std::size_t i) {
-      return world.is_there(robots_[i]) ? static_cast<double>(term(i)) : 0.0;
-    });
-    return sum / static_cast<double>(there);
+    const auto is_there = [&](std::size_t i) { return world.is_there(robots_[i]); };
+    return mean_of_some(world, engine::count_there(world, robots_), is_there, term);
+  }
+  /// Mean of term(i) over those `count` robots()[i] for which counts(i) is true; NaN if there are none.
+  template <class Counts, class Term>
+  double mean_of_some(World& world, std::size_t count, Counts&& counts, Term&& term) const {
+    if (count == 0) return std::numeric_limits<double>::quiet_NaN();
+    const double sum = engine::exact_sum(
+        world, robots_.size(), [&](std::size_t i) { return counts(i) ? static_cast<double>(term(i)) : 0.0; });
+    return sum / static_cast<double>(count);
   }
   template <class Holds>
   double count(Holds&& holds) const {
@@ -237,11 +241,8 @@ class OfState : public OfRobots {
     };
     std::size_t count = 0;
     for (std::size_t i = 0; i < cells_.size(); ++i) count += exists(i);
-    if (count == 0) return std::numeric_limits<double>::quiet_NaN();
-    const double sum = engine::exact_sum(world, cells_.size(), [&](std::size_t i) {
-      return exists(i) ? term(number(tables[cells_[i].table], cells_[i])) : 0.0;
-    });
-    return sum / static_cast<double>(count);
+    return mean_of_some(world, count, exists,
+                        [&](std::size_t i) { return term(number(tables[cells_[i].table], cells_[i])); });
   }
 
  private:
@@ -476,9 +477,8 @@ engine::MeasureKind state_mean_measure() {
       "state_mean", Unit::none, "mean of one number of the robots' state",
       "The mean of one number of the state, such as a variable in the memory of a controller or a reading of "
       "a sensor, over the robots that have this number. Readings of sensors that do not run are left out; "
-      "the "
-      "mean is NaN if no robot has the number. If the number is 0 or 1, the mean is the fraction of these "
-      "robots for which it is 1.",
+      "the mean is NaN if no robot has the number. If the number is 0 or 1, the mean is the fraction of "
+      "these robots for which it is 1.",
       "m = 1/n sum_i s_i");
 }
 

@@ -5,7 +5,8 @@
     out  {"invalid": the reason why the world cannot be loaded}, or
          {"failures": [{"check": {...}, "tick": 7, "text": "..."}], "events": [[type, robot, other], ...],
           "refused": [reasons of `troupe convert`], "resumed": [names of the robots alive at checkpoints],
-          "acts": [kinds of the acts that were carried out in sessions], "ticks": ticks of the plain run, "stopped": the line with the error that ended the plain run, or ""}
+          "acts": [kinds of the acts that were carried out in sessions], "ticks": ticks of the plain run, "stopped": the line
+          with the error that ended the plain run, or ""}
 
 It is a separate process because a world may crash it. scripts/proofs/random_proof.py starts it.
 """

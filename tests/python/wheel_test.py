@@ -38,6 +38,22 @@ class TheProject(unittest.TestCase):
         done = subprocess.run([sys.executable, "-c", code], env=environment, stdout=subprocess.PIPE, text=True, check=True)
         self.assertIn("another 0", done.stdout)
 
+    def test_headers_of_plug_ins(self):
+        """All headers that a plug-in includes are in the wheel: those of the libraries in it, and those of the folder troupe
+        that cmake/TroupeWheel.cmake lists."""
+        installed = (ROOT / "cmake" / "TroupeWheel.cmake").read_text()
+        libraries = re.search(r"^install\(TARGETS (.*?) EXPORT", installed, re.M)[1].replace("troupe_", "").split()
+        self.assertIn("engine", libraries)
+        included, new = set(), {"troupe/plugin.hpp"}
+        while new:
+            included |= new
+            texts = [(ROOT / header).read_text() for header in new if (ROOT / header).exists()]  # version.hpp is generated
+            new = {header for text in texts for header in re.findall(r'^#include "(.*?)"', text, re.M)} - included
+        self.assertIn("troupe/plugin_library.hpp", included)
+        self.assertIn("engine/world.hpp", included)
+        self.assertEqual([header for header in sorted(included)
+                          if header.split("/")[0] not in libraries and f"/{header}" not in installed], [])
+
 
 class Folders(InAFolder):
     def test_of_the_build_tree(self):

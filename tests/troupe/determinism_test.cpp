@@ -158,7 +158,7 @@ std::vector<std::pair<std::string, std::size_t>> fewer_robots(const fs::path& fi
 class Reach : public ::testing::TestWithParam<std::string> {};
 
 // The reach test of every shipped world. The time of a tick grows with the square of the number of rows, so
-// large worlds have fewer robots here; `scripts/prove --reach` runs them with all of their robots.
+// large worlds have fewer robots here; `scripts/prove --reach` runs them with more.
 TEST_P(Reach, OfEveryDeviceHoldsInEveryWorld) {
   const fs::path file = fs::path(TROUPE_SOURCE_DIR) / "worlds" / GetParam();
   SimulationOptions options;
