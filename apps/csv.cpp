@@ -26,16 +26,15 @@ std::uintmax_t bytes_to_keep(const fs::path& file, std::string_view header, std:
   // An incomplete last line does not count.
   const auto next = [&] { return std::getline(stream, line) && !stream.eof(); };
   if (!next() || line != header)
-    refuse_output(
-        file, fmt::format(
-                  "this table cannot be continued after the checkpoint, because its first line is not \"{}\"",
-                  header));
+    refuse_output(file, fmt::format("this table cannot be continued after the checkpoint, because its first "
+                                    "line is not \"{}\": choose another file",
+                                    header));
   std::uintmax_t bytes = line.size() + 1;
   while (next()) {
     const auto tick = number<std::uint64_t>(std::string_view(line).substr(0, line.find(',')));
     if (!tick)
       refuse_output(file, fmt::format("this table cannot be continued after the checkpoint, because one of "
-                                      "its lines does not begin with a tick: \"{}\"",
+                                      "its lines does not begin with a tick (\"{}\"): choose another file",
                                       line));
     if (*tick >= keep_before) break;
     bytes += line.size() + 1;

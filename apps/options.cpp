@@ -87,15 +87,14 @@ std::filesystem::path file_name(const char* option, const std::string& text) {
 double seconds_from_zero(const char* option, const std::string& text) {
   const std::optional<double> seconds = finite(text);
   if (!seconds || *seconds < 0 || *seconds > engine::k_most_seconds)
-    refuse(option, text, fmt::format("a time in seconds, from 0 to {:g}", engine::k_most_seconds));
+    refuse(option, text, fmt::format("a time in seconds, from 0 to {}", engine::k_most_seconds));
   return *seconds;
 }
 
 double positive_seconds(const char* option, const std::string& text, std::string_view what) {
   const std::optional<double> seconds = finite(text);
   if (!seconds || *seconds <= 0 || *seconds > engine::k_most_seconds)
-    refuse(option, text,
-           fmt::format("{} in seconds, above 0 and at most {:g}", what, engine::k_most_seconds));
+    refuse(option, text, fmt::format("{} in seconds, above 0 and at most {}", what, engine::k_most_seconds));
   return *seconds;
 }
 
@@ -116,9 +115,7 @@ unsigned rank_count(std::string_view text) {
 
 double tile_size_m(std::string_view text) {
   const auto size = finite(text);
-  if (!size || *size <= 0)
-    refuse("--tile-size", text,
-           "a length in metres, above 0 (the smallest tile is one cell of the spatial index)");
+  if (!size || *size <= 0) refuse("--tile-size", text, "a length in metres, above 0");
   return *size;
 }
 
@@ -146,7 +143,8 @@ void add_run_settings(CLI::App& app, WorldOptions& options) {
               options.simulation.ranging = static_cast<RangingEngine>(found - names.begin());
             });
   add_values(
-      app, "--robots", "[NAME=]N", "Size of the world's only population, or of population NAME; repeatable",
+      app, "--robots", "[NAME=]N",
+      "Number of robots in the world's only population, or in population NAME; repeatable",
       [&options](const std::string& text) { options.simulation.robots.push_back(population_size(text)); });
   add_value(app, "--spare", "N",
             "Spare robots per population, which can be added during the run (default: 0)",
@@ -187,7 +185,7 @@ void add_end_option(CLI::App& app, WorldOptions& options) {
   add_value(app, "--for", "S", "End at S seconds of simulated time", [&options](const std::string& text) {
     options.for_s = finite(text);
     if (!options.for_s || *options.for_s < 0 || *options.for_s > k_max_seconds)
-      refuse("--for", text, fmt::format("a time in seconds, from 0 to {:g}", k_max_seconds));
+      refuse("--for", text, fmt::format("a time in seconds, from 0 to {}", k_max_seconds));
   });
 }
 

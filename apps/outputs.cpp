@@ -102,10 +102,11 @@ void check_outputs(const std::vector<Input>& inputs, const std::vector<fs::path>
     check_output(*output);
     for (const auto& [file, what] : inputs)
       if (same_file(*output, file))
-        refuse_output(*output, fmt::format("it is {}, which is read as input", what));
+        refuse_output(*output,
+                      fmt::format("it is {}, which this command reads: choose another file name", what));
     for (auto other = outputs.begin(); other != output; ++other)
       if (!other->empty() && same_file(*output, *other))
-        refuse_output(*output, "another output has the same name");
+        refuse_output(*output, "another output has the same name: choose another file name");
   }
 }
 

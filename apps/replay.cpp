@@ -124,7 +124,7 @@ void add_replay_options(CLI::App& command, ReplayOptions& options) {
               const auto mb = finite(text);
               if (!mb || *mb <= 0 || *mb > k_most_mb)
                 refuse("--max-mb", text,
-                       fmt::format("a size in megabytes, above 0 and at most {:g}", k_most_mb));
+                       fmt::format("a size in megabytes, above 0 and at most {}", k_most_mb));
               options.max_mb = *mb;
             });
   add_value(command, "--fields", "A,B,...", "Fields to show in addition to poses (default: all recorded)",

@@ -70,7 +70,8 @@ bool python_is_wanted() { return g_wants_python; }
 void run_in_python(int argc, const char* const* argv) {
   if (const std::optional<Launcher> launcher = find_launcher(); launcher && launcher->ranks > 1)
     throw InputError(
-        fmt::format("troupe: error: --controller works only in one process, but {} started {} processes",
+        fmt::format("troupe: error: --controller works only in one process, but {} started {} processes: "
+                    "start the program without the launcher",
                     launcher->name, launcher->ranks));
   add_package_path();
   const std::string python = interpreter();

@@ -15,6 +15,7 @@
 
 #include <cerrno>
 #include <cstdio>
+#include <cstdlib>
 #include <stdexcept>
 #include <string>
 #include <system_error>
@@ -47,17 +48,33 @@ Examples:
   troupe view c.h5
   troupe view worlds/hospital.json --robots 2000 --rate 5 --port 8000 --out /tmp)";
 
+/// Returns the folder for temporary files. Throws std::runtime_error if it does not exist.
+fs::path temporary_folder() {
+  std::error_code error;
+  fs::path folder = fs::temp_directory_path(error);
+  if (!error) return folder;
+  const char* name = "TMPDIR";
+  for (const char* each : {"TEMPDIR", "TEMP", "TMP", "TMPDIR"})
+    if (std::getenv(each) != nullptr) name = each;  // the last of those that are set counts
+  const char* value = std::getenv(name);
+  throw std::runtime_error(fmt::format(
+      "troupe view: error: --open needs a temporary file, but the folder {} cannot be used: {}: set the "
+      "environment variable {} to an existing folder",
+      value != nullptr ? value : "/tmp", error.message(), name));
+}
+
 /// A temporary HTML file, which only this user can read and which redirects a browser to the address of the
 /// view. The address contains the token. It must not be an argument of a command, because all users of this
 /// machine can see the arguments of running commands.
 class Redirect {
  public:
   explicit Redirect(const std::string& address) {
-    std::string name = (fs::temp_directory_path() / "troupe-view-XXXXXX").string();
+    std::string name = (temporary_folder() / "troupe-view-XXXXXX").string();
     const int descriptor = ::mkostemp(name.data(), O_CLOEXEC);  // mode 0600
     if (descriptor < 0)
       throw std::runtime_error(
-          fmt::format("{}: error: cannot be written: {}", name, std::generic_category().message(errno)));
+          fmt::format("{}: error: this temporary file, which --open needs, cannot be created: {}", name,
+                      std::generic_category().message(errno)));
     file_ = name;
     const std::string page =
         fmt::format("<!doctype html><meta http-equiv=\"refresh\" content=\"0; url={}\">\n", address);
@@ -65,7 +82,9 @@ class Redirect {
     ::close(descriptor);
     fs::rename(file_, file_.string() + ".html");
     file_ += ".html";
-    if (!is_whole) throw std::runtime_error(fmt::format("{}: error: cannot be written", file_.string()));
+    if (!is_whole)
+      throw std::runtime_error(fmt::format(
+          "{}: error: this temporary file, which --open needs, cannot be written", file_.string()));
   }
   ~Redirect() {
     std::error_code ignored;
@@ -103,7 +122,7 @@ Simulation load(const ViewOptions& options) {
       (simulation.seed || simulation.ranging || !simulation.robots.empty() || simulation.spare > 0))
     throw InputError(
         fmt::format("{}: error: --seed, --raytracer, --robots and --spare are only for worlds; a checkpoint "
-                    "keeps the values of the run that wrote it",
+                    "keeps the values of the run that wrote it: omit these options",
                     options.world.string()));
   if (is_checkpoint)
     return Simulation::resume(options.world, {.threads = options.simulation.threads,
@@ -118,7 +137,9 @@ Simulation load(const ViewOptions& options) {
 
 ExitCode view_checked(const ViewOptions& options) {
   if (!options.folder.empty() && !fs::is_directory(options.folder))
-    throw InputError(fmt::format("{}: error: --out must be an existing folder", options.folder.string()));
+    throw InputError(
+        fmt::format("{}: error: there is no such folder: create it, or name an existing folder with --out",
+                    options.folder.string()));
   Simulation simulation = load(options);
   for (const std::string& warning : simulation.warnings()) fmt::print(stderr, "{}\n", warning);
   stop_on_signals();
@@ -173,7 +194,7 @@ void add_view_options(CLI::App& view, ViewOptions& options) {
               const auto rate = finite(text);
               if (!rate || (*rate != 0 && (*rate < live::k_least_rate || *rate > live::k_most_rate)))
                 refuse("--rate", text,
-                       fmt::format("0, or a rate from {} to {:g}, times real time", live::k_least_rate,
+                       fmt::format("0, or a rate from {} to {}, times real time", live::k_least_rate,
                                    live::k_most_rate));
               options.rate = *rate;
             });

@@ -229,10 +229,9 @@ class TypeCompiler {
     if (!has_joints_of(device, *kind)) {
       diagnostics_.error(
           device.where,
-          fmt::format(
-              "a device of kind \"{}\" is on a joint, or moves a joint, that type \"{}\" does not have: "
-              "add the device with add_device(), which also adds its joints",
-              device.kind, spec_.name));
+          fmt::format("device \"{}\" of kind \"{}\" needs a joint that type \"{}\" does not have: add the "
+                      "device with engine::add_device(), which also adds its joints",
+                      device.name, device.kind, spec_.name));
       return;
     }
     const std::string name = unique_name(device);

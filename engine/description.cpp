@@ -1,5 +1,7 @@
 #include "engine/description.hpp"
 
+#include "base/diagnostics.hpp"
+
 #include <algorithm>
 #include <cmath>
 #include <stdexcept>
@@ -90,7 +92,8 @@ std::int64_t integer_of(const Value& value, std::int64_t least, std::int64_t mos
 
 std::size_t choice_of(const Value& value, std::span<const std::string_view> choices) {
   const auto found = std::ranges::find(choices, value.text());
-  if (found == choices.end()) throw std::invalid_argument("has no value named \"" + value.text() + "\"");
+  if (found == choices.end())
+    throw std::invalid_argument("must be one of " + comma_list(choices) + ", found \"" + value.text() + "\"");
   return static_cast<std::size_t>(found - choices.begin());
 }
 

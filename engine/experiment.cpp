@@ -94,8 +94,8 @@ Record& params_of(TypeSpec& type, const SettingSpec& setting) {
 }
 
 constexpr std::string_view k_keeps_shape =
-    "\"set\" must not change the number or layout of the readings and state fields, or the devices that a "
-    "controller uses; give such parameters in the type";
+    "\"set\" cannot change a parameter that determines how many values a device reads or stores, or which "
+    "devices a controller uses; give such a parameter in the type";
 
 /// Checks whether the parameters of a drive may change from `before` to `params` while the world runs. The
 /// error says which parameter cannot change, or which value is not allowed.
@@ -414,10 +414,10 @@ void World::toggle_disabled(Row row) {
 bool World::set_disabled(Row row, bool disabled) {
   require_whole();
   if (!state_.condition_table)
-    throw std::logic_error(
-        fmt::format("\"{}\" cannot be disabled: the world needs \"mortal\": true, faults, or an intervention "
-                    "\"disable\" or \"enable\"",
-                    state_.spec.name(body(row))));
+    throw std::logic_error(fmt::format(
+        "programs cannot disable \"{}\": add \"mortal\": true to the world file, or set the option mortal "
+        "(worlds with faults, or with an intervention \"disable\" or \"enable\", need neither)",
+        state_.spec.name(body(row))));
   if (!is_there(row) || ((state_.condition(row).out & Condition::k_disabled) != 0) == disabled) return false;
   touch();
   toggle_disabled(row);
@@ -520,8 +520,9 @@ Result<> World::set(const SettingSpec& setting, const Registry& registry) {
     if (spec && spec->action != Action::set) continue;
     const Result<> built = build_setting(spec ? *spec->setting : setting, registry, types, compiled[i]);
     if (!built && spec)
-      return Error{fmt::format("with these values, the world's intervention \"set\" at {:g} s would fail: {}",
-                               spec->time_s, built.error().text)};
+      return Error{
+          fmt::format("with these values, the world's intervention \"set\" at {:.10g} s would fail: {}",
+                      spec->time_s, built.error().text)};
     if (!built) return built.error();
   }
   swap_settings_back(e.next);

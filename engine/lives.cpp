@@ -205,8 +205,9 @@ void World::remove(Row row) {
   restore_fp_environment();  // a library may have changed it, see World::step()
   if (!state_.life_table)
     throw std::logic_error(
-        "bodies of this world cannot be removed: the world needs \"mortal\": true, a reserve, or an "
-        "intervention \"remove\"");
+        "programs cannot remove bodies of this world: add \"mortal\": true to the world file, or set the "
+        "option mortal (worlds with a \"reserve\", a device that removes bodies, or an intervention "
+        "\"remove\" need neither)");
   if (!is_there(row)) return;
   touch();
   die(row);

@@ -1,5 +1,6 @@
 #include "engine/populations.hpp"
 
+#include "base/number_text.hpp"
 #include "base/random.hpp"
 #include "partition/parallel.hpp"
 
@@ -119,15 +120,15 @@ void Placer::check_rules() {
     const double cells = grid_cells(rule);
     cells_so_far += cells;
     if (cells > k_max_cells)
-      error(population, fmt::format("the region has {:.4g} cells of {:.10g} m; at most {:.0f} are allowed: "
-                                    "give a larger \"pitch_m\"",
-                                    cells, rule.pitch_m, k_max_cells));
+      error(population,
+            fmt::format("the region has {} million cells of {} m; at most {} million are allowed: give a "
+                        "larger \"pitch_m\"",
+                        plain_number(cells / 1e6, 4), plain_number(rule.pitch_m), k_max_cells / 1e6));
     else if (cells_so_far > k_max_cells)
-      error(
-          population,
-          fmt::format("the regions of this population and of those before it have {:.4g} cells in total; at "
-                      "most {:.0f} are allowed: give a larger \"pitch_m\"",
-                      cells_so_far, k_max_cells));
+      error(population,
+            fmt::format("the grids of this population and of the grid populations before it have {} million "
+                        "cells in total; at most {} million are allowed: give a larger \"pitch_m\"",
+                        plain_number(cells_so_far / 1e6, 4), k_max_cells / 1e6));
   }
 }
 
@@ -144,9 +145,11 @@ void Placer::add(const PopulationSpec& population, partition::Parallel& parallel
   const bool on_floor = rule.kind == PlacementRule::Kind::free_floor;
   const double cells = on_floor ? floor_cells(rule, *shape) : 0.0;
   if (cells > k_max_floor_cells)
-    return error(population, fmt::format("the region has {:.4g} cells; at most {:.0f} are allowed: give a "
-                                         "larger \"cell_m\"",
-                                         cells, k_max_floor_cells));
+    return error(
+        population,
+        fmt::format(
+            "the region has {} million cells; at most {} million are allowed: give a larger \"cell_m\"",
+            plain_number(cells / 1e6, 4), k_max_floor_cells / 1e6));
   const std::vector<Pose> poses = place(rule, *shape, population.count, spec_.seed, population.name,
                                         spec_.bounds, occupancy_.scene(), occupancy_.crowd(), parallel);
   if (poses.size() < population.count) error(population, too_few_places(population, poses.size()));

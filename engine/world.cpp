@@ -193,8 +193,9 @@ void World::set_poses(std::span<const Placed> placed) {
   for (const Placed& place : placed) {
     const Pose& p = place.pose;
     if (!is_there(place.row))
-      throw std::invalid_argument(
-          fmt::format("\"{}\" cannot be placed: it is not in the world", state_.spec.name(body(place.row))));
+      throw std::invalid_argument(fmt::format(
+          "\"{}\" cannot be placed: it was removed from the world, or has not been added to it yet",
+          state_.spec.name(body(place.row))));
     if (!is_finite(p) || !inside.contains(p.position()))
       throw std::invalid_argument(
           fmt::format("\"{}\" cannot be placed at x {}, y {}, z {} (m), heading {} (rad): {}",

@@ -107,9 +107,16 @@ void check_reserves(const WorldSpec& spec, const Report& report) {
     const auto error = [&](std::string_view what) {
       report({}, fmt::format("reserves[{}]: reserve \"{}\" {}", r, reserve.population, what));
     };
-    if (first < end || last > spec.bodies.size() || reserve.count == 0)
+    if (reserve.count == 0) return error("has no bodies: give a `count` of 1 or more");
+    if (last > spec.bodies.size())
+      return error(fmt::format("refers to bodies {} to {}, but the world has {} bodies, counted from 0",
+                               first, last - 1, spec.bodies.size()));
+    if (first < end)
       return error(
-          "refers to bodies outside the body list or to bodies of another reserve, or has no bodies");
+          fmt::format("begins at body {}, but the first body that it may contain is body {}: reserves must "
+                      "be in the order "
+                      "of their bodies, without the ground and without bodies of another reserve",
+                      first, end));
     for (std::size_t b = first; b < last; ++b)
       if (spec.bodies[b].type != spec.bodies[first].type) return error("has bodies of several types");
     end = last;

@@ -356,7 +356,9 @@ ViewServer::ViewServer(const Options& options, ViewBackend& backend)
   error_code error;
   const asio::ip::address address =
       options.bind.empty() ? asio::ip::address_v4::loopback() : asio::ip::make_address(options.bind, error);
-  if (error) throw std::runtime_error(fmt::format("--bind {}: error: expected an IP address", options.bind));
+  if (error)
+    throw std::runtime_error(
+        fmt::format("--bind {}: error: expected an IP address, such as 127.0.0.1", options.bind));
   try {
     impl_->listen(address, options.port);
   } catch (const boost::system::system_error& failure) {

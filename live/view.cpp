@@ -355,7 +355,7 @@ class View::Impl::Request {
   double number(const char* key, double least, double most) const {
     const Json value = json_.value(key, Json());
     if (!value.is_number() || !(value.get<double>() >= least && value.get<double>() <= most))
-      throw ActRefused(fmt::format("\"{}\" must be a number from {:g} to {:g}", key, least, most));
+      throw ActRefused(fmt::format("\"{}\" must be a number from {} to {}", key, least, most));
     return value.get<double>();
   }
   std::uint64_t whole(const char* key) const {
@@ -452,14 +452,14 @@ bool View::Impl::obey_clock(const Request& request) {
     const double time_s = request.number("time_s", 0, engine::k_most_seconds);
     const std::uint64_t end = engine::ticks_until(time_s, simulation_.tick_s());
     if (end <= simulation_.tick())
-      throw ActRefused(
-          fmt::format("the world is already at {:g} s, so \"time_s\" must be later", simulation_.time_s()));
+      throw ActRefused(fmt::format("the world is already at {:.10g} s, so \"time_s\" must be later",
+                                   simulation_.time_s()));
     play(end - simulation_.tick());
   } else if (request.what() == "rate") {
     const double rate = request.number("rate", 0, k_most_rate);
     if (rate > 0 && rate < k_least_rate)
-      throw ActRefused(fmt::format("\"rate\" must be 0 (as fast as possible) or from {:g} to {:g}",
-                                   k_least_rate, k_most_rate));
+      throw ActRefused(fmt::format("\"rate\" must be 0 (as fast as possible) or from {} to {}", k_least_rate,
+                                   k_most_rate));
     rate_ = rate;
     due_ = Clock::now();
   } else {
@@ -490,8 +490,9 @@ bool View::Impl::obey_watch(const Request& request, Client& client) {
     ColorValue color{.component = request.name("component"), .field = request.name("field"), .column = {}};
     if (request.has("column")) color.column = static_cast<std::uint32_t>(request.number("column", 0, 1e9));
     if (!has_value(world, color))
-      throw ActRefused(fmt::format("there is no field \"{}\" with this column in the component \"{}\"",
-                                   color.field, color.component));
+      throw ActRefused(fmt::format("there is no field \"{}\"{} in the component \"{}\"", color.field,
+                                   color.column ? fmt::format(" with a column {}", *color.column) : "",
+                                   color.component));
     client.color = std::move(color);
   } else if (request.what() == "layers") {
     client.layers = request.names("layers", layers_of(world));
@@ -549,7 +550,8 @@ std::string View::Impl::do_job(const Job& job) {
 
 /// Throws ActRefused if viewers cannot restart this run.
 void View::Impl::check_restart() const {
-  if (!is_running_) throw ActRefused("a program steps this run, and only the program can restart it");
+  if (!is_running_)
+    throw ActRefused("the page cannot restart this run: start the command or program that makes it again");
   if (simulation_.resumed_at_tick())
     throw ActRefused(
         "a run that began at a checkpoint cannot be restarted: end it, and resume the checkpoint again");
@@ -618,7 +620,7 @@ std::string View::Impl::save_checkpoint() {
 }
 
 std::string View::Impl::start_recording() {
-  if (!recording_.empty()) throw ActRefused("the run is being recorded already");
+  if (!recording_.empty()) throw ActRefused("the run is being recorded already: stop this recording first");
   const fs::path file = new_file("recording");
   simulation_.record(file);
   recording_ = file;

@@ -54,7 +54,8 @@ double most_cells(const Vec2& a, const Vec2& b, double resolution) {
 std::string too_fine(double resolution, double bytes, double most_bytes) {
   // Only outlines are drawn, so cells of twice the size take half the memory. The suggestion adds 10 %.
   return fmt::format(
-      "cells of {:g} m would take {:.3g} GB, more than the limit of {:.3g} GB; use {:.2g} m or more",
+      "cells of {:g} m would take {:.3g} GB, more than the limit of {:.3g} GB; set the resolution to {:.2g} "
+      "m or more",
       resolution, bytes / 1e9, most_bytes / 1e9, 1.1 * resolution * bytes / most_bytes);
 }
 
@@ -320,8 +321,8 @@ void RayGrid::draw_fixed(std::span<const FixedSolid> solids) {
       runs += std::min(most, most / k_region + 2);
       if (const double away = ring[i].cwiseAbs().maxCoeff(); !(away <= limit)) {
         constexpr auto k_text =
-            "with cells of {:g} m, the grid reaches {:g} m from the origin, but the static scene reaches "
-            "{:g} m; use larger cells";
+            "with cells of {:g} m, the grid reaches {:.0f} m from the origin, but the static scene reaches "
+            "{:.0f} m; set a larger resolution";
         throw std::length_error(fmt::format(k_text, cells_.cell_m, limit, away));
       }
     }

@@ -149,7 +149,7 @@ class Steered(unittest.TestCase):
             self.assertEqual(max(log), int(last.split()[0]), "the run ends where the session did")
             refused = subprocess.run([TROUPE, "run", view.world, "--session", view.session], capture_output=True, text=True)
             self.assertEqual(refused.returncode, 2)
-            self.assertIn("rooms.session.jsonl:1: error: the session belongs to another run: spare is 2 in the session, but not given in this run", refused.stderr)
+            self.assertIn("rooms.session.jsonl:1: error: this run has other options than the run of the session: spare is 2 in the session, but not given in this run", refused.stderr)
 
     def test_a_checkpoint_is_taken_up_and_its_session_repeated(self):
         with View("--rate", 0, checkpoint_s=2) as view, view.open() as viewer:
@@ -165,6 +165,17 @@ class Steered(unittest.TestCase):
                                      capture_output=True, text=True)
             self.assertEqual(refused.returncode, 2)
             self.assertIn("rooms.session.jsonl:1: error: the session began at tick 20, from a checkpoint", refused.stderr)
+
+    def test_open_needs_a_folder_for_temporary_files(self):
+        with tempfile.TemporaryDirectory() as folder:
+            world = Path(folder) / "w.json"
+            world.write_text('{"troupe": 1}')
+            refused = subprocess.run([TROUPE, "view", world, "--open", "--out", folder], capture_output=True, text=True,
+                                     env={**os.environ, "TMPDIR": folder + "/none"})
+            self.assertEqual(refused.returncode, 1)
+            self.assertIn(f"troupe view: error: --open needs a temporary file, but the folder {folder}/none cannot be used: ",
+                          refused.stderr)
+            self.assertIn("set the environment variable TMPDIR to an existing folder", refused.stderr)
 
     def test_a_view_without_an_address_begins_no_session(self):
         with View() as view:
@@ -518,7 +529,7 @@ class OfARun(unittest.TestCase):
                     self.assertTrue(viewer.receive()["may_steer"])
                     self.assertEqual(viewer.ask(do="move", robot="blue", pose=[3, -2, 0, 1])["type"], "done")
                     self.assertEqual(viewer.ask(do="disable", robot="red")["type"], "done")
-                    self.assertIn("only the program can restart it", viewer.ask(do="restart")["reason"])
+                    self.assertIn("the page cannot restart this run", viewer.ask(do="restart")["reason"])
                     self.assertEqual(viewer.ask(do="rate", rate=0)["type"], "done")
                 self.assertEqual(run.wait(60), 0)
             subprocess.run([TROUPE, "run", world, "--session", Path(folder) / said["session"], "--quiet", "--hash-log", "b.log"],
@@ -528,7 +539,7 @@ class OfARun(unittest.TestCase):
             self.assertEqual(*logs)
             refused = subprocess.run([TROUPE, "run", world, world, "--for", "1", "--view"], capture_output=True, text=True)
             self.assertEqual(refused.returncode, 2)
-            self.assertIn("--view: error: --view shows the run of one world", refused.stderr)
+            self.assertIn("--view: error: --view shows the run of one world, but 2 worlds are given", refused.stderr)
 
 
 class NotTouched(unittest.TestCase):

@@ -115,7 +115,7 @@ void command(Model& model, const Act& act) {
 void check_speed(const Act& act) {
   for (const double x : act.speed)
     if (!(std::abs(x) <= k_most_speed))
-      refuse_act(fmt::format("a speed is {}: give speeds from -{:g} to {:g} (m/s; turn in rad/s)", x,
+      refuse_act(fmt::format("a speed is {}: give speeds from -{} to {} (m/s; turn in rad/s)", x,
                              k_most_speed, k_most_speed));
 }
 

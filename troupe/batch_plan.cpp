@@ -45,7 +45,7 @@ void BatchEnv::Impl::check_spec() const {
     refuse(fmt::format("the batch has {} copies of the world: give 1 to {}", spec.copies, k_most_copies));
   if (spec.ticks < 1) refuse("a step of the batch has 0 ticks: give 1 or more");
   if (!(spec.seconds > 0 && spec.seconds <= k_longest_episode_s))
-    refuse(fmt::format("episodes are {} s long: give a length above 0 s and at most {:g} s", spec.seconds,
+    refuse(fmt::format("episodes are {} s long: give a length above 0 s and at most {} s", spec.seconds,
                        k_longest_episode_s));
   if (spec.teams.empty()) refuse("the batch has no teams: give one or more");
   check_names(spec.teams, "team");

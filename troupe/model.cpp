@@ -43,8 +43,10 @@ Row Model::Place::row() const {
   world->require_whole();
   const Row row = world->row(body);
   if (!row.valid())
-    throw std::logic_error(fmt::format(
-        "\"{}\" is static: it has no drive and no sensor, hence no motion, command or reading", name));
+    throw std::logic_error(
+        fmt::format("\"{}\" is static: it has no drive, device or controller and cannot be gripped or "
+                    "pushed, so it has no motion, command or reading",
+                    name));
   return row;
 }
 

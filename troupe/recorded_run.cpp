@@ -380,8 +380,8 @@ std::size_t RecordedRun::first_within(double history_s) const {
 void RecordedRun::go_to(double time_s) {
   const std::span<const double> times = impl_->reader.times_s();
   if (times.front() > time_s + k_same_s || times.back() < time_s - k_same_s)
-    impl_->refuse(fmt::format("{:g} s is not recorded: the recording contains {:g} s to {:g} s", time_s,
-                              times.front(), times.back()));
+    impl_->refuse(fmt::format("{:.10g} s is not recorded: the recording contains {:.10g} s to {:.10g} s",
+                              time_s, times.front(), times.back()));
   const auto later = std::ranges::upper_bound(times, time_s + k_same_s);
   go_to_frame(static_cast<std::size_t>(later - times.begin()) - 1);
 }
@@ -473,7 +473,8 @@ Result<> RecordedRun::check(const FrameWishes& wishes) const {
                                       std::pair(wishes.grips, "grips"), std::pair(wishes.links, "links")})
     if (wished)
       return Error{fmt::format(
-          "the layer \"{}\" can be drawn for worlds and checkpoints, but not for recordings", layer)};
+          "the layer \"{}\" can be drawn for worlds and checkpoints, but not for recordings: omit this layer",
+          layer)};
   return {};
 }
 

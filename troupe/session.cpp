@@ -120,9 +120,10 @@ struct SessionReplay::Impl {
                           header.tick));
     if (simulation.tick() > header.tick) return;
     if (const std::string hash = hex(simulation.state_hash()); hash != header.hash)
-      fail(1, fmt::format("the session began at tick {} with state hash {}, but at that tick this run has "
-                          "{}: the session belongs to another world or another run",
-                          header.tick, header.hash, hash));
+      fail(1,
+           fmt::format("the session began at tick {} with state hash {}, but at that tick this run has {}: "
+                       "repeat the session with the world file and the options with which it was recorded",
+                       header.tick, header.hash, hash));
   }
 };
 
@@ -137,7 +138,8 @@ SessionReplay::SessionReplay(const fs::path& file, const Simulation& simulation)
                                "the version that wrote it",
                                then, now));
   if (const Result<> same = same_options(header, simulation); !same)
-    impl_->fail(1, fmt::format("the session belongs to another run: {}", same.error().text));
+    impl_->fail(1,
+                fmt::format("this run has other options than the run of the session: {}", same.error().text));
   impl_->check_state(simulation);
   while (left() > 0 && impl_->session.acts[impl_->next].tick < simulation.tick()) ++impl_->next;
 }

@@ -27,7 +27,7 @@ constexpr double k_longest_ray_m = 3e5;  // from corner to corner of the largest
 std::uint64_t ticks_of(std::string_view call, double seconds, double tick_s) {
   if (!(seconds >= 0 && seconds <= k_longest_run_s))
     throw std::invalid_argument(
-        fmt::format("{}({}): give a time from 0 to {:g} s", call, seconds, k_longest_run_s));
+        fmt::format("{}({}): give a time from 0 to {} s", call, seconds, k_longest_run_s));
   return engine::ticks_until(seconds, tick_s);
 }
 
@@ -212,7 +212,7 @@ RayHit Simulation::cast(const Pose& from, double range_max, const Model* without
       throw std::invalid_argument("cast(): x, y, z and heading of the start of the ray must be finite");
   if (!(range_max >= 0 && range_max <= k_longest_ray_m))
     throw std::invalid_argument(
-        fmt::format("cast(): range_max is {} m; allowed are 0 to {:g} m", range_max, k_longest_ray_m));
+        fmt::format("cast(): range_max is {} m; allowed are 0 to {} m", range_max, k_longest_ray_m));
   if (without != nullptr) impl_->require_own(*without);
   const Rotation rotation(from.heading);
   return engine::first_met(impl_->world->view(),

@@ -24,7 +24,8 @@ Result<> check_readable(const std::filesystem::path& file, std::uintmax_t most_b
   if (!S_ISREG(status.st_mode)) return Error{"this is a device, not a regular file"};
   if (access(file.c_str(), R_OK) != 0) return system_reason();
   if (static_cast<std::uintmax_t>(status.st_size) > most_bytes)
-    return Error{fmt::format("is too large: {} bytes; at most {} are allowed", status.st_size, most_bytes)};
+    return Error{
+        fmt::format("the file is too large: {} bytes; at most {} are allowed", status.st_size, most_bytes)};
   return {};
 }
 

@@ -113,8 +113,8 @@ std::vector<Variant> load(const CheckOptions& options, const engine::Registry& r
     Variant& variant = add(1, options.tile_sizes_m.front(), Memory::kept, ", bodies beyond reach hidden");
     if (variant.world().spec().ranging == engine::RangingEngine::grid)
       throw InputError(
-          "troupe check: error: --reach needs the exact ray engine, but this run uses the grid engine "
-          "(key \"ranging\" of the world file, or option --raytracer)");
+          "troupe check: error: --reach needs the exact ray engine, but this run uses the grid engine: give "
+          "--raytracer exact");
     variant.world().hide_beyond_reach(true);
   }
   return variants;
@@ -249,8 +249,8 @@ void print_foreign_measures(const Simulation& simulation) {
   for (const std::string& name : kinds)
     if (const auto kind = simulation.registry().find_measure(name); kind && (*kind)->is_foreign)
       fmt::print(
-          "note: {} is computed in Python: Troupe does not guarantee that its values are equal in all "
-          "variants\n",
+          "note: the measure {} is computed in Python: Troupe does not guarantee that its values are equal "
+          "in all compared runs\n",
           name);
 }
 
@@ -258,8 +258,9 @@ ExitCode check_checked(const CheckOptions& options, const engine::Registry& regi
   if (options.threads.size() * options.tile_sizes_m.size() * options.ranks.size() < 2 &&
       !options.simulation.processes && !options.controllers && !options.amnesia && !options.reach)
     throw InputError(
-        "troupe check: error: there is only one variant and nothing to compare: give several numbers to "
-        "--threads, --ranks or --tile-size, or give --amnesia, --reach or --controllers");
+        "troupe check: error: only one run is requested, so there is nothing to compare: give several "
+        "numbers of threads, as in --threads 1,8 (--ranks, --tile-size, --amnesia, --reach and --controllers "
+        "also add runs)");
   std::vector<Variant> variants = load(options, registry);
   Simulation& first = variants.front().simulation;
   for (const std::string& warning : first.warnings()) fmt::print(stderr, "{}\n", warning);

@@ -68,9 +68,9 @@ ExitCode diff_hash_logs(const DiffOptions& options) {
   skip_to(first, a, begin);
   skip_to(second, b, begin);
   if (!a || !b)
-    throw InputError(fmt::format("{}: error: the log ends before tick {}, at which {} begins",
-                                 (a ? second : first).file().string(), begin,
-                                 (a ? first : second).file().string()));
+    throw InputError(fmt::format(
+        "{}: error: the log ends before tick {}, at which {} begins: the logs have no tick in common",
+        (a ? second : first).file().string(), begin, (a ? first : second).file().string()));
 
   HashLogReader::Line last = *a;
   for (; a && b; a = first.next(), b = second.next()) {

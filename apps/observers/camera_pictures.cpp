@@ -124,10 +124,10 @@ namespace {
 /// of the world file, for the error.
 void check_cameras(const Simulation& simulation, const std::filesystem::path& world) {
   if (!running_cameras(simulation).empty()) return;
-  throw InputError(fmt::format(
-      "{}: error: --camera-png: no camera of this world runs; a camera runs if a controller reads it, or "
-      "with \"alwayson 1\" (in JSON: \"active\": true)",
-      world.string()));
+  throw InputError(
+      fmt::format("{}: error: --camera-png: no camera of this world runs: set \"active\": true for a camera "
+                  "(\"alwayson 1\" in a .world file); a camera that a controller reads also runs",
+                  world.string()));
 }
 
 class CameraOutput : public ClonedOutput<CameraOutput> {

@@ -42,10 +42,11 @@ Snapshots::Snapshots(const PictureFiles& files, const Simulation& simulation, st
     const double time = files.snapshot_at_s[i];
     const std::uint64_t tick = engine::ticks_until(time, simulation.tick_s());
     if (tick < simulation.tick() || tick > end_tick)
-      throw InputError(fmt::format(
-          "{}: error: --snapshot-at {:g}: give times within the run, which goes from {:g} s to {:g} s",
-          simulation.effective_options().front().second, time, simulation.time_s(),
-          static_cast<double>(end_tick) * simulation.tick_s()));
+      throw InputError(
+          fmt::format("{}: error: --snapshot-at {:.10g}: give times within the run, which goes from {:.10g} "
+                      "s to {:.10g} s",
+                      simulation.effective_options().front().second, time, simulation.time_s(),
+                      static_cast<double>(end_tick) * simulation.tick_s()));
     due_.emplace_back(tick, names[i]);
   }
 }

@@ -44,8 +44,8 @@ std::unique_ptr<Recorder> make_recorder(const RunOptions& options, const Simulat
   if (file.empty()) {
     if (options.recording.every_s > 0 || !options.recording.fields.empty())
       throw InputError(
-          "troupe run: error: --record-every and --record-fields need --record FILE.h5, or a world file with "
-          "\"record\"");
+          "troupe run: error: --record-every and --record-fields need a recording, but the world file has no "
+          "\"record\": give --record FILE.h5");
     return nullptr;
   }
   RecordingOptions recording = options.recording;

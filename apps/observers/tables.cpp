@@ -54,12 +54,12 @@ Measures remembering(const fs::path& file, const Simulation& simulation, Measure
   if (const auto saved = simulation.saved_memory(memory_name(measures))) {
     if (!measures.remember(*saved))
       fail(
-          "the checkpoint contains measures of the same names with other parameters: rename the measures of "
-          "this run");
+          "the checkpoint contains measures with the same names as those of this run, but with other "
+          "parameters: give the measures of this run other names (key \"name\")");
   } else if (goes_on(file, simulation) && !measures.memory().empty()) {
     fail(
-        "the table cannot be continued: the checkpoint was saved without these measures and has no data of "
-        "their earlier ticks; choose another file");
+        "the table cannot be continued: the checkpoint was saved without these measures, so it does not "
+        "contain their data of earlier ticks: choose another file");
   }
   return measures;
 }

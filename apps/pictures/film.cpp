@@ -49,10 +49,9 @@ std::string find_ffmpeg() {
 void check_film(const PictureFiles& pictures) {
   if (pictures.film.empty() || is_frames(pictures.film)) return;
   if (pictures.look.background == "transparent")
-    refuse_output(
-        pictures.film,
-        "a film cannot be transparent: use --background paper, white or dark, or write pictures, as in "
-        "--film frames/%06d.png");
+    refuse_output(pictures.film,
+                  "a film cannot be transparent: give another --background, or write single pictures, which "
+                  "can be transparent, with --film frames/%06d.png");
   if (find_ffmpeg().empty()) refuse_output(pictures.film, k_no_ffmpeg);
 }
 
@@ -162,14 +161,14 @@ void Ffmpeg::fail() {
   close_if_open(pipe_);
   const int code = process_ >= 0 ? wait() : 0;
   throw std::runtime_error(
-      fmt::format("{}: error: writing failed: ffmpeg ended with code {}", film_.string(), code));
+      fmt::format("{}: error: writing failed: ffmpeg ended with exit code {}", film_.string(), code));
 }
 
 void Ffmpeg::finish() {
   close_if_open(pipe_);
   if (const int code = wait(); code != 0)
     throw std::runtime_error(
-        fmt::format("{}: error: writing failed: ffmpeg ended with code {}", film_.string(), code));
+        fmt::format("{}: error: writing failed: ffmpeg ended with exit code {}", film_.string(), code));
   try {
     partial_->commit();
   } catch (const std::system_error& error) {

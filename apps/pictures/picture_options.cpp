@@ -54,7 +54,7 @@ void set_center(PictureOptions& look, const std::string& text) {
   const auto center = two_numbers(text, false);
   if (!center || std::max(std::abs((*center)[0]), std::abs((*center)[1])) > k_farthest_m)
     refuse("--center", text,
-           fmt::format("x and y in metres, from -{0:g} to {0:g}, as in --center 2.5,-4", k_farthest_m));
+           fmt::format("x and y in metres, from -{0} to {0}, as in --center 2.5,-4", k_farthest_m));
   look.center_m = center;
 }
 
@@ -70,7 +70,7 @@ void set_angle(PictureOptions& look, const std::string& text) {
 double number_within(const char* option, const std::string& text, double most, std::string_view what) {
   const std::optional<double> value = finite(text);
   if (!value || *value <= 0 || *value > most)
-    refuse(option, text, fmt::format("{}, above 0 and at most {:g}", what, most));
+    refuse(option, text, fmt::format("{}, above 0 and at most {}", what, most));
   return *value;
 }
 
@@ -138,7 +138,7 @@ void add_film_options(CLI::App& app, PictureFiles& pictures) {
               const std::optional<double> fps = finite(text);
               if (!fps || *fps < k_least_fps || *fps > k_most_fps)
                 refuse("--fps", text,
-                       fmt::format("a number of frames per second, {:g} to {:g}", k_least_fps, k_most_fps));
+                       fmt::format("a number of frames per second, from {} to {}", k_least_fps, k_most_fps));
               pictures.fps = *fps;
             })
       ->needs(film);
@@ -147,7 +147,7 @@ void add_film_options(CLI::App& app, PictureFiles& pictures) {
               const std::optional<double> speed = finite(text);
               if (!speed || *speed < k_least_speed || *speed > k_most_speed)
                 refuse("--film-speed", text,
-                       fmt::format("a multiple of real time, {:g} to {:g}", k_least_speed, k_most_speed));
+                       fmt::format("a multiple of real time, from {} to {}", k_least_speed, k_most_speed));
               pictures.film_speed = *speed;
             })
       ->needs(film);
@@ -157,7 +157,7 @@ void add_look_options(CLI::App& app, PictureOptions& look) {
   add_value(app, "--size", "WxH", "Size of pictures in pixels (default: 1280x720)",
             [&look](const std::string& text) { set_picture_size(look, text); });
   add_value(app, "--camera", "C",
-            "top (default), fit, perspective, follow:all, follow:NAME or window; see below",
+            "View: top (default), fit, perspective, follow:all, follow:NAME or window; see below",
             [&look](const std::string& text) {
               look.camera = text;
               if (const Result<> known = check_camera(text); !known)
@@ -183,7 +183,8 @@ void add_look_options(CLI::App& app, PictureOptions& look) {
                                : check_layers(text);
               if (!known) throw CLI::ValidationError("--layers", known.error().text);
             });
-  add_value(app, "--background", "B", "paper (default), white, dark or transparent",
+  add_value(app, "--background", "B",
+            "Background: paper (off-white, default), white, dark or transparent (not in films)",
             [&look](const std::string& text) {
               look.background = text;
               if (const Result<> known = check_background(text); !known)

@@ -82,7 +82,7 @@ void draw_simulation(const RenderOptions& options, Simulation& simulation) {
   const auto& times = options.pictures.snapshot_at_s;
   if (!times.empty() && engine::ticks_until(times.front(), simulation.tick_s()) < simulation.tick())
     throw InputError(fmt::format(
-        "{}: error: {} {:g}: the checkpoint was saved at {:g} s; give this time or a later one",
+        "{}: error: {} {:.10g}: the checkpoint was saved at {:.10g} s; give this time or a later one",
         options.world.string(), options.for_s ? "--for" : "--at", times.front(), simulation.time_s()));
   pictures.rehearse(snapshot_files(options.pictures).front());
   const RunSpeed speed(simulation.time_s());
@@ -125,9 +125,10 @@ void see_history(RecordedRun& run, Pictures& pictures) {
 void refuse_speed(const RenderOptions& options) {
   const std::string list = "," + options.pictures.look.layers + ",";
   if (list.find(",speed,") == list.npos && list.find(",+speed,") == list.npos) return;
-  throw InputError(fmt::format(
-      "{}: error: the layer \"speed\" can be drawn for worlds and checkpoints, but not for recordings",
-      options.world.string()));
+  throw InputError(
+      fmt::format("{}: error: the layer \"speed\" can be drawn for worlds and checkpoints, but not for "
+                  "recordings: omit this layer",
+                  options.world.string()));
 }
 
 void draw_recording(const RenderOptions& options, RecordedRun& run) {

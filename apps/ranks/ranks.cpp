@@ -72,8 +72,9 @@ std::unique_ptr<MpiTransport> connect(const Launcher& launcher) {
   try {
     transport = std::make_unique<MpiTransport>(module);
   } catch (const std::runtime_error& error) {
-    throw InputError(fmt::format("troupe: error: the MPI of {} cannot be used: {}", launcher.name,
-                                 std::string_view(error.what())));
+    throw InputError(
+        fmt::format("troupe: error: {} started this program, but the connection to MPI failed: {}",
+                    launcher.name, std::string_view(error.what())));
   }
   if (transport->ranks() != launcher.ranks)
     throw InputError(fmt::format(

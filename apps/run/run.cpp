@@ -106,9 +106,12 @@ void step_to_end(const Runs& runs, const std::function<bool()>& is_over, bool sh
 
 ExitCode run_checked(const RunOptions& options) {
   const auto start = Clock::now();
-  if (options.view && (options.worlds.size() > 1 || !options.session.empty()))
-    throw InputError(
-        "--view: error: --view shows the run of one world, and cannot be combined with --session");
+  if (options.view && options.worlds.size() > 1)
+    throw InputError(fmt::format(
+        "--view: error: --view shows the run of one world, but {} worlds are given: give only one",
+        options.worlds.size()));
+  if (options.view && !options.session.empty())
+    throw InputError("--view: error: --view cannot be combined with --session: omit --view");
   if (options.view && options.simulation.processes)
     throw InputError(
         "--view: error: --view shows a run of one process, but a launcher such as mpirun started several: "

@@ -143,7 +143,7 @@ void add_clock_options(CLI::App& app, RunOptions& options) {
               options.world_rate = text == "world";
               if (!options.world_rate && (!rate || *rate < k_least || *rate > engine::k_most_rate))
                 refuse("--rate", text,
-                       fmt::format("a rate from {} to {:g}, times real time, or world", k_least,
+                       fmt::format("a rate from {} to {}, times real time, or world", k_least,
                                    engine::k_most_rate));
               options.rate = rate.value_or(0);
             });

@@ -10,10 +10,12 @@
 #include <fmt/format.h>
 #include <sys/resource.h>
 
+#include <cerrno>
 #include <cstdio>
 #include <optional>
 #include <stdexcept>
 #include <string>
+#include <system_error>
 #include <utility>
 #include <vector>
 
@@ -167,10 +169,10 @@ WorldRun::WorldRun(RunOptions options) : options_(std::move(options)), simulatio
   report_.rate = rate_of(options_, simulation_);
   ticks_ = engine::ticks_until(report_.end_s, report_.tick_s);
   if (ticks_ < report_.first_tick)
-    throw InputError(fmt::format(
-        "{}: error: the checkpoint was saved at {:g} s, after the end of the run at {:g} s: give a later "
-        "--for",
-        options_.world.string(), simulation_.time_s(), report_.end_s));
+    throw InputError(
+        fmt::format("{}: error: the checkpoint was saved at {:.10g} s, after the end of the run at {:.10g} "
+                    "s: give a later --for",
+                    options_.world.string(), simulation_.time_s(), report_.end_s));
   report_.threads = simulation_.threads();
   report_.checkpoint = options_.checkpoint.string();
 }
@@ -305,7 +307,9 @@ void WorldRun::print_summary(bool is_one_of_several) const {
       if (const std::string result = observer->result(); !result.empty())
         fmt::print("  {:<18} {}\n", "written", result);
   }
-  if (std::fflush(stdout) != 0) throw std::runtime_error("standard output cannot be written");
+  if (std::fflush(stdout) != 0)
+    throw std::runtime_error(
+        fmt::format("standard output cannot be written: {}", std::generic_category().message(errno)));
 }
 
 void WorldRun::after_summary() const {

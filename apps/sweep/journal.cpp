@@ -31,10 +31,10 @@ std::string reason() { return std::generic_category().message(errno); }
 std::string head_of(std::string_view study) { return Json{{"troupe_sweep", 1}, {"study", study}}.dump(); }
 
 [[noreturn]] void refuse_other_study(const fs::path& file) {
-  throw OutputError(fmt::format(
-      "{}: error: the folder contains runs of another study, of an earlier version of the world file, or of "
-      "another version of the program: choose another folder with -o, or remove this folder",
-      file.string()));
+  throw OutputError(
+      fmt::format("{}: error: the folder contains runs of another study, of an earlier version of the world "
+                  "file, or of another version of the program: choose another folder with -o",
+                  file.string()));
 }
 
 /// Returns the lines of a file, except a last line without a line break, which is incomplete.
@@ -81,8 +81,8 @@ SweepJournal::SweepJournal(const fs::path& file, std::string_view study) : file_
   if (descriptor_ < 0) refuse_output(file, reason());
   try {
     if (flock(descriptor_, LOCK_EX | LOCK_NB) != 0)
-      throw OutputError(
-          fmt::format("{}: error: another process is running this part of the study", file.string()));
+      throw OutputError(fmt::format(
+          "{}: error: another process is running this part of the study: wait until it ends", file.string()));
     const std::vector<std::string> lines = whole_lines(file);
     if (!lines.empty() && lines.front() != head_of(study)) refuse_other_study(file);
     std::size_t whole = 0;
@@ -123,7 +123,8 @@ std::map<std::size_t, SweepOutcome> read_journals(const fs::path& folder, std::s
         outcomes.insert_or_assign(outcome.run, std::move(outcome));
       } catch (const Json::exception&) {
         throw OutputError(
-            fmt::format("{}:{}: error: not a result that troupe sweep writes: the file is damaged",
+            fmt::format("{}:{}: error: not a result that troupe sweep writes: the file is damaged; remove "
+                        "it, and repeat the command, which makes the missing runs again",
                         entry.path().string(), i + 1));
       }
   }

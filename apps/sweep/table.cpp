@@ -161,7 +161,8 @@ void write_series(const SweepTable& table, const std::vector<std::string>& measu
       const std::optional<std::string> rows = worldio::read_file(series_file(folder, run));
       if (!rows)
         refuse_output(series_file(folder, run),
-                      "the samples of this run were removed; the same command makes the run again");
+                      "it contained the samples of this run, but was removed: repeat the command, which "
+                      "makes the run again");
       write(*rows);
     }
     whole.sync();

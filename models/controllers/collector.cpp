@@ -152,8 +152,9 @@ Result<> Collector::bind_world(const WorldSpec& world, const engine::TypeSpec&, 
       }
   }
   if (sinks.empty())
-    return Error{fmt::format("needs a model named \"{}\", or \"{}0\", \"{}1\" and so on", params.sink,
-                             params.sink, params.sink)};
+    return Error{
+        fmt::format("needs a model in the world named \"{}\", or several named \"{}0\", \"{}1\" and so on",
+                    params.sink, params.sink, params.sink)};
   std::vector<Box> boxes;
   for (const Vec2& at : sinks) boxes.push_back(Box::around(at, k_delivered + 1e-6));
   sinks_about = partition::BoxGrid(boxes);

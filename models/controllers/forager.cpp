@@ -154,7 +154,7 @@ Result<> Forager::bind_world(const WorldSpec& world, const engine::TypeSpec&, st
     const BodyId from = find_body(world, source);
     const BodyId to = find_body(world, sink);
     if (!from.valid() || !to.valid())
-      return Error{fmt::format("needs a model named \"{}\"", from.valid() ? sink : source)};
+      return Error{fmt::format("needs a model in the world named \"{}\"", from.valid() ? sink : source)};
     tasks.push_back({goal(from), goal(to)});
   }
   for (std::size_t b = 0; pack && b < world.bodies.size(); ++b)

@@ -149,7 +149,7 @@ struct Operate {
       step.chosen = static_cast<std::size_t>(known - chosen.begin());
       if (known == chosen.end()) chosen.push_back(index);
     }
-    if (steps.empty()) return Error{"needs `plan` or `orders`"};
+    if (steps.empty()) return Error{"has no orders: give `orders` (in a .world file: `plan`)"};
     return chosen;
   }
 

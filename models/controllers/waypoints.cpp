@@ -81,7 +81,7 @@ struct Waypoints {
   std::uint64_t period = 1;  // ticks between two runs of the drive
 
   Result<std::vector<std::size_t>> choose(std::span<const engine::DeviceInfo>, std::vector<bool>&) const {
-    if (params.goals.empty()) return Error{"needs at least one goal"};
+    if (params.goals.empty()) return Error{"needs at least one goal in `goals`"};
     return std::vector<std::size_t>();
   }
 

@@ -48,7 +48,8 @@ struct DeadSensors {
       if (device.kind->is_sensor()) sensors.push_back(device.name);
     std::vector<std::string_view> wanted = words_of(params.sensors);
     if (wanted.empty()) wanted = sensors;
-    if (wanted.empty()) return Error{fmt::format("bodies of type \"{}\" have no sensor", type.name)};
+    if (wanted.empty())
+      return Error{fmt::format("this fault needs a sensor, but bodies of type \"{}\" have none", type.name)};
     for (const std::string_view name : wanted) {
       const auto device = std::ranges::find(type.devices, name, &BodyType::Device::name);
       if (device == type.devices.end() || !device->kind->is_sensor())
@@ -77,7 +78,8 @@ struct SlowWheels {
   };
 
   static Result<Impairment> prepare(const Params& params, const BodyType& type) {
-    if (!type.drive) return Error{fmt::format("bodies of type \"{}\" have no drive", type.name)};
+    if (!type.drive)
+      return Error{fmt::format("this fault needs a drive, but bodies of type \"{}\" have none", type.name)};
     return Impairment{.speed = params.factor};
   }
 };

@@ -1,6 +1,7 @@
 #include "models/measures/coverage.hpp"
 
 #include "base/limits.hpp"
+#include "base/number_text.hpp"
 #include "engine/measures.hpp"
 
 #include <fmt/format.h>
@@ -50,9 +51,9 @@ class Coverage : public Measure {
     const double cells = (size.x() + 1) * (size.y() + 1);
     if (cells > k_most_cells)
       throw std::length_error(
-          fmt::format("the ground has {:.3g} cells of {:g} m, but at most {:.3g} are allowed: give a "
-                      "larger cell_m",
-                      cells, grid_.cell_m, k_most_cells));
+          fmt::format("the ground has {} million cells of {} m, but at most {} million are allowed: give a "
+                      "larger \"cell_m\"",
+                      plain_number(cells / 1e6, 3), plain_number(grid_.cell_m), k_most_cells / 1e6));
     low_ = grid_.cell(ground.min);
     const partition::Cell high = grid_.cell(ground.max);
     columns_ = static_cast<std::size_t>(std::int64_t{high.x} - low_.x + 1);

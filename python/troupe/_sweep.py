@@ -45,7 +45,7 @@ def _make(world: Any, name: str, study: Dict[str, Any], index: int, options: Dic
     end_s = study["for_s"] if study["for_s"] is not None else simulation.quit_time_s
     if end_s is None:
         raise _core.InputError(
-            f'{name}: error: no end time: give "for_s" in the study, or set quit_time in the world')
+            f'{name}: error: no end time: give "for_s" in the study, or set quit_time_s in the world (quit_time in a .world)')
     end = _core._ticks_until(end_s, simulation.tick_s)
     every = _core._period_ticks(study["measure_every_s"], simulation.tick_s)
     looks: List[List[float]] = []

@@ -111,7 +111,7 @@ std::vector<BadInput> json_inputs() {
       {"nan", "bad.json", json_world("\"tick_s\": 0.1", "\"tick_s\": NaN"), "bad.json:2", "invalid literal"},
       {"infinite", "bad.json", json_world("\"tick_s\": 0.1", "\"tick_s\": 1e999"), "bad.json:2", "1e999"},
       {"zero_tick", "bad.json", json_world("\"tick_s\": 0.1", "\"tick_s\": 0"), "bad.json:2",
-       "must be from 1e-06 to 3600 s"},
+       "must be from 0.000001 to 3600 s"},
       {"unknown_drive", "bad.json", json_world("\"kind\": \"diff\"", "\"kind\": \"dif\""), "bad.json:5",
        "did you mean \"diff\"?"},
       {"unknown_sensor", "bad.json", json_world("\"kind\": \"ranger\"", "\"kind\": \"rangre\""), "bad.json:6",

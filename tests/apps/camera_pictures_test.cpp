@@ -156,7 +156,7 @@ TEST_F(CameraPicturesOf, WhatCannotBeWrittenIsToldBeforeTheRun) {
   refused({world_, "blind.world", "--camera-png", "seen"}, "several worlds need different outputs");
   refused({world_, "--camera-every", "1"}, "--camera-every requires --camera-png");
   refused({world_, "--camera-png", "seen", "--camera-every", "often"},
-          "--camera-every: \"often\" is not a time in seconds, from 0 to 1e+09");
+          "--camera-every: \"often\" is not a time in seconds, from 0 to 1000000000");
 }
 
 }  // namespace

@@ -115,8 +115,9 @@ TEST_F(CheckProgram, BadInputIsExitCode2) {
   EXPECT_EQ(error_of({"check", "room.world"}),
             "room.world: error: no end time: give --for SECONDS, or set quit_time in the world\n");
   EXPECT_EQ(error_of({"check", "room.world", "--for", "1", "--threads", "2", "--tile-size", "3"}),
-            "troupe check: error: there is only one variant and nothing to compare: give several numbers to "
-            "--threads, --ranks or --tile-size, or give --amnesia, --reach or --controllers\n");
+            "troupe check: error: only one run is requested, so there is nothing to compare: give several "
+            "numbers of threads, as in --threads 1,8 (--ranks, --tile-size, --amnesia, --reach and "
+            "--controllers also add runs)\n");
 }
 
 /// A sensor that counts the bodies within 1 m, and declares a reach of its own.
@@ -485,8 +486,8 @@ TEST_F(CheckProgram, ReachNeedsTheExactRayEngine) {
   const Outcome outcome = troupe({"check", "room.world", "--for", "1", "--reach", "--raytracer", "grid"});
   EXPECT_EQ(outcome.code, 2);
   EXPECT_EQ(outcome.err,
-            "troupe check: error: --reach needs the exact ray engine, but this run uses the grid engine "
-            "(key \"ranging\" of the world file, or option --raytracer)\n");
+            "troupe check: error: --reach needs the exact ray engine, but this run uses the grid engine: "
+            "give --raytracer exact\n");
 }
 
 struct Rogue {

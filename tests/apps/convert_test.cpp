@@ -70,7 +70,8 @@ TEST_F(ConvertCommand, AFileThatIsThereIsReplacedOnlyWithForce) {
   EXPECT_EQ(troupe({"convert", "w.world", "w.json", "--force"}).code, 0);
   EXPECT_THAT(read("w.json"), StartsWith("{\n  \"troupe\": 1,\n"));
   EXPECT_THAT(refused({"convert", "w.world", "w.world", "--force"}).err,
-              HasSubstr("w.world: error: cannot be written: it is the world, which is read as input"));
+              HasSubstr("w.world: error: cannot be written: it is the world, which this command reads: "
+                        "choose another file name"));
 }
 
 TEST_F(ConvertCommand, NothingIsWrittenOfAWorldThatIsWrong) {

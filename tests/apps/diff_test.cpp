@@ -90,7 +90,9 @@ TEST_F(Diff, ALogMayBeginLater) {
             "same bits, tick 5 to 10; the last state has the hash 0000000000000013\n");
   const Outcome apart = diff(header() + lines(0, 3), header() + lines(5, 10));
   EXPECT_EQ(apart.code, 2);
-  EXPECT_EQ(apart.err, "a.log: error: the log ends before tick 5, at which b.log begins\n");
+  EXPECT_EQ(
+      apart.err,
+      "a.log: error: the log ends before tick 5, at which b.log begins: the logs have no tick in common\n");
 }
 
 TEST_F(Diff, OtherDomainsAreComparedOnlyWhenToldTo) {

@@ -196,7 +196,7 @@ TEST_F(RunPictures, AFilmThatFailsIsAFailureAndLeavesNothing) {
   setenv("FAKE_FFMPEG_CODE", "7", 1);
   const Outcome outcome = run({"--film", "f.mp4"});
   EXPECT_EQ(outcome.code, 1);
-  EXPECT_THAT(outcome.err, HasSubstr("f.mp4: error: writing failed: ffmpeg ended with code 7"));
+  EXPECT_THAT(outcome.err, HasSubstr("f.mp4: error: writing failed: ffmpeg ended with exit code 7"));
   EXPECT_THAT(files(), ElementsAre("bin", "room.world"));
 }
 
@@ -245,8 +245,7 @@ TEST_F(RunPictures, WhatCannotBeIsRefusedBeforeTheRun) {
       {{"--snapshot", "p.png", "--background", "pink"},
        "--background: unknown background \"pink\"; known: dark, paper, transparent, white"},
       {{"--film", "f.mp4", "--background", "transparent"},
-       "f.mp4: error: cannot be written: a film cannot be transparent: use --background paper, white or "
-       "dark"},
+       "f.mp4: error: cannot be written: a film cannot be transparent: give another --background"},
       {{"--snapshot", "p.svg", "--angle", "30"},
        "room.world: error: p.svg: .svg and .pdf need a view from straight above"},
   };

@@ -210,7 +210,7 @@ TEST_F(Render, WhatARecordingHasNotIsRefused) {
   for (const char* layer : {"sights", "blobs", "grips", "links", "speed"})
     EXPECT_EQ(refusal({"run.h5", "--layers", layer}),
               "run.h5: error: the layer \"" + std::string(layer) +
-                  "\" can be drawn for worlds and checkpoints, but not for recordings\n");
+                  "\" can be drawn for worlds and checkpoints, but not for recordings: omit this layer\n");
   EXPECT_THAT(refusal({"run.h5", "--color-by", "velocity.x"}),
               AllOf(HasSubstr("run.h5: error: unknown value \"velocity.x\"; known: pose.heading, pose.x, "),
                     HasSubstr("; troupe run --record-fields selects the fields that are recorded\n")));

@@ -94,7 +94,8 @@ TEST_F(ReplayPage, WrongInputIsRefusedBeforeAnythingIsWritten) {
   EXPECT_THAT(error_of({"run.h5", "-o", "none/swarm.html"}),
               HasSubstr("none/swarm.html: error: cannot be written: there is no folder none"));
   EXPECT_THAT(error_of({"run.h5", "-o", "run.h5"}),
-              HasSubstr("run.h5: error: cannot be written: it is the recording, which is read as input"));
+              HasSubstr("run.h5: error: cannot be written: it is the recording, which this command reads: "
+                        "choose another file name"));
   EXPECT_THAT(error_of({"run.h5", "-o", "."}), HasSubstr("it is a folder"));
   write("precious.html", "precious");
   EXPECT_EQ(error_of({"run.h5", "-o", "precious.html"}),

@@ -255,13 +255,15 @@ TEST_F(Resume, BadInputIsOneMessageAndWritesNothing) {
       {{"resume", "c.h5", "--for", "0.5"},
        "c.h5: error: the checkpoint was saved at 1 s, after the end of the run at 0.5 s"},
       {{"resume", "c.h5", "--for", "2", "--hash-log", "c.h5"},
-       "c.h5: error: cannot be written: it is the checkpoint, which is read as input"},
+       "c.h5: error: cannot be written: it is the checkpoint, which this command reads: choose another file "
+       "name"},
       {{"resume", "c.h5", "--for", "2", "--seed", "3"}, "troupe resume: error: unknown option \"--seed\""},
       {{"resume", "c.h5", "--for", "2", "--checkpoint-every", "1"}, "--checkpoint"},
       {{"run", "room.world", "--for", "2", "--checkpoint", "no/c.h5"},
        "no/c.h5: error: cannot be written: there is no folder no"},
       {{"run", "room.world", "--for", "2", "--checkpoint", "room.world", "--force"},
-       "room.world: error: cannot be written: it is the world, which is read as input"},
+       "room.world: error: cannot be written: it is the world, which this command reads: choose another file "
+       "name"},
       {{"run", "room.world", "--for", "2", "--checkpoint", "/dev/null", "--force"},
        "/dev/null: error: cannot be written: it is not a regular file"},
       {{"run", "room.world", "--for", "2", "--checkpoint", "d.h5", "--checkpoint-every", "0"},

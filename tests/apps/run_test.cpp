@@ -373,9 +373,10 @@ TEST_F(Run, OutputsThatCannotBeWrittenAreRefusedBeforeTheRun) {
       {{"--snapshot", "none/p.png"}, "none/p.png: error: cannot be written: there is no folder none"},
       {{"--hash-log", "/"}, "/: error: cannot be written: it is a folder"},
       {{"--hash-log", "./room.world"},
-       "./room.world: error: cannot be written: it is the world, which is read as input"},
+       "./room.world: error: cannot be written: it is the world, which this command reads: choose another "
+       "file name"},
       {{"--hash-log", "p.png", "--snapshot", "./p.png"},
-       "./p.png: error: cannot be written: another output has the same name"},
+       "./p.png: error: cannot be written: another output has the same name: choose another file name"},
   };
   for (const auto& [options, message] : cases) {
     std::vector<std::string> arguments{"run", "room.world", "--for", "1"};

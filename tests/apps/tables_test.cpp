@@ -228,15 +228,14 @@ TEST_F(Tables, WhatCannotBeMeasuredIsRefusedBeforeTheRun) {
           "\"coverage\"?); no folder to search for coverge.so: give --plugin-path");
   refused({"--events", "none/e.csv"}, "none/e.csv: error: cannot be written: there is no folder none");
   refused({"--events", "m.csv", "--measures", "./m.csv"},
-          "m.csv: error: cannot be written: another output has the same name");
+          "m.csv: error: cannot be written: another output has the same name: choose another file name");
   refused({"--measure", "order"}, "troupe run: error: --measure requires --measures; see troupe run --help");
   refused({"--measures", "m.csv", "--measure", "order,,stalls"},
           "troupe run: error: --measure: \"order,,stalls\" is not a list of measures, as in --measure "
           "coverage,stalls; `troupe describe` lists them; see troupe run --help");
-  refused(
-      {"--measures", "m.csv", "--measure-every", "-1"},
-      "troupe run: error: --measure-every: \"-1\" is not a time in seconds, from 0 to 1e+09; see troupe run "
-      "--help");
+  refused({"--measures", "m.csv", "--measure-every", "-1"},
+          "troupe run: error: --measure-every: \"-1\" is not a time in seconds, from 0 to 1000000000; see "
+          "troupe run --help");
 }
 
 TEST_F(Tables, AnExistingTableIsOverwrittenLikeAHashLog) {
@@ -293,9 +292,10 @@ TEST_F(Tables, ThatCannotGoOnAreRefusedAndLeftAsTheyAre) {
   };
   Outcome outcome = with({"coverage"});
   EXPECT_EQ(outcome.code, 2);
-  EXPECT_THAT(lines_of(outcome.err),
-              ElementsAre("m.csv: error: the table cannot be continued: the checkpoint was saved without "
-                          "these measures and has no data of their earlier ticks; choose another file"));
+  EXPECT_THAT(
+      lines_of(outcome.err),
+      ElementsAre("m.csv: error: the table cannot be continued: the checkpoint was saved without these "
+                  "measures, so it does not contain their data of earlier ticks: choose another file"));
   outcome = with({"order"});
   EXPECT_EQ(outcome.code, 2);
   EXPECT_THAT(outcome.err, HasSubstr("m.csv: error: cannot be written: this table cannot be continued after "

@@ -118,7 +118,7 @@ TEST_F(Watch, OtherRatesAreRefused) {
   for (const char* rate : {"0", "-1", "fast", "1x", "nan"}) {
     const Outcome outcome = troupe({"run", "w.world", "--for", "1", "--rate", rate});
     EXPECT_EQ(outcome.code, 2);
-    EXPECT_THAT(outcome.err, HasSubstr("is not a rate from 0.001 to 1e+09, times real time, or world"))
+    EXPECT_THAT(outcome.err, HasSubstr("is not a rate from 0.001 to 1000000000, times real time, or world"))
         << rate;
   }
 }
@@ -190,8 +190,10 @@ TEST_F(Worlds, OutputsNeedNamesOfTheirOwn) {
                   "in {world}-out.log; it is replaced by the name of the world"));
   const Outcome equal = troupe({"run", "a.world", "sub/a.world", "--for", "1", "--hash-log", "{world}.log"});
   EXPECT_EQ(equal.code, 2);
-  EXPECT_THAT(lines_of(equal.err),
-              ElementsAre("a.log: error: cannot be written: another output has the same name"));
+  EXPECT_THAT(
+      lines_of(equal.err),
+      ElementsAre(
+          "a.log: error: cannot be written: another output has the same name: choose another file name"));
 }
 
 TEST_F(Worlds, AreAllSavedWhenTheyAreStopped) {

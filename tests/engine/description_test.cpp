@@ -205,7 +205,7 @@ TEST(Description, WhatAMemberCannotHoldIsRefused) {
   };
   EXPECT_EQ(refused("byte", 256), "\"byte\" must be from 0 to 255, found 256");
   EXPECT_EQ(refused("byte", -1), "\"byte\" must be from 0 to 255, found -1");
-  EXPECT_EQ(refused("law", "mesh"), "\"law\" has no value named \"mesh\"");
+  EXPECT_EQ(refused("law", "mesh"), "\"law\" must be one of disc, walls, found \"mesh\"");
   EXPECT_EQ(refused("vector", std::vector<double>{1, 2}), "\"vector\" needs 3 numbers, found 2");
   EXPECT_EQ(refused("color", std::vector<double>{1, 2, 3}), "\"color\" needs 4 numbers, found 3");
   EXPECT_EQ(refused("byte", 255), "");

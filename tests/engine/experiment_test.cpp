@@ -448,8 +448,8 @@ TEST(Experiment, WhatCannotBeDoneIsToldWithItsPlace) {
   const FieldTable& ranger = test::registry().device("ranger")->params;
   EXPECT_THAT(doing(setting(1, TypeId(1), SettingSpec::Of::device, ranger, "transducers",
                             get(ranger, test::ranger("eye", {{.samples = 3}}).params, "transducers"))),
-              HasSubstr("device \"eye\": \"set\" must not change the number or layout of the readings and "
-                        "state fields, or the devices that a controller uses"));
+              HasSubstr("device \"eye\": \"set\" cannot change a parameter that determines how many values a "
+                        "device reads or stores, or which devices a controller uses"));
 
   const auto failing = [&](FaultSpec spec) {
     return errors([&](Squad& row) { row.scene.spec.experiment.faults = {spec}; });

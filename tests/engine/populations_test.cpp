@@ -139,8 +139,8 @@ TEST(Populations, ErrorsNameFileLineAndPopulation) {
   dense.rule.region = area(0, 0, 9, 9);
   dense.rule.pitch_m = 1e-5;
   EXPECT_THAT(errors_of({dense}),
-              ElementsAre("room.txt:8: error: populations[0].rule: the region has 8.1e+11 cells "
-                          "of 1e-05 m; at most 100000000 are allowed: give a larger \"pitch_m\""));
+              ElementsAre("room.txt:8: error: populations[0].rule: the region has 810000 million cells of "
+                          "0.00001 m; at most 100 million are allowed: give a larger \"pitch_m\""));
   PopulationSpec nowhere = row_of("a", 1);
   nowhere.rule.region = Box();
   EXPECT_THAT(

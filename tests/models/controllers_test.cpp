@@ -358,7 +358,7 @@ TEST(Waypoints, GoesFromGoalToGoalAndBeginsAgainWhereItShould) {
 TEST(Waypoints, NeedsGoals) {
   std::vector<bool> claimed;
   EXPECT_EQ(test::registry().controller("waypoints")->prepare(goals({}, false), {}, claimed).error().text,
-            "needs at least one goal");
+            "needs at least one goal in `goals`");
 }
 
 TEST(Wander, TakesOverARobotThatWasSentSomewhere) {

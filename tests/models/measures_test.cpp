@@ -669,8 +669,8 @@ TEST(Measures, SayWhatIsWrongWithThem) {
           "error: unknown type or population of robots \"trucks\"; known: m, minibot, t, truck (did you mean "
           "\"truck\"?)",
           "error: two measures have the column \"order\": give one of them another \"name\"",
-          AllOf(HasSubstr("error: coverage: "),
-                HasSubstr(" cells of 0.001 m, but at most 2.5e+07 are allowed: give a larger cell_m"))));
+          AllOf(HasSubstr("error: coverage: "), HasSubstr(" million cells of 0.001 m, but at most 25 million "
+                                                          "are allowed: give a larger \"cell_m\""))));
 }
 
 }  // namespace

@@ -162,7 +162,7 @@ class Controllers(InAFolder):
         self.write("stop.json", stopping)
         self.assertIn("ticks              1 of", self.troupe("run", "stop.json", "--controller", "roam.py").stdout)
         checked = self.troupe("check", "stop.json", "--controller", "roam.py", "--for", "0.5")
-        self.assertIn("roam:reach is computed in Python: Troupe does not guarantee that its values are equal", checked.stdout)
+        self.assertIn("the measure roam:reach is computed in Python: Troupe does not guarantee that its values are equal", checked.stdout)
         world = troupe.Simulation("w.json", controllers=["roam.py"])
         measures = troupe.Measures(world, ["stalls", "roam:reach", lambda robots: len(robots)])
         self.assertEqual(measures.columns, ["stalls", "roam:reach_m", "<lambda>"])

@@ -174,7 +174,7 @@ TEST(WorldDocument, WhatIsWrongComesOutAllAtOnce) {
   EXPECT_THAT(
       message_of<InputError>([&] { const Simulation simulation(world, "made.json"); }),
       AllOf(
-          HasSubstr("made.json: error: /tick_s: must be from 1e-06 to 3600 s, found -1"),
+          HasSubstr("made.json: error: /tick_s: must be from 0.000001 to 3600 s, found -1"),
           HasSubstr("made.json: error: /types/bot/drive/kind: unknown drive \"dif\"; known: car, diff, "
                     "omni (did you mean \"diff\"?)"),
           HasSubstr("made.json: error: /models/0: missing \"type\": the name of a type, a key of \"types\""),

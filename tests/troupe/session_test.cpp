@@ -309,8 +309,9 @@ TEST_F(Sessions, AnActThatCannotBeDoneSaysWhyAndChangesNothing) {
               HasSubstr("speed_mps"));
   EXPECT_THAT(setting("bot", R"({"controller": {"kind": "script"}})"),
               HasSubstr("unknown controller of this type \"script\""));
-  EXPECT_THAT(setting("bot", R"({"device": {"name": "eye", "transducers": [{"samples": 8}]}})"),
-              HasSubstr("must not change the number or layout of the readings"));
+  EXPECT_THAT(
+      setting("bot", R"({"device": {"name": "eye", "transducers": [{"samples": 8}]}})"),
+      HasSubstr("cannot change a parameter that determines how many values a device reads or stores"));
   EXPECT_THAT(setting("bot", R"({"type": "bot", "drive": {"velocity_max_x_mps": 1}})"),
               HasSubstr("unknown key \"type\""));
   EXPECT_THAT(setting("bot", "{}"),
@@ -325,10 +326,8 @@ TEST_F(Sessions, ThatDoNotFitAreRefusedWithFileAndLine) {
   const std::string move = R"({"tick":3,"n":1,"do":"remove","robot":"b0"})"
                            "\n";
   EXPECT_EQ(error(good + move), "");
-  EXPECT_THAT(
-      error(good, 6),
-      HasSubstr("s.jsonl:1: error: the session belongs to another run: seed is 5 in the session, but 6 in "
-                "this run"));
+  EXPECT_THAT(error(good, 6), HasSubstr("s.jsonl:1: error: this run has other options than the run of the "
+                                        "session: seed is 5 in the session, but 6 in this run"));
   std::string other = good;
   other.replace(other.find("\"hash\":\"") + 8, 4, "0000");
   EXPECT_THAT(error(other), HasSubstr("s.jsonl:1: error: the session began at tick 0 with state hash 0000"));
@@ -377,10 +376,10 @@ TEST_F(Sessions, SpareBodiesComeBehindAllOthersAndAreAdded) {
   EXPECT_THROW(simulation.act({.kind = Kind::add, .whom = "b", .pose = {9, 0, 0, 0}}), ActRefused);
   const fs::path session = SessionLog(folder_, simulation).file();
   Simulation other = world(1);
-  EXPECT_THAT(
-      [&] { const SessionReplay replay(session, other); },
-      ::testing::ThrowsMessage<InputError>(HasSubstr(
-          ":1: error: the session belongs to another run: spare is 2 in the session, but 1 in this run")));
+  EXPECT_THAT([&] { const SessionReplay replay(session, other); },
+              ::testing::ThrowsMessage<InputError>(
+                  HasSubstr(":1: error: this run has other options than the run of the session: spare is 2 "
+                            "in the session, but 1 in this run")));
 }
 
 TEST_F(Sessions, AreNeverReplaced) {

@@ -336,7 +336,8 @@ TEST_F(SimulationTest, WhatHasNoDriveCannotBeDriven) {
   Model wall = simulation.find("wall");
   EXPECT_EQ(message_of<std::logic_error>([&] { wall.set_speed(1, 0); }), "\"wall\" has no drive");
   EXPECT_EQ(message_of<std::logic_error>([&] { static_cast<void>(wall.speed()); }),
-            "\"wall\" is static: it has no drive and no sensor, hence no motion, command or reading");
+            "\"wall\" is static: it has no drive, device or controller and cannot be gripped or pushed, so "
+            "it has no motion, command or reading");
   EXPECT_THROW(static_cast<void>(wall.stalled()), std::logic_error);
 }
 
@@ -500,7 +501,7 @@ TEST_F(SimulationTest, RunForGoesOnFromWhereItIs) {
 TEST_F(SimulationTest, RunForRefusesWhatIsNoTime) {
   Simulation simulation = json();
   EXPECT_EQ(message_of<std::invalid_argument>([&] { simulation.run_for(-1); }),
-            "run_for(-1): give a time from 0 to 1e+12 s");
+            "run_for(-1): give a time from 0 to 1000000000000 s");
   EXPECT_THROW(simulation.run_for(std::numeric_limits<double>::quiet_NaN()), std::invalid_argument);
   EXPECT_THROW(simulation.run_for(std::numeric_limits<double>::infinity()), std::invalid_argument);
   EXPECT_EQ(simulation.tick(), 0u);

@@ -137,9 +137,9 @@ TEST_F(SpecSimulation, WhatIsWrongIsNamedByItsPath) {
          "error: types[2].parts[0].solids[0].z_m.max: must be from -1000000 to 1000000, found nan");
   expect([](Spec& s) { s.types[2].parts[0].returns.ranger = INFINITY; },
          "error: types[2].parts[0].ranger_return: must be from -1e+30 to 1e+30, found inf");
-  expect([](Spec& s) { s.tick_s = 0; }, "error: tick: must be from 1e-06 to 1e+15 s, found 0");
+  expect([](Spec& s) { s.tick_s = 0; }, "error: tick: must be from 0.000001 to 1000000000000000 s, found 0");
   expect([](Spec& s) { s.measure_every_s = -1; },
-         "error: measure_every: must be from 0 to 1e+15 s, found -1");
+         "error: measure_every: must be from 0 to 1000000000000000 s, found -1");
   expect([](Spec& s) { s.types[2].parts.clear(); },
          "error: types[2].parts: empty; a type needs at least one part");
   expect([](Spec& s) { s.types[2].parts[0].parent = 1; },
@@ -154,7 +154,7 @@ TEST_F(SpecSimulation, WhatIsWrongIsNamedByItsPath) {
          "error: types[2].drive.params: unknown drive \"hover\"");
   expect([](Spec& s) { s.types[2].drive->params.pop_back(); }, "error: types[2].drive.params: expected ");
   expect([](Spec& s) { s.types[2].drive->params.front() = "fast"; },
-         "the value does not have the type of this parameter");
+         "the value has another type than this parameter: give a number");
   expect([](Spec& s) { s.types[2].devices[0].params.front().v = std::vector<engine::Record>{{}}; },
          "error: types[2].sensors[0].params.transducers[0]: expected ");
   expect([](Spec& s) { s.bodies[3].pose_world_body.x = k_nan; },
@@ -171,7 +171,17 @@ TEST_F(SpecSimulation, WhatIsWrongIsNamedByItsPath) {
       [](Spec& s) {
         s.reserves = {{"r", BodyId(9), 5}};
       },
-      "error: reserves[0]: reserve \"r\" refers to bodies outside the body list");
+      "error: reserves[0]: reserve \"r\" refers to bodies 9 to 13, but the world has ");
+  expect(
+      [](Spec& s) {
+        s.reserves = {{"r", BodyId(1), 0}};
+      },
+      "error: reserves[0]: reserve \"r\" has no bodies: give a `count` of 1 or more");
+  expect(
+      [](Spec& s) {
+        s.reserves = {{"r", BodyId(0), 1}};
+      },
+      "error: reserves[0]: reserve \"r\" begins at body 0, but the first body that it may contain is body 1");
   expect([](Spec& s) { s.bounds.emplace(); },
          "error: bounds_m.min: must be from -1000000 to 1000000, found inf");
   expect(
@@ -187,7 +197,7 @@ TEST_F(SpecSimulation, WhatIsWrongIsNamedByItsPath) {
         s.types[2].drive->where = {s.files->add("robots.txt"), 12};
         s.types[2].drive->period_s = -1;
       },
-      "robots.txt:12: error: types[2].drive.period: must be from 0 to 1e+15 s, found -1");
+      "robots.txt:12: error: types[2].drive.period: must be from 0 to 1000000000000000 s, found -1");
 }
 
 }  // namespace

@@ -140,8 +140,8 @@ std::vector<Style> styles() {
        3,
        4,
        true,
-       {"arms.world:13: warning: the name \"puck\" is already taken; a look-up by this name finds the last "
-        "model that has it"}},
+       {"arms.world:13: warning: the name \"puck\" is already used: a search for this name finds only the "
+        "last model that has it"}},
       {"layers.world",
        3,
        1,

@@ -107,7 +107,8 @@ TEST_F(BitmapFile, ReadsAPortableGraymap) {
 
 TEST_F(BitmapFile, AMissingFileIsAnError) {
   EXPECT_FALSE(read(folder_ / "no.png"));
-  EXPECT_EQ(error(), "w.world:7: error: cannot read the image " + (folder_ / "no.png").string());
+  EXPECT_EQ(error(), "w.world:7: error: cannot read the image " + (folder_ / "no.png").string() +
+                         ": there is no such file");
 }
 
 TEST_F(BitmapFile, ABrokenFileIsAnError) {

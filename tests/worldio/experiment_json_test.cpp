@@ -265,7 +265,7 @@ TEST(PlacementJson, RulesAreReadAndWhatDoesNotFitIsCounted) {
               HasSubstr("placed 1 of 200 bodies"));
   EXPECT_THAT(found(R"({"rule": "gaussian", "mean_m": [3, 4]})"), HasSubstr("missing \"deviation_m\""));
   EXPECT_THAT(found(R"({"rule": "uniform"})"),
-              HasSubstr("or \"polygon_m\": one of them is needed, because the world has no bounds"));
+              HasSubstr("(or \"polygon_m\"), which is needed because the world has no bounds"));
   EXPECT_THAT(found(R"({"rule": "uniform", "polygon_m": [[0, 0], [2, 2], [2, 0], [0, 2]]})"),
               HasSubstr("/populations/0/place/polygon_m: "));
   EXPECT_THAT(found(R"({"rule": "poison_disc"})"),

@@ -440,7 +440,7 @@ INSTANTIATE_TEST_SUITE_P(
         Wrong{R"("seed": 7)", R"("title": 7)",
               "maze.json:3: error: /title: expected the world's title, found the number 7"},
         Wrong{R"("seed": 7)", R"("tick_s": 0)",
-              "maze.json:3: error: /tick_s: must be from 1e-06 to 3600 s, found 0"},
+              "maze.json:3: error: /tick_s: must be from 0.000001 to 3600 s, found 0"},
         Wrong{R"("seed": 7)", R"("tick_ms": 4e6)",
               "maze.json:3: error: /tick_ms: must be from 0.001 to 3600000 ms, found 4000000"},
         Wrong{R"("seed": 7)", R"("tick": 0.1)",
@@ -640,7 +640,7 @@ INSTANTIATE_TEST_SUITE_P(
               "poses for the next body was free"},
         Wrong{
             R"("region_m": [[0, 0], [1, 1]], )", "",
-            R"(maze.json:18: error: /populations/0/place: missing "region_m", [[x_min, y_min], [x_max, y_max]], or "polygon_m": one of them is needed, because the world has no bounds, floor plans or arena)"},
+            R"(maze.json:18: error: /populations/0/place: missing "region_m", [[x_min, y_min], [x_max, y_max]] (or "polygon_m"), which is needed because the world has no bounds, floor plans or arena)"},
         Wrong{"[[0, 0], [1, 1]]", "[[0, 0], [1, -1]]",
               "maze.json:18: error: /populations/0/place/region_m: the corners are in the wrong order: "
               "expected [[x_min, y_min], [x_max, y_max]]"},
@@ -653,8 +653,8 @@ INSTANTIATE_TEST_SUITE_P(
               "maze.json:18: error: /populations/0/place/pitch_m: must be above 0 and at most 100000 m, "
               "found 0"},
         Wrong{R"("pitch_m": 0.25)", R"("pitch_m": 1e-6)",
-              "maze.json:18: error: /populations/0/place: the region has 1e+12 cells of 1e-06 m; at most "
-              "100000000 are allowed: give a larger \"pitch_m\""},
+              "maze.json:18: error: /populations/0/place: the region has 1000000 million cells of 0.000001 "
+              "m; at most 100 million are allowed: give a larger \"pitch_m\""},
         Wrong{
             R"("pitch_m": 0.25)", R"("pitch_m": 0.25, "heading": "random", "heading_deg": 3)",
             R"(maze.json:18: error: /populations/0/place: give "heading": "random" or "heading_rad" or "heading_deg", not both)"},

@@ -151,8 +151,8 @@ TEST_F(Limits, MacrosOnMacros) {
 TEST_F(Limits, PointsThatAreNotThere) {
   EXPECT_THAT(
       refusal("w.world", repeated("model( block( points 99999 point[0] [0 0] ) )\n", 50)),
-      HasSubstr(
-          "w.world:1: error: \"points\" is 99999, but the block gives far fewer corners \"point[...]\""));
+      HasSubstr("w.world:1: error: \"points\" is 99999, but the block has only 2 properties, and each corner "
+                "needs a property \"point[...]\": set \"points\" to the number of corners"));
 }
 
 TEST_F(Limits, OutlinesOfRobotsThatCrossThemselves) {
@@ -196,12 +196,10 @@ TEST_F(Limits, Populations) {
   };
   EXPECT_THAT(refusal("w.json", world("1000000000000", "1")),
               AllOf(HasSubstr("w.json:2: error: /populations/0/count"), HasSubstr("10000000")));
-  EXPECT_THAT(refusal("w.json", world("1", "0.001")), HasSubstr("at most 100000000 are allowed"));
-  EXPECT_THAT(
-      refusal("w.json", world("1", "0.08")),
-      HasSubstr(
-          "w.json:3: error: /populations/1/place: the regions of this population and of those before it have "
-          "1.125e+08 cells"));
+  EXPECT_THAT(refusal("w.json", world("1", "0.001")), HasSubstr("at most 100 million are allowed"));
+  EXPECT_THAT(refusal("w.json", world("1", "0.08")),
+              HasSubstr("w.json:3: error: /populations/1/place: the grids of this population and of the grid "
+                        "populations before it have 112.5 million cells"));
 }
 
 TEST_F(Limits, ErrorsAndWhatTheyQuote) {

@@ -75,7 +75,7 @@ TEST_F(RosMapTest, WhatIsWrongIsToldAtItsLine) {
       messages_,
       ElementsAre(
           "maps/lab.yaml:1: error: \"image\" needs the path of an image, found a list",
-          "maps/lab.yaml:2: error: \"resolution\" needs a length from 1e-6 to 2e5 m, found \"0\"",
+          "maps/lab.yaml:2: error: \"resolution\" needs a length from 0.000001 to 200000 m, found \"0\"",
           "maps/lab.yaml:3: error: \"origin\" needs [x, y, yaw]: x and y from -100000 to 100000 m, yaw in "
           "rad, found "
           "\"nan\"",
@@ -86,7 +86,7 @@ TEST_F(RosMapTest, WhatIsWrongIsToldAtItsLine) {
   EXPECT_THAT(
       messages_,
       ElementsAre(
-          "maps/lab.yaml:2: error: \"resolution\" needs a length from 1e-6 to 2e5 m, found \"0.05 m\"",
+          "maps/lab.yaml:2: error: \"resolution\" needs a length from 0.000001 to 200000 m, found \"0.05 m\"",
           "maps/lab.yaml:3: error: \"origin\" needs [x, y, yaw], in m and rad",
           "maps/lab.yaml:4: error: \"free_thresh\" is 0.9, but must be at most \"occupied_thresh\", which is "
           "0.65"));

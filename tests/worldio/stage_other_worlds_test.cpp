@@ -155,8 +155,9 @@ TEST_F(StageOtherWorlds, SensorsOnSensorsOnGrippers) {
 TEST_F(StageOtherWorlds, AnUnsizedBumperIsALargeBody) {
   const auto spec = load(
       "position( bumper( bcount 1 blength 0.1 ) )\nposition( bumper( bcount 1 blength 0.1 noblocks 1 ) )");
-  EXPECT_THAT(messages(), ElementsAre("w.world:1: warning: as in Stage, a bumper without \"size\" has a body "
-                                      "of 0.4 m x 0.4 m x 1 m; give it a \"size\", or \"noblocks 1\""));
+  EXPECT_THAT(messages(),
+              ElementsAre("w.world:1: warning: as in Stage, a bumper without \"size\" has a body of 0.4 m x "
+                          "0.4 m x 1 m; give it a \"size\" (or \"noblocks 1\", if it should have no body)"));
   EXPECT_THAT(type_of(spec, 1).parts[1].solids, SizeIs(1));
   EXPECT_THAT(type_of(spec, 2).parts[1].solids, IsEmpty());
 }

@@ -132,7 +132,8 @@ TEST_F(Conformance14, UnknownProperty) {
 
 TEST_F(Conformance14, MissingOrUnreadableBitmap) {
   load("model(\n bitmap \"no.png\" )");
-  EXPECT_THAT(messages(), ElementsAre("w.world:2: error: cannot read the image no.png"));
+  EXPECT_THAT(messages(),
+              ElementsAre("w.world:2: error: cannot read the image no.png: there is no such file"));
   write("text.png", "no image");
   load("model( bitmap \"text.png\" )");
   EXPECT_THAT(
@@ -196,7 +197,7 @@ TEST_F(Conformance14, OverridesInAnInstance) {
   const auto spec =
       load("define box model( name \"box\" size [1 2 3] )\nbox( name \"mine\" )\nbox( size [4 5 6] )\nbox()");
   EXPECT_THAT(body_names(spec), ElementsAre("_ground_model", "mine", "box", "box"));
-  EXPECT_THAT(messages(), ElementsAre(HasSubstr("the name \"box\" is already taken")));
+  EXPECT_THAT(messages(), ElementsAre(HasSubstr("the name \"box\" is already used")));
   EXPECT_EQ(type_of(spec, 1).parts[0].size, Eigen::Vector3d(1, 2, 3));
   EXPECT_EQ(type_of(spec, 2).parts[0].size, Eigen::Vector3d(4, 5, 6));
   EXPECT_EQ(type_of(spec, 3).parts[0].size, Eigen::Vector3d(1, 2, 3));

@@ -117,13 +117,14 @@ TEST_F(StagePowerTest, RefusesWrongEnergies) {
       "model( mass -1 )\nmodel( joules 1 give_watts -1 alwayson 1 )\n");
   EXPECT_THAT(
       messages(),
-      ElementsAre(HasSubstr("w.world:1: error: \"watts\" must be from 0 to 1e+09, in W, found -3"),
-                  HasSubstr("w.world:2: error: \"joules_capacity\" must be 0 or above, and at most 1e12 J, "
-                            "found -5"),
-                  HasSubstr("w.world:3: error: \"when_empty\" must be \"stop\" or \"nothing\", found "
-                            "\"explode\""),
-                  HasSubstr("w.world:4: error: \"mass\" must be from 0 to 1e+06, in kg, found -1"),
-                  HasSubstr("w.world:5: error: \"give_watts\" must be from 0 to 1e+09")));
+      ElementsAre(
+          HasSubstr("w.world:1: error: \"watts\" must be from 0 to 1000000000, in W, found -3"),
+          HasSubstr("w.world:2: error: \"joules_capacity\" must be 0 or above, and at most 1000000000000 J, "
+                    "found -5"),
+          HasSubstr("w.world:3: error: \"when_empty\" must be \"stop\" or \"nothing\", found "
+                    "\"explode\""),
+          HasSubstr("w.world:4: error: \"mass\" must be from 0 to 1000000, in kg, found -1"),
+          HasSubstr("w.world:5: error: \"give_watts\" must be from 0 to 1000000000")));
 }
 
 TEST_F(StagePowerTest, ModelsWithASourceHoldFlags) {

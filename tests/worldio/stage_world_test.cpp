@@ -147,11 +147,11 @@ TEST_F(StageWorld, RefusesWrongWindows) {
   EXPECT_THAT(found,
               testing::UnorderedElementsAre(
                   "w.world:1: error: \"size\" needs 2 values [a b], found 1",
-                  "w.world:2: error: \"scale\" must be above 0 and at most 1e+06, found 0",
-                  "w.world:3: error: \"interval\" must be above 0 and at most 1e+09, found -3",
+                  "w.world:2: error: \"scale\" must be above 0 and at most 1000000, found 0",
+                  "w.world:3: error: \"interval\" must be above 0 and at most 1000000000, found -3",
                   "w.world:4: error: \"rotate\" needs a number such as 2, -0.5 or .25, found \"two\"",
                   "w.world:5: error: \"show_grid\" needs a whole number, found 0.5",
-                  "w.world:6: error: \"screenshot_skip\" must be at least 1 and at most 1e+09, found 0",
+                  "w.world:6: error: \"screenshot_skip\" must be at least 1 and at most 1000000000, found 0",
                   "w.world:7: error: \"follow_model\" needs one value, not a tuple"));
 }
 
@@ -256,7 +256,7 @@ TEST_F(StageWorld, DuplicateAndEmptyNamesAreReported) {
       "model( name [\"a\"] )");
   EXPECT_THAT(
       messages(),
-      ElementsAre("w.world:2: warning: the name \"x\" is already taken; a look-up by this name finds the "
+      ElementsAre("w.world:2: warning: the name \"x\" is already used: a search for this name finds only the "
                   "last model that has it",
                   "w.world:3: warning: \"name\" is empty; a generated name is used instead (and 1 more)",
                   "w.world:5: error: \"name\" needs one value, not a tuple"));
@@ -269,8 +269,8 @@ TEST_F(StageWorld, DefaultBodiesAreBoxesOfTheirSize) {
   const auto spec = load("model( size [2 4 3] )\nranger( sensor() )\nbumper()\nmodel( noblocks 1 )");
   EXPECT_THAT(
       messages(),
-      ElementsAre("w.world:3: warning: as in Stage, a bumper without \"size\" has a body "
-                  "of 0.4 m x 0.4 m x 1 m; give it a \"size\", or \"noblocks 1\"",
+      ElementsAre("w.world:3: warning: as in Stage, a bumper without \"size\" has a body of 0.4 m x 0.4 m x "
+                  "1 m; give it a \"size\" (or \"noblocks 1\", if it should have no body)",
                   "w.world:3: warning: a bumper without \"bcount\" has no bumpers and senses nothing"));
   const engine::PartSpec& box = type_of(spec, 1).parts[0];
   ASSERT_THAT(box.solids, SizeIs(1));
@@ -305,7 +305,7 @@ TEST_F(StageWorld, RefusesBrokenBlocks) {
                           "w.world:2: error: \"points\" must be from 3 to 100000, found 2",
                           "w.world:3: error: \"points\" needs a whole number, found 3.5",
                           "w.world:4: error: \"point[1]\" needs 2 values [x y], found 1",
-                          "w.world:5: error: \"z\" needs [min max], and min must not exceed max"));
+                          "w.world:5: error: \"z\" needs [min max] with min at most max, found [1 0]"));
 }
 
 TEST_F(StageWorld, WarnsOfDoubtfulBlocks) {
@@ -431,11 +431,12 @@ TEST_F(StageWorld, WhatIsWrongWithAMapOfRosIsToldInItsFile) {
   load(
       "model( bitmap \"a.yaml\" )\nmodel( bitmap \"b.yaml\" )\nmodel( bitmap \"c.yml\" )\nmodel( bitmap "
       "\"d.yml\" )");
-  EXPECT_THAT(messages(),
-              ElementsAre("a.yaml:2: error: \"resolution\" needs a length from 1e-6 to 2e5 m, found \"0\"",
-                          "b.yaml:2: error: cannot read the image no.pgm",
-                          "w.world:3: error: the ROS map c.yml has no occupied cell",
-                          "w.world:4: error: cannot read the map d.yml"));
+  EXPECT_THAT(
+      messages(),
+      ElementsAre("a.yaml:2: error: \"resolution\" needs a length from 0.000001 to 200000 m, found \"0\"",
+                  "b.yaml:2: error: cannot read the image no.pgm: there is no such file",
+                  "w.world:3: error: the ROS map c.yml has no occupied cell",
+                  "w.world:4: error: cannot read the map d.yml: there is no such file"));
 }
 
 TEST_F(StageWorld, ABitmapWithoutASolidPixelIsAnError) {
@@ -701,7 +702,7 @@ TEST_F(StageWorld, RefusesWrongTransducers) {
       messages(),
       ElementsAre("w.world:1: error: \"samples\" must be at least 1, found 0",
                   "w.world:2: error: \"range\" must be above 0 m, found 0",
-                  "w.world:3: error: \"range\" needs [min max] with min at most max",
+                  "w.world:3: error: \"range\" needs [min max] with min at most max, found [3 2]",
                   HasSubstr("w.world:4: error: \"fov\" must be at most 6.28"),
                   "w.world:5: error: \"range\" needs a tuple [min max]",
                   "w.world:6: error: \"update_interval\" must be 0 (every tick) or above, in ms, found -1"));
@@ -719,7 +720,7 @@ TEST_F(StageWorld, AllThatIsWrongWithATransducerIsReported) {
                           HasSubstr("w.world:4: error: \"fov\" must be at most 6.28"),
                           "w.world:5: error: \"samples\" must be at least 1, found 0",
                           "w.world:6: error: \"pose\" needs 4 values [x y z heading], found 1",
-                          "w.world:6: error: \"range\" needs [min max] with min at most max"));
+                          "w.world:6: error: \"range\" needs [min max] with min at most max, found [3 2]"));
 }
 
 // Drives.

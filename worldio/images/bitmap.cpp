@@ -262,7 +262,9 @@ std::optional<Bitmap> read_bitmap(const std::filesystem::path& file, Where where
                                   const PixelRule& is_solid) {
   const std::optional<std::string> bytes = read_file(file);
   if (bytes) return decode_bitmap(*bytes, file.string(), where, diagnostics, k_most_pixels, is_solid);
-  diagnostics.error(where, fmt::format("cannot read the image {}", file.string()));
+  const Result<> readable = check_readable(file, k_most_input_bytes);
+  diagnostics.error(where, fmt::format("cannot read the image {}{}", file.string(),
+                                       readable ? "" : ": " + readable.error().text));
   return {};
 }
 

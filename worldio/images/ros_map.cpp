@@ -94,7 +94,8 @@ std::optional<RosMap> MapReader::read(const YAML::Node& node) {
     error(0, "a ROS map needs the key \"resolution\", the edge length of a cell in m");
   else
     map.resolution_m =
-        number(resolution, "resolution", 1e-6, k_most_meters, "a length from 1e-6 to 2e5 m").value_or(1);
+        number(resolution, "resolution", 1e-6, k_most_meters, "a length from 0.000001 to 200000 m")
+            .value_or(1);
   if (const YAML::Node origin = node["origin"])
     read_origin(origin, map);
   else
@@ -178,7 +179,9 @@ bool is_ros_map(const std::filesystem::path& file) {
 std::optional<RosMap> read_ros_map(const std::filesystem::path& file, Where where, Diagnostics& diagnostics) {
   const std::optional<std::string> text = read_file(file);
   if (text) return parse_ros_map(file, *text, diagnostics);
-  diagnostics.error(where, fmt::format("cannot read the map {}", file.string()));
+  const Result<> readable = check_readable(file, k_most_input_bytes);
+  diagnostics.error(where, fmt::format("cannot read the map {}{}", file.string(),
+                                       readable ? "" : ": " + readable.error().text));
   return {};
 }
 

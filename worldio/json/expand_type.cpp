@@ -286,15 +286,21 @@ void TypeExpander::order_devices(const TypeDocument& document, const DocumentPat
   std::vector<engine::DeviceSpec> ordered;
   for (const std::string& name : *document.device_order) {
     const auto found = std::ranges::find(type_.devices, name, &engine::DeviceSpec::name);
-    if (found == type_.devices.end()) continue;
+    if (found == type_.devices.end()) {
+      DocumentPath(at, "device_order", document.where_of("device_order"))
+          .error(
+              fmt::format("\"{}\" is not a device of the type, or is named twice: name every device of the "
+                          "type exactly once",
+                          name));
+      return;
+    }
     ordered.push_back(std::move(*found));
     type_.devices.erase(found);
   }
-  if (!type_.devices.empty() || ordered.size() != document.device_order->size())
+  if (!type_.devices.empty())
     DocumentPath(at, "device_order", document.where_of("device_order"))
-        .error(fmt::format(
-            "expected a list that names every device of the type exactly once, found a list of {} names",
-            document.device_order->size()));
+        .error(fmt::format("the device \"{}\" is missing: name every device of the type exactly once",
+                           type_.devices.front().name));
   else
     type_.devices = std::move(ordered);
 }

@@ -330,8 +330,8 @@ void WorldExpander::expand_region(const PlaceDocument& document, const DocumentP
     rule.region = Box::around(Vec2::Zero(), k_max_size_m);
   else
     at.error(
-        "missing \"region_m\", [[x_min, y_min], [x_max, y_max]], or \"polygon_m\": one of them is needed, "
-        "because the world has no bounds, floor plans or arena");
+        "missing \"region_m\", [[x_min, y_min], [x_max, y_max]] (or \"polygon_m\"), which is needed because "
+        "the world has no bounds, floor plans or arena");
 }
 
 TypeId WorldExpander::type_of(const std::string& name, const Placed& object, const DocumentPath& at) {
@@ -467,19 +467,16 @@ void WorldExpander::report_repeated_names() {
     if (first == BodyId(i) ||
         (reported && reported->file == body.where.file && reported->line == body.where.line))
       continue;
+    const Where other = spec_.bodies[first.index()].where;
+    const std::string used =
+        fmt::format("the name \"{}\" is already used{}", spec_.name(BodyId(i)),
+                    other.line > 0 ? fmt::format(" by the body on line {}", other.line) : std::string());
     if (document_.same_names == WorldDocument::Check::warn) {
-      diagnostics_.warning_once(
-          body.where,
-          fmt::format("the name \"{}\" is already used; a look-up by this name finds the last body",
-                      spec_.name(BodyId(i))));
+      diagnostics_.warning_once(body.where,
+                                used + ": a search for this name finds only the last body that has it");
       continue;
     }
-    const Where other = spec_.bodies[first.index()].where;
-    diagnostics_.error(
-        body.where,
-        fmt::format("the name \"{}\" is already used{}; \"same_names\": \"warn\" in the world allows this",
-                    spec_.name(BodyId(i)),
-                    other.line > 0 ? fmt::format(" by the body on line {}", other.line) : std::string()));
+    diagnostics_.error(body.where, used + "; \"same_names\": \"warn\" in the world allows this");
     reported = &body.where;
   }
 }

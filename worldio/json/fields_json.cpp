@@ -1,5 +1,6 @@
 #include "worldio/json/fields_json.hpp"
 
+#include "base/number_text.hpp"
 #include "worldio/colors.hpp"
 #include "worldio/json/json_ring.hpp"
 #include "worldio/json/json_text.hpp"
@@ -33,7 +34,7 @@ std::optional<double> as_number(const JsonNode& node) {
   return std::nullopt;
 }
 
-std::string limit(double si, const UnitSuffix& suffix) { return fmt::format("{:.10g}", si / suffix.to_si); }
+std::string limit(double si, const UnitSuffix& suffix) { return plain_number(si / suffix.to_si); }
 
 std::string with_symbol(std::string text, const UnitSuffix& suffix) {
   if (!suffix.symbol.empty()) text += fmt::format(" {}", suffix.symbol);
@@ -62,7 +63,7 @@ std::optional<double> read_number(const JsonCursor& at, const Field& field, cons
   if (std::isfinite(si) && si >= field.min && si <= field.max && !(field.above_min && si == field.min))
     return si;
   const std::string limits = limits_text(field, suffix);
-  at.error(fmt::format("must be {}, found {:.10g}", limits.empty() ? "finite" : limits, *given));
+  at.error(fmt::format("must be {}, found {}", limits.empty() ? "finite" : limits, plain_number(*given)));
   return std::nullopt;
 }
 

@@ -1,5 +1,6 @@
 #include "worldio/json/fields_reference.hpp"
 
+#include "base/number_text.hpp"
 #include "engine/watch_spec.hpp"
 #include "worldio/json/document_table.hpp"
 #include "worldio/json/fields_json.hpp"
@@ -57,7 +58,7 @@ std::string value_text(const Value& value, const Field& field) {
   const std::string unit = symbol.empty() ? std::string() : fmt::format(" {}", symbol);
   if (const auto* x = std::get_if<bool>(&value.v)) return *x ? "true" : "false";
   if (const auto* x = std::get_if<std::int64_t>(&value.v)) return fmt::format("{}{}", *x, unit);
-  if (const auto* x = std::get_if<double>(&value.v)) return fmt::format("{:.6g}{}", *x, unit);
+  if (const auto* x = std::get_if<double>(&value.v)) return fmt::format("{}{}", plain_number(*x, 6), unit);
   if (const auto* x = std::get_if<std::string>(&value.v)) return fmt::format("\"{}\"", *x);
   if (const auto* x = std::get_if<std::vector<double>>(&value.v)) {
     std::string numbers;

@@ -1,5 +1,6 @@
 #include "worldio/json/spec_check.hpp"
 
+#include "base/number_text.hpp"
 #include "worldio/json/fields_json.hpp"
 #include "worldio/json/spec_fields.hpp"
 
@@ -35,6 +36,23 @@ std::size_t alternative_of(FieldType type) {
     case FieldType::records: break;
   }
   return Value(std::vector<Record>()).v.index();
+}
+
+/// Returns the values that a parameter of this type accepts, for messages.
+std::string_view noun_of(FieldType type) {
+  switch (type) {
+    case FieldType::boolean: return "true or false";
+    case FieldType::integer: return "a whole number";
+    case FieldType::number: return "a number";
+    case FieldType::text: return "a text";
+    case FieldType::texts: return "a list of texts";
+    case FieldType::numbers:
+    case FieldType::color:
+    case FieldType::colors: return "a list of numbers";
+    case FieldType::record: return "a record of parameters";
+    case FieldType::records: break;
+  }
+  return "a list of records of parameters";
 }
 
 class SpecCheck {
@@ -164,7 +182,8 @@ void SpecCheck::value(const Field& field, const Value& value, Where where, const
 
 void SpecCheck::beyond(const Field& field, double x, Where where, const SpecPath& path) {
   const std::string limits = limits_text(field, engine::unit_suffixes(field.unit).front());
-  error(where, path, fmt::format("must be {}, found {:.10g}", limits.empty() ? "finite" : limits, x));
+  error(where, path,
+        fmt::format("must be {}, found {}", limits.empty() ? "finite" : limits, plain_number(x)));
 }
 
 /// Checks the parameters of a kind, whose table is `table`. `is_partial` says that the record changes only
@@ -183,7 +202,8 @@ void SpecCheck::record(const FieldTable& table, const Record& record, bool is_pa
     }
     if (record[i] == field.fallback) continue;  // a default outside the limits is allowed: it means "none"
     if (record[i].v.index() != alternative_of(field.type)) {
-      error(where, at, "the value does not have the type of this parameter");
+      error(where, at,
+            fmt::format("the value has another type than this parameter: give {}", noun_of(field.type)));
     } else if (field.type == FieldType::record || field.type == FieldType::records) {
       const std::vector<Record>& blocks = record[i].records();
       for (std::size_t b = 0; b < blocks.size(); ++b) {

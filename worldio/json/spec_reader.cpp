@@ -1,3 +1,4 @@
+#include "base/number_text.hpp"
 #include "worldio/json/experiment_json.hpp"
 #include "worldio/json/fields_json.hpp"
 #include "worldio/json/spec_fields.hpp"
@@ -334,8 +335,9 @@ void SpecReader::add_bodies(engine::WorldSpec& spec, const BodyColumns& c) {
   const auto beyond = std::ranges::find_if(
       c.pose, [low = pose.min, high = pose.max](double x) { return !(low <= x && x <= high); });
   if (beyond != c.pose.end())
-    return error(fmt::format("bodies[{}].pose: must be {}, found {:.10g}", (beyond - c.pose.begin()) / 4,
-                             limits_text(pose, engine::unit_suffixes(pose.unit).front()), *beyond));
+    return error(fmt::format("bodies[{}].pose: must be {}, found {}", (beyond - c.pose.begin()) / 4,
+                             limits_text(pose, engine::unit_suffixes(pose.unit).front()),
+                             plain_number(*beyond)));
 
   spec.bodies.reserve(count);
   for (std::size_t b = 0; b < count; ++b)

@@ -22,9 +22,10 @@ using engine::Record;
 using engine::Value;
 using Json = nlohmann::ordered_json;
 
-double finite(double x) {
+double finite(double x, const Field& field) {
   if (!std::isfinite(x))
-    throw std::runtime_error("a number in the world is infinite or NaN, which JSON cannot represent");
+    throw std::runtime_error(
+        fmt::format("\"{}\" of the world is infinite or NaN, which JSON cannot represent", key_of(field)));
   return x;
 }
 
@@ -73,21 +74,21 @@ Json value_json(const Value& value, const Field& field) {
   switch (field.type) {
     case FieldType::boolean: return value.boolean();
     case FieldType::integer: return value.integer();
-    case FieldType::number: return finite(value.number());
+    case FieldType::number: return finite(value.number(), field);
     case FieldType::text: return value.text();
     case FieldType::texts: return value.texts();
     case FieldType::numbers:
     case FieldType::color: {
       Json list = Json::array();
       list.get_ref<Json::array_t&>().reserve(value.numbers().size());
-      for (const double x : value.numbers()) list.push_back(finite(x));
+      for (const double x : value.numbers()) list.push_back(finite(x, field));
       return list;
     }
     case FieldType::colors: {
       Json list = Json::array();
       const std::vector<double>& parts = value.numbers();
       for (std::size_t i = 0; i + 2 < parts.size(); i += 3)
-        list.push_back({finite(parts[i]), finite(parts[i + 1]), finite(parts[i + 2])});
+        list.push_back({finite(parts[i], field), finite(parts[i + 1], field), finite(parts[i + 2], field)});
       return list;
     }
     case FieldType::record: return params_json(value.records().front(), *field.record);

@@ -1,6 +1,7 @@
 #include "worldio/json/study.hpp"
 
 #include "base/math.hpp"
+#include "base/number_text.hpp"
 #include "base/random.hpp"
 #include "engine/description.hpp"
 #include "engine/ticks.hpp"
@@ -328,7 +329,7 @@ void StudyReader::check_runs(const JsonCursor& at) {
     count *= static_cast<double>(study_.choices[p].count());
   }
   if (count > static_cast<double>(k_most_runs))
-    at.error(fmt::format("the study has {:.4g} runs; at most {} are allowed", count, k_most_runs));
+    at.error(fmt::format("the study has {} runs; at most {} are allowed", plain_number(count), k_most_runs));
 }
 
 }  // namespace

@@ -153,7 +153,7 @@ void write_table(Hdf5Group group, const StateTable& table) {
 void read_table(const Hdf5Group& group, StateTable& table) {
   const std::vector<std::size_t> rows = rows_by_id(table);
   if (group.dataset(std::string(k_id)).read<std::uint32_t>() != ids_of(table, rows))
-    group.fail("does not have the same bodies as the world");
+    group.fail("has other bodies than the world in this file: the file is damaged");
   const std::vector<std::string> names = group.names();
   std::size_t known = 1;  // the ids
   for (std::size_t f = 0; f < table.fields().size(); ++f) {
@@ -166,8 +166,8 @@ void read_table(const Hdf5Group& group, StateTable& table) {
     if (dataset.extent() != std::vector<std::size_t>{rows.size(), field.columns} ||
         dataset.element() != field.element)
       dataset.fail(
-          fmt::format("has {} {} per body, but the world has {} {}: --set must not change the number or type "
-                      "of the values in the state",
+          fmt::format("has {} values of type {} per body, but the world has {} of type {}: --set must not "
+                      "change the number or type of the values in the state",
                       dataset.row_values(), engine::element_name(dataset.element()), field.columns,
                       engine::element_name(field.element)));
     const std::size_t width = bytes_of(field);

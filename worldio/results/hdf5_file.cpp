@@ -80,7 +80,7 @@ void start_library() {
            H5Tregister(H5T_PERS_SOFT, "troupe: text to reference", text_type(H5T_VARIABLE).get(),
                        reference_type().get(), convert_to_reference) >= 0;
   }();
-  if (!started) throw Hdf5Error("HDF5 cannot be started");
+  if (!started) throw Hdf5Error("the HDF5 library cannot be initialised");
 }
 
 /// Properties for looking up names that make a link into another file an error. Otherwise a file of unknown
@@ -739,7 +739,9 @@ Hdf5File Hdf5File::open_to_write(const fs::path& file) { return opened(file, H5F
 void Hdf5File::start_swmr() {
   const LibraryCall call;
   if (H5Fstart_swmr_write(id_.get()) < 0)
-    fail_with(file_, fmt::format("SWMR mode cannot be started: {}", reason()));
+    fail_with(file_,
+              fmt::format("other programs cannot read the file while it is written (SWMR mode of HDF5): {}",
+                          reason()));
 }
 
 void Hdf5File::flush() {

@@ -264,9 +264,10 @@ void RecordingWriter::cut_after(std::uint64_t tick) {
   // The next frame that is due after the last recorded one must not be before the tick of the world.
   const std::uint64_t due = (next_tick_ + every_ticks_ - 1) / every_ticks_ * every_ticks_;
   if (due < tick)
-    frame_outputs_[0].fail(fmt::format(
-        "ends before tick {}, but the run continues at tick {}: frames would be missing in between", due,
-        tick));
+    frame_outputs_[0].fail(
+        fmt::format("ends before tick {}, but the run continues at tick {}: frames would be missing in "
+                    "between; choose another file",
+                    due, tick));
   for (Hdf5Dataset& output : frame_outputs_) output.resize(frames);
   for (Output& output : outputs_) output.dataset.resize(frames);
 }

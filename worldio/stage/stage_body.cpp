@@ -141,9 +141,10 @@ void StageBodies::add_block(const StageModel& block, std::vector<Solid>& solids)
   std::int64_t written = 0;
   for (const StageEntity* layer : block.layers) written += layer->properties.count;
   if (*count > written + k_most_missing) {
-    values_.error(
-        values_.where(*points),
-        fmt::format("\"points\" is {}, but the block gives far fewer corners \"point[...]\"", *count));
+    values_.error(values_.where(*points),
+                  fmt::format("\"points\" is {}, but the block has only {} properties, and each corner needs "
+                              "a property \"point[...]\": set \"points\" to the number of corners",
+                              *count, written));
     return;
   }
   std::vector<const StageProperty*> given(static_cast<std::size_t>(*count));
@@ -186,7 +187,9 @@ void StageBodies::add_block(const StageModel& block, std::vector<Solid>& solids)
         !values_.is_within(*property, limits, z.max, (*v)[1]))
       return;
     if (z.min > z.max) {
-      values_.error(values_.where(*property), "\"z\" needs [min max], and min must not exceed max");
+      values_.error(
+          values_.where(*property),
+          fmt::format("\"z\" needs [min max] with min at most max, found [{} {}]", (*v)[0], (*v)[1]));
       return;
     }
   }

@@ -227,6 +227,12 @@ class Lexer {
     const std::optional<fs::path> found = find_stage_file(path, search_path_);
     std::optional<std::string> text = found ? read_file(*found) : std::nullopt;
     if (!text) {
+      if (found)
+        if (const Result<> readable = check_readable(*found, k_most_input_bytes); !readable) {
+          errors_.add(where, fmt::format("cannot read the included file {}: {}", found->string(),
+                                         readable.error().text));
+          return;
+        }
       errors_.add(where, fmt::format("cannot read the included file {}{}", path.lexically_normal().string(),
                                      search_path_.empty()
                                          ? ""

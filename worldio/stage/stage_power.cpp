@@ -53,8 +53,8 @@ double StagePower::watts(const StageModel& model, std::string_view key) {
   const StageProperty* property = model.find(document_, key);
   const double watts = property ? values_.number(*property).value_or(0) : 0;
   if (watts >= 0 && watts <= engine::k_most_watts) return watts;
-  values_.error(values_.where(*property), fmt::format("\"{}\" must be from 0 to {:g}, in W, found {}", key,
-                                                      engine::k_most_watts, watts));
+  values_.error(values_.where(*property),
+                fmt::format("\"{}\" must be from 0 to {}, in W, found {}", key, engine::k_most_watts, watts));
   return 0;
 }
 
@@ -76,7 +76,7 @@ void StagePower::read(const StageModel& model, std::uint32_t part, TypeSpec& typ
   if (const StageProperty* property = model.find(document_, "mass")) {
     const double kg = values_.number(*property).value_or(0);
     if (!(kg >= 0 && kg <= engine::k_most_mass_kg))
-      values_.error(values_.where(*property), fmt::format("\"mass\" must be from 0 to {:g}, in kg, found {}",
+      values_.error(values_.where(*property), fmt::format("\"mass\" must be from 0 to {}, in kg, found {}",
                                                           engine::k_most_mass_kg, kg));
     else if (part == 0)
       mass_ = kg;
@@ -109,7 +109,7 @@ void StagePower::read_pack(const StageModel& model, std::uint32_t part, TypeSpec
     const double joules = *given * amount.joules;
     if (joules > 1e12 || (amount.capacity_only && joules < 0)) {
       values_.error(values_.where(*property),
-                    fmt::format("\"{}\" must be {}at most 1e12 J, found {}", amount.key,
+                    fmt::format("\"{}\" must be {}at most 1000000000000 J, found {}", amount.key,
                                 amount.capacity_only ? "0 or above, and " : "", *given));
       continue;
     }

@@ -77,7 +77,9 @@ class TransducerReader {
     const bool max_is_right = check("range_max", params_.range_max, property);
     if (!min_is_right || !max_is_right) return false;
     if (params_.range_min <= params_.range_max) return true;
-    values_.error(values_.where(property), "\"range\" needs [min max] with min at most max");
+    values_.error(values_.where(property),
+                  fmt::format("\"range\" needs [min max] with min at most max, found [{} {}]", (*given)[0],
+                              (*given)[1]));
     return false;
   }
 

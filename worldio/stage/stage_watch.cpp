@@ -1,5 +1,6 @@
 #include "worldio/stage/stage_watch.hpp"
 
+#include "base/number_text.hpp"
 #include "worldio/window_fields.hpp"
 
 #include <fmt/format.h>
@@ -64,9 +65,9 @@ bool is_within(const Field& field, double value, double written, const StageProp
   if (value >= field.min && value <= field.max && !(field.above_min && value == field.min)) return true;
   const double to_written = value == 0 ? 1 : written / value;
   values.error(values.where(property),
-               fmt::format("\"{}\" must be {} {:g} and at most {:g}, found {:g}", values.key(property),
-                           field.above_min ? "above" : "at least", field.min * to_written,
-                           field.max * to_written, written));
+               fmt::format("\"{}\" must be {} {} and at most {}, found {}", values.key(property),
+                           field.above_min ? "above" : "at least", plain_number(field.min * to_written, 6),
+                           plain_number(field.max * to_written, 6), plain_number(written, 6)));
   return false;
 }
 

@@ -318,7 +318,7 @@ void StageWorld::add_body(const StageEntity& entity) {
     values_.warning_once(
         own[k_name] ? values_.where(*own[k_name]) : body.where,
         fmt::format(
-            "the name \"{}\" is already taken; a look-up by this name finds the last model that has it",
+            "the name \"{}\" is already used: a search for this name finds only the last model that has it",
             spec_->names.text(body.name)));
   spec_->bodies.push_back(body);
 }
@@ -579,10 +579,10 @@ void StageWorld::check_extent(const StageModel& model, const engine::PartSpec& p
       values_.error(where, "\"size\" must be above 0 in every direction, found 0");
   }
   if (model.type == "bumper" && !property && !part.solids.empty())
-    values_.warning_once(model.where,
-                         fmt::format("as in Stage, a bumper without \"size\" has a body of {:g} m x {:g} m x "
-                                     "{:g} m; give it a \"size\", or \"noblocks 1\"",
-                                     part.size.x(), part.size.y(), part.size.z()));
+    values_.warning_once(
+        model.where, fmt::format("as in Stage, a bumper without \"size\" has a body of {:g} m x {:g} m x "
+                                 "{:g} m; give it a \"size\" (or \"noblocks 1\", if it should have no body)",
+                                 part.size.x(), part.size.y(), part.size.z()));
 }
 
 /// Whether the model has `noblocks 1`: no body, not even the default of its kind.

@@ -195,9 +195,9 @@ void WorldText::write_types() {
       if (has_many_colors[t])
         diagnostics_.error(
             colored.parts[p].where,
-            fmt::format("a .world file cannot express this: type \"{}\": part \"{}\" has the color "
-                        "of its body, and the bodies of the type have several colors",
-                        type.name, colored.parts[p].name));
+            fmt::format("a .world file cannot express this: part \"{}\" of type \"{}\" has no color of its "
+                        "own, and the bodies of this type differ in color: give the part a \"color\"",
+                        colored.parts[p].name, type.name));
     }
     write_stage_type(colored, macro, {folder_, registry_, images_, diagnostics_}, text_);
   }
@@ -226,8 +226,10 @@ std::string write_stage_world(const WorldSpec& spec, const std::filesystem::path
   const WorldSpec back = load_stage_world(file, text, registry, {}, found);
   for (const Finding& finding : found.findings())
     if (finding.severity == Severity::error)
-      diagnostics.error({spec.resolution_where.file, 0},
-                        fmt::format("a .world file cannot express this: {}", finding.message));
+      diagnostics.error(
+          {spec.resolution_where.file, 0},
+          fmt::format("a .world file cannot express this world: the text made from it cannot be loaded: {}",
+                      finding.message));
   if (!diagnostics.has_errors()) check_stage_round_trip(spec, back, registry, diagnostics);
   return text;
 }

@@ -61,7 +61,7 @@ class ParallelEnv(_ParallelEnv):
     def batch(self) -> Batch:
         """The Batch with one copy of the world, which this environment uses."""
         if self._batch is None:
-            raise RuntimeError("this environment was closed")
+            raise RuntimeError("this environment was closed: create another one")
         return self._batch
 
     def observation_space(self, agent: str) -> Any:

@@ -59,7 +59,7 @@ class Env(gymnasium.Env[Any, Any]):
     def batch(self) -> Batch:
         """The Batch with one copy of the world, which this environment uses."""
         if self._batch is None:
-            raise RuntimeError("this environment was closed")
+            raise RuntimeError("this environment was closed: create another one")
         return self._batch
 
     def reset(self, *, seed: Optional[int] = None, options: Optional[Dict[str, Any]] = None) -> Tuple[Any, Dict[str, Any]]:

@@ -96,7 +96,7 @@ class Task:
     def baseline(self, observations: Any, team: int = 0) -> npt.NDArray[np.float64]:
         """Returns the actions of a hand-written policy, with which learned policies can be compared: one row of actions
         per row of the observations."""
-        raise NotImplementedError(f"{type(self).__name__} has no baseline")
+        raise NotImplementedError(f"{type(self).__name__} has no baseline: define the method baseline()")
 
 
 def action_space(team: Team) -> "spaces.Space[Any]":

@@ -84,7 +84,7 @@ class VectorEnv(_VectorEnv[Any, Any, Any]):
     def batch(self) -> Batch:
         """The Batch with the copies of the world, which this environment uses."""
         if self._batch is None:
-            raise RuntimeError("this environment was closed")
+            raise RuntimeError("this environment was closed: create another one")
         return self._batch
 
     def reset(
@@ -113,7 +113,7 @@ class VectorEnv(_VectorEnv[Any, Any, Any]):
             )
         table = np.asarray(actions)
         if table.shape != self.action_space.shape:
-            raise ValueError(f"actions: give an array of shape {self.action_space.shape}, not {table.shape}")
+            raise ValueError(f"actions: give an array of shape {self.action_space.shape}, found {table.shape}")
         table = table.reshape(self.copies, self.robots, *table.shape[1:])
         batch.step([table], begins if begins.any() else None)
         over = batch.core.over().copy()
@@ -158,9 +158,9 @@ class VectorEnv(_VectorEnv[Any, Any, Any]):
 
     def _copies_of(self, mask: Any) -> Flags:
         if not isinstance(mask, np.ndarray) or mask.dtype != np.bool_:
-            raise TypeError(f"options['reset_mask'] must be a NumPy array of bool, not {mask!r}")
+            raise TypeError(f"options['reset_mask'] must be a NumPy array of bool, found {mask!r}")
         if mask.shape != (self.num_envs,):
-            raise ValueError(f"options['reset_mask'] must have shape ({self.num_envs},), not {mask.shape}")
+            raise ValueError(f"options['reset_mask'] must have the shape ({self.num_envs},), found {mask.shape}")
         rows = mask.reshape(self.copies, self.robots)
         cut = np.flatnonzero(rows.any(axis=1) & ~rows.all(axis=1))
         if cut.size:
