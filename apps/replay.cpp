@@ -150,6 +150,12 @@ std::string write_replay_page(const ReplayOptions& options) {
                  "{}: warning: the recording is unfinished (still being written, or its run was killed): {} "
                  "complete frames\n",
                  options.recording.string(), recording.frames());
+    for (const std::string& name : options.fields)
+      if (const auto present = worldio::present_name(name, recording))
+        fmt::print(stderr,
+                   "{}: warning: --fields: \"{}\" is the spelling of an earlier version: the name is now "
+                   "\"{}\"\n",
+                   options.recording.string(), name, *present);
     data = worldio::replay_data(recording, {.most_bytes = room(options.max_mb), .fields = options.fields});
   } catch (const worldio::Hdf5Error& error) {
     throw InputError(error.what());

@@ -70,12 +70,14 @@ Diagnostics::Diagnostics(std::shared_ptr<SourceFiles> files)
     : thorough_(false), files_(files ? std::move(files) : std::make_shared<SourceFiles>()) {}
 
 void Diagnostics::error(Where where, std::string message) {
+  if (is_inherited(Severity::error, where, message)) return;
   findings_.push_back({Severity::error, where, shortened(std::move(message))});
   repeats_.push_back(0);
   if (++errors_ == k_most_errors) throw_if_errors();
 }
 
 void Diagnostics::warning(Where where, std::string message) {
+  if (is_inherited(Severity::warning, where, message)) return;
   findings_.push_back({Severity::warning, where, shortened(std::move(message))});
   repeats_.push_back(0);
 }
@@ -84,10 +86,76 @@ void Diagnostics::warning_once(Where where, std::string message) {
   const auto [place, is_new] =
       once_.try_emplace(thorough_ ? text({Severity::warning, where, message}) : message, findings_.size());
   if (is_new) {
+    const std::size_t before = findings_.size();
     warning(where, std::move(message));
+    if (findings_.size() == before) once_.erase(place);  // an inherited finding, which is not listed again
   } else {
     ++repeats_[place->second];
   }
+}
+
+std::size_t Diagnostics::kin_of(const Inheritable& part) {
+  const auto found = std::ranges::find(kin_, part.path, [](const Kin& kin) { return kin.part.path; });
+  if (found != kin_.end()) return static_cast<std::size_t>(found - kin_.begin());
+  kin_.push_back({part, kin_.size()});
+  return kin_.size() - 1;
+}
+
+void Diagnostics::inherits(const Inheritable& heir, const Inheritable& base) {
+  const std::size_t from = kin_of(base);
+  kin_[kin_of(heir)].base = from;
+}
+
+bool Diagnostics::is_heir(std::size_t heir, std::size_t base) const {
+  while (heir != base && kin_[heir].base != heir) heir = kin_[heir].base;
+  return heir == base;
+}
+
+std::optional<std::size_t> Diagnostics::to_common_base(std::string& message) const {
+  std::optional<std::size_t> about;
+  const auto root = [this](std::size_t part) {
+    while (kin_[part].base != part) part = kin_[part].base;
+    return part;
+  };
+  for (std::size_t i = 0; i < kin_.size() && !about; ++i) {
+    const std::string& path = kin_[i].part.path;
+    if (!message.starts_with(path) || message.size() == path.size()) continue;
+    if (message[path.size()] != '/' && message[path.size()] != ':') continue;
+    message.replace(0, path.size(), kin_[root(i)].part.path);
+    about = i;
+  }
+  std::size_t first = message.size();
+  for (std::size_t i = 0; i < kin_.size() && !about; ++i) {
+    const std::string quoted = fmt::format("\"{}\"", kin_[i].part.name);
+    const std::size_t at = message.find(quoted);
+    if (at >= first) continue;
+    first = at;
+    about = i;
+  }
+  if (first < message.size())
+    message.replace(first + 1, kin_[*about].part.name.size(), kin_[root(*about)].part.name);
+  return about;
+}
+
+bool Diagnostics::is_inherited(Severity severity, Where where, const std::string& message) {
+  const auto same_place = [](const Where& a, const Where& b) { return a.file == b.file && a.line == b.line; };
+  if (kin_.empty()) return false;
+  std::string common = message;
+  const auto about = to_common_base(common);
+  for (Finding& earlier : findings_) {
+    if (earlier.severity != severity || !same_place(earlier.where, where)) continue;
+    std::string its_common = earlier.message;
+    const auto its_about = to_common_base(its_common);
+    if (its_common != common || about.has_value() != its_about.has_value()) continue;
+    if (!about) return true;
+    if (is_heir(*about, *its_about)) return true;
+    const bool has_heir = is_heir(*its_about, *about);
+    const auto is_own = [&](std::size_t part) { return same_place(kin_[part].part.where, where); };
+    if (!has_heir && (is_own(*about) || is_own(*its_about))) continue;
+    if (has_heir) earlier.message = message;
+    return true;
+  }
+  return false;
 }
 
 std::string Diagnostics::text(const Finding& finding) const {

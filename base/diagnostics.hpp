@@ -4,6 +4,7 @@
 #include <cstdint>
 #include <map>
 #include <memory>
+#include <optional>
 #include <span>
 #include <stdexcept>
 #include <string>
@@ -48,6 +49,14 @@ struct Finding {
   std::string message;  ///< one sentence, without the place and without a full stop
 };
 
+/// A part of the input that other parts inherit from, or that inherits from another part, such as a type of a
+/// world.
+struct Inheritable {
+  std::string path;  ///< with which messages about it begin: `/types/bot`
+  std::string name;  ///< as messages quote it: `bot`
+  Where where;       ///< where it begins
+};
+
 /// Thrown for invalid input. The message lists the errors, one per line, as `maze.world:41: error: ...`. At
 /// most 50 errors are listed; a last line then says how many more there are.
 class InputError : public std::runtime_error {
@@ -82,6 +91,13 @@ class Diagnostics {
   /// thorough(), the warning is listed once for each place.
   void warning_once(Where where, std::string message);
 
+  /// Says that `heir` contains copies of the content of `base`. From now on, an error or a warning about
+  /// inherited content is reported once instead of for every heir: if two findings have the same place, and
+  /// their messages differ only in the names of parts with a common base, the second finding is dropped. Of
+  /// several such messages, the one about the part from which the others inherit is kept. Findings on the
+  /// line on which an heir begins are about its own content, unless its base has the same finding.
+  void inherits(const Inheritable& heir, const Inheritable& base);
+
   bool has_errors() const { return errors_ > 0; }  ///< whether throw_if_errors() would throw
   /// All findings in the order they were added; valid until the next one is added.
   std::span<const Finding> findings() const { return findings_; }
@@ -94,8 +110,22 @@ class Diagnostics {
   void throw_if_errors() const;
 
  private:
+  /// A part of the input that inherits() was told about.
+  struct Kin {
+    Inheritable part;
+    std::size_t base;  // index in kin_; that of the part itself if it inherits from nothing
+  };
+  std::size_t kin_of(const Inheritable& part);
+  bool is_heir(std::size_t heir, std::size_t base) const;
+  /// Replaces the names of parts in a message by those of the parts at the ends of their chains of bases.
+  /// Returns the index in kin_ of the part that the message is about; empty if it names none.
+  std::optional<std::size_t> to_common_base(std::string& message) const;
+  /// Whether an earlier finding says the same; see inherits(). May change the message of the earlier one.
+  bool is_inherited(Severity severity, Where where, const std::string& message);
+
   bool thorough_;
   std::shared_ptr<SourceFiles> files_;
+  std::vector<Kin> kin_;
   std::vector<Finding> findings_;
   std::vector<std::size_t> repeats_;         // per finding: how often warning_once() repeated it
   std::map<std::string, std::size_t> once_;  // text of a warning -> its index in findings_

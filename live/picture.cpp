@@ -77,13 +77,25 @@ void append_bytes(std::string& out, const std::vector<std::uint8_t>& bytes, std:
   sent = bytes;
 }
 
+/// Writes the colour of a part of a body: the colour that a device gives it, else the colour of the body.
+void put_color(const engine::World& world, std::uint32_t body, std::uint32_t part,
+               std::span<std::uint8_t> into) {
+  const Color color = engine::shown_color(world.view(), world.row(BodyId(body)), part)
+                          .value_or(world.spec().bodies[body].color);
+  into[0] = to_byte(color.r);
+  into[1] = to_byte(color.g);
+  into[2] = to_byte(color.b);
+}
+
 }  // namespace
 
 void take(const engine::World& world, std::span<const std::uint32_t> order, bool has_z, bool has_colors,
-          Picture& picture) {
+          std::span<const worldio::ShownPart> parts, Picture& picture) {
   const std::size_t robots = order.size();
   picture.poses.resize((has_z ? 4 : 3) * robots);
-  picture.colors.resize(has_colors ? 3 * robots : 0);
+  std::size_t colors = robots;
+  for (const worldio::ShownPart& part : parts) colors += part.count;
+  picture.colors.resize(has_colors ? 3 * colors : 0);
   for (std::size_t r = 0; r < robots; ++r) {
     const Row row = world.row(BodyId(order[r]));
     const Pose& pose = world.poses()[row.index()];
@@ -93,12 +105,12 @@ void take(const engine::World& world, std::span<const std::uint32_t> order, bool
     picture.poses[2 * robots + r] = there ? heading_steps(pose.heading) : k_gone;
     if (has_z) picture.poses[3 * robots + r] = there ? steps_of(pose.z) : 0;
     if (!has_colors) continue;
-    const Color color =
-        engine::shown_color(world.view(), row, 0).value_or(world.spec().bodies[order[r]].color);
-    picture.colors[3 * r] = to_byte(color.r);
-    picture.colors[3 * r + 1] = to_byte(color.g);
-    picture.colors[3 * r + 2] = to_byte(color.b);
+    put_color(world, order[r], 0, std::span(picture.colors).subspan(3 * r, 3));
   }
+  std::size_t at = 3 * robots;
+  for (const worldio::ShownPart& part : parts)
+    for (std::size_t r = part.first; r < part.first + part.count; ++r, at += 3)
+      put_color(world, order[r], part.part, std::span(picture.colors).subspan(at, 3));
 }
 
 std::string encode(const Picture& picture, std::size_t robots, std::uint64_t client, SentPicture& sent) {

@@ -1,6 +1,7 @@
 #pragma once
 
 #include "engine/world.hpp"
+#include "worldio/results/replay_header.hpp"
 
 #include <cstdint>
 #include <map>
@@ -24,7 +25,9 @@ struct Picture {
   /// from 0 to worldio::k_replay_turn - 1, in units of 1 / k_replay_turn of a turn. A robot that is not in
   /// the world has the heading k_gone; its other values are 0.
   std::vector<std::int32_t> poses;
-  std::vector<std::uint8_t> colors;  ///< red, green, blue of each robot; empty if no body shows colours
+  /// Red, green, blue of each robot, then of each part whose colour devices set, in the order of
+  /// LivePage::shown_parts and of its robots. Empty if no body shows colours.
+  std::vector<std::uint8_t> colors;
   /// For each client that colours robots by a value: one byte per robot, see take_shades().
   std::map<std::uint64_t, std::vector<std::uint8_t>> shades;
 };
@@ -32,10 +35,10 @@ struct Picture {
 inline constexpr std::int32_t k_gone = -1;
 
 /// Fills the poses and colours of a picture. order: the ids of the robots that the page shows, in the order
-/// of the page; has_z: whether heights can change (both are members of worldio::LivePage). has_colors:
-/// whether robots show colours that change.
+/// of the page; has_z: whether heights can change; parts: the parts whose colour devices set (all three are
+/// members of worldio::LivePage). has_colors: whether robots or their parts show colours that change.
 void take(const engine::World& world, std::span<const std::uint32_t> order, bool has_z, bool has_colors,
-          Picture& picture);
+          std::span<const worldio::ShownPart> parts, Picture& picture);
 
 /// The content of the last picture that was sent to a client; empty if none was sent.
 struct SentPicture {

@@ -30,7 +30,7 @@ namespace fs = std::filesystem;
 using engine::Act;
 using Json = nlohmann::ordered_json;
 
-constexpr int k_wire = 1;                                          // version of the wire protocol
+constexpr int k_wire = 2;                                          // version of the wire protocol
 constexpr std::chrono::nanoseconds k_picture{1'000'000'000 / 30};  // mean time between two pictures, at least
 constexpr std::chrono::milliseconds k_nap{50};    // longest wait, so that Ctrl-C takes effect soon
 constexpr std::chrono::seconds k_most_behind{1};  // a run that is later than this does not catch up
@@ -89,10 +89,12 @@ View::Impl::Impl(Simulation& simulation, const Options& options)
   worldio::LivePage page = worldio::live_page(world, simulation.registry());
   order_ = std::move(page.order);
   has_z_ = page.has_z;
+  shown_parts_ = std::move(page.shown_parts);
   places_.assign(world.spec().bodies.size(), static_cast<std::uint32_t>(order_.size()));
   for (std::size_t r = 0; r < order_.size(); ++r) places_[order_[r]] = static_cast<std::uint32_t>(r);
-  has_colors_ = std::ranges::any_of(
-      world.types(), [](const engine::BodyType& type) { return engine::color_device(type, 0) != nullptr; });
+  has_colors_ = !shown_parts_.empty() || std::ranges::any_of(world.types(), [](const engine::BodyType& type) {
+    return engine::color_device(type, 0) != nullptr;
+  });
   greeting_ = make_greeting(page.header);
   seed_ = simulation.seed();
   for (std::size_t i = 0; i < k_spare; ++i) spare_.push_back(std::make_shared<Picture>());
@@ -718,7 +720,7 @@ void View::Impl::publish() {
   }
   if (!picture) return;  // the server still uses all pictures; before_tick() tries again
   picture->number = ++pictures_;
-  take(simulation_.world(), order_, has_z_, has_colors_, *picture);
+  take(simulation_.world(), order_, has_z_, has_colors_, shown_parts_, *picture);
   picture->state = members_of(state());
   picture->own.clear();
   picture->shades.clear();

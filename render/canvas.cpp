@@ -200,6 +200,30 @@ void average(const std::array<const std::uint8_t*, k_samples>& rows, std::span<s
     mean[i] = static_cast<std::uint8_t>((a[i] + b[i] + c[i] + d[i] + 2) / 4);
 }
 
+constexpr std::uint8_t k_opaque = 255;
+
+bool are_opaque(std::span<const Point> points) {
+  return std::ranges::all_of(points, [](const Point& point) { return point.color[3] == k_opaque; });
+}
+
+/// Whether all vertices of a layer are drawn with opaque colours.
+bool are_opaque(const SolidLayer& layer) {
+  const auto uses = [&](Paint paint) {
+    return std::ranges::any_of(layer.mesh, [paint](const SolidVertex& v) { return v.paint == paint; });
+  };
+  const auto has_opaque = [&](Rgba SolidInstance::*color) {
+    return std::ranges::all_of(layer.instances,
+                               [color](const SolidInstance& each) { return (each.*color)[3] == k_opaque; });
+  };
+  if (layer.shadow) return has_opaque(&SolidInstance::edge);
+  return std::ranges::all_of(
+             layer.mesh,
+             [](const SolidVertex& v) { return v.paint != Paint::own || v.own[3] == k_opaque; }) &&
+         (!uses(Paint::body) || has_opaque(&SolidInstance::body)) &&
+         (!uses(Paint::edge) || has_opaque(&SolidInstance::edge)) &&
+         (!uses(Paint::mark) || has_opaque(&SolidInstance::mark));
+}
+
 void* byte_offset(std::size_t bytes) { return reinterpret_cast<void*>(bytes); }
 
 /// Appends the corners of a flat layer's instances, in pixels from the middle of the picture, as the shader
@@ -227,14 +251,15 @@ class Uploaded {
   Uploaded(const Gl& gl, const SolidLayer& layer)
       : gl_(gl),
         vertices_(static_cast<GLsizei>(layer.mesh.size())),
-        instances_(static_cast<GLsizei>(layer.instances.size())) {
+        instances_(static_cast<GLsizei>(layer.instances.size())),
+        is_opaque_(are_opaque(layer)) {
     begin();
     add(0, layer.mesh);
     add(1, layer.instances);
     for (GLuint location = 4; location <= 8; ++location) gl.glVertexAttribDivisor(location, 1);
   }
   Uploaded(const Gl& gl, const PointLayer& layer)
-      : gl_(gl), vertices_(static_cast<GLsizei>(layer.points.size())) {
+      : gl_(gl), vertices_(static_cast<GLsizei>(layer.points.size())), is_opaque_(are_opaque(layer.points)) {
     begin();
     add(0, layer.points);
   }
@@ -252,6 +277,7 @@ class Uploaded {
 
   void draw() {
     gl_.glBindVertexArray(array_);
+    set_blending();
     if (instances_ > 0) {
       gl_.glDrawArraysInstanced(GL_TRIANGLES, 0, vertices_, instances_);
     } else if (!flat_ || flat_->instances.size() <= at_once_) {
@@ -260,6 +286,7 @@ class Uploaded {
       const std::span<const Instance> all = flat_->instances;
       for (std::size_t first = 0; first < all.size(); first += at_once_) {
         place(all.subspan(first, std::min(at_once_, all.size() - first)));
+        set_blending();
         gl_.glDrawArrays(mode_, 0, vertices_);
       }
     }
@@ -274,7 +301,15 @@ class Uploaded {
     placed.reserve(flat_->mesh.size() * instances.size());
     place_instances(flat_->mesh, instances, placed);
     vertices_ = static_cast<GLsizei>(placed.size());
+    is_opaque_ = are_opaque(placed);
     add(0, placed);
+  }
+  /// Opaque layers are drawn without blending, which would give the same colours but take longer.
+  void set_blending() const {
+    if (is_opaque_)
+      gl_.glDisable(GL_BLEND);
+    else
+      gl_.glEnable(GL_BLEND);
   }
   void begin() {
     gl_.glGenVertexArrays(1, &array_);
@@ -327,6 +362,7 @@ class Uploaded {
   GLsizei vertices_ = 0;
   GLsizei instances_ = 0;    // 0 for layers that are drawn without instancing
   GLenum mode_ = GL_POINTS;  // of layers that are drawn without instancing
+  bool is_opaque_ = false;
   const Layer* flat_ = nullptr;
   std::size_t at_once_ = 0;  // instances of the flat layer that are placed at once
 };
@@ -561,7 +597,6 @@ Picture Canvas::paint(const Projection& projection, Rgba ground, std::span<const
     uploaded.push_back(
         std::visit([&](const auto& layer) { return std::make_unique<Uploaded>(gl, layer); }, any));
 
-  gl.glEnable(GL_BLEND);
   gl.glBlendFuncSeparate(GL_SRC_ALPHA, GL_ONE_MINUS_SRC_ALPHA, GL_ONE, GL_ONE_MINUS_SRC_ALPHA);
   gl.glEnable(GL_DEPTH_TEST);
   gl.glDepthFunc(GL_LEQUAL);

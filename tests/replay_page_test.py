@@ -409,8 +409,12 @@ class ShownColors(Used):
         lamp = {"name": "lamp", "kind": "led", "shows": [0, 0.6, 0.2]}
         types = {"lit": {**WORLD["types"]["runner"], "devices": [lamp]}, "plain": WORLD["types"]["runner"],
                  "zone": {"size_m": [1, 1, 0.01], "obstacle": False, "ranger_return": -1, "devices": [{**lamp, "shows": [1, 0.8, 0]}]}}
-        models = [{"name": name, "type": name, "color": [0.1, 0.2, 0.8], "pose": {"x_m": 0, "y_m": y}}
-                  for name, y in (("lit", -2), ("plain", 0), ("zone", 2))]
+        types["mast"] = {"size_m": [1, 1, 0.2], "drive": {"kind": "diff"},
+                         "parts": [{"name": "top", "size_m": [0.5, 0.5, 0.1], "color": "gold", "pose": {"z_m": 0.2}, "devices": [lamp]}]}
+        types["crane"] = {"size_m": [0.6, 0.6, 0.3],
+                          "devices": [YARD["types"]["crane"]["devices"][0], {**lamp, "on": "arm", "shows": [0.8, 0, 0.6]}]}
+        models = [{"name": name, "type": name, "color": [0.1, 0.2, 0.8], "pose": {"x_m": x, "y_m": y}}
+                  for name, x, y in (("lit", 0, -2), ("plain", 0, 0), ("zone", 0, 2), ("mast", -3, 0), ("crane", -4, 2))]
         path = folder / "lamps.json"
         path.write_text(json.dumps({"troupe": 1, "types": types, "models": models}))
         return path
@@ -426,6 +430,24 @@ class ShownColors(Used):
         self.shown()
         self.assertEqual(self.pixel(self.spot("zone")), (255, 204, 0))
         self.assertNotEqual(self.pixel(self.spot("lit")), (0, 153, 51))
+        self.page.run("troupe.color('own colours')")
+
+    def test_parts_have_the_colours_that_they_show(self):
+        self.seek(0.5)
+        self.keep("shown_colors_of_parts")
+
+        def at(name, x, y, z):
+            return self.pixel(self.page.run(f"troupe.screenPlace('{name}', [{x}, {y}, {z}])"))
+
+        self.assertEqual(at("mast", -0.4, -0.4, 0.2), (26, 51, 204))
+        self.assertEqual(at("mast", -0.12, -0.12, 0.3), (0, 153, 51))
+        self.assertEqual(at("mast", 0.17, 0, 0.3), (255, 255, 255), "the mark is on top of the part")
+        self.assertEqual(at("crane", 1.5, 0, 0.5), (204, 0, 153), "a joint moves the part")
+        self.page.run("troupe.color('speed')")
+        self.page.wait("troupe.state().coloured")
+        self.shown()
+        self.assertNotEqual(at("mast", -0.4, -0.4, 0.2), (26, 51, 204))
+        self.assertEqual(at("mast", -0.12, -0.12, 0.3), (0, 153, 51))
         self.page.run("troupe.color('own colours')")
 
 

@@ -1081,6 +1081,42 @@ class InABrowser(unittest.TestCase):
             self.assertGreater(sum(abs(a - b) for a, b in zip(*ends)), 100, ends)
             self.assertEqual(page.problems, [])
 
+    def test_parts_have_the_colours_that_they_show(self):
+        mast = {"name": "mast", "size_m": [0.5, 0.5, 0.1], "pose": {"z_m": 0.2},
+                "devices": [{"name": "lamp", "kind": "led", "shows": [0, 0.6, 0.2]}]}
+        world = {"troupe": 1, "bounds_m": [[-2, -2], [2, 2]],
+                 "types": {"bot": {"size_m": [1, 1, 0.2], "color": [0.1, 0.2, 0.8], "drive": {"kind": "diff"}, "parts": [mast]},
+                           "plain": {"size_m": [0.5, 0.5, 0.2], "color": [0.1, 0.2, 0.8], "drive": {"kind": "diff"}}},
+                 "models": [{"name": "b", "type": "bot", "pose": {"x_m": 1}}, {"name": "p", "type": "plain", "pose": {"x_m": -1}},
+                            {"name": "a", "type": "bot", "pose": {"x_m": -1, "y_m": 1}}]}
+        with View("--rate", 0, world=world) as view, Page(PROGRAM, SIZE) as page:
+            page.open_address(view.address)
+            page.wait("window.troupe && troupe.state().tick > 5")
+            self.press_button_of(page, "#play")
+            page.wait("!troupe.state().playing && troupe.state().line")
+
+            def pixel(name, shift):
+                x, y = (round(at) for at in page.run(f"troupe.screenPlace('{name}', {list(shift)})"))
+                return Picture(page.screenshot((x - 2, y - 2, x + 2, y + 2))).at(2, 2)
+
+            def wait_for(name, shift, expected):
+                until = time.monotonic() + 60
+                while (found := pixel(name, shift)) != expected and time.monotonic() < until:
+                    pass
+                self.assertEqual(found, expected, name)
+
+            top = (-0.12, -0.12, 0.3)
+            wait_for("a", top, (0, 153, 51))
+            wait_for("b", top, (0, 153, 51))
+            page.run("troupe.act({do: 'command', robot: 'b', device: 'lamp', values: {red: 1, green: 0, blue: 0, shows: 1}})")
+            page.run("troupe.step(1)")
+            page.wait("!troupe.state().playing && troupe.state().line")
+            wait_for("b", top, (255, 0, 0))
+            wait_for("a", top, (0, 153, 51))
+            for name, shift in (("a", (-0.4, -0.4, 0.2)), ("b", (-0.4, -0.4, 0.2)), ("p", (-0.12, -0.12, 0.2))):
+                self.assertEqual(pixel(name, shift), (26, 51, 204), name)
+            self.assertEqual(page.problems, [])
+
     def test_a_tablet_is_touched(self):
         with View() as view, Page(PROGRAM, (1024, 768), touch=True) as page:
             page.open_address(view.address)

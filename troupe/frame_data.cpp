@@ -3,6 +3,7 @@
 #include "base/diagnostics.hpp"
 #include "engine/sensed_rows.hpp"
 #include "troupe/value_names.hpp"
+#include "worldio/results/recording_fields.hpp"
 
 #include <fmt/format.h>
 
@@ -142,6 +143,8 @@ Result<ChosenValue> find_value(const World& world, const std::string& name) {
     if (is_resting) reading.text += ": the sensor does not run";
     return reading;
   }
+  if (const auto right = worldio::name_for_path(world, name))
+    return Error{fmt::format("unknown value \"{}\": its name is \"{}\"", name, *right)};
   const std::vector<std::string> known = value_names(world);
   return Error{unknown_name("value", name, {known.begin(), known.end()})};
 }

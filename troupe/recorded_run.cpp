@@ -449,11 +449,17 @@ Result<ChosenValue> RecordedRun::find_value(const std::string& name) const {
       return reading;
     }
   }
+  if (const auto present = present_name(name))
+    return Error{fmt::format("unknown value \"{}\": its name is \"{}\"", name, *present)};
   std::vector<std::string> known;
   for (const Array& array : impl_->reader.arrays())
     known.push_back(fmt::format("{}.{}", engine::given_name(array.component), array.field.name));
   return Error{fmt::format("{}; troupe run --record-fields selects the fields that are recorded",
                            unknown_name("value", name, {known.begin(), known.end()}))};
+}
+
+std::optional<std::string> RecordedRun::present_name(std::string_view name) const {
+  return worldio::present_name(name, impl_->reader);
 }
 
 Result<> RecordedRun::check(const FrameWishes& wishes) const {

@@ -5,7 +5,10 @@
 #include <cstddef>
 #include <filesystem>
 #include <memory>
+#include <optional>
 #include <span>
+#include <string>
+#include <string_view>
 
 namespace troupe {
 
@@ -46,8 +49,11 @@ class RecordedRun : public PictureSource {
   const engine::Record* window() const override;
   engine::FrameScene scene() const override;
   std::optional<std::uint32_t> find_body(std::string_view name) const override;
-  /// Finds a value by name among the recorded fields.
+  /// Finds a value by name among the recorded fields. Accepts names of earlier versions, see present_name().
   Result<ChosenValue> find_value(const std::string& name) const override;
+  /// Returns the present name of a value if `name` is its spelling in earlier versions, such as
+  /// `eye.ranges.3` for `sensors/minibot/eye.ranges.3`. Empty for all other names.
+  std::optional<std::string> present_name(std::string_view name) const;
   Result<> check(const FrameWishes& wishes) const override;
   double time_s() const override;
   std::uint64_t state_hash() const override;

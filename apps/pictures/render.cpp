@@ -194,6 +194,12 @@ void render_checked(const RenderOptions& options) {
   if (!is_checkpoint && is_hdf5(options.world)) {
     refuse_given(options, k_of_recordings, "recording; --at selects one of its times");
     RecordedRun run(options.world);
+    const std::string& value = wanted.look.color_by;
+    if (const auto present = run.present_name(value))
+      fmt::print(stderr,
+                 "{}: warning: --color-by: \"{}\" is the spelling of an earlier version: the name is now "
+                 "\"{}\"\n",
+                 options.world.string(), value, *present);
     if (!wanted.snapshot.empty()) draw_recording(options, run);
     if (!wanted.film.empty()) film_recording(options, run);
     return;

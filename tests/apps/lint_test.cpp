@@ -11,6 +11,7 @@ using ::testing::ElementsAre;
 using ::testing::HasSubstr;
 using ::testing::IsEmpty;
 using ::testing::Not;
+using ::testing::StartsWith;
 
 class LintTest : public ProgramTest {
  protected:
@@ -221,6 +222,18 @@ TEST_F(LintTest, ReportsDefinitionsThatAreNotUsed) {
       ElementsAre("w.world:4: warning: macro \"fast\" is never used",
                   "parts.inc: warning: nothing of this included file is used; the file defines 2 macros",
                   "w.world: 2 findings"));
+}
+
+TEST_F(LintTest, ReportsAFindingOfABaseTypeOnce) {
+  EXPECT_THAT(findings("w.json", R"({ "troupe": 1, "types": {
+    "base": {"size_m": [0.4, 0.4, 0.3], "drive": {"kind": "diff"},
+      "sensors": [{"name": "eye", "kind": "ranger", "pose": {"z_m": 2}, "transducers": [{"range_max_m": 5}]}]},
+    "a": {"extends": "base", "name": "Alpha"},
+    "b": {"extends": "base", "size_m": [0.3, 0.3, 0.2]} },
+  "models": [ {"name": "a0", "type": "a"},
+    {"name": "b0", "type": "b", "pose": {"x_m": 3}} ] })"),
+              ElementsAre(StartsWith("w.json:3: warning: sensor \"eye\" of \"Alpha\" sees nothing: "),
+                          "w.json: 1 finding"));
 }
 
 TEST_F(LintTest, ReportsPropertiesWithoutEffectEachWhereItStands) {

@@ -15,6 +15,7 @@ namespace {
 using ::testing::AllOf;
 using ::testing::AnyOf;
 using ::testing::ElementsAre;
+using ::testing::EndsWith;
 using ::testing::HasSubstr;
 using ::testing::IsEmpty;
 
@@ -190,6 +191,36 @@ TEST_F(Render, WhatIsStoppedKeepsWhatIsDrawn) {
                    "at-1.png", 1, SIGTERM);
   EXPECT_EQ(stills.code, k_stopped) << stills.err;
   EXPECT_FALSE(std::filesystem::exists(path("at-100000.png")));
+}
+
+TEST_F(Render, SaysThePresentNameOfAnEarlierSpelling) {
+  if (!worldio::has_hdf5()) GTEST_SKIP() << "built without HDF5";
+  ASSERT_EQ(troupe({"run", "room.world", "--for", "1", "--quiet", "--record", "run.h5", "--record-fields",
+                    "pose,ranges"})
+                .code,
+            0);
+  const Outcome old = draw({"run.h5", "--color-by", "sensors/bot/ranger:0.ranges.3"});
+  EXPECT_EQ(old.code, 0);
+  EXPECT_EQ(old.err,
+            "run.h5: warning: --color-by: \"sensors/bot/ranger:0.ranges.3\" is the spelling of an earlier "
+            "version: the name is now \"ranger:0.ranges.3\"\n");
+  const Outcome present = draw({"run.h5", "--color-by", "ranger:0.ranges.3"});
+  EXPECT_EQ(present.code, 0);
+  EXPECT_EQ(present.err, "");
+
+  // A world has no paths of recordings, so that the spelling is an error.
+  for (const char* path : {"sensors/bot/ranger:0.ranges", "bot/ranger:0/ranges"}) {
+    const std::string its_name = std::string(path) + "\": its name is \"ranger:0.ranges\"\n";
+    const Outcome drawn = draw({"room.world", "--color-by", path});
+    EXPECT_EQ(drawn.code, 2);
+    EXPECT_THAT(drawn.err, EndsWith(": unknown value \"" + its_name));
+    const Outcome recorded =
+        troupe({"run", "room.world", "--for", "1", "--quiet", "--record", "r.h5", "--record-fields", path});
+    EXPECT_EQ(recorded.code, 2);
+    EXPECT_THAT(recorded.err, EndsWith(": unknown field \"" + its_name));
+  }
+  EXPECT_THAT(draw({"room.world", "--color-by", "sensors/bot/ranger:0.rangs"}).err,
+              HasSubstr("unknown value \"sensors/bot/ranger:0.rangs\"; known: "));
 }
 
 TEST_F(Render, WhatARecordingHasNotIsRefused) {

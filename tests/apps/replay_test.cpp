@@ -73,6 +73,25 @@ TEST_F(ReplayPage, ADeviceHasTheNamesThatRecordingAccepts) {
               HasSubstr("unknown field \"ranger/eye\"; known: "));
 }
 
+TEST_F(ReplayPage, SaysThePresentNameOfAnEarlierSpelling) {
+  record("ranges.h5", "pose,ranger:0");
+  const auto warnings_of = [&](const std::string& name) {
+    const Outcome outcome = troupe({"replay", "ranges.h5", "--force", "--fields", name});
+    EXPECT_EQ(outcome.code, 0) << name << outcome.err;
+    return outcome.err;
+  };
+  const auto warning = [](const std::string& old, const std::string& present) {
+    return "ranges.h5: warning: --fields: \"" + old +
+           "\" is the spelling of an earlier version: the name is now \"" + present + "\"\n";
+  };
+  for (const char* old : {"sensors/bot/ranger:0.ranges", "sensors/bot/ranger:0/ranges", "ranger:0/ranges"})
+    EXPECT_EQ(warnings_of(old), warning(old, "ranger:0.ranges"));
+  EXPECT_EQ(warnings_of("sensors/bot/ranger:0"), warning("sensors/bot/ranger:0", "ranger:0"));
+  EXPECT_EQ(warnings_of("pose/x"), warning("pose/x", "pose.x"));
+  for (const char* name : {"ranger:0.ranges", "ranger/ranger:0", "bot/ranger:0", "pose.x"})
+    EXPECT_EQ(warnings_of(name), "") << name;
+}
+
 TEST_F(ReplayPage, SaysThatFramesAreLeftOut) {
   ASSERT_EQ(troupe({"run", "room.world", "--quiet", "--for", "200", "--record", "long.h5"}).code, 0);
   ASSERT_EQ(troupe({"replay", "long.h5"}).code, 0);

@@ -6,6 +6,7 @@
 #include <array>
 #include <string>
 #include <string_view>
+#include <vector>
 
 namespace troupe {
 namespace {
@@ -132,6 +133,42 @@ TEST(Diagnostics, ThoroughOnesListEveryPlaceOnce) {
   EXPECT_EQ(diagnostics.findings().size(), 2u);
   EXPECT_EQ(diagnostics.text(diagnostics.findings()[0]), "a.world:3: warning: odd");
   EXPECT_EQ(diagnostics.text(diagnostics.findings()[1]), "a.world:4: warning: odd");
+}
+
+TEST(Diagnostics, AnInheritedFindingIsReportedOnceForTheBase) {
+  Diagnostics diagnostics;
+  const std::uint32_t file = diagnostics.files()->add("maze.json");
+  const Inheritable base{"/types/base", "Base", {file, 2}};
+  const Inheritable middle{"/types/middle", "middle", {file, 5}};
+  const Inheritable small{"/types/small", "small", {file, 8}};
+  const Inheritable tall{"/types/tall", "tall", {file, 9}};
+  diagnostics.inherits(small, middle);
+  diagnostics.inherits(middle, base);
+  diagnostics.inherits(tall, base);
+  diagnostics.error({file, 3}, "/types/small: unknown key \"x\"");  // the heir may come first
+  diagnostics.error({file, 3}, "/types/base: unknown key \"x\"");
+  diagnostics.error({file, 3}, "/types/tall: unknown key \"x\"");
+  diagnostics.error({file, 3}, "/types/tall: unknown key \"y\"");
+  diagnostics.error({file, 3}, "/types/smaller: unknown key \"x\"");  // not an heir
+  diagnostics.warning({file, 4}, "sensor \"eye\" of \"small\" sees nothing");
+  diagnostics.warning({file, 4}, "sensor \"eye\" of \"tall\" sees nothing");
+  for (int i = 0; i < 3; ++i) diagnostics.warning_once({file, 4}, "device \"eye\" is slow");
+  diagnostics.warning_once({file, 4}, "sensor \"eye\" of \"middle\" sees nothing");
+  diagnostics.warning_once({file, 4}, "sensor \"eye\" of \"middle\" sees nothing");
+  // Each of these is about content of the heir's own.
+  diagnostics.warning({file, 5}, "/types/middle/drive: slow");
+  diagnostics.warning({file, 9}, "/types/small/drive: slow");
+  diagnostics.warning({file, 9}, "/types/tall/drive: slow");
+  std::vector<std::string> found;
+  for (const Finding& finding : diagnostics.findings()) found.push_back(diagnostics.text(finding));
+  EXPECT_THAT(found, ElementsAre("maze.json:3: error: /types/base: unknown key \"x\"",
+                                 "maze.json:3: error: /types/tall: unknown key \"y\"",
+                                 "maze.json:3: error: /types/smaller: unknown key \"x\"",
+                                 "maze.json:4: warning: sensor \"eye\" of \"middle\" sees nothing",
+                                 "maze.json:4: warning: device \"eye\" is slow",
+                                 "maze.json:5: warning: /types/middle/drive: slow",
+                                 "maze.json:9: warning: /types/small/drive: slow",
+                                 "maze.json:9: warning: /types/tall/drive: slow"));
 }
 
 }  // namespace

@@ -181,6 +181,43 @@ TEST(Draw, BackgroundsChangeWhatIsNoBody) {
   EXPECT_EQ(stage.at(0.5, 0.5), k_blue_pixel);
 }
 
+TEST(Draw, TransparentColorsAreBlended) {
+  // Opaque layers are drawn without blending, so each way to give a body a transparent colour is tested.
+  const Color half{0, 0.2F, 0.8F, 0.5F};
+  const Pixel on_paper{125, 149, 222};  // the mean of the colours of body and floor
+  const auto expect_near = [](const Pixel& found, const Pixel& expected, const char* what) {
+    for (std::size_t k = 0; k < 3; ++k) EXPECT_NEAR(found[k], expected[k], 1) << what << ", part " << k;
+  };
+  Stage stage;
+  stage.view.layers.headings = stage.view.layers.shadows = false;
+  stage.frame.mobile = {body_at(0, {0, 0, 0, 0}, half), body_at(0, {2, 0, 0, 0}, k_blue)};
+  stage.draw();
+  expect_near(stage.at(0.2, 0.2), on_paper, "a body of a map");
+  EXPECT_EQ(stage.at(2.2, 0.2), k_blue_pixel);
+
+  stage.view.camera.pitch = 1e-3;  // not a map, but nearly seen from above
+  stage.draw();
+  expect_near(stage.at(0.2, 0.2), on_paper, "a solid");
+
+  Stage shaped;
+  shaped.view.layers.headings = shaped.view.layers.shadows = false;
+  shaped.scene.types[0].shapes[0].color = half;
+  shaped.frame.mobile = {body_at(0, {0, 0, 0, 0}, k_gray30)};
+  shaped.draw();
+  expect_near(shaped.at(0.2, 0.2), on_paper, "a shape of a map");
+  shaped.view.camera.pitch = 1e-3;
+  shaped.draw();
+  expect_near(shaped.at(0.2, 0.2), on_paper, "a shape of a solid");
+
+  Stage far;  // robots are dots
+  far.view.layers.grid = false;
+  far.view.region = Box{{-400, -200}, {400, 200}};
+  far.frame.mobile = {body_at(0, {0, 0, 0, 0}, half)};
+  far.draw();
+  far.view.region = Box{{-4, -2}, {4, 2}};  // at() counts 100 pixels per metre
+  expect_near(far.at(0, 0), on_paper, "a dot");
+}
+
 TEST(Draw, BoundsAreALineAndInThePicture) {
   Stage stage;
   stage.scene.limits = Box{{-3, -1}, {3, 1}};

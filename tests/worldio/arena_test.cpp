@@ -332,6 +332,35 @@ TEST_F(IncludeTest, ErrorsOfExtends) {
       ElementsAre("maze.json:2: error: /types/a/extends: expected the name of a type, found the number 3"));
 }
 
+TEST_F(IncludeTest, AnErrorOfABaseIsReportedOnce) {
+  const std::string base = R"("base": {"size_m": [1, 1, 1],
+  "mass": 3,
+  "sensors": [{"name": "ir", "kind": "ranger",
+    "transducers": [{"range_max_m": -1}]}]})";
+  const std::string heirs = R"("a": {"extends": "base"}, "b": {"extends": "a", "sensors": [{"name": "ir"}]},
+  "c": {"extends": "base", "color": "blue",
+    "mass": 4})";
+  const auto expected = ElementsAre(
+      "maze.json:5: error: /types/base/sensors/0/transducers/0/range_max_m: must be above 0 and at most 100 "
+      "m, found -1",
+      testing::StartsWith("maze.json:3: error: /types/base: unknown key \"mass\""),
+      testing::StartsWith("maze.json:8: error: /types/c: unknown key \"mass\""));
+  EXPECT_THAT(load("\"types\": {" + base + ",\n" + heirs + "}").found, expected);
+  // A base may come after its heirs.
+  EXPECT_THAT(load("\"types\": {" + heirs + ",\n" + base + "}").found,
+              ElementsAre(testing::StartsWith("maze.json:8: error: /types/base/sensors/0/transducers/0/"),
+                          testing::StartsWith("maze.json:6: error: /types/base: unknown key \"mass\""),
+                          testing::StartsWith("maze.json:4: error: /types/c: unknown key \"mass\"")));
+  // An error of meaning, which is found after the errors of form.
+  write("base.json", R"({"types": {
+    "base": {"size_m": [1, 1, 1],
+             "sensors": [{"kind": "ranger", "on": "arm", "transducers": []}]}}})");
+  EXPECT_THAT(load(R"("include": ["base.json"],
+    "types": {"a": {"extends": "base"}, "b": {"extends": "base", "size_m": [2, 2, 2]}})")
+                  .found,
+              ElementsAre(testing::StartsWith("base.json:3: error: /types/base/sensors/0/on: ")));
+}
+
 constexpr const char* k_boxes = R"("types": {"wall": {"size_m": [2, 0.1, 1]},
     "bot": {"size_m": [0.2, 0.2, 0.1], "drive": {"kind": "diff"}}, "puck": {"size_m": [0.2, 0.2, 0.1], "pushable": true}},
     "models": [)";

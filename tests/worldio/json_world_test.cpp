@@ -148,6 +148,31 @@ TEST(JsonWorld, AWorldIsReadAsItStands) {
   EXPECT_EQ(loaded.diagnostics.files()->name(spec.bodies[1].where.file), "maze.json");
 }
 
+TEST(JsonWorld, TypesHaveTheColorsOfTheirPalette) {
+  // In the order of the types, each type that moves, senses or can be moved has the next colour; walls do not
+  // count. The colours are those of Okabe and Ito (2008), which colour-blind readers can distinguish.
+  const std::string bot = R"({"size_m": [1, 1, 1], "drive": {"kind": "diff"}})";
+  std::string types = R"("wall": {"size_m": [1, 1, 1]}, "puck": {"size_m": [1, 1, 1], "pushable": true},)";
+  std::string models = R"({"name": "w", "type": "wall"}, {"name": "p", "type": "puck", "pose": {"x_m": 3}})";
+  for (int i = 0; i < 7; ++i) {
+    types += fmt::format(R"({}"bot{}": {})", i > 0 ? "," : "", i, bot);
+    models += fmt::format(R"(, {{"name": "b{}", "type": "bot{}", "pose": {{"y_m": {}}}}})", i, i, 3 * i + 3);
+  }
+  types += R"(, "red": {"size_m": [1, 1, 1], "drive": {"kind": "diff"}, "color": "red"},
+    "last": {"size_m": [1, 1, 1], "drive": {"kind": "diff"}})";
+  models +=
+      R"(, {"name": "r", "type": "red", "pose": {"y_m": -3}}, {"name": "l", "type": "last", "pose": {"y_m": -6}})";
+  const Loaded loaded(R"({"troupe": 1, "types": {)" + types + R"(}, "models": [)" + models + "]}");
+  ASSERT_THAT(loaded.found, IsEmpty());
+  std::vector<std::string> colors;
+  for (const engine::BodySpec& body : loaded.spec.bodies)
+    colors.push_back(fmt::format("{:02x}{:02x}{:02x}", to_byte(body.color.r), to_byte(body.color.g),
+                                 to_byte(body.color.b)));
+  colors.erase(colors.begin());  // of the ground
+  EXPECT_THAT(colors, ElementsAre("4d4d4d", "0072b2", "e69f00", "009e73", "d55e00", "56b4e9", "cc79a7",
+                                  "f0e442", "0072b2", "ff0000", "009e73"));
+}
+
 TEST(JsonWorld, ModelsMayHaveNumbersForFinders) {
   const Loaded loaded(R"({"troupe": 1,
     "types": {"post": {"size_m": [1, 1, 1], "fiducial_return": 3}, "plain": {"size_m": [1, 1, 1]}},

@@ -252,6 +252,10 @@ class TypeMerger {
 
  private:
   void resolve(JsonMember& type);
+  static Inheritable inheritable(const JsonMember& type) {
+    const std::string* name = text_of(type.node, "name");
+    return {"/types/" + escape_pointer_token(type.key), name ? *name : type.key, type.where};
+  }
   void error(const JsonMember& type, Where where, std::string_view message) {
     diagnostics_.error(where, fmt::format("/types/{}/extends: {}", escape_pointer_token(type.key), message));
   }
@@ -302,6 +306,7 @@ void TypeMerger::resolve(JsonMember& type) {
   open_.push_back(&type);
   resolve(*base);
   open_.pop_back();
+  diagnostics_.inherits(inheritable(type), inheritable(*base));
   remove_key(*members_of(&type.node), "extends");
   JsonNode inherited = base->node;
   if (Members* members = members_of(&inherited)) remove_key(*members, "name");

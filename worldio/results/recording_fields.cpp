@@ -185,14 +185,40 @@ std::vector<std::string> recordable_names(const World& world) {
   return names;
 }
 
+std::optional<std::string> name_for_path(const World& world, std::string_view name) {
+  constexpr std::string_view k_sensors = "sensors/";
+  if (name.starts_with(k_sensors)) name.remove_prefix(k_sensors.size());
+  const std::vector<std::string> type_names = recorded_type_names(world);
+  for (std::size_t t = 0; t < type_names.size(); ++t) {
+    const std::string& type = type_names[t];
+    if (!name.starts_with(type) || name.size() == type.size() || name[type.size()] != '/') continue;
+    const std::string_view rest = name.substr(type.size() + 1);
+    for (const BodyType::Device& device : world.types()[t].devices) {
+      if (rest == device.name) return device.name;
+      if (device.table == 0 || !rest.starts_with(device.name)) continue;
+      const char separator = rest[device.name.size()];
+      const std::string_view field = rest.substr(device.name.size() + 1);
+      const std::span<const engine::StateField> fields = world.tables()[device.table].fields();
+      if ((separator == '.' || separator == '/') &&
+          std::ranges::find(fields, field.substr(0, field.find('.')), &engine::StateField::name) !=
+              fields.end())
+        return fmt::format("{}.{}", device.name, field);
+    }
+  }
+  return std::nullopt;
+}
+
 std::vector<RecordedComponent> recorded_components(const World& world, std::span<const std::string> names) {
   const std::vector<std::string> known = recordable_names(world);
   for (const std::string& name : names)
     if (std::ranges::find(known, name) == known.end() &&
         std::ranges::none_of(world.tables(), [&](const StateTable& table) {
           return !chosen_fields(table, std::span(&name, 1)).empty();
-        }))
+        })) {
+      if (const auto right = name_for_path(world, name))
+        throw std::invalid_argument(fmt::format("unknown field \"{}\": its name is \"{}\"", name, *right));
       throw std::invalid_argument(unknown_name("field", name, {known.begin(), known.end()}));
+    }
 
   const std::vector<BodyId> bodies = recorded_bodies(world);
   std::vector<RecordedComponent> components;

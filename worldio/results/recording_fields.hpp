@@ -4,8 +4,10 @@
 
 #include <cstddef>
 #include <cstdint>
+#include <optional>
 #include <span>
 #include <string>
+#include <string_view>
 #include <vector>
 
 namespace troupe::worldio {
@@ -48,10 +50,15 @@ std::vector<std::string> recorded_type_names(const engine::World& world);
 /// components (ranger/eye).
 std::vector<std::string> recordable_names(const engine::World& world);
 
+/// Returns the name that --record-fields and --color-by accept for a device, or for one of its fields, if
+/// `name` is its path in a recording: "eye.ranges" for "sensors/minibot/eye/ranges", "minibot/eye/ranges" or
+/// "sensors/minibot/eye.ranges". Empty for all other names.
+std::optional<std::string> name_for_path(const engine::World& world, std::string_view name);
+
 /// Returns the components that the names choose, each once: first those in /state, in the order of the tables
 /// of the state, then those in /sensors, by type. The names are those of recordable_names(). Throws
 /// std::invalid_argument for an unknown name, with a message such as `unknown field "posse"; known: pose,
-/// velocity, ... (did you mean "pose"?)`.
+/// velocity, ... (did you mean "pose"?)`. For a path, the message has the right name (name_for_path()).
 std::vector<RecordedComponent> recorded_components(const engine::World& world,
                                                    std::span<const std::string> names);
 

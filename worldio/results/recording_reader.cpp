@@ -191,6 +191,33 @@ bool selects(std::string_view name, const RecordingReader::Array& array, const R
          std::ranges::find(recording.types(), first) == recording.types().end();
 }
 
+std::optional<std::string> present_name(std::string_view name, const RecordingReader& recording) {
+  const auto given = [&](const RecordingReader::Array& array) -> std::string {
+    const std::string_view component = array.component;
+    const std::string_view own = engine::given_name(component);
+    const bool is_sole = std::ranges::none_of(recording.arrays(), [&](const RecordingReader::Array& other) {
+      return other.component != component && engine::given_name(other.component) == own;
+    });
+    return std::string(is_sole ? own : component.substr(component.find('/') + 1));
+  };
+  for (const RecordingReader::Array& array : recording.arrays()) {
+    const std::string& component = array.component;
+    const bool is_path = component.starts_with("sensors/");
+    if (is_path && name == component) return given(array);
+    const std::size_t end = component.size();
+    if (!name.starts_with(component) || name.size() == end) {
+      if (name == fmt::format("{}/{}", engine::given_name(component), array.field.name))
+        return fmt::format("{}.{}", given(array), array.field.name);
+      continue;
+    }
+    const std::string_view field = name.substr(end + 1);
+    const bool has_separator = name[end] == '/' || (is_path && name[end] == '.');
+    if (has_separator && field.substr(0, field.find('.')) == array.field.name)
+      return fmt::format("{}.{}", given(array), field);
+  }
+  return std::nullopt;
+}
+
 std::string shown_name(std::string_view component) {
   constexpr std::string_view k_sensors = "sensors/";
   const std::string_view given = engine::given_name(component);

@@ -101,6 +101,11 @@ class RecordingReader {
 /// KIND/NAME and TYPE/NAME select a device: `led/lamp` and `minibot/lamp` select `sensors/minibot/lamp`.
 /// Recordings do not store kinds, so KIND may be any word that is not the name of another type.
 bool selects(std::string_view name, const RecordingReader::Array& array, const RecordingReader& recording);
+/// Returns the present name of fields that `name` selects by a spelling of earlier versions, with the path of
+/// a sensor or with a slash before the field: "eye.ranges" for "sensors/minibot/eye.ranges" and "eye/ranges".
+/// If devices of several types have the name, the result has the type: "minibot/eye.ranges". Empty for all
+/// other names.
+std::optional<std::string> present_name(std::string_view name, const RecordingReader& recording);
 /// Returns the name of a component for people: `lamp (minibot)` for `sensors/minibot/lamp`, and
 /// engine::given_name() for components of /state.
 std::string shown_name(std::string_view component);

@@ -1,5 +1,7 @@
 #include "worldio/results/replay_header.hpp"
 
+#include "engine/shown_color.hpp"
+
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
 
@@ -29,10 +31,12 @@ Json corners_json(const Ring& ring) {
 
 Json pose_json(const Pose& pose) { return {pose.x, pose.y, pose.z, pose.heading}; }
 
-/// Returns a shape as JSON: its top as convex polygons and its walls as closed chains of corners.
-Json shape_json(const engine::FrameShape& shape, std::int32_t joint) {
+/// Returns a shape as JSON: its top as convex polygons and its walls as closed chains of corners. shown:
+/// index of its part among the parts of which devices set the colour; -1: its part is none of them.
+Json shape_json(const engine::FrameShape& shape, std::int32_t joint, int shown) {
   Json json;
   if (joint != engine::k_rigid) json["joint"] = joint;
+  if (shown >= 0) json["shown"] = shown;
   json["z_m"] = {shape.solid.z.min, shape.solid.z.max};
   if (shape.color) json["color"] = color_text(*shape.color);
   json["walls"] = Json::array();
@@ -53,8 +57,15 @@ Json type_json(const RecordedScene::Type& type) {
   json["mobile"] = type.look.mobile;
   json["radius_m"] = type.look.radius;
   json["shapes"] = Json::array();
+  std::vector<int> shown;  // by part
+  Json shown_parts = Json::array();
+  for (const std::string& component : type.part_colors) {
+    shown.push_back(component.empty() ? -1 : static_cast<int>(shown_parts.size()));
+    if (!component.empty()) shown_parts.push_back(component);
+  }
   for (std::size_t s = 0; s < type.look.shapes.size(); ++s)
-    json["shapes"].push_back(shape_json(type.look.shapes[s], type.shape_joints[s]));
+    json["shapes"].push_back(
+        shape_json(type.look.shapes[s], type.shape_joints[s], shown[type.shape_parts[s]]));
   json["joints"] = Json::array();
   for (const RecordedScene::Joint& joint : type.joints) {
     Json& said = json["joints"].emplace_back();
@@ -63,6 +74,7 @@ Json type_json(const RecordedScene::Type& type) {
     said["pose"] = pose_json(joint.pose_body_joint);
   }
   if (!type.shown_color.empty()) json["shown_color"] = type.shown_color;
+  if (!shown_parts.empty()) json["shown_parts"] = std::move(shown_parts);
   json["eyes"] = Json::object();
   for (const RecordedScene::Eye& eye : type.eyes) {
     Json fans = Json::array();
@@ -140,7 +152,11 @@ std::string text_of(const Json& json) { return json.dump(-1, ' ', false, Json::e
 }  // namespace
 
 LivePage live_page(const engine::World& world, const engine::Registry& registry) {
-  const RecordedScene scene = recorded_scene(world.spec(), registry);
+  RecordedScene scene = recorded_scene(world.spec(), registry);
+  for (std::size_t t = 0; t < scene.types.size(); ++t)
+    for (std::uint32_t p = 1; p < scene.types[t].part_colors.size(); ++p)
+      if (const engine::BodyType::Device* device = engine::color_device(world.types()[t], p))
+        scene.types[t].part_colors[p] = device->name;
   LivePage page;
   for (std::size_t b = 0; b < scene.bodies.size(); ++b) {
     const Row row = world.row(BodyId(b));
@@ -149,6 +165,12 @@ LivePage live_page(const engine::World& world, const engine::Registry& registry)
     page.has_z = page.has_z || !world.type(row).joints.empty();
   }
   std::ranges::stable_sort(page.order, {}, [&](std::uint32_t id) { return scene.bodies[id].type; });
+  for (std::size_t first = 0, last = 0; first < page.order.size(); first = last) {
+    const std::uint32_t type = scene.bodies[page.order[first]].type;
+    while (last < page.order.size() && scene.bodies[page.order[last]].type == type) ++last;
+    for (std::uint32_t p = 1; p < scene.types[type].part_colors.size(); ++p)
+      if (!scene.types[type].part_colors[p].empty()) page.shown_parts.push_back({first, last - first, p});
+  }
   Json heights = Json::array();
   for (const std::uint32_t id : page.order) {
     const double z = world.poses()[world.row(BodyId(id)).index()].z;

@@ -30,11 +30,20 @@ struct ReplayBlocks {
 std::string replay_header(const RecordingReader& recording, const ReplayPlan& plan,
                           std::span<const std::size_t> frames, const ReplayBlocks& blocks);
 
+/// A part of which devices set the colour, on consecutive robots of a page, which are of one type.
+struct ShownPart {
+  std::size_t first = 0;   ///< index of the first of these robots in the order of the page
+  std::size_t count = 0;   ///< number of these robots
+  std::uint32_t part = 0;  ///< index of the part in the type, from 1 (0 is the body itself)
+};
+
 /// The data that a page needs before it can show a running world.
 struct LivePage {
   std::string header;                ///< like replay_header(), without the keys that only recordings have
   std::vector<std::uint32_t> order;  ///< BodyId of each robot of the page, sorted by type, then by id
   bool has_z = false;                ///< whether heights may change; if not, `header` contains them
+  /// In the order of the robots and then of the parts: all parts in the lists `shown_parts` of `header`.
+  std::vector<ShownPart> shown_parts;
 };
 /// Returns the data for a page that shows this world while it runs.
 LivePage live_page(const engine::World& world, const engine::Registry& registry);

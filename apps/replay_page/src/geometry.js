@@ -104,8 +104,9 @@ function holds(corners, x, y) {
   return left === corners.length / 2 || right === corners.length / 2;
 }
 
-/** Adds a triangle at the front that points forward, in a colour that contrasts with the shape below it. */
-function addMark(mesh, shapes) {
+/** Adds a triangle at the front that points forward, in a colour that contrasts with the shape below it. Adds nothing if
+ *  this shape is of another part than `shown` (see meshesOf()). */
+function addMark(mesh, shapes, shown) {
   const box = [Infinity, Infinity, -Infinity, -Infinity];
   for (const shape of shapes)
     for (const corners of shape.walls)
@@ -122,8 +123,9 @@ function addMark(mesh, shapes) {
   const tip = box[2] - 0.1 * length;
   const base = tip - 1.3 * half;
   const under = shapes.filter((shape) => shape.tops.some((corners) => holds(corners, (tip + 2 * base) / 3, y))).pop();
+  if (shown !== ALL && (under?.shown ?? NONE) !== shown) return;
   let paint = [0, 0, 0, CONTRAST];
-  if (under?.color) {
+  if (under?.color && (under.shown ?? NONE) === NONE) {
     const [r, g, b] = bytesOf(under.color);
     const shade = 0.299 * r + 0.587 * g + 0.114 * b > 150 ? 0.15 : 1;
     paint = [shade, shade, shade, CONTRAST + 1]; // its own colour, but hidden together with the marks
@@ -133,16 +135,18 @@ function addMark(mesh, shapes) {
 }
 
 const ROOT = -1; // shapes that no joint moves
+const NONE = -1; // shapes whose colour no device sets
 const ALL = null;
 
-function addType(type, step, faces, edges, joint = ALL) {
+function addType(type, step, faces, edges, joint = ALL, shown = ALL) {
   const inMetres = (corners) => corners.map((x) => x * step);
-  const shapes = type.shapes
+  const all = type.shapes
     .filter((shape) => joint === ALL || (shape.joint ?? ROOT) === joint)
     .map((shape) => ({ ...shape, tops: shape.tops.map(inMetres), walls: shape.walls.map(inMetres) }))
     .sort((a, b) => a.z_m[1] - b.z_m[1]);
-  for (const shape of shapes) {
-    const paint = paintOf(shape);
+  for (const shape of all) {
+    if (shown !== ALL && (shape.shown ?? NONE) !== shown) continue;
+    const paint = paintOf(shown > NONE ? {} : shape);
     const [low, high] = shape.z_m;
     const pieces = shape.tops.length > 1 ? shape.tops.map((corners) => grown(corners, OVERLAP * type.radius_m)) : shape.tops;
     for (const corners of pieces) addTop(faces, corners, high, paint);
@@ -154,17 +158,19 @@ function addType(type, step, faces, edges, joint = ALL) {
       });
     }
   }
-  if (type.mobile && shapes.length > 0 && (joint === ALL || joint === ROOT)) addMark(faces, shapes);
+  if (type.mobile && all.length > 0 && (joint === ALL || joint === ROOT)) addMark(faces, all, shown);
 }
 
 /**
  * Meshes of a type in its own frame, with its joints at rest: faces (triangles) and edges (lines).
  * joint   which shapes: -1 those that no joint moves, else those that this joint moves; not given: all
+ * shown   which of these: -1 those whose colour no device sets, else those of the part with this index in `shown_parts`,
+ *         which have the colour of the instance; not given: all
  */
-export function meshesOf(type, step, joint = ALL) {
+export function meshesOf(type, step, joint = ALL, shown = ALL) {
   const faces = new MeshBuilder();
   const edges = new MeshBuilder();
-  addType(type, step, faces, edges, joint);
+  addType(type, step, faces, edges, joint, shown);
   return { faces: faces.build(), edges: edges.build() };
 }
 

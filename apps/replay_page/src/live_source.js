@@ -2,7 +2,7 @@
 // specifies the protocol.
 
 import { bytesOf } from "./palette.js";
-import { fieldRows, GONE } from "./recording.js";
+import { fieldRows, GONE, shownParts } from "./recording.js";
 import { ABSENT } from "./series.js";
 
 const MOST_FRAMES = 900; // most frames kept, for trails and speeds
@@ -26,7 +26,13 @@ export class LiveSource {
     this.present = this.movers;
     this.fieldRows = this.header.fields.map((field) => fieldRows(field, this.robots));
     this.shown = hello.colors ? [-1] : []; // not empty: Coloring then updates colours with every frame
-    this.colors = Uint8Array.from(this.own);
+    const parts = shownParts(this.header);
+    const shades = parts.reduce((sum, { count }) => sum + count, this.robots);
+    this.colors = new Uint8Array(3 * shades); // of the robots, then of their parts
+    this.colors.set(this.own);
+    let end = this.robots;
+    this.parts = parts.map((part) => ({ ...part, tints: this.colors.subarray(3 * end, 3 * (end += part.count)) }));
+    for (const { tints, first, count } of this.parts) tints.set(this.own.subarray(3 * first, 3 * (first + count)));
     this.base = new Int32Array(this.axes * this.robots);
     this.ring = [];
     this.kept = Math.max(2, Math.min(MOST_FRAMES, Math.floor(MOST_BYTES / (16 * Math.max(this.robots, 1)))));
@@ -115,7 +121,7 @@ export class LiveSource {
     return ranges ? (ranges[column] ?? NaN) : null;
   }
   colorsInto(frame, out) {
-    out.set(this.colors);
+    out.set(this.colors.subarray(0, 3 * this.robots)); // the colours of parts are views of `colors`
     return true;
   }
   prefetch() {}

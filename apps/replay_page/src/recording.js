@@ -30,10 +30,15 @@ export class Recording {
     this.movers = this.mobile.reduce((sum, one) => sum + one, 0);
     this.present = this.movers; // movers in the world, in the last frame of posesInto()
     this.fieldRows = header.fields.map((field) => fieldRows(field, this.robots));
+    const fieldOf = (component) => header.fields.findIndex((field) => field.component === component && field.name === "shown_color");
     // Fields with the colours that bodies show, one per type.
-    this.shown = header.types
-      .filter((type) => type.shown_color)
-      .map((type) => header.fields.findIndex((field) => field.component === type.shown_color && field.name === "shown_color"));
+    this.bodyFields = header.types.filter((type) => type.shown_color).map((type) => fieldOf(type.shown_color));
+    this.parts = shownParts(header).map((part) => ({
+      ...part,
+      field: fieldOf(part.component),
+      tints: this.own.slice(3 * part.first, 3 * (part.first + part.count)),
+    }));
+    this.shown = [...this.bodyFields, ...this.parts.map((part) => part.field)];
   }
 
   get frames() {
@@ -85,23 +90,29 @@ export class Recording {
     return steps === 0 ? NaN : field.min + (steps - 1) * field.step;
   }
 
-  /** Writes the colour of every robot, three bytes each: the colour it shows, else that of the world file. False if not unpacked yet. */
+  /** Writes the colour of every robot, three bytes each: the colour it shows, else that of the world file. Also updates the
+   *  colours of parts (`parts`). False if not unpacked yet. */
   colorsInto(frame, out) {
     const found = this.shown.map((index) => this.field(index, frame)); // requests all fields
     if (!found.every(Boolean)) return false;
     out.set(this.own);
-    this.shown.forEach((index, s) => {
-      const { min, step } = this.header.fields[index];
-      const { of } = this.fieldRows[index];
-      const { values, at } = found[s];
-      for (let r = 0; r < this.robots; r++) {
-        if (of[r] < 0) continue;
-        const from = at + 3 * of[r];
-        if (values[from] === 0) continue; // not in the world
-        for (let c = 0; c < 3; c++) out[3 * r + c] = Math.round(255 * (min + (values[from + c] - 1) * step));
-      }
-    });
+    for (const index of this.bodyFields) this.fieldInto(index, frame, 0, this.robots, out);
+    for (const { field, first, count, tints } of this.parts) this.fieldInto(field, frame, first, count, tints);
     return true;
+  }
+
+  /** Writes the colours that a field has in a frame for the robots [first, first + count), three bytes each. */
+  fieldInto(index, frame, first, count, out) {
+    const { min, step } = this.header.fields[index];
+    const { of } = this.fieldRows[index];
+    const { values, at } = this.field(index, frame);
+    for (let i = 0; i < count; i++) {
+      const row = of[first + i];
+      if (row < 0) continue;
+      const from = at + 3 * row;
+      if (values[from] === 0) continue; // not in the world
+      for (let c = 0; c < 3; c++) out[3 * i + c] = Math.round(255 * (min + (values[from + c] - 1) * step));
+    }
   }
 
   /** Writes x, y, z, heading of every robot, interpolated between two frames; false if not unpacked yet. */
@@ -201,6 +212,18 @@ export class Recording {
     const layout = { frames, count: width, line: false, absent: 0, bias: 1 };
     return unpackSeries(packed, 0, layout, unit.values);
   }
+}
+
+/** The parts of which devices set the colour: for each type and part, the robots [first, first + count) that have it, the
+ *  index `shown` of the part in the list `shown_parts` of the type, and its entry in this list. */
+export function shownParts({ robots, types }) {
+  const parts = [];
+  let first = 0;
+  for (const [type, count] of robots.types) {
+    (types[type].shown_parts ?? []).forEach((component, shown) => parts.push({ component, shown, first, count }));
+    first += count;
+  }
+  return parts;
 }
 
 /** The number of robots that have a field, and the row of each robot in it; -1: none. */

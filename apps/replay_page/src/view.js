@@ -131,11 +131,15 @@ export class View {
       const poses = this.poses.subarray(4 * first, 4 * last);
       const tints = this.tints.subarray(3 * first, 3 * last);
       const look = header.types[type];
+      const parts = this.recording.parts.filter((part) => part.first === first); // parts of which devices set the colour
       const add = (joint, where) => {
-        if (joint >= 0 && !look.shapes.some((shape) => shape.joint === joint)) return;
-        const bodies = new Bodies(meshesOf(look, header.shape_step_m, joint), look.radius_m, where, tints, SMALLEST);
-        this.swarms.push(bodies);
-        this.scene.add(...bodies.objects);
+        for (const { shown, tints: own } of [{ shown: -1, tints }, ...parts]) {
+          const isOfThese = (shape) => (shape.joint ?? -1) === joint && (shape.shown ?? -1) === shown;
+          if ((joint >= 0 || shown >= 0) && !look.shapes.some(isOfThese)) continue;
+          const bodies = new Bodies(meshesOf(look, header.shape_step_m, joint, shown), look.radius_m, where, own, SMALLEST);
+          this.swarms.push(bodies);
+          this.scene.add(...bodies.objects);
+        }
       };
       add(-1, poses); // shapes that no joint moves
       if (look.joints.length > 0) {
@@ -176,7 +180,7 @@ export class View {
     return limbs ? limbs.place(joint, robot) : this.poses.subarray(4 * robot, 4 * robot + 4);
   }
 
-  /** Sets the colours of the robots, three bytes each; null: those of the world. */
+  /** Sets the colours of the robots, three bytes each; null: those of the world. Those of parts are in `recording.parts`. */
   useTints(tints) {
     this.tints.set(tints ?? this.recording.own);
     for (const bodies of this.swarms) bodies.tintsChanged();
