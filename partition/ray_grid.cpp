@@ -171,12 +171,12 @@ class RayGrid::Line {
     return (step_x < 0 || at.x() >= 0 || at.x() <= -1) && (step_y < 0 || at.y() >= 0 || at.y() <= -1);
   }
 
-  /// Negative if the ray crosses border i along x before border j along y.
-  std::int64_t order(std::int64_t i, std::int64_t j) const { return up * (2 * i - 1) - across * (2 * j - 1); }
-  /// y_steps: the number of borders along y that are crossed before border i along x. x_steps: the number of
-  /// borders along x that are crossed before border j along y.
-  std::int64_t y_steps(std::int64_t i) const { return (up * (2 * i - 1) + across) / (2 * across); }
-  std::int64_t x_steps(std::int64_t j) const { return (across * (2 * j - 1) + up - 1) / (2 * up); }
+  /// Negative if the ray crosses border x along x before border y along y.
+  std::int64_t order(std::int64_t x, std::int64_t y) const { return up * (2 * x - 1) - across * (2 * y - 1); }
+  /// y_steps: the number of borders along y that are crossed before border x along x. x_steps: the number of
+  /// borders along x that are crossed before border y along y.
+  std::int64_t y_steps(std::int64_t x) const { return (up * (2 * x - 1) + across) / (2 * across); }
+  std::int64_t x_steps(std::int64_t y) const { return (across * (2 * y - 1) + up - 1) / (2 * up); }
 
   /// The number of steps along x, or along y, by which the ray leaves the block that contains this cell.
   std::int64_t x_to_border(std::int32_t x) const { return step_x > 0 ? k_block - (x & 7) : (x & 7) + 1; }

@@ -15,12 +15,17 @@ import signal
 import subprocess
 import sys
 import tempfile
+import threading
 import time
 import unittest
 
+ROOT = pathlib.Path(__file__).resolve().parent.parent
+sys.path.insert(0, str(ROOT))
+from tests.support.websocket import Socket  # noqa: E402
+
 PROGRAM = None
 WAIT_S = 240  # for a busy machine
-WORLDS = pathlib.Path(__file__).resolve().parent.parent / "worlds"
+WORLDS = ROOT / "worlds"
 
 WORLD = """{
   "troupe": 1, "title": "A room", "quit_time_s": 3,
@@ -300,6 +305,48 @@ class OnProcesses:
             done = self.run_on(2, *arguments)
             self.assertEqual(done.returncode, 2, done.stdout + done.stderr)
             self.assertEqual(done.stderr.count("without the launcher"), 1, done.stderr)
+
+    def serves_a_view_in_each_process(self, *program):
+        """Starts two processes of a program that runs a view (served_view.cpp, served_view.py), and opens the page of each."""
+        self.plain("run", "room.json", "--threads", 1, "--for", 1, "--hash-log", "plain.log", "--quiet")
+        state = lines_of(self.folder / "plain.log")[-1].split()[1]
+        run = subprocess.Popen([self.launcher, *self.launcher_options, "-n", "2", *map(str, program), "room.json"], cwd=self.folder,
+                               env=self.environment(), text=True, stdout=subprocess.PIPE, stderr=subprocess.PIPE)
+        limit = threading.Timer(WAIT_S, run.kill)
+        limit.start()
+        with run, contextlib.ExitStack() as viewers:
+            viewers.callback(limit.cancel)
+            printed = {"error": [], "view": [], "hash": []}
+            for line in run.stdout:
+                what, _, text = line.rstrip("\n").partition(" ")
+                printed[what].append(text)
+                if what == "view":
+                    port, token = text.removeprefix("http://127.0.0.1:").split("/#")
+                    viewers.enter_context(Socket(int(port))).send(token)
+            errors = run.stderr.read()
+            self.assertEqual(run.wait(), 0, errors)
+        self.assertEqual(len(set(printed["view"])), 2, errors)
+        self.assertEqual(printed["hash"], [state, state], errors)
+        for error in printed["error"]:
+            self.assertRegex(error, r"^2 ranks: the ranks of a program are threads of one process, but mpirun of .* started 2 processes: ")
+        self.assertEqual(len(printed["error"]), 2)
+        self.assertEqual(sorted(file.name for file in self.folder.glob("*session*")), ["room.session-2.jsonl", "room.session.jsonl"])
+
+    def test_each_process_of_a_program_serves_its_own_view(self):
+        program = pathlib.Path(PROGRAM).parent / "served_view"
+        if not program.exists():
+            self.skipTest(f"NOT TESTED: views of programs in C++: {program} is missing; it needs TROUPE_VIEW")
+        self.serves_a_view_in_each_process(program)
+
+    def test_each_process_of_a_program_in_python_serves_its_own_view(self):
+        package = pathlib.Path(PROGRAM).parent.parent / "lib" / "python3" / "dist-packages"
+        test = "import troupe; troupe.Simulation.view"
+        for interpreter in (sys.executable, "/usr/bin/python3"):
+            path = {"PYTHONPATH": str(package)}
+            if package.exists() and self.call([interpreter, "-c", test], **path).returncode == 0:
+                return self.serves_a_view_in_each_process("env", f"PYTHONPATH={package}", interpreter,
+                                                          pathlib.Path(__file__).with_name("served_view.py"))
+        self.skipTest(f"NOT TESTED: views of programs in Python: no interpreter can load the package in {package}")
 
     def test_a_missing_module_is_an_error(self):
         self.refused(self.run_on(3, "run", "room.json", "--hash-log", "log", TROUPE_MPI="none"),

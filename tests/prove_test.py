@@ -148,6 +148,7 @@ class Ranks(unittest.TestCase):
     def test_teams_contain_all_pairs(self):
         for values in ((0, 1), (0, 2), (1, 2)):
             pairs = {tuple(team[i] for i in values) for team in prove.TEAMS}
+            self.assertEqual({ranks for ranks, _, _ in prove.TEAMS}, {1, 2, 3, 4, 7})
             self.assertEqual(len(pairs), math.prod(len({team[i] for team in prove.TEAMS}) for i in values))
 
     def test_processes_are_started_with_the_launchers_that_are_installed(self):
@@ -199,6 +200,12 @@ class Planted(unittest.TestCase):
                 program.chmod(0o755)
                 self.assertEqual(prove.planted_in_own_world(program, "rank_effect_order"), found)
                 self.assertFalse(prove.planted_in_own_world(program, "float_sum"))
+
+    def test_faults_are_chosen_by_their_names(self):
+        self.assertEqual([name for name, _ in builds.planted_faults(["rank_world_of_one", "float_sum"])],
+                         ["rank_world_of_one", "float_sum"])
+        with self.assertRaisesRegex(runs.Fault, "there is no planted fault rank_world; known: address_tie, .*rank_world_of_one"):
+            builds.planted_faults(["rank_world"])
 
     def test_faults_say_what_they_do(self):
         for name, about in builds.planted_faults():

@@ -1,6 +1,6 @@
 #!/usr/bin/env python3
 """Kills `troupe sweep` with SIGKILL at random moments, continues it, and compares its table with that of an uninterrupted
-sweep.
+sweep. Then removes the results of a sweep while it runs, which must be an error.
 
     sweep_kill_test.py PROGRAM [KILLS] [SEED]    KILLS: default 3
 
@@ -26,6 +26,26 @@ SEED = int(sys.argv[3]) if len(sys.argv) > 3 else time.time_ns()
 
 def noted(folder):
     return sum(len(file.read_text().splitlines()) - 1 for file in folder.glob("runs-*.jsonl") if file.stat().st_size)
+
+
+def loses_results(folder):
+    """Removes the results of a sweep before its last runs. Returns a text that says what is wrong, empty if the sweep reports the
+    missing results and writes no table; None if the sweep ended before its results could be removed."""
+    process = subprocess.Popen([PROGRAM, "sweep", STUDY, "-o", folder, "--threads", "1", "--quiet"], stderr=subprocess.PIPE, text=True)
+    while process.poll() is None and not (folder.exists() and noted(folder) > 0):
+        time.sleep(0.01)
+    process.send_signal(signal.SIGSTOP)
+    if noted(folder) == 64:
+        process.kill()
+        process.communicate()
+        return None
+    (folder / "runs-1-of-1.jsonl").unlink()
+    process.send_signal(signal.SIGCONT)
+    errors = process.communicate()[1]
+    text = f"{folder}: error: the results of 64 finished runs are missing, so there is no table: "
+    if process.returncode != 1 or not errors.startswith(text) or (folder / "table.csv").exists():
+        return f"the results of runs were removed, but the sweep ended with {process.returncode}: {errors}"
+    return ""
 
 
 def main():
@@ -57,6 +77,10 @@ def main():
             if (whole / table).exists() and (whole / table).read_bytes() != (killed / table).read_bytes():
                 print(f"{table} is another one than without kills")
                 return 1
+        faults = (loses_results(Path(name) / f"lost-{i}") for i in range(100))
+        if fault := next((fault for fault in faults if fault is not None), "the results of no sweep could be removed"):
+            print(fault)
+            return 1
         return 0 if (whole / "table.csv").exists() else 1
 
 

@@ -321,23 +321,39 @@ std::vector<std::size_t> dealt(const partition::Message& list, const RankDeal& d
   return own;
 }
 
-/// Sends the errors of the failed runs of this rank, `failed`, to rank 0. On rank 0, waits until all ranks
-/// have finished their runs, and returns the errors of all ranks by index of the run; on other ranks, returns
-/// nothing.
-std::map<std::size_t, std::string> gathered(const std::map<std::size_t, std::string>& failed,
-                                            const RankDeal& deal) {
+/// How the runs of one rank or of all ranks ended.
+struct Ended {
+  std::map<std::size_t, std::string> failed;  // errors of the failed runs, by index
+  bool was_stopped = false;                   // a signal ended the sweep before its last run
+};
+
+/// Sends how the runs of this rank ended to rank 0. On rank 0, waits until all ranks have finished their
+/// runs, and returns how the runs of all ranks ended; on other ranks, returns nothing.
+Ended gathered(const Ended& here, const RankDeal& deal) {
   partition::MessageWriter own;
-  for (const auto& [run, error] : failed) {
+  own.put(std::uint64_t{here.was_stopped});
+  for (const auto& [run, error] : here.failed) {
     own.put(std::uint64_t{run});
     own.put_text(error);
   }
-  std::map<std::size_t, std::string> all;
-  for (const partition::Message& message : deal.gather(own.take()))
-    for (partition::MessageReader reader(message); !reader.is_done();) {
+  Ended all;
+  for (const partition::Message& message : deal.gather(own.take())) {
+    partition::MessageReader reader(message);
+    if (reader.get<std::uint64_t>() != 0) all.was_stopped = true;
+    while (!reader.is_done()) {
       const auto run = reader.get<std::uint64_t>();
-      all[run] = reader.get_text();
+      all.failed[run] = reader.get_text();
     }
+  }
   return all;
+}
+
+/// Returns how many of the runs first, first + step, ... of the study have neither a result nor an error.
+std::size_t missing_runs(const SweepTable& table, std::size_t first, std::size_t step) {
+  std::size_t missing = 0;
+  for (std::size_t r = first; r < table.study.run_count(); r += step)
+    if (!table.outcomes.contains(r) && !table.failed.contains(r)) missing += 1;
+  return missing;
 }
 
 fs::path csv_file(const fs::path& folder) { return folder / "table.csv"; }
@@ -410,15 +426,27 @@ ExitCode sweep_checked(SweepOptions options, RankDeal& deal) {
   }
   SweepJournal journal(journal_file(options.folder, options.part, options.parts), identity);
   SweepTable table{.study = study, .measures = measure_columns(measures, study.statistics)};
-  table.failed = gathered(make_all(study, runs, options, journal, deal), deal);
+  Ended here{.failed = make_all(study, runs, options, journal, deal)};
+  here.was_stopped = stop_requested();
+  Ended ended = gathered(here, deal);
   if (deal.rank() > 0) return k_finished;
+  table.failed = std::move(ended.failed);
   for (const auto& [run, error] : table.failed) fmt::print(stderr, "run {}: {}\n", run, error);
   table.outcomes = read_journals(options.folder, identity);
-  const bool is_complete = table.outcomes.size() + table.failed.size() == study.run_count();
+  const bool is_complete = missing_runs(table, 0, 1) == 0;
   if (is_complete && !write_tables(table, measures, options.folder)) return k_failed;
   if (!options.quiet) print_result(table, is_complete, options.folder);
-  // If the ranks of a cluster have left runs undone, another rank got the signal.
-  if (stop_requested() || (deal.ranks() > 1 && !is_complete)) return k_stopped;
+  if (stop_requested() || (ended.was_stopped && !is_complete)) return k_stopped;
+  // The runs of other parts (--part) may be missing, because other processes make them.
+  const std::size_t lost =
+      deal.ranks() > 1 ? missing_runs(table, 0, 1) : missing_runs(table, options.part - 1, options.parts);
+  if (lost > 0) {
+    fmt::print(stderr,
+               "{}: error: the results of {} finished runs are missing, so there is no table: another program "
+               "has removed or replaced files in this folder; repeat the command\n",
+               options.folder.string(), lost);
+    return k_failed;
+  }
   return table.failed.empty() ? k_finished : k_failed;
 }
 

@@ -38,20 +38,24 @@ def compiled(compiler, level):
     return _build(ROOT, folder, options, ["bin/troupe"])
 
 
-def planted_faults():
-    """(name, description) of each patch in tests/planted; the description is the text before the diff."""
-    return [(file.stem, file.read_text().split("\ndiff ")[0].strip()) for file in sorted(PLANTED.glob("*.patch"))]
+def planted_faults(names=()):
+    """(name, description) of each patch in tests/planted, or of these patches if there are any; the description is the text before
+    the diff. Raises Fault for a name of no patch."""
+    faults = {file.stem: file.read_text().split("\ndiff ")[0].strip() for file in sorted(PLANTED.glob("*.patch"))}
+    if unknown := [name for name in names if name not in faults]:
+        raise Fault(f"{PLANTED}: there is no planted fault {', '.join(unknown)}; known: {', '.join(faults)}")
+    return [(name, faults[name]) for name in names or faults]
 
 
 def with_planted(name):
-    """Builds the program and its variant with the hostile scheduler (variants.py), both with one planted fault."""
-    sources = ROOT / "build" / "planted" / name
+    """Builds the program and its variant with the hostile scheduler (variants.py), both with one planted fault. All faults share
+    one folder, so that only the sources that two successive faults change are compiled again; the programs of the fault before are
+    replaced."""
+    sources = ROOT / "build" / "planted" / "sources"
     files = subprocess.run(["git", "ls-files", "-z", "--cached", "--others", "--exclude-standard"], cwd=ROOT, check=True, capture_output=True, text=True).stdout
     for file in filter(None, files.split("\0")):
-        copy_if_changed(ROOT / file, sources / file)
+        copy_if_changed(ROOT / file, sources / file)  # also undoes the patch of an earlier run
     patch = PLANTED / f"{name}.patch"
-    for file in patched_files(patch):  # undoes the patch of an earlier run
-        shutil.copyfile(ROOT / file, sources / file)
     _run(["patch", "--strip=1", "--quiet", "--fuzz=0", "--no-backup-if-mismatch", "--input", patch], cwd=sources)
     return _build(sources, sources / "build" / "release", ["-DCMAKE_BUILD_TYPE=Release", "-DTROUPE_PERF=OFF"],
                   ["bin/troupe", "bin/troupe_shuffled", "troupe_mpi"])
