@@ -40,8 +40,8 @@ class Measures {
   void see();
   /// Names of the values, with their units appended: `displacement_m`, `stalls:leaders`.
   std::span<const std::string> columns() const;
-  /// Returns the index of a column; std::nullopt if there is none. The name may omit the unit: `displacement_m`
-  /// and `displacement`, `displacement_m:leaders` and `displacement:leaders`.
+  /// Returns the index of a column; std::nullopt if there is none. The name may omit the unit:
+  /// `displacement_m` and `displacement`, `displacement_m:leaders` and `displacement:leaders`.
   std::optional<std::size_t> find(std::string_view name) const;
   /// Returns one number per column for the current state; NaN if a measure has no value. see() must have been
   /// called after the last step.
