@@ -57,6 +57,7 @@ const Motion k_junk_motion{{k_nan, k_nan, k_nan, k_nan}, Rotation(SinCos{k_nan, 
 }  // namespace
 
 void Movement::forget() {
+  std::ranges::fill(odometry_errors_, Localization::Error{k_nan, k_nan, k_nan});
   std::ranges::fill(free_circles_, FreeCircle{0, 0, std::numeric_limits<float>::infinity()});
   std::ranges::fill(motions_, k_junk_motion);
   conflicts_.forget();

@@ -23,14 +23,14 @@ class Movement {
 
   /// Allocates the lists, once, after the rows of the state were made.
   void build();
-  /// Computes the odometry error of each robot from the seed (Localization::error_of()).
+  /// Computes the odometry error of each robot, unborn ones too, from the seed (Localization::error_of()).
   void draw_odometry_errors();
   /// Discards the motion and the FreeCircle of a row. Call this when the row's body gets another pose.
   void rest(Row row);
   /// Counts the stalled bodies again. Call this after other code has written the component `stall`.
   void count_stalls();
   /// Overwrites with junk all data that are neither constant nor state: see World::forget(). The caller must
-  /// then derive them again with rest() and count_stalls().
+  /// then derive them again with draw_odometry_errors(), rest() and count_stalls().
   void forget();
   /// Overwrites the motions of the last tick with junk, which the next tick must not read.
   void forget_motions();
@@ -57,7 +57,7 @@ class Movement {
   WorldState& state_;
   partition::Parallel& parallel_;
 
-  // Constants.
+  // Constants, and odometry_errors_, which are derived: another seed changes them.
   std::vector<std::uint8_t> is_pushable_;  // one per row; empty, like push_limits_, if no body can be pushed
   std::vector<std::uint8_t> push_limits_;
   Pushables pushables_;

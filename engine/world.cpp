@@ -78,6 +78,7 @@ void World::start(Row row, const BodyType::Drive& drive) {
 }
 
 void World::derive() {
+  movement_.draw_odometry_errors();
   derive_experiment();
   derive_state();
 }
@@ -288,7 +289,6 @@ void World::restart(std::uint64_t seed, std::span<const BodySpec> bodies, const 
   std::ranges::copy(bodies, state_.spec.bodies.begin());
   Diagnostics diagnostics(state_.spec.files);  // stays empty: the constructor has made the same checks
   if (has_scene_changed) build_scene();
-  movement_.draw_odometry_errors();
   build_faults(registry, diagnostics);
   forget_settings();
   start();

@@ -340,7 +340,6 @@ void World::build_tables() {
   }
   effects_.reserve(effects);
   state_.bind_view();
-  movement_.draw_odometry_errors();
   start();
 }
 

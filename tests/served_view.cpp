@@ -2,7 +2,8 @@
 //
 //     served_view WORLD
 //
-// Prints the error that two ranks give, the address of the page and, after the last tick, the hash of the state.
+// Prints the error that two ranks give, the address of the page and, after the last tick, the hash of the
+// state.
 
 #include "live/view.hpp"
 #include "troupe/simulation.hpp"

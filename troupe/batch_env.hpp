@@ -81,7 +81,7 @@ struct BatchAction {
 struct BatchColumn {
   std::string array;       ///< name of an array of the team; empty: `measure` is used
   std::size_t column = 0;  ///< index of the column in the array
-  std::string measure;     ///< name of a column of Measures, with or without its unit
+  std::string measure;     ///< name of a column of BatchSpec::measures, as in Measures::find()
 };
 
 /// A term of the reward. The reward of a robot in a step is the sum of all terms, plus BatchEnd::reward if

@@ -8,6 +8,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <optional>
 #include <stdexcept>
 #include <utility>
 
@@ -180,11 +181,9 @@ void BatchEnv::Impl::plan_device_action(const BatchAction& action, const Model::
 BatchEnv::Impl::Column BatchEnv::Impl::find(const TeamData& team, const BatchColumn& column,
                                             std::string_view what) const {
   if (column.array.empty()) {
-    for (std::size_t m = 0; m < measure_columns.size(); ++m) {
-      const std::string& name = measure_columns[m];
-      const bool has_unit = name.starts_with(column.measure + "_");  // displacement, displacement_m
-      if (name == column.measure || has_unit) return {.column = m, .of_measure = true};
-    }
+    if (const std::optional<Measures>& known = copies.front()->measures)
+      if (const std::optional<std::size_t> m = known->find(column.measure))
+        return {.column = *m, .of_measure = true};
     throw std::out_of_range(fmt::format(
         "{} of team \"{}\": {}", what, team.spec->name,
         unknown_name("measure", column.measure, {measure_columns.begin(), measure_columns.end()})));

@@ -56,9 +56,14 @@ std::span<const std::string> Measures::columns() const { return impl_->set.colum
 
 std::vector<double> Measures::values() { return impl_->set.values(); }
 
-double Measures::value(std::string_view name) {
+std::optional<std::size_t> Measures::find(std::string_view name) const {
   for (std::size_t i = 0; i < impl_->names.size(); ++i)
-    if (name == impl_->names[i] || name == columns()[i]) return impl_->set.value(i);
+    if (name == impl_->names[i] || name == columns()[i]) return i;
+  return {};
+}
+
+double Measures::value(std::string_view name) {
+  if (const std::optional<std::size_t> i = find(name)) return impl_->set.value(*i);
   const std::vector<std::string_view> known(columns().begin(), columns().end());
   throw std::out_of_range(unknown_name("measure", name, known));
 }

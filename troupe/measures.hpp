@@ -2,6 +2,7 @@
 
 #include <cstddef>
 #include <memory>
+#include <optional>
 #include <span>
 #include <string>
 #include <string_view>
@@ -39,11 +40,14 @@ class Measures {
   void see();
   /// Names of the values, with their units appended: `displacement_m`, `stalls:leaders`.
   std::span<const std::string> columns() const;
+  /// Returns the index of a column; std::nullopt if there is none. The name may omit the unit:
+  /// `displacement_m` and `displacement`, `displacement_m:leaders` and `displacement:leaders`.
+  std::optional<std::size_t> find(std::string_view name) const;
   /// Returns one number per column for the current state; NaN if a measure has no value. see() must have been
   /// called after the last step.
   std::vector<double> values();
-  /// Returns the value of one column for the current state, as values() does. The name may omit the unit.
-  /// Throws std::out_of_range, with the known columns, if there is no such column.
+  /// Returns the value of one column for the current state, as values() does. The name may omit the unit, as
+  /// in find(). Throws std::out_of_range, with the known columns, if there is no such column.
   double value(std::string_view name);
 
   /// Returns the data about earlier ticks that the measures store, as bytes, for a checkpoint.

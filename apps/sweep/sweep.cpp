@@ -441,10 +441,11 @@ ExitCode sweep_checked(SweepOptions options, RankDeal& deal) {
   const std::size_t lost =
       deal.ranks() > 1 ? missing_runs(table, 0, 1) : missing_runs(table, options.part - 1, options.parts);
   if (lost > 0) {
-    fmt::print(stderr,
-               "{}: error: the results of {} finished runs are missing, so there is no table: another program "
-               "has removed or replaced files in this folder; repeat the command\n",
-               options.folder.string(), lost);
+    fmt::print(
+        stderr,
+        "{}: error: the results of {} finished runs are missing, so there is no table: another program "
+        "has removed or replaced files in this folder; repeat the command\n",
+        options.folder.string(), lost);
     return k_failed;
   }
   return table.failed.empty() ? k_finished : k_failed;

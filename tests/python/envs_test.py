@@ -90,7 +90,7 @@ class Carts(troupe.envs.Task):
         dataclasses.replace(
             Walkers.teams[1],
             arrays={"pose": [{"of": "pose"}]},
-            rewards=[{"array": "pose", "column": 0, "change": True}, {"measure": "displacement_m:cart", "weight": 0.5, "change": True}],
+            rewards=[{"array": "pose", "column": 0, "change": True}, {"measure": "displacement:cart", "weight": 0.5, "change": True}],
             ends=[{"measure": "displacement_m:cart", "above": 0.8, "reward": 7.0}],
         )
     ]

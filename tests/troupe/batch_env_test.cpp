@@ -274,6 +274,22 @@ TEST(BatchEnv, TellsWhatIsThere) {
                   static_cast<float>(before - goal[2] + 0.25 * batch.measures()[0]));
 }
 
+TEST(BatchEnv, MeasuresAreNamedWithOrWithoutTheirUnits) {
+  BatchSpec spec = spec_of(1);
+  spec.measures = {"mean_nearest_distance", "displacement:r"};
+  spec.teams[0].ends.clear();
+  for (const char* name : {"displacement:r", "displacement_m:r"}) {
+    spec.teams[0].rewards = {{.of = {.measure = name}}};
+    BatchEnv batch(learning_room(), spec);
+    batch.reset();
+    act(batch, 0);
+    batch.step();
+    EXPECT_EQ(batch.measure_columns()[1], "displacement_m:r");
+    EXPECT_GT(batch.measures()[1], 0);
+    EXPECT_EQ(batch.rewards(0)[0], batch.measures()[1]) << name;
+  }
+}
+
 TEST(BatchEnv, ARobotThatArrivesIsFinishedAndStandsStill) {
   BatchSpec spec = spec_of(1);
   spec.seconds = 1000;
@@ -367,6 +383,8 @@ TEST(BatchEnv, SaysWhatIsWrong) {
       "there is no column 4 in array \"goal\", which has 4 columns");
   is_wrong(
       k_name, [](auto&, auto& t) { t.rewards[1].of.measure = "stalls"; }, "unknown measure \"stalls\"");
+  is_wrong(  // the beginning of a name
+      k_name, [](auto&, auto& t) { t.rewards[1].of.measure = "mean"; }, "unknown measure \"mean\"");
   is_wrong(
       k_argument, [](auto&, auto& t) { t.arrays[1].raw = true; },
       "an array with \"raw\" must have exactly one part");
