@@ -223,7 +223,7 @@ INSTANTIATE_TEST_SUITE_P(
                    in_run("--film: \"crowd.avi\" is not the name of a film, as in --film crowd.mp4 or "
                           "frames/%06d.png")},
         WrongUsage{room({"--film", "crowd.mp4", "--fps", "0"}),
-                   in_run("--fps: \"0\" is not a number of frames per second, 0.001 to 1000")},
+                   in_run("--fps: \"0\" is not a number of frames per second, from 0.001 to 1000")},
         WrongUsage{
             room({"--profile", "trace.txt"}),
             in_run("--profile: \"trace.txt\" is not the name of a JSON file, as in --profile trace.json")},

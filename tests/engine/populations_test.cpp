@@ -139,7 +139,7 @@ TEST(Populations, ErrorsNameFileLineAndPopulation) {
   dense.rule.region = area(0, 0, 9, 9);
   dense.rule.pitch_m = 1e-5;
   EXPECT_THAT(errors_of({dense}),
-              ElementsAre("room.txt:8: error: populations[0].rule: the region has 810000 million cells of "
+              ElementsAre("room.txt:8: error: populations[0].rule: the region has 810002 million cells of "
                           "0.00001 m; at most 100 million are allowed: give a larger \"pitch_m\""));
   PopulationSpec nowhere = row_of("a", 1);
   nowhere.rule.region = Box();

@@ -678,7 +678,7 @@ INSTANTIATE_TEST_SUITE_P(
               "maze.json:18: error: /populations/0/place/pitch_m: must be above 0 and at most 100000 m, "
               "found 0"},
         Wrong{R"("pitch_m": 0.25)", R"("pitch_m": 1e-6)",
-              "maze.json:18: error: /populations/0/place: the region has 1000000 million cells of 0.000001 "
+              "maze.json:18: error: /populations/0/place: the region has 1000002 million cells of 0.000001 "
               "m; at most 100 million are allowed: give a larger \"pitch_m\""},
         Wrong{
             R"("pitch_m": 0.25)", R"("pitch_m": 0.25, "heading": "random", "heading_deg": 3)",
