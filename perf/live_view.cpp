@@ -35,7 +35,7 @@ void take_picture(benchmark::State& state) {
   shown.simulation.step();
   live::Picture picture;
   for (auto _ : state)
-    live::take(shown.simulation.world(), shown.page.order, shown.page.has_z, false, picture);
+    live::take(shown.simulation.world(), shown.page.order, shown.page.has_z, false, {}, picture);
 }
 
 /// Encodes pictures of consecutive ticks, in which nearly all robots have moved.
@@ -48,7 +48,7 @@ void encode_picture(benchmark::State& state) {
   for (auto _ : state) {
     state.PauseTiming();
     shown.simulation.step();
-    live::take(shown.simulation.world(), shown.page.order, shown.page.has_z, false, picture);
+    live::take(shown.simulation.world(), shown.page.order, shown.page.has_z, false, {}, picture);
     state.ResumeTiming();
     bytes = live::encode(picture, shown.page.order.size(), 1, sent).size();
   }
