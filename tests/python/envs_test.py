@@ -306,7 +306,7 @@ class Vector(unittest.TestCase):
                 wrong()
         env = troupe.envs.VectorEnv(Short(2), 4)
         env.reset(seed=1)
-        with self.assertRaisesRegex(ValueError, r"shape \(4, 2\), not \(2, 2\)"):
+        with self.assertRaisesRegex(ValueError, r"shape \(4, 2\), found \(2, 2\)"):
             env.step(np.zeros((2, 2)))
         with self.assertRaisesRegex(ValueError, 'action 1 of "r1" in copy 0 is nan'):
             env.step(np.array([[0, 0], [0, np.nan], [0, 0], [0, 0]]))
