@@ -284,7 +284,8 @@ TEST_F(Checkpoint, RefusesChangesOfTheShapeOfTheState) {
       error_of(file_, {.set = {{"/types/3/sensors/0/params/transducers/0/samples", "11"}}}),
       StartsWith(
           file_.string() +
-          ": error: /tables/ranger/eye%2F0/ranges has 9 float32 per body, but the world has 11 float32: "));
+          ": error: /tables/ranger/eye%2F0/ranges has 9 values of type float32 per body, but the world has "
+          "11 of type float32: "));
   EXPECT_THAT(error_of(file_, {.set = {{"/tick_s", "0.2"}}}), StartsWith("--set /tick_s: error: "));
 }
 
