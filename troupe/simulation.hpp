@@ -36,9 +36,9 @@ struct BodySpec;
 struct Registry;
 struct WorldSpec;
 enum class ControlMode : std::uint8_t;
-// engine/controller.hpp, which the header of each command struct includes
+// Defined in engine/controller.hpp, which the header of each command struct includes.
 template <class Memory>
-std::vector<StateField> memory_fields();
+std::vector<StateField> memory_fields();  // NOLINT(readability-redundant-declaration)
 }  // namespace troupe::engine
 namespace troupe::worldio {
 struct LoadOptions;
