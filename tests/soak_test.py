@@ -99,7 +99,7 @@ class ShortRun(unittest.TestCase):
             counts = json.loads((folder / "state.json").read_text())["counts"]
             series = soak.read_samples(folder)
             self.assertGreater(counts["resets"], 0)
-            self.assertTrue(all(memory > 1 for _, memory, _, _ in series["reset"]))
+            self.assertGreater(max(memory for _, memory, _, _ in series["reset"]), 1)
             row = [cell.strip() for cell in (folder / "history.md").read_text().strip().split("|")[1:-1]]
             table = (ROOT / "tests" / "soak" / "HISTORY.md").read_text().splitlines()
             head = [cell.strip() for cell in next(line for line in table if line.startswith("| date")).split("|")[1:-1]]
@@ -114,7 +114,9 @@ class ShortRun(unittest.TestCase):
             series = soak.read_samples(folder)
         except (OSError, ValueError):
             return False
-        return counts["resets"] > 0 and counts["kills"] > 0 and "reset" in series and len(series) > 1
+        # The first samples may come before the new process has loaded anything.
+        loaded = any(memory > 1 for _, memory, _, _ in series.get("reset", ()))
+        return counts["resets"] > 0 and counts["kills"] > 0 and loaded and len(series) > 1
 
 
 if __name__ == "__main__":
