@@ -2,6 +2,7 @@
 
 #include "base/color.hpp"
 #include "base/ids.hpp"
+#include "base/limits.hpp"
 #include "base/pose.hpp"
 #include "engine/fields.hpp"
 #include "engine/state_table.hpp"
@@ -587,11 +588,11 @@ TROUPE_OF_TYPE const FieldTable& described() {
 constexpr void describe(Description<Pose>& d) {
   using namespace facts;
   using enum Unit;
-  constexpr double k_reach = 100000;     // m: the largest extent of a world
+  constexpr Fact k_coordinate = within(-k_world_reach_m, k_world_reach_m);
   constexpr double k_turns = 20 * k_pi;  // more than ten turns is probably a wrong unit
-  d.member<&Pose::x>("x", meters, within(-k_reach, k_reach), "along x: forward, if the frame is a body's");
-  d.member<&Pose::y>("y", meters, within(-k_reach, k_reach), "along y: left, if the frame is a body's");
-  d.member<&Pose::z>("z", meters, within(-k_reach, k_reach), "up");
+  d.member<&Pose::x>("x", meters, k_coordinate, "along x: forward, if the frame is a body's");
+  d.member<&Pose::y>("y", meters, k_coordinate, "along y: left, if the frame is a body's");
+  d.member<&Pose::z>("z", meters, k_coordinate, "up");
   d.member<&Pose::heading>("heading", radians, within(-k_turns, k_turns), "counter-clockwise from +x");
 }
 

@@ -244,33 +244,40 @@ Swarm::Cells Swarm::commands_of(Row row, std::string_view field, std::string_vie
 }
 
 /// Calls visit(cells, row, i) for each robot i. bytes: size of the caller's span. Throws
-/// std::invalid_argument if it does not fit, or if the fields of the robots differ.
+/// std::invalid_argument before the first call if it does not fit, or if the fields of the robots differ.
 template <class Visit>
 void Swarm::for_cells(FindCells find, std::size_t bytes, std::string_view field, std::string_view device,
                       Visit&& visit) const {
   world_->require_whole();
+  struct Run {  // robots of one type
+    Cells cells;
+    std::size_t end = 0;
+  };
+  std::vector<Run> runs;
   const engine::BodyType* type = nullptr;
-  Cells cells;
   for (std::size_t i = 0; i < size(); ++i) {
     if (const engine::BodyType& own = world_->type(rows_[i]); type != &own) {
       const Cells its = (this->*find)(rows_[i], field, device);
-      if (type && (its.field->element != cells.field->element || its.field->columns != cells.field->columns))
-        throw std::invalid_argument(
-            fmt::format("the robots have different devices: \"{}\" of \"{}\" has {} columns of type {}, that "
-                        "of \"{}\" has {} of type {}; use a swarm of one type",
-                        field, world_->spec().name(ids_.front()), cells.field->columns,
-                        engine::element_name(cells.field->element), world_->spec().name(ids_[i]),
-                        its.field->columns, engine::element_name(its.field->element)));
+      const engine::StateField& first = runs.empty() ? *its.field : *runs.front().cells.field;
+      if (first.element != its.field->element || first.columns != its.field->columns)
+        throw std::invalid_argument(fmt::format(
+            "the robots have different devices: \"{}\" of \"{}\" has {} columns of type {}, that "
+            "of \"{}\" has {} of type {}; use a swarm of one type",
+            field, world_->spec().name(ids_.front()), first.columns, engine::element_name(first.element),
+            world_->spec().name(ids_[i]), its.field->columns, engine::element_name(its.field->element)));
       if (bytes != size() * its.bytes())
         throw std::invalid_argument(
             fmt::format("found {} bytes for \"{}\" of {} robots with {} columns each: give an element per "
                         "robot and column",
                         bytes, field, size(), its.field->columns));
-      cells = its;
+      runs.push_back({.cells = its});
       type = &own;
     }
-    visit(cells, rows_[i], i);
+    runs.back().end = i + 1;
   }
+  std::size_t i = 0;
+  for (const Run& run : runs)
+    for (; i < run.end; ++i) visit(run.cells, rows_[i], i);
 }
 
 const engine::StateField& Swarm::reading_field(std::string_view field, std::string_view device) const {

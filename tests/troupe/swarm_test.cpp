@@ -334,5 +334,16 @@ TEST(SwarmDevices, SayWhatIsWrong) {
                 "of \"t0\" has 40"));
 }
 
+TEST(SwarmDevices, CommandsOfUnlikeDevicesAreRefusedAndNoneIsSet) {
+  Simulation simulation = yard(k_talkers);
+  Swarm all = simulation.swarm();
+  const std::vector<std::byte> bytes(all.size() * 4, std::byte{7});
+  EXPECT_THAT(message_of<std::invalid_argument>([&] { all.set_commands(bytes, "payload", "radio"); }),
+              HasSubstr("the robots have different devices: "));
+  std::vector<std::byte> words(3 * 4, std::byte{1});
+  simulation.swarm("bot").commands(words, "payload", "radio");
+  EXPECT_THAT(words, Each(std::byte{0}));
+}
+
 }  // namespace
 }  // namespace troupe
