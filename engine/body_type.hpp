@@ -95,7 +95,7 @@ struct BodyType {
     /// Index in `joints` of the first of the joints that it moves, which follow one another; k_rigid: it
     /// moves none.
     std::int32_t moves;
-    std::uint32_t stream;  ///< stream of its random numbers
+    std::uint32_t stream;  ///< its random stream: stream_id()
     /// Its power supply: index into `devices`. Not set: the device always has power.
     std::optional<std::size_t> supply;
     /// State table of its percepts (its readings or other state): index into World::tables().
@@ -124,7 +124,7 @@ struct BodyType {
     /// Ticks from one decision to the next: the period of the first of `devices`. Without devices, it is that
     /// of the drive; without a drive, that of the ControllerSpec.
     std::uint64_t period;
-    std::uint32_t stream;  ///< stream of its random numbers
+    std::uint32_t stream;  ///< its random stream: stream_id()
     /// State table of its memories: index into World::tables(). Not set: the controller has no memory.
     std::optional<std::size_t> table;
     /// The drive device (DeviceKind::drives) that it commands: index into BodyType::devices. Not set: it

@@ -25,7 +25,7 @@ struct Experiment {
   struct Intervention {
     std::uint64_t tick = 0;    ///< applied after this tick, at the beginning of the next one
     std::size_t spec = 0;      ///< its InterventionSpec: index into ExperimentSpec::at
-    std::uint32_t stream = 0;  ///< stream of its random numbers
+    std::uint32_t stream = 0;  ///< its random stream: stream_id()
     /// Rows of all bodies of the group, in order of ids, whether or not they are in the world. Empty for
     /// `add` and `set`.
     std::vector<Row> whom;
@@ -48,7 +48,7 @@ struct Experiment {
   /// One impairment of a FaultSpec, compiled for the bodies of one type.
   struct Fault {
     Impairment impairment;     ///< effect of the fault on a body, and how often it occurs
-    std::uint32_t stream = 0;  ///< stream of its random numbers
+    std::uint32_t stream = 0;  ///< its random stream: stream_id()
   };
   std::vector<Fault> faults;  ///< the faults of all specs, in their order
   /// A fault event: a fault begins or ends in a body. It has no effect if the body is not in the world at

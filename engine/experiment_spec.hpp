@@ -42,9 +42,9 @@ struct StopSpec {
 std::string text_of(const StopSpec& condition);
 
 /// A group of bodies: a population, all bodies of a type, or one body. If `count` or `share` is set, the
-/// group is a random selection of these bodies. For interventions, the selection is made among those that the
-/// intervention can change when it is applied: bodies in the world that are not yet in the requested
-/// condition. If both are set, the smaller number of bodies counts.
+/// group is a random selection of these bodies; if both are set, the smaller number of bodies counts.
+/// Interventions select among the bodies that they can change when they are applied: those in the world that
+/// are not yet in the requested condition. Faults select among the bodies that are present at tick 0.
 struct GroupSpec {
   /// What `name` refers to.
   enum class By : std::uint8_t {
@@ -83,8 +83,8 @@ struct SettingSpec {
 /// belong to the table of the kind that the setting changes.
 Record changed(const Record& params, const SettingSpec& setting);
 
-/// An intervention of the world file: a change of the running world, applied between two ticks. Bodies that
-/// are not in the world are left out.
+/// An intervention of the world file: a change of the running world, applied between two ticks. It does not
+/// affect unborn and dead bodies, except that `add` spawns unborn ones.
 struct InterventionSpec {
   /// The kind of intervention.
   enum class Action : std::uint8_t {

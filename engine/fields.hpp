@@ -81,7 +81,8 @@ enum class Unit {
   watts,                       ///< W
 };
 
-/// The type of a parameter, and how a Value stores it: by default as the type of the same name.
+/// The type of a parameter. Unless stated otherwise, a Value stores it as the type that the function of Value
+/// with the same name returns.
 enum class FieldType {
   boolean,  ///< true or false
   integer,  ///< an integer of 64 bits
