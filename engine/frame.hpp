@@ -142,7 +142,7 @@ struct Frame {
   std::vector<FrameType> types;
 
   // The following are empty unless the viewer requests them.
-  /// Readings of the rangers that run, in order of bodies; empty at tick 0.
+  /// Readings of rangers, in any order. Rangers that do not run have none.
   std::vector<FrameScan> scans;
   std::vector<float> ranges;       ///< ranges of all scans, one after another, m
   std::vector<FrameSight> sights;  ///< detections of fiducial finders, in order of bodies
