@@ -71,7 +71,7 @@ class Mover {
       : row(r), from(crowd.poses[r]), motion(crowd.motions[r]), shape(*crowd.shapes[r]), crowd_(crowd) {}
 
   double length() const { return (motion.to.position() - from.position()).norm(); }
-  /// Upper bound on the distance that any vertex moves during the motion, m.
+  /// Upper bound on the horizontal distance that any vertex moves during the motion, m.
   double displacement() const { return length() + shape.radius * std::abs(motion.turn); }
 
   std::size_t samples() {

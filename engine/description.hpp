@@ -79,7 +79,7 @@ template <class T>
 TROUPE_OF_TYPE const FieldTable& described();
 
 /// A fact about a described member: a unit, a limit, a text or another property of its Field. The functions
-/// and constants in the namespace `facts` make facts. A text or a unit becomes a fact by itself.
+/// and constants in the namespace `facts` make facts. A text or a Unit converts to a fact implicitly.
 class Fact {
  public:
   /// What the fact specifies.
