@@ -11,31 +11,39 @@
 
 namespace troupe::engine {
 
-/// An action that a person or a program applies to a running world between two ticks (docs/live.md). It is
-/// plain data: names, and numbers in SI units.
+/// An action that a person or a program applies to a running world between two ticks (docs/live.md), with
+/// Simulation::act(). It is plain data: names, and numbers in SI units. An action that is impossible, such as
+/// a move to an occupied pose, throws troupe::ActRefused and changes nothing. The members that an action does
+/// not use are ignored.
 struct Act {
   /// The kind of action.
   enum class Kind : std::uint8_t {
-    move,     ///< places a body at `pose`, if that pose is free
-    speed,    ///< commands `speed` to a robot, once
-    hold,     ///< commands `speed` to a robot before every tick, overriding its controller, until `release`
-    release,  ///< ends a `hold`: the robot follows the commands of its controller again
-    command,  ///< sets fields of the command of `device` to `values`
-    add,      ///< spawns the next body of the reserve of population `whom` at `pose`
-    remove,   ///< removes a body from the world
+    move,  ///< places a body at `pose`, which must be free
+    /// commands `speed` to a robot once; the robot keeps this command until its controller gives the next one
+    speed,
+    /// commands `speed` to a robot before every tick until `release`, and so overrides its controller
+    hold,
+    release,  ///< ends the `hold` of a robot: the robot follows the commands of its controller again
+    /// sets the fields that `values` gives of the command of `device`, a device of a body; the other fields
+    /// keep their values
+    command,
+    /// spawns the next body of the reserve (bodies that are not yet in the world) of population `whom` at
+    /// `pose`, which must be free
+    add,
+    remove,   ///< removes a body from the world for good
     disable,  ///< stops the devices, controllers and drive of a body
     enable,   ///< lets a disabled body run again
-    set,      ///< changes the parameters in `setting` for all bodies of the type `whom`
+    set,      ///< changes the parameters that `setting` gives for all bodies of the type `whom`
   };
-  Kind kind = Kind::move;  ///< kind of action; its name is in k_acts
+  Kind kind = Kind::move;  ///< kind of action
   std::string whom;        ///< name of a body; for `add`, of a population; for `set`, of a type
   Pose pose;               ///< for `move` and `add`: new pose of the body, world frame, m and rad
-  /// For `speed` and `hold`: the speeds [forward, left, turn], m/s and rad/s, body frame. For a car, `turn`
-  /// is the steering angle, rad.
+  /// For `speed` and `hold`: the speeds [forward, left, turn], m/s and rad/s, body frame, each from -1e6 to
+  /// 1e6. For a car, `turn` is the steering angle, rad.
   std::array<double, 3> speed{};
   std::string device;  ///< for `command`: name of the device
-  /// For `command`: the fields of the device's command struct to set. Each has a name, and one number per
-  /// column.
+  /// For `command`: names of fields of the device's command struct, each with its new numbers: one finite
+  /// number for each column of the field.
   std::vector<std::pair<std::string, std::vector<double>>> values;
   /// For `set`: JSON text with the new values, as Simulation::set() takes it. Example:
   /// `{"drive": {"velocity_max_x_mps": 0.5}}`.

@@ -10,7 +10,8 @@
 #include <span>
 #include <utility>
 
-/// The loops over the rows of a world. All phases of a tick use them.
+/// The loops over the rows of a world, which all phases of a tick use. A row is the index of a body in the
+/// state tables. The argument `rows` of the callbacks is a std::span<const Row>, valid during the call.
 
 namespace troupe::engine {
 
@@ -18,8 +19,9 @@ namespace troupe::engine {
 inline constexpr std::size_t k_near_batch = 64;  ///< rows per task, for work that reads neighbours
 inline constexpr std::size_t k_row_block = 256;  ///< rows per task, for other work
 
-/// Sorts `rows` (indices of bodies in the state tables; at most k_row_block) by body type, and calls
-/// work(rows, type) once for each type.
+/// Sorts `rows`, of which there are at most k_row_block, by body type, and calls work(rows, type) once for
+/// each type, in ascending order of the types. Rows of one type keep their order. Without rows there is no
+/// call.
 template <class Work>
 void for_types(const WorldState& state, std::span<Row> rows, Work&& work) {
   const auto type_of = [&](Row row) { return state.row_types[row.index()]; };
@@ -47,10 +49,10 @@ void for_types(const WorldState& state, std::span<Row> rows, Work&& work) {
   }
 }
 
-/// Calls work(rows, type) in parallel for batches of rows. The rows of a batch are of one type and near one
-/// another in the world. This loop is for work that reads the neighbours of a row: their data are then likely
-/// to be in the CPU cache. order: the rows, in an order in which neighbours in the world follow one another
-/// (BodyIndex::order())
+/// Calls work(rows, type) in parallel for batches of at most k_near_batch rows. The rows of a batch are of
+/// one type and near one another in the world. This loop is for work that reads the neighbours of a row:
+/// their data are then likely to be in the CPU cache. order: the rows, in an order in which neighbours in the
+/// world follow one another (BodyIndex::order(), which lists only bodies in the world)
 template <class Work>
 void for_neighbours(const WorldState& state, partition::Parallel& parallel,
                     std::span<const std::uint32_t> order, Work&& work) {
@@ -65,9 +67,9 @@ void for_neighbours(const WorldState& state, partition::Parallel& parallel,
   });
 }
 
-/// Calls work(rows, type) in parallel for batches of rows. The rows of a batch are of one type and from one
-/// block of consecutive rows, so that memory is read sequentially. This loop is for work that does not read
-/// the neighbours of a row. Rows whose bodies are not in the world are left out.
+/// Calls work(rows, type) in parallel for batches of at most k_row_block rows of `range`. The rows of a batch
+/// are of one type and from one block of consecutive rows, so that memory is read sequentially. This loop is
+/// for work that does not read the neighbours of a row. Rows whose bodies are not in the world are left out.
 template <class Work>
 void for_blocks(const WorldState& state, partition::Parallel& parallel, RowRange range, Work&& work) {
   const std::size_t row_count = range.end - range.first;
@@ -83,15 +85,16 @@ void for_blocks(const WorldState& state, partition::Parallel& parallel, RowRange
   });
 }
 
-/// Like the function above, for all rows of the world.
+/// Calls work(rows, type) in the same way for all rows of the world.
 template <class Work>
 void for_blocks(const WorldState& state, partition::Parallel& parallel, Work&& work) {
   for_blocks(state, parallel, {0, state.row_count()}, work);
 }
 
-/// Calls work(rows) for those of `rows` that are due in this tick, once for each run of consecutive due rows.
-/// A row is due if the number of ticks since the birth of its body is a multiple of `period`. In a world
-/// without births, either all rows are due or none.
+/// Calls work(rows) for those of `rows` that are due in the present tick, once for each run of rows that
+/// follow one another in `rows`. A row is due if the number of ticks since the birth of its body (or since
+/// tick 0) is a multiple of `period`, which is at least 1. In a world without births, either all rows are due
+/// or none.
 template <class Work>
 void for_due(const WorldState& state, std::span<const Row> rows, std::uint64_t period, Work&& work) {
   if (period == 1 || !state.life_table) {
@@ -106,9 +109,10 @@ void for_due(const WorldState& state, std::span<const Row> rows, std::uint64_t p
   }
 }
 
-/// Calls work(rows) for those of `rows` whose device runs in this tick, once for each run of consecutive such
-/// rows. The device runs if it is due in this tick, is active or subscribed to, is switched on, works, and
-/// has power (CommittedView::runs()).
+/// Calls work(rows) for those of `rows` whose device runs in the present tick, once for each run of rows that
+/// follow one another in `rows`. All rows must be of the type of the device. The device runs if it is due
+/// (its period divides the age of the body, as in for_due()), is active or subscribed to, is switched on, is
+/// not broken or disabled, and has power (CommittedView::runs()).
 template <class Work>
 void for_running(const WorldState& state, std::span<const Row> rows, const BodyType::Device& device,
                  Work&& work) {
@@ -125,7 +129,7 @@ void for_running(const WorldState& state, std::span<const Row> rows, const BodyT
 }
 
 /// Calls work(rows) once, for those of `rows` whose bodies are neither disabled nor stopped by a fault, in
-/// the same order. `rows` has at most k_row_block rows.
+/// the same order. If there are none, the span is empty. `rows` has at most k_row_block rows.
 template <class Work>
 void for_enabled(const WorldState& state, std::span<const Row> rows, Work&& work) {
   if (state.now.impaired == 0) return work(rows);

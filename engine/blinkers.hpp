@@ -12,29 +12,35 @@
 namespace troupe::engine {
 
 /// Implements the test mode World::hide_beyond_reach(). While a device runs, it hides all data that the kind
-/// of the device does not declare to read. It also detects effects (changes that a device makes to bodies) on
-/// bodies that the kind does not declare to change. A row is the index of a body in the state tables, and a
-/// component is one of these tables.
+/// of the device does not declare to read: it replaces them by junk, and removes bodies from the spatial
+/// index. It also detects effects (changes that a device makes to bodies) on bodies that the kind does not
+/// declare to change. A row is the index of a body in the state tables, and a component is one of these
+/// tables. Bodies that carry one another form a tree.
 class Blinkers {
  public:
-  /// The state must outlive the object.
+  /// Allocates copies of the state, which must outlive the object.
   explicit Blinkers(WorldState& state);
 
-  /// Hides data from a device of the row's body: all data of bodies farther than `reach` (m) from this body,
-  /// all data of bodies that are not in the world, and those components of nearer bodies that the kind of the
-  /// device does not declare to read (DeviceKind::reads).
+  /// Hides data from a device of the row's body: all data of bodies that are not in the world, and of bodies
+  /// whose enclosing circles are outside the disc with the radius `reach` (m) about the origin of the row's
+  /// body. In the state of all other bodies, except the row's own, it hides the components that the kind of
+  /// the device does not declare to read (DeviceKind::reads). Bodies in the same tree as the row's body count
+  /// as within reach. `kind` must outlive the object.
   void hide_from(Row row, const DeviceKind& kind, double reach);
-  /// Undoes the last call of hide_from(), which must have had the same row and kind.
+  /// Undoes the last call of hide_from(), which must have had the same row and kind and must not have been
+  /// undone yet.
   void show_hidden(Row row, const DeviceKind& kind);
   /// Checks the effects that the device emitted while data were hidden: throws a StepError if the kind of the
   /// device has the scope ApplyScope::trees and the target of an effect was a hidden body. Call it after
-  /// show_hidden().
+  /// show_hidden(), before the next hide_from(). Effects without a target pass.
   void check_targets(const BodyType::Device& device, std::span<const Effect> emitted) const;
 
-  /// Remembers the state before an effect is applied.
+  /// Copies the state before an effect is applied.
   void begin_effect(const Effect& effect);
   /// Throws a StepError if the effect that was applied since begin_effect() has changed the state of a body
-  /// that the kind of the device does not declare to change (DeviceKind::scope).
+  /// that the kind of the device does not declare to change (DeviceKind::scope): a body that neither before
+  /// nor after the effect was in the tree of its source or of its target. If the kind has the scope
+  /// ApplyScope::anything, nothing is checked.
   void end_effect(const BodyType::Device& device, const Effect& effect);
 
  private:

@@ -38,8 +38,9 @@ std::atomic_ref<T> atomic(T& value) {
   return std::atomic_ref(value);
 }
 
-/// Atomically sets `most`, which holds the bits of a double, to the maximum of itself and `value`. All values
-/// are non-negative, so their bit patterns have the order of the values.
+/// Atomically sets `most`, which holds the bits of a double, to the maximum of that double and `value`. Both
+/// must be non-negative, because only then the bit patterns have the order of the values. value_of() returns
+/// the double.
 inline void raise_to(std::atomic<std::uint64_t>& most, double value) {
   const auto bits = std::bit_cast<std::uint64_t>(value);
   std::uint64_t known = most.load(std::memory_order_relaxed);
@@ -50,6 +51,8 @@ inline double value_of(const std::atomic<std::uint64_t>& most) {
   return std::bit_cast<double>(most.load(std::memory_order_relaxed));
 }
 
+/// Number of poses at which a motion is tested (class Conflicts, `samples`): `displacement` divided by a
+/// quarter of `thinnest`, both in m, rounded up, from 1 to a million.
 inline std::size_t motion_samples(double displacement, double thinnest) {
   const double samples = displacement / (0.25 * thinnest);
   constexpr double k_most = 1e6;  // a very thin body at a very high speed must not stall the step
@@ -58,22 +61,25 @@ inline std::size_t motion_samples(double displacement, double thinnest) {
   return std::max<std::size_t>(1, static_cast<double>(whole) < n ? whole + 1 : whole);
 }
 
-/// A row that proposes a motion. The number of samples (the poses at which the motion is tested) and the
-/// placed shapes are computed on first use, because only some rows need them.
+/// A row that proposes a motion, with its old pose `from`, its `motion` and its `shape`. The number of
+/// samples (the poses at which the motion is tested) and the shapes placed at the old pose, here(), and at
+/// the proposed pose, there(), are computed on first use, because only some rows need them. The crowd must
+/// outlive the object. Not thread-safe.
 class Mover {
  public:
   Mover(const Conflicts::Crowd& crowd, std::uint32_t r)
       : row(r), from(crowd.poses[r]), motion(crowd.motions[r]), shape(*crowd.shapes[r]), crowd_(crowd) {}
 
   double length() const { return (motion.to.position() - from.position()).norm(); }
-  /// Upper bound on the distance of any vertex from its old position during the motion, m.
+  /// Upper bound on the horizontal distance that any vertex moves during the motion, m.
   double displacement() const { return length() + shape.radius * std::abs(motion.turn); }
 
   std::size_t samples() {
     if (samples_ == 0) samples_ = motion_samples(displacement(), shape.thinnest);
     return samples_;
   }
-  /// Pose at sample k of the motion, 1 <= k < n, world frame. n is the number of samples.
+  /// Pose at sample k of the motion, world frame, for 1 <= k < n, where n is the number of samples. Sample n
+  /// is Motion::to.
   Pose between(std::size_t k) { return between(k, samples()); }
   Pose between(std::size_t k, std::size_t n) const {
     const double t = static_cast<double>(k) / static_cast<double>(n);
@@ -97,8 +103,9 @@ class Mover {
 };
 
 /// Returns the first and the last sample of a motion at which the mover's origin may lie within the distance
-/// `reach` of a point, with a margin on both sides. If there is none, the first is greater than the last. If
-/// the motion has only a few samples, returns all of them. (The motion of a fast body can have thousands.)
+/// `reach` (m) of a point (world frame, m), with a margin on both sides. If there is none, the first is
+/// greater than the last. If the motion has at most eight samples, or does not change the position, returns
+/// all of them. (The motion of a fast body can have thousands.)
 inline std::pair<std::size_t, std::size_t> samples_near(Mover& mover, const Vec2& point, double reach) {
   constexpr std::size_t k_few = 8;
   const std::size_t n = mover.samples();
@@ -113,7 +120,10 @@ inline std::pair<std::size_t, std::size_t> samples_near(Mover& mover, const Vec2
   return {static_cast<std::size_t>(first), static_cast<std::size_t>(last)};
 }
 
-/// The resolution of the motions of one tick. All threads share one object.
+/// The resolution of the motions of one tick. All threads share one object. Conflicts::resolve() calls
+/// bound_motions() for all rows, finish_bounds() once, propose_and_check() for each row in the spatial index,
+/// and then next_round() and, for each waiting row, resolve_waiting(), until no row waits. Threads may call
+/// functions with arguments at the same time, for different rows.
 class Conflicts::Resolver {
  public:
   Resolver(Conflicts& conflicts, const Crowd& crowd, const partition::StaticScene& scene,
@@ -125,8 +135,8 @@ class Conflicts::Resolver {
         round_(conflicts.base_ + 1),
         mixture_(mix(crowd.seed, crowd.tick)) {}
 
-  /// Called before the first round, for the rows [first, last): finds the longest motions. Their length
-  /// determines how far to search for neighbours.
+  /// Called before the first round, for the rows [first, last): finds the longest motions, and lists the far
+  /// ones (k_far_m). Their length determines how far to search for neighbours.
   void bound_motions(std::size_t first, std::size_t last) {
     double longest2 = 0;
     for (std::size_t row = first; row < last; ++row) {
@@ -143,6 +153,7 @@ class Conflicts::Resolver {
     }
     raise_to(longest2_, longest2);
   }
+  /// Completes bound_motions(), after all its calls.
   void finish_bounds() {
     const bool all_listed = far_count_.load() <= k_max_far;
     far_ = std::span(conflicts_.far_).first(all_listed ? far_count_.load() : 0);
@@ -210,8 +221,10 @@ class Conflicts::Resolver {
     else
       wait(conflicts_.still_waiting_.get(), waiting);
   }
+  /// Number of entries in Conflicts::pushes_.
   std::size_t push_count() const { return push_count_; }
-  /// Begins the next round. Returns the number of waiting rows.
+  /// Begins the next round. Returns the number of rows that wait after the last round; 0: all rows are
+  /// resolved.
   std::size_t next_round() {
     ++round_;
     return waiting_count_.exchange(0, std::memory_order_relaxed);
@@ -221,19 +234,21 @@ class Conflicts::Resolver {
   // ---- Only if the world has pushable bodies: engine/pushing.cpp. The *zone* of a row is a circle that
   // contains everything that its motion could touch or push (class Conflicts, `source`).
 
-  /// Finds the radius of the largest zone of the rows [first, last). It determines how far to search for
-  /// overlapping zones.
+  /// Called before find_zone(), for the rows [first, last): finds the radius of their largest zone. It
+  /// determines how far to search for overlapping zones.
   void bound_zones(std::size_t first, std::size_t last);
   /// Sets the kind of the row's zone: Zone::pushes if the row can push and a pushable body is in the zone,
   /// otherwise Zone::plain.
   void find_zone(std::uint32_t row);
-  /// Changes the kind of the row's zone from Zone::plain to Zone::may_push if the zone overlaps a zone of
-  /// kind Zone::pushes: a pushable body of that other zone may be pushed into this zone.
+  /// Called after find_zone() for all rows. Changes the kind of the row's zone from Zone::plain to
+  /// Zone::may_push if the zone overlaps a zone of kind Zone::pushes: a pushable body of that other zone may
+  /// be pushed into this zone.
   void widen_zone(std::uint32_t row);
   bool is_plain(std::uint32_t row) const { return conflicts_.zones_[row] == Zone::plain; }
+  /// First round, in place of propose_and_check(), for one row whose zone is not plain.
   void propose_and_check_in_zone(std::uint32_t row);
-  /// Resolves the row if all movers of higher priority whose zones overlap its zone are resolved. Otherwise
-  /// appends it to `list`, the list of waiting rows.
+  /// Resolves the row if earlier rounds have resolved all movers of higher priority whose zones overlap its
+  /// zone. Otherwise appends it to `list`, the list of waiting rows.
   void resolve_in_zone(std::uint32_t row, Waiting* list);
 
  private:
@@ -292,8 +307,8 @@ class Conflicts::Resolver {
     list[waiting_count_.fetch_add(1, std::memory_order_relaxed)] = waiting;
   }
 
-  /// Whether the mover's free circle contains the whole motion, so that the static scene cannot block it.
-  /// Computes a new circle if the present one is too small and a new one may suffice.
+  /// Whether the mover's free circle (Crowd::free) contains the whole motion, so that the static scene cannot
+  /// block it. Computes a new circle if the present one is too small and a new one may suffice.
   bool clear_of_scene(Mover& mover) const {
     FreeCircle& free = crowd_.free[mover.row];
     const auto holds = [&](const Vec2& p) {
@@ -383,9 +398,10 @@ class Conflicts::Resolver {
     return motion.moves && length2_of(row) > k_far_m * k_far_m && !leaves_world(motion);
   }
 
-  /// Whether another body blocks the mover. A body of higher priority that proposes a motion may block the
-  /// mover at only one of its two poses. For each such body, depends(row, blocks_at_new_pose) is called; it
-  /// must return true if that body is known to block the mover.
+  /// Whether another body blocks the mover for certain. A body of higher priority that proposes a motion may
+  /// block the mover at only one of its two poses, the old or the new one: the outcome for the mover then
+  /// depends on that body. For each such body, depends(row, blocks_at_new_pose) is called; it must return
+  /// true if that body is already known to block the mover.
   template <class Depends>
   bool blocked_by_others(Mover& mover, Depends&& depends) const {
     const Box mine = swept(mover.row, mover.shape.radius + partition::k_rounding_m);
@@ -415,7 +431,9 @@ class Conflicts::Resolver {
                                       mover.displacement() + partition::k_rounding_m);
   }
 
-  /// Whether the row `other`, at height z and transform `at`, blocks the motion of the mover.
+  /// Whether the row `other`, at height z (m) and transform `at`, blocks the motion of the mover: it overlaps
+  /// the mover at a sample, and the case of bodies that overlap at the old pose and move apart (class
+  /// Conflicts, `rule`) does not apply.
   bool blocks(Mover& mover, std::uint32_t other, double z, const Transform& at) const {
     const ObstacleShape& shape = *crowd_.shapes[other];
     const bool first = crowd_.ids[mover.row] < crowd_.ids[other];

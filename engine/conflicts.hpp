@@ -13,31 +13,33 @@
 
 namespace troupe::engine {
 
-/// The motion that a body proposes for one tick. If `moves` is false, the other members have no meaning.
+/// The motion that a body proposes for one tick (time step). If `moves` is false, the other members have no
+/// meaning.
 struct Motion {
   Pose to;             ///< proposed pose, world frame
-  Rotation rotation;   ///< rotation by the heading of `to`
-  double turn = 0;     ///< change of the heading, rad; not wrapped
+  Rotation rotation;   ///< rotation by the heading of `to`, which must be set in addition to `to`
+  double turn = 0;     ///< change of the heading, counter-clockwise, rad; not wrapped
   bool moves = false;  ///< false: the body proposes no motion
 
   Transform there() const { return {to.position(), rotation}; }  ///< `to` as a transform, without the height
 };
 
-/// A circle in the plane into which no edge of a static obstacle reaches, m, world frame.
+/// A circle in the plane into which no edge of a static obstacle reaches, at any height; m, world frame.
 struct FreeCircle {
   float x = 0;       ///< x of its centre
   float y = 0;       ///< y of its centre
   float radius = 0;  ///< its radius; 0: no circle is known yet
 };
 
-/// The largest number of bodies that a body may push at once.
+/// The largest number of bodies that one body may push in a tick.
 inline constexpr std::size_t k_most_pushed = 16;
 
-/// Which rows can be pushed, and how many bodies each row can push at once. Both spans have one entry per
-/// row; they are empty if the world has no pushable bodies.
+/// Which bodies can be pushed, and how many bodies each body can push in a tick. A row is the index of a body
+/// in the state tables. Both spans have one entry per row, or are empty if the world has no pushable bodies;
+/// the other members then have no meaning.
 struct Pushables {
   std::span<const std::uint8_t> is_pushable;  ///< 1 if the row can be pushed, otherwise 0
-  std::span<const std::uint8_t> limits;       ///< bodies that the row can push, 0 to k_most_pushed
+  std::span<const std::uint8_t> limits;       ///< number of bodies that the row can push, 0 to k_most_pushed
   double radius = 0;                          ///< radius of the largest pushable body about its origin, m
   double thinnest = 0;                        ///< width of the thinnest part of all pushable bodies, m
   std::size_t most = 0;                       ///< sum of `limits` over all rows
@@ -45,7 +47,8 @@ struct Pushables {
   bool any() const { return !is_pushable.empty(); }  ///< whether the world has pushable bodies
 };
 
-/// Decides which bodies move in a tick, and which bodies they push.
+/// Decides which bodies move in a tick, and which bodies they push. Parts of two bodies can only overlap if
+/// they have heights in common.
 ///
 /// rule    Bodies take turns in the order of priority. The body whose turn it is (the mover) takes its
 ///         proposed pose if its motion to that pose is free of the static scene and of every other body. The
@@ -85,23 +88,23 @@ struct Pushables {
 ///         geometry, except for bodies with very many dependencies. A body that may push has a zone: a circle
 ///         that contains everything that it could touch or move. It is resolved after all bodies of higher
 ///         priority whose zones overlap its zone.
-/// memory  Grows with the number of rows. resolve() allocates only when there are more rows than ever before,
-///         or when a pusher has more than 512 bodies in its zone.
+/// memory  Grows with the number of rows. resolve() allocates only when there are more rows, or a larger sum
+///         of push limits, than ever before, or when a pusher has more than 512 bodies in its zone.
 class Conflicts {
  public:
   static constexpr int k_push_passes = 16;  ///< largest number of passes: see `pushing`, above
 
-  /// The bodies of a tick: one entry per row in each span.
+  /// The bodies of a tick. All spans have one entry per row, except those of `pushables`, which may be empty.
   struct Crowd {
     std::span<const Pose> poses;            ///< old poses, world frame
-    std::span<const Transform> transforms;  ///< the old poses as transforms
+    std::span<const Transform> transforms;  ///< the old poses as transforms, bit for bit Transform(pose)
     std::span<const Motion> motions;        ///< proposed motions
     /// Obstacle shapes, body frame. A body with an empty shape blocks no other and is never blocked.
     std::span<const partition::ObstacleShape* const> shapes;
-    std::span<const std::uint32_t> ids;  ///< unique ids of the bodies
+    std::span<const std::uint32_t> ids;  ///< ids of the bodies; no two are equal
     /// A cache: for each row, a circle near its body into which the static scene does not reach. resolve()
-    /// updates the circles. The caller keeps them from tick to tick while the static scene does not change.
-    /// They are not state: circles with radius 0 give the same outcomes.
+    /// updates the circles. The caller keeps them from tick to tick, and resets them to FreeCircle() when the
+    /// static scene changes. They are not state: circles with radius 0 give the same outcomes.
     std::span<FreeCircle> free;
     std::uint64_t seed = 1;    ///< seed of the world, for priorities
     std::uint64_t tick = 0;    ///< the current tick, for priorities
@@ -109,7 +112,7 @@ class Conflicts {
     Pushables pushables = {};  ///< which bodies can push or be pushed; empty: none
   };
 
-  /// A pushed row and its new position. Its height and heading do not change.
+  /// A push of a body: its row and its new position. The height and heading of the body do not change.
   struct Push {
     std::uint32_t row;  ///< row of the pushed body
     Vec2 position;      ///< new position of its origin, m, world frame
@@ -117,39 +120,45 @@ class Conflicts {
 
   /// The outcome of a row's motion.
   enum class Outcome : std::uint8_t {
-    stands,         ///< the body proposed no motion
+    stands,         ///< the body proposed no motion; it may have been pushed (pushes())
     moved,          ///< the body is at its proposed pose
     blocked,        ///< the body stays at its old pose, because a body or a static solid is in its way
     out_of_bounds,  ///< the body stays at its old pose, because the motion would end outside Crowd::bounds
   };
 
-  /// Resolves all motions of a tick. The index must contain the rows at their old poses. Rows that it does
-  /// not contain must propose no motion.
+  /// Resolves all motions of a tick, on the threads of `parallel`. The index must contain the rows with their
+  /// old poses. Rows that it does not contain, such as those of dead bodies, must propose no motion; they do
+  /// not block other bodies. The poses in `crowd` do not change: the caller applies the outcomes and
+  /// pushes().
   void resolve(const Crowd& crowd, const partition::StaticScene& scene, const partition::BodyIndex& index,
                partition::Parallel& parallel);
 
   /// Overwrites with junk all data of earlier ticks, which the next resolution must not read. Tests call this
-  /// to show that no outcome depends on these data.
+  /// to show that no outcome depends on these data. Afterwards, and until the next resolution, outcomes and
+  /// longest() have no meaning, and there are no pushes.
   void forget();
 
-  /// Outcome of a row in the last resolution.
+  /// Outcome of a row in the last resolution, of which it must have been a row.
   Outcome outcome(std::size_t row) const {
     return resolutions_[row].round() > base_ ? resolutions_[row].outcome() : Outcome::stands;
   }
-  /// Number of rounds of the last resolution; 1 if no body had to wait for the outcome of another.
+  /// Number of rounds of the last resolution: 1 if no body had to wait for the outcome of another; 0 before
+  /// the first resolution.
   std::uint64_t rounds() const { return rounds_; }
   /// Upper bound on the distance that the origin of any body, driven or pushed, moved in the last resolution,
-  /// m.
+  /// m; 0 before the first resolution.
   double longest() const { return longest_; }
-  /// All pushes of the last resolution, in any order. A pushed row may have several entries; is_last() is
-  /// true for exactly one of them.
+  /// All pushes of the last resolution, in any order. If a body was pushed several times, it has several
+  /// entries, and is_last() is true for exactly one of them: the one with its final position.
   std::span<const Push> pushes() const { return {pushes_.data(), push_count_}; }
-  /// Whether a push, an element of pushes(), is the last push of its row, so that its position is final.
+  /// Whether a push is the last one of its row. `push` must be a reference to an element of pushes(), not a
+  /// copy.
   bool is_last(const Push& push) const { return pushed_last_[push.row] == &push - pushes_.data() + 1u; }
 
  private:
   class Resolver;
-  /// An outcome and the round of resolution that found it, in one word that is read and written atomically.
+  /// The outcome of a row and the round of resolution that found it, in one word that is read and written
+  /// atomically.
   class Resolution {
    public:
     Resolution() = default;  ///< of round 0: not resolved; rounds are counted from 1
@@ -162,12 +171,11 @@ class Conflicts {
     static constexpr std::uint32_t k_outcomes = 4;
     std::uint32_t word_ = 0;
   };
-  /// A row on which the outcome of another row depends, in one word.
+  /// A row on which the outcome of another row depends, and how, in one word.
   class Dependency {
    public:
     Dependency() = default;  ///< leaves the members uninitialised
-    /// if_moved: true if `row` blocks the other row only when `row` has moved; false if only when it has not
-    /// moved
+    /// if_moved: true: `row` blocks the other row only if `row` has moved; false: only if `row` has not moved
     Dependency(std::uint32_t row, bool if_moved) : word_(2 * row + (if_moved ? 1 : 0)) {}
     std::uint32_t row() const { return word_ / 2; }
     bool if_moved() const { return word_ % 2 != 0; }
@@ -175,7 +183,8 @@ class Conflicts {
    private:
     std::uint32_t word_;
   };
-  /// A row that waits for other rows, which are listed at [first, first + count) of others_.
+  /// A row that waits for other rows. These are listed at [first, first + count) of others_, unless `count`
+  /// is k_unlisted or k_in_zone (engine/conflict_resolver.hpp).
   struct Waiting {
     std::uint32_t row;
     std::uint32_t first;

@@ -12,10 +12,12 @@
 #include <type_traits>
 #include <utility>
 
-/// Lists the members of a controller's Memory, or of another struct that belongs to the state of a world. The
-/// macro is the short form of `describe` (engine/description.hpp), without units and texts. The state is
-/// hashed, compared, saved and recorded field by field, as listed here. It is a compile error if a member is
-/// not listed, or is not a number, a bool or an array of these.
+/// Lists the members of a controller's Memory, or of another struct that belongs to the state of a world:
+/// `TROUPE_FIELDS(heading, steps)` in the body of the struct. The macro is the short form of `describe`
+/// (engine/description.hpp), without units and texts. The state is hashed, compared, saved and recorded field
+/// by field, in the order of this list. A struct with a member that is not listed, is listed twice, or is not
+/// a number, a bool or a std::array of these, does not compile as a Memory. Numbers are double, float,
+/// std::uint8_t and integers of 32 or 64 bits.
 #define TROUPE_FIELDS(...)                                         \
   constexpr auto troupe_fields() { return std::tie(__VA_ARGS__); } \
   static constexpr std::string_view troupe_field_names() { return #__VA_ARGS__; }
@@ -23,8 +25,8 @@
 namespace troupe::engine {
 namespace detail {
 
-/// True if TROUPE_FIELDS lists no member twice. If it also lists as many names as there are members, it lists
-/// each member exactly once.
+/// True if TROUPE_FIELDS lists no member twice. If the number of listed names also equals the number of
+/// members, the list has each member exactly once.
 template <class Memory>
 constexpr bool lists_distinct_members() {
   Memory example{};
@@ -50,7 +52,8 @@ struct Shape<std::array<T, N>> {
   static constexpr std::uint32_t columns = N;
 };
 
-/// Name number n, counted from 0, of a comma-separated list of names.
+/// Name number n, counted from 0, of a comma-separated list of names, without leading spaces. The list must
+/// have more than n names.
 constexpr std::string_view nth_name(std::string_view names, std::size_t n) {
   for (; n > 0; --n) names.remove_prefix(names.find(',') + 1);
   names = names.substr(0, names.find(','));
@@ -174,8 +177,10 @@ std::vector<StateField> listed_fields() {
 
 }  // namespace detail
 
-/// The state fields of a memory struct, with their offsets in the struct. The struct must either have a
-/// `describe` function or list its members with TROUPE_FIELDS.
+/// The state fields of a memory struct, with their offsets in the struct, in the order in which its
+/// `describe` function describes them or TROUPE_FIELDS lists them. The struct must have one of these two,
+/// must be trivially copyable, and must have no constructors. Otherwise the call does not compile. A struct
+/// without members has no fields.
 template <class Memory>
 std::vector<StateField> memory_fields() {
   static_assert(std::is_trivially_copyable_v<Memory>,
@@ -189,7 +194,10 @@ std::vector<StateField> memory_fields() {
   }
 }
 
-/// Makes a controller kind from a class C, which has
+/// Makes a controller kind, which engine/kinds.hpp describes, from a class C. One object of C serves all
+/// robots of a type. Several threads call it at once, each for other robots, and so it must not change
+/// itself. Data that a robot keeps from one decision to the next belong in Memory. `name` and `text` must
+/// live as long as the kind. C must be copyable. It has
 ///
 ///     void operator()([Memory&,] const Percept&, Random&, Actions&) const;  // for one robot, or
 ///     void operator()(const DecideBatch&) const;                            // for a batch of robots
@@ -200,15 +208,21 @@ std::vector<StateField> memory_fields() {
 ///     struct Memory { ...; TROUPE_FIELDS(...) };  // memory of each robot; may have `describe` instead
 ///     static constexpr bool needs_drive = false;  // default: true, the robot must have a drive
 ///     static constexpr bool switches = true;      // default: false; true: it switches devices on and off
-///     static C make(const Params&);               // default: C{params}; without Params: C make()
+///     static C make(const Params&);               // default: C{params}
+///         // without Params: static C make(), by default C{}
 ///     Result<std::vector<std::size_t>> choose(std::span<const DeviceInfo>, std::vector<bool>& claimed);
-///         // returns Prepared::devices, see ControllerKind::prepare; default: uses all devices, claims none
+///         // returns Prepared::devices, see ControllerKind::prepare; default: uses all devices that are
+///         // offered, also those that other controllers claim, and claims none
 ///     static constexpr std::array k_uses{std::string_view("ranger")};
-///         // instead of choose: the kinds of the devices that it uses, in this order
+///         // instead of choose: the kinds of the devices that it uses, in this order; a kind that is listed
+///         // twice stands for two devices; an error if the robot has too few devices of a kind
 ///     Result<> bind_world(const WorldSpec&, const TypeSpec&, std::uint32_t part);
-///         // ControllerKind::bind_world
+///         // completes the object from the world: ControllerKind::bind_world
 ///     static constexpr std::array<std::string_view, N> brings;
-///         // ControllerKind::brings
+///         // kinds of devices that it adds to Stage models: ControllerKind::brings
+///
+/// A controller can use at most k_most_devices_read devices. If operator() for one robot throws, the error
+/// message of the step names that robot.
 template <class C>
 ControllerKind make_controller_kind(std::string_view name, std::string_view text) {
   using Memory = typename detail::MemoryOf<C>::type;

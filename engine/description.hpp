@@ -22,8 +22,8 @@
 #include <utility>
 #include <vector>
 
-/// A struct, such as the parameters of a kind, describes its members once, in a function that fills a
-/// FieldTable:
+/// A struct, such as the parameters of a kind (a sort of sensor, drive or controller), describes its members
+/// once, in a function `describe` that fills a FieldTable. Parsing, validation and storage use this table:
 ///
 ///     enum class Law : std::uint8_t { disc, walls };
 ///     constexpr std::array<std::string_view, 2> names_of(Law) { return {"disc", "walls"}; }
@@ -48,20 +48,21 @@
 ///
 /// `described<Transducer>()` returns the table, `from_record<Transducer>(record)` makes the struct from a
 /// record of values, and `to_record(transducer)` makes a record from the struct. A member that is not
-/// described, or described twice, is a compile error. Fields have the order of the description. A struct of
-/// another folder can be described next to the code that needs it, by a function such as
-/// `constexpr void describe(Description<Pose>&)` in namespace troupe::engine.
+/// described, or described twice, is a compile error. The struct must have no constructors, and at most 128
+/// members. Fields have the order of the description. A struct of another folder can be described next to the
+/// code that needs it, by a function such as `constexpr void describe(Description<Pose>&)` in namespace
+/// troupe::engine.
 ///
 /// members   bool; integers; float, double; std::string; enums with names_of(Enum), in the order of their
 ///           values from 0; std::vector<double>; std::vector<std::string>; std::array and Eigen vectors of
 ///           numbers; Color, std::vector<Color>; Id; Pose and any other described struct (a record),
-///           std::vector of described structs (records); std::optional of any of these except lists;
-///           std::vector of Eigen vectors, and of such lists (numbers in lists of lists); Record (a record
-///           whose table the reader of the struct knows)
+///           std::vector of described structs (records); std::optional of any of these except std::vector of
+///           described structs; std::vector of Eigen vectors, and of such lists (numbers in lists of lists);
+///           Record (a record whose table the reader of the struct knows)
 /// defaults  A member has the default that it has in T{}. A `required` member has no default. A std::optional
-///           has no default either, but may be missing.
+///           has no default either, but may be missing, and must be empty in T{}.
 /// limits    A member has the limits that its description gives, and never wider ones than those of its type.
-///           A value outside the limits is an error.
+///           The readers of files report a value outside the limits as an error.
 ///
 /// A struct that is state (a controller's memory, a device's state or commands: memory_fields<T>()) is
 /// described in the same way. Its members are numbers, bools and arrays of numbers or bools. Recordings store
@@ -78,17 +79,17 @@ class Description;
 template <class T>
 TROUPE_OF_TYPE const FieldTable& described();
 
-/// A fact about a described member: a unit, a limit, a text or the like. The functions in the namespace
-/// `facts` make them.
+/// A fact about a described member: a unit, a limit, a text or another property of its Field. The functions
+/// and constants in the namespace `facts` make facts. A text or a Unit converts to a fact implicitly.
 class Fact {
  public:
   /// What the fact specifies.
   enum class Kind : std::uint8_t {
     text,             ///< sets Field::text to the member `words`
     unit,             ///< sets Field::unit to the member `unit`
-    at_least,         ///< sets the limits to `number` and `high`, both included
-    above,            ///< sets the lower limit to `number`, excluded
-    at_most,          ///< sets the upper limit to `number`, included
+    at_least,         ///< narrows the limits to [`number`, `high`]
+    above,            ///< raises the lower limit to `number`, which is itself not allowed
+    at_most,          ///< lowers the upper limit to `number`, which is itself allowed
     choices,          ///< sets Field::choices to the member `choices`
     columns,          ///< sets Field::columns to the member `number`
     required,         ///< the described member has no default
@@ -99,12 +100,17 @@ class Fact {
     appearance,       ///< sets Field::appearance
   };
 
-  constexpr Fact(const char* text) : kind(Kind::text), words(text) {}       ///< gives Field::text
-  constexpr Fact(std::string_view text) : kind(Kind::text), words(text) {}  ///< gives Field::text
-  constexpr Fact(Unit u) : kind(Kind::unit), unit(u) {}                     ///< gives Field::unit
-  /// A fact of kind k; x is its `number` and y its `high`.
+  /// Sets Field::text. The characters must live as long as the field, as those of a string literal do.
+  ///@{
+  constexpr Fact(const char* text) : kind(Kind::text), words(text) {}
+  constexpr Fact(std::string_view text) : kind(Kind::text), words(text) {}
+  ///@}
+  constexpr Fact(Unit u) : kind(Kind::unit), unit(u) {}  ///< sets Field::unit
+  /// A fact of kind k, with x as its `number` and y as its `high`. Kind::at_least needs both; other kinds
+  /// ignore y.
   constexpr explicit Fact(Kind k, double x = 0, double y = 0) : kind(k), number(x), high(y) {}
-  /// Gives the allowed values, Field::choices. The list must live until the call that takes the fact returns.
+  /// Sets the allowed values, Field::choices. The list must live until the call that takes the fact returns;
+  /// the characters of the values must live as long as the field.
   constexpr explicit Fact(std::span<const std::string_view> list) : kind(Kind::choices), choices(list) {}
 
   Kind kind;               ///< what the fact specifies
@@ -118,7 +124,8 @@ class Fact {
 /// The facts that a description can give, in addition to units.
 namespace facts {
 
-/// Limits of a number in SI units, included unless stated otherwise. For a list they apply to each number.
+/// Limits of a number in SI units. The limits themselves are allowed values, except that of above(). For a
+/// list they apply to each number. A member has at most one lower and one upper limit.
 ///@{
 constexpr Fact at_least(double min) {
   return Fact(Fact::Kind::at_least, min, std::numeric_limits<double>::infinity());
@@ -127,22 +134,25 @@ constexpr Fact above(double min) { return Fact(Fact::Kind::above, min); }  ///< 
 constexpr Fact at_most(double max) { return Fact(Fact::Kind::at_most, max); }
 constexpr Fact within(double min, double max) { return Fact(Fact::Kind::at_least, min, max); }
 ///@}
-/// Allowed values of a std::string. For an enum, names_of() gives them.
+/// Allowed values of a std::string; the default is any text. An enum does not need this: its allowed values
+/// are those of names_of().
 constexpr Fact one_of(std::initializer_list<std::string_view> choices) {
   return Fact(std::span<const std::string_view>(choices.begin(), choices.size()));
 }
-/// Allowed values of a std::string, from an existing list.
+/// Allowed values of a std::string, from an existing list. The list must live until the call that takes the
+/// fact returns; the characters of the values must live as long as the field.
 constexpr Fact one_of(std::span<const std::string_view> choices) { return Fact(choices); }
-/// Required length of a std::vector<double>. The lengths of arrays and Eigen vectors follow from their types.
+/// Required length of a std::vector<double>; the default is any length. The lengths of arrays and Eigen
+/// vectors follow from their types.
 constexpr Fact columns(std::size_t n) { return Fact(Fact::Kind::columns, static_cast<double>(n)); }
-/// The member has no default.
+/// The member has no default: a file must give it. Not allowed for a std::optional or a struct.
 inline constexpr Fact required{Fact::Kind::required};
-/// The member gives a number of readings of a sensor: Field::counts_readings.
+/// The member gives a number of readings of a sensor (Field::counts_readings). Only for integers.
 inline constexpr Fact counts_readings{Fact::Kind::counts_readings};
-/// Interventions cannot change the member while the world runs: Field::fixed.
+/// Interventions cannot change the member while the world runs (Field::fixed).
 inline constexpr Fact fixed{Fact::Kind::fixed};
 /// The member records where the other members come from (a file and a line). It is stored, but comparisons
-/// ignore it.
+/// ignore it (Field::provenance).
 inline constexpr Fact provenance{Fact::Kind::provenance};
 /// For members of state: the member adds nothing to the hash while it is zero (StateField::sparse). For
 /// members of other structs: a stored record may lack the field, which then gets its default.
@@ -151,38 +161,50 @@ inline constexpr Fact is_sparse{Fact::Kind::sparse};
 inline constexpr Fact is_appearance{Fact::Kind::appearance};
 }  // namespace facts
 
-/// Type-erased access to members of one C++ type.
+/// Access to members of one C++ type through `void` pointers. The argument `member` of the functions points
+/// to a member of that type.
 struct MemberType {
-  FieldType type = FieldType::number;                     ///< type of the field
-  std::size_t columns = 0;                                ///< length of a fixed array; 0: not a fixed array
-  double min = -std::numeric_limits<double>::infinity();  ///< smallest value of the type
-  double max = std::numeric_limits<double>::infinity();   ///< largest value of the type
-  bool optional = false;                                  ///< whether the member is a std::optional
+  FieldType type = FieldType::number;  ///< type of the field that describes such a member
+  std::size_t columns = 0;             ///< length of a fixed array; 0: not a fixed array
+  /// Smallest value of the type; -infinity for double, for integers of 64 bits, and for all types that are
+  /// not a single number.
+  double min = -std::numeric_limits<double>::infinity();
+  /// Largest value of the type; infinity for double, for integers of 64 bits, and for all types that are not
+  /// a single number.
+  double max = std::numeric_limits<double>::infinity();
+  bool optional = false;     ///< whether the member is a std::optional
   bool is_unsigned = false;  ///< true: std::uint64_t; a Value stores its bits in a std::int64_t
   std::span<const std::string_view> choices = {};  ///< for enums: the names of the values
-  const FieldTable& (*table)() = nullptr;          ///< for records: returns described<T>()
-  /// Returns the value of a member. Null for records.
+  /// Returns described<T>() for a member that is a described struct T, or a std::optional or list of such
+  /// structs. Null for all other members.
+  const FieldTable& (*table)() = nullptr;
+  /// Returns the value of a member; for an empty std::optional, a value whose given() is false. Null if
+  /// `table` is not null.
   Value (*get)(const void* member) = nullptr;
   /// Sets a member to a value. Throws std::bad_variant_access if the value has another type, and
-  /// std::invalid_argument if the member cannot hold it. Null for records.
+  /// std::invalid_argument if the member cannot hold it, such as a number that is too large for an integer
+  /// type. Does not check `min` and `max` otherwise. Null if `table` is not null.
   void (*set)(void* member, const Value& value) = nullptr;
-  /// For records: access to the structs that a member holds. A member that is a struct holds one (itself), a
-  /// std::optional holds none or one, and a list holds any number.
+  /// If `table` is not null: access to the structs that a member holds. A member that is a struct holds one
+  /// (itself), a std::optional holds none or one, and a list holds any number.
   ///@{
-  std::size_t (*size)(const void* member) = nullptr;      ///< number of structs
-  void (*resize)(void* member, std::size_t n) = nullptr;  ///< sets that number; null: it is always 1
-  void* (*block)(void* member, std::size_t i) = nullptr;  ///< address of struct i
+  std::size_t (*size)(const void* member) = nullptr;  ///< number of structs
+  /// Sets the number of structs to n; new ones are T{}. Null: the number is always 1.
+  void (*resize)(void* member, std::size_t n) = nullptr;
+  void* (*block)(void* member, std::size_t i) = nullptr;  ///< address of struct i, which must exist
   ///@}
   /// For lists of lists of numbers: the type of an inner list. The functions above then access the inner
-  /// lists, get() returns all numbers concatenated, and set() is null.
+  /// lists in place of structs, get() returns all numbers concatenated, and set() is null. Null for all other
+  /// members.
   const MemberType* each = nullptr;
   bool is_state = false;           ///< whether the member can be part of a state struct
-  Element element = Element::f64;  ///< element type, if it is state
+  Element element = Element::f64;  ///< type of the number, or of the numbers of an array, if is_state is true
 };
 
 namespace detail {
 
-/// Converts to any type. member_count() uses it in place of an initialiser of each member.
+/// Converts to any type, in expressions that are never evaluated. member_count() uses it in place of an
+/// initialiser of each member.
 struct Anything {
   template <class T>
   operator T() const;
@@ -200,8 +222,9 @@ constexpr bool takes(std::index_sequence<I...>) {
   return Takes<T, Any, I...>;
 }
 
-/// Returns the number of members of an aggregate T, in which a base class counts as one. It is the largest
-/// number of initialisers that T accepts. Any: a type that converts to the type of each member.
+/// Returns the number of members of an aggregate T (a struct without constructors). A base class counts as
+/// one member. The number is the largest number of initialisers that T accepts. Any: a type that converts to
+/// the type of each member.
 template <class T, class Any = Anything, std::size_t N = 0>
 constexpr std::size_t member_count() {
   if constexpr (takes<T, Any>(std::make_index_sequence<N + 1>{}))
@@ -244,7 +267,8 @@ struct Pointed<M C::*> {
 };
 
 Value numbers_value(const double* numbers, std::size_t count);
-/// The numbers of a value. Throws std::invalid_argument unless the value has exactly `count` numbers.
+/// The numbers of a value, valid as long as the value. Throws std::bad_variant_access if it has another type,
+/// and std::invalid_argument if it has not exactly `count` numbers.
 std::span<const double> numbers_of(const Value& value, std::size_t count);
 std::int64_t integer_of(const Value& value, std::int64_t least, std::int64_t most);
 std::size_t choice_of(const Value& value, std::span<const std::string_view> choices);
@@ -256,8 +280,8 @@ void set_colors(std::vector<Color>& colors, const Value& value);
 template <class E>
 TROUPE_OF_TYPE inline constexpr auto k_names = names_of(E{});
 
-/// The element type and the size of a fixed array (std::array or Eigen vector). The size is 0 for other
-/// types.
+/// Element: the element type of a fixed array (std::array or Eigen column vector); size: its number of
+/// elements. For other types, size is 0 and there is no Element.
 template <class M>
 struct Fixed {
   static constexpr std::size_t size = 0;
@@ -470,31 +494,34 @@ struct TROUPE_OF_TYPE TypeOf<std::optional<M>> {
   static constexpr MemberType value = optional_type<M>();
 };
 
-/// Appends the field of a member of a struct. `object` is the struct with its default values, and `member`
-/// points into it. Throws std::logic_error if the facts contradict one another or the type, or if the table
-/// has a field of that name.
+/// Appends the field of a member to a table. `object` is the struct with its default values, and `member`
+/// points into it. `type` must outlive the table. Throws std::logic_error if the facts contradict one another
+/// or the type, or if the table already has a field of that name.
 void add_field(FieldTable& table, std::string_view name, const MemberType& type, const void* object,
                const void* member, std::initializer_list<Fact> facts);
 /// Appends a field for a member that has no generic access (Description::apart()): Field::member is null.
+/// Throws std::logic_error if the table already has a field of that name.
 void add_apart(FieldTable& table, std::string_view name);
 /// Appends the fields of a member that is itself a described struct with the table `part`. The offsets of the
-/// new fields are those in `object`. Fields that have a default get the value in `member` as their default.
+/// new fields are relative to `object`, the struct with the member. Fields that have a default get the value
+/// in `member` as their default. Throws std::logic_error if the table already has a field of the same name.
 void add_part(FieldTable& table, const FieldTable& part, const void* object, const void* member);
 
 }  // namespace detail
 
-/// The argument of `describe`, see the top of this file.
+/// The argument of `describe`, which calls its functions once for each member of T: see the top of this file.
 template <class T>
 class Description {
  public:
   /// A description that only counts the described members, for use in constant expressions.
   constexpr Description() = default;
   /// A description that appends a field to `table` for each described member. `example` is T{}, whose values
-  /// become the defaults. It must outlive the description.
+  /// become the defaults. Both must outlive the description.
   constexpr Description(FieldTable& table, const T& example) : table_(&table), example_(&example) {}
 
   /// Describes a member as a field. The text `name` must be unique in the struct, and must live as long as
-  /// the program or the plug-in.
+  /// the program or the plug-in. The facts may have any order; std::logic_error is thrown if they contradict
+  /// one another.
   template <auto k_member, class... Facts>
   [[gnu::cold]] constexpr void member(std::string_view name, Facts... facts) {
     using Type = typename detail::Pointed<decltype(k_member)>::Type;
@@ -505,7 +532,8 @@ class Description {
                         {Fact(facts)...});
   }
   /// Describes a member that is itself a described struct. The fields of that struct become fields of T
-  /// itself, at this position in the table. Kinds use this to extend the parameters of another kind.
+  /// itself, at this position in the table, and their names must differ from those of the other fields. Kinds
+  /// use this to extend the parameters of another kind. Not for structs that are state.
   template <auto k_member>
   [[gnu::cold]] constexpr void part() {
     using Type = typename detail::Pointed<decltype(k_member)>::Type;
@@ -515,15 +543,15 @@ class Description {
       detail::add_part(*table_, described<Type>(), example_, &(example_->*k_member));
   }
   /// Marks a member that is computed from the other members. It gets no field: it is neither stored nor
-  /// compared.
+  /// compared. Not for structs that are state.
   template <auto k_member>
   constexpr void derived() {
     if (table_ == nullptr) count(detail::tag<k_member>(), false);
   }
 
-  /// Marks a member that has no generic access. Each function that walks over the fields (to store, compare
-  /// or check them) handles such a member with code of its own. The member gets a field with a name and a
-  /// position in the table, but without Field::member.
+  /// Marks a member that has no generic access: a field with a name and a position in the table, but without
+  /// Field::member. Each function that walks over the fields (to store, compare or check them) needs code of
+  /// its own for such a member; get() and set() throw std::logic_error. Not for structs that are state.
   template <auto k_member>
   [[gnu::cold]] constexpr void apart(std::string_view name) {
     if (table_ == nullptr)
@@ -532,11 +560,12 @@ class Description {
       detail::add_apart(*table_, name);
   }
 
-  /// Number of members described so far.
+  /// Number of members described so far. Only for a description without a table, like the next two functions.
   constexpr std::size_t members() const { return count_; }
   /// Whether any member was described more than once.
   constexpr bool repeats() const { return repeats_; }
-  /// Whether all members described so far can be state.
+  /// Whether all members described so far are numbers, bools or arrays of these, which a struct that is state
+  /// may have.
   constexpr bool is_state() const { return is_state_; }
 
  private:
@@ -557,7 +586,7 @@ class Description {
 };
 
 namespace detail {
-/// Runs the description of T without a table, only to count the members that it describes.
+/// Runs the description of T without a table, to count and check the members that it describes.
 template <class T>
 constexpr Description<T> described_members() {
   Description<T> d;
@@ -567,6 +596,9 @@ constexpr Description<T> described_members() {
 }  // namespace detail
 
 /// Returns the fields of a described struct, in the order of its description. The table has static storage.
+/// The first call builds it, and throws std::logic_error if the description contradicts itself: two fields
+/// have the same name, a lower limit is above an upper limit, a std::optional has a default, or a fact does
+/// not suit the type of its member. Thread-safe.
 template <class T>
 TROUPE_OF_TYPE const FieldTable& described() {
   static_assert(std::is_aggregate_v<T>,
@@ -584,7 +616,8 @@ TROUPE_OF_TYPE const FieldTable& described() {
   return table;
 }
 
-/// Describes a pose. pose_fields() returns the resulting table.
+/// Describes a pose: x, y and z from -100 km to 100 km, and a heading of up to ten turns, each 0 by default.
+/// pose_fields() returns the resulting table.
 constexpr void describe(Description<Pose>& d) {
   using namespace facts;
   using enum Unit;
@@ -596,36 +629,43 @@ constexpr void describe(Description<Pose>& d) {
   d.member<&Pose::heading>("heading", radians, within(-k_turns, k_turns), "counter-clockwise from +x");
 }
 
-/// Returns the values of the struct at `object` as a record of its table.
+/// Returns the values of the struct at `object` as a record of its table. An empty std::optional gives a
+/// value whose given() is false. Throws std::logic_error if a field has no access to its member
+/// (Description::apart()).
 Record record_of(const FieldTable& table, const void* object);
-/// Sets the members of the struct at `object` from a record of its table. Members that the record does not
-/// give keep their values. Throws std::bad_variant_access if a value has another type than its member, and
-/// std::invalid_argument if a member cannot hold its value. Neither happens with a record that a reader has
-/// checked against the table.
+/// Sets the members of the struct at `object` from a record of its table. Members for which the record has no
+/// value (Value::given()) keep their values. A list of structs, and a std::optional struct, is replaced as a
+/// whole: in each new struct, members without a value have their defaults. Limits of the table are not
+/// checked. Throws std::bad_variant_access if a value has another type than its member, std::invalid_argument
+/// if a member cannot hold its value, and std::logic_error if the record gives a value for a field without
+/// access (Description::apart()). The members before that one are then set. The first two do not happen with
+/// a record that a reader has checked against the table.
 void fill(const FieldTable& table, void* object, const Record& record);
 
-/// Returns the value of one member of a struct. For an empty std::optional, Value::given() is false.
+/// Returns the value of one member of the struct at `object`. For an empty std::optional, Value::given() is
+/// false. Throws std::logic_error if the field has no access to the member (Description::apart()).
 Value get(const Field& field, const void* object);
-/// Sets one member of a struct. A value whose given() is false empties a std::optional; a member of any other
-/// type then keeps its value. Throws the exceptions of fill().
+/// Sets one member of the struct at `object`. A value whose given() is false empties a std::optional; a
+/// member of any other type then keeps its value. Throws the exceptions of fill().
 void set(const Field& field, void* object, const Value& value);
 
-/// Returns a T with the values of a record of described<T>(), and the defaults of T{} for members that the
-/// record does not give. Throws the exceptions of fill().
+/// Returns a T with the values of a record of described<T>(). Members for which the record has no value have
+/// the defaults of T{}. Throws the exceptions of fill().
 template <class T>
 T from_record(const Record& record) {
   T object{};
   fill(described<T>(), &object, record);
   return object;
 }
-/// Returns the values of a struct as a record of described<T>().
+/// Returns the values of a struct as a record of described<T>(), see record_of().
 template <class T>
 Record to_record(const T& object) {
   return record_of(described<T>(), &object);
 }
 
 /// Converts the table of a described struct to state fields, for a state component whose rows are such
-/// structs.
+/// structs. Every member must be a number, a bool or an array of these, which memory_fields() checks and this
+/// function does not.
 std::vector<StateField> state_fields(const FieldTable& table);
 
 }  // namespace troupe::engine

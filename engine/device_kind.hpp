@@ -32,22 +32,26 @@ DeviceKind::Prepared prepare_device(const Record& record, const Pose& pose_body_
 
 }  // namespace detail
 
-/// Makes the kind of a sensor, or of another device, from a class C. The hooks of the kind call the members
-/// of C with the same names; their argument `data` contains a C. C may have
+/// Makes the kind of a sensor, or of another device, from a class C. A kind is a table of functions, its
+/// hooks (DeviceKind in engine/kinds.hpp has their contracts). The hooks call the members of C with the same
+/// names; their argument `data` contains a C. One object of C serves all bodies of a type, and several
+/// threads call it at once. C must be copyable. `name` and `text` must live as long as the kind. C may have
 ///
 ///     struct Params { ...; describe };            // its parameters; default: none
-///     struct State { ...; describe };             // its state (percepts), one struct per row
-///     struct Command { ...; describe };           // its commands from controllers, one struct per row
+///     struct State { ...; describe };             // its state (percepts), one struct per body
+///     struct Command { ...; describe };           // its commands from controllers, one struct per body
 ///         // State and Command may list their members with TROUPE_FIELDS instead of describe
 ///     static DeviceKind::Prepared prepare(const Params&, const Pose& pose_body_device);
-///         // DeviceKind::prepare; the member `data` of the result must be a C. If the result has no percepts
-///         // or no commands, these are set to the fields of State or Command. If C has no Params, the pose
-///         // is the only argument
+///         // DeviceKind::prepare; the member `data` of the result must be a C: otherwise the hook throws
+///         // std::logic_error. If the result has no percepts or no commands, these are set to the fields of
+///         // State or Command. If C has no Params, the pose is the only argument
 ///     static C make(const Params&, const Pose& pose_body_device);
-///         // instead of prepare, if `data` is the only member to be set; default: C{params}
+///         // instead of prepare, if `data` is the only member to be set; only if C has Params
+///         // default, without prepare and make: C{params}, or C{} if C has no Params
 ///
 /// C may also have the following hooks of DeviceKind, without the argument `data`. If C has a State, the
-/// hooks marked "row" may take a State& instead of the table and the slot:
+/// hooks marked "row" may take a reference to the State of one body instead of the table and the slot (the
+/// index of the body's row in the table). A hook that C lacks is null:
 ///
 ///     std::uint64_t sense(const SenseBatch&) const;                      // or a const DeviceBatch&
 ///     void act(const DeviceBatch&) const;
@@ -62,7 +66,7 @@ DeviceKind::Prepared prepare_device(const Record& record, const Pose& pose_body_
 ///     Result<> bind_part(const TypeSpec&, std::uint32_t part);
 ///     Result<> bind_world(const WorldSpec&);
 ///     double reach_m() const;
-///     static std::vector<DeviceKind::Fixture> body(const Params&);
+///     static std::vector<DeviceKind::Fixture> body(const Params&);       // only if C has Params
 ///     static constexpr std::array<std::string_view, N> joints;
 ///     static constexpr std::array<std::string_view, N> reads;
 ///     static constexpr ApplyScope scope;

@@ -8,15 +8,17 @@
 
 namespace troupe::engine {
 
-/// Makes the kind of a drive from a class D, which has
+/// Makes the kind of a drive from a class D. A kind is a table of functions, its hooks (DriveKind in
+/// engine/kinds.hpp has their contracts). One object of D serves all robots of a type, and several threads
+/// call it at once. D must be copyable. `name` and `text` must live as long as the kind. D has
 ///
-///     struct Params { ...; describe };         // its parameters
+///     struct Params { ...; describe };         // its parameters (engine/description.hpp)
 ///     void drive(const DriveBatch&) const;     // DriveKind::drive
 ///
 /// and may have the other hooks of DriveKind, as members of D:
 ///
-///     static D make(const Params&);            // default: D{params}
-///     static Result<> check(const Params&);
+///     static D make(const Params&);            // makes the object; default: D{params}
+///     static Result<> check(const Params&);    // default: all parameters are consistent
 ///     Velocity start() const;
 ///     static Result<Localization> localization(const Params&);
 ///     static std::int64_t pushes(const Params&);

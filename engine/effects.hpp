@@ -10,21 +10,23 @@
 
 namespace troupe::engine {
 
-// The verbs (Effect::verb) of births and deaths. Any device may emit them. The engine itself applies them
-// after all other effects of the tick: first all deaths, then all births, each in the order of
-// Effects::sorted().
+// The verbs (Effect::verb) of births and deaths. Devices of all kinds may emit them; a kind that emits deaths
+// must set DeviceKind::Prepared::ends_lives. The engine itself applies them after all other effects of the
+// tick: first all deaths, then all births, each in the order of Effects::sorted().
 /// Birth of the next body of the reserve Effect::reserve, which holds bodies that are not yet in the world.
-/// The payload is the pose of the birth: x, y, z (m), heading (rad), world frame.
+/// The payload is the pose at birth: x, y, z (m), heading (rad), world frame. If Effect::source dies in the
+/// same tick, the birth does not take place.
 inline constexpr std::uint32_t k_birth = ~0u;
-/// Death of Effect::target.
+/// Death of Effect::target. It has no effect if the target is not in the world, or is a static body.
 inline constexpr std::uint32_t k_death = ~0u - 1;
 
-/// Whether a requested body was born. The numerical values are stored in the state of the requesting device.
+/// The outcome of a request for a birth. Devices store the numerical values in their state, and so the values
+/// never change.
 enum class BirthStatus : std::uint8_t {
-  unasked,   ///< no birth was requested yet
+  unasked,   ///< no birth was requested
   born,      ///< the body Birth::body was born
-  occupied,  ///< the place is occupied or outside the world
-  used_up,   ///< the reserve has no body left
+  occupied,  ///< no birth: the pose is occupied or outside the bounds of the world
+  used_up,   ///< no birth: all bodies of the reserve have been born
 };
 /// The result of a birth, as passed to DeviceKind::born and returned by World::spawn().
 struct Birth {
@@ -33,34 +35,40 @@ struct Birth {
 };
 
 /// An action of one body on another in a tick, such as gripping, charging or releasing it. A device must not
-/// write to the rows of other bodies in the state tables. Instead, the device emits an effect, which is a
-/// record of the action. Devices emit effects in the phase `actuate`, in any order and on any thread. After
-/// all bodies have moved, the effects are applied one by one, in an order that does not depend on the
-/// threads.
+/// write to the state of other bodies. Instead, the device emits an effect, which is a record of the action.
+/// Devices emit effects in the phase `actuate` of the tick, in which drives and devices run, in any order and
+/// on any thread. After all bodies have moved, the effects are applied one by one (DeviceKind::apply), in an
+/// order that does not depend on the threads.
 struct Effect {
-  BodyId source;                    ///< the acting body
-  std::uint32_t device = 0;         ///< the acting device: index within the source's type
-  std::uint32_t sequence = 0;       ///< orders the effects that one device of one body emits in a tick
-  std::uint32_t verb = 0;           ///< the action; defined by the device's kind
-  BodyId target;                    ///< the affected body; not valid() if there is none
-  std::array<double, 4> payload{};  ///< arguments of the verb, in SI units; positions in the world frame
-  std::uint32_t reserve = 0;        ///< for a birth: index into WorldSpec::reserves
+  BodyId source;             ///< the acting body
+  std::uint32_t device = 0;  ///< the acting device: index in BodyType::devices
+  /// Orders the effects that one device of one body emits in a tick. Each of them needs a number of its own:
+  /// the order of effects with equal numbers is unspecified.
+  std::uint32_t sequence = 0;
+  std::uint32_t verb = 0;  ///< the action: k_birth, k_death, or a number that the device's kind defines
+  BodyId target;           ///< the affected body; not valid() if there is none
+  /// Arguments of the verb, in SI units; positions are in the world frame. The device's kind defines their
+  /// meaning.
+  std::array<double, 4> payload{};
+  std::uint32_t reserve = 0;  ///< for a birth: index into WorldSpec::reserves
 
   /// Whether the effect is a birth or a death, which the engine itself applies.
   bool is_of_life() const { return verb == k_birth || verb == k_death; }
 };
 
-/// The effects of one tick.
+/// The effects of one tick, in a list of limited length.
 class Effects {
  public:
-  /// Allocates room for `most` effects in a tick.
+  /// Allocates room for `most` effects in a tick, and removes all effects. Not thread-safe.
   void reserve(std::size_t most);
   /// Adds an effect; thread-safe. Throws std::length_error if there are more effects than reserve() allowed:
-  /// a device then emitted more than its kind declared (DeviceKind::Prepared::most_effects).
+  /// a device then emitted more than its kind declared (DeviceKind::Prepared::most_effects). After that, only
+  /// clear() and reserve() may be called.
   void emit(const Effect& effect);
-  /// Returns the effects emitted since the last clear(), sorted by (source, device, sequence).
+  /// Sorts the effects emitted since the last clear() by (source, device, sequence) and returns them. Not
+  /// thread-safe. The result is valid until the next call of a function that is not const.
   std::span<const Effect> sorted();
-  /// The effects emitted since the last clear(), in any order.
+  /// The effects emitted since the last clear(), in any order. Not thread-safe while effects are emitted.
   std::span<const Effect> emitted() const { return {effects_.get(), count_}; }
   void clear() { count_ = 0; }                ///< removes all effects; keeps the memory
   bool empty() const { return count_ == 0; }  ///< whether there are no effects

@@ -9,27 +9,29 @@
 
 namespace troupe::engine {
 
-/// The types of events, in the order in which one robot's events of one tick are listed.
+/// The types of events, in the order in which the events of one body in one tick are listed. "Blocked" means
+/// that a body or a static solid was in the way of the robot's motion; "out of bounds" means that the motion
+/// would have ended outside the bounds of the world. In both cases the robot stays in place.
 enum class EventType : std::uint8_t {
   stall_ends,    ///< the motion of the robot was blocked in the tick before, but not in this tick
   held_ends,     ///< the robot's motion was out of bounds in the tick before, but not in this tick
   stall_begins,  ///< the motion of the robot was blocked in this tick, but not in the tick before
   held_begins,   ///< the robot's motion was out of bounds in this tick, but not in the tick before
-  release,       ///< the robot stopped carrying another body
-  grip,          ///< the robot began to carry another body
-  birth,         ///< the body was born
-  death,         ///< the body died
+  release,       ///< the robot stopped carrying another body (Event::other)
+  grip,          ///< the robot began to carry another body (Event::other)
+  birth,         ///< the body was born, and so entered the world
+  death,         ///< the body died, and so left the world
   fails,         ///< the robot was disabled, or a fault stopped it completely
   recovers,      ///< the robot is no longer disabled or stopped by a fault
 };
 
-/// Name and text of an event type in tables and recordings.
+/// Name and text of an event type in tables and recordings. Both have static storage.
 struct EventKind {
-  EventType type;         ///< the event type, which is the index in event_kinds()
+  EventType type;         ///< the event type; as a number, its index in event_kinds()
   std::string_view name;  ///< name in files and tables: "stall_begins"
   std::string_view text;  ///< description in one line, for `troupe describe`
 };
-/// All event kinds, in the order of EventType.
+/// All event kinds, in the order of EventType. The list has static storage.
 std::span<const EventKind> event_kinds();
 std::string_view event_name(EventType type);  ///< name in files and tables: "stall_begins"
 
@@ -40,16 +42,20 @@ struct Event {
   BodyId other;    ///< for `release` and `grip`: the other body; not valid() for other types
 };
 
-/// Finds the events of a tick by comparing the state after the tick with the state before. The object stores
-/// the parts of the earlier state that it needs, so watching may begin at any tick.
+/// Finds the events of a tick by comparing the state of a world after the tick with the state before. The
+/// object stores the parts of the earlier state that it needs, so watching may begin at any tick. Watch one
+/// world with each object.
 class EventWatch {
  public:
-  /// Starts from the present state of the world.
+  /// Starts from the present state of the world: the first events are those of the next tick.
   explicit EventWatch(const World& world);
 
   /// Returns the events of the tick that has just ended, sorted by (Event::body, Event::type, Event::other).
-  /// Call this after every step. If the tick does not follow that of the last call, as after a reset, the
-  /// result is empty. The result is valid until the next call.
+  /// Changes that a program made to the world since the last call, such as disabling a robot, are included.
+  /// Call this after every step. If the tick does not follow that of the last call (or, at the first call,
+  /// that of the constructor), as after a reset, the result is empty. A body that was born and died in one
+  /// tick has both events. The result is valid until the next call. Throws std::logic_error if the last step
+  /// threw (World::require_whole()).
   std::span<const Event> see(const World& world);
 
  private:

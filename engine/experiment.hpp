@@ -13,38 +13,46 @@
 
 namespace troupe::engine {
 
-/// The compiled interventions and faults of a world, and which of them are applied next. These data are not
-/// part of the state, because they follow from the spec (the description of the world) and the tick.
+/// The compiled interventions and faults of a world, and which of them are applied next. An intervention is a
+/// change of the world at a given time, such as removing robots; a fault is a random failure of a robot.
+/// These data are not part of the state, because they follow from the spec (the description of the world) and
+/// the tick. A *row* is the index of a body in the state tables.
 struct Experiment {
   /// The value of `due` if no intervention or fault event follows: larger than the number of any tick.
   static constexpr std::uint64_t k_never = std::numeric_limits<std::uint64_t>::max();
 
-  /// An intervention (a change of the world at a given time), compiled from its InterventionSpec.
+  /// An intervention, compiled from its InterventionSpec.
   struct Intervention {
     std::uint64_t tick = 0;    ///< applied after this tick, at the beginning of the next one
-    std::size_t spec = 0;      ///< description of the intervention: index into ExperimentSpec::at
-    std::uint32_t stream = 0;  ///< stream of its random numbers
-    std::vector<Row> whom;     ///< rows of all bodies of the group, in order of ids; none for `add`, `set`
-    std::size_t reserve = 0;   ///< for `add`: the reserve of the bodies, an index into WorldSpec::reserves
-    /// For `set` of a drive or controller: the data that its kind prepared from the new parameters. When the
-    /// intervention is applied, they are swapped with the data of the old parameters.
+    std::size_t spec = 0;      ///< its InterventionSpec: index into ExperimentSpec::at
+    std::uint32_t stream = 0;  ///< its random stream: stream_id()
+    /// Rows of all bodies of the group, in order of ids, whether or not they are in the world. Empty for
+    /// `add` and `set`.
+    std::vector<Row> whom;
+    std::size_t reserve = 0;  ///< for `add`: the reserve of the bodies, index into WorldSpec::reserves
+    /// For `set` of a drive or controller: the data that its kind prepared from the new parameters. Applying
+    /// the intervention swaps them with the data in BodyType; they are then the data of the old parameters.
     std::any data;
     DeviceKind::Prepared device;  ///< for `set` of a device: used like `data`, which is then empty
   };
-  std::vector<Intervention> interventions;  ///< sorted by tick; within a tick in the order of the file
-  std::size_t next = 0;                     ///< index of the next intervention to be applied
-  std::size_t made = 0;  ///< number of interventions that World::set() added at the end of ExperimentSpec::at
-  /// Empty while World::set() has added nothing. Otherwise the interventions of the world file as they were
-  /// at tick 0, which World::reset() and World::restart() restore.
+  /// Sorted by tick; within a tick in the order of ExperimentSpec::at.
+  std::vector<Intervention> interventions;
+  std::size_t next = 0;  ///< index of the next intervention to be applied; the list size: none
+  /// Number of interventions that World::set() has added. Their specs are the last ones of
+  /// ExperimentSpec::at.
+  std::size_t made = 0;
+  /// The interventions of the world file, all of them not yet applied, which World::reset() and
+  /// World::restart() restore. Empty while World::set() has added nothing.
   std::vector<Intervention> declared;
 
-  /// One impairment of a FaultSpec, for the bodies of one type.
+  /// One impairment of a FaultSpec, compiled for the bodies of one type.
   struct Fault {
     Impairment impairment;     ///< effect of the fault on a body, and how often it occurs
-    std::uint32_t stream = 0;  ///< stream of its random numbers
+    std::uint32_t stream = 0;  ///< its random stream: stream_id()
   };
   std::vector<Fault> faults;  ///< the faults of all specs, in their order
-  /// A fault event: a fault begins or ends in a body.
+  /// A fault event: a fault begins or ends in a body. It has no effect if the body is not in the world at
+  /// that time.
   struct FaultEvent {
     std::uint64_t tick = 0;   ///< applied after this tick, at the beginning of the next one
     std::uint32_t fault = 0;  ///< the fault: index into `faults`
@@ -52,15 +60,15 @@ struct Experiment {
     Row row;                  ///< row of the body
     bool begins = true;       ///< true: the fault begins; false: it ends
   };
-  /// The first event of each fault in each body, from the beginning of a run: a heap with the earliest event
-  /// on top.
+  /// The first event of each fault in each body of a run: a heap with the earliest event on top. The vector
+  /// `fault_events` starts as a copy of it.
   std::vector<FaultEvent> first_fault_events;
-  /// The next event of each fault in each body, from the present tick on: a heap with the earliest event on
-  /// top.
+  /// The next event of each fault in each body, after those that were applied so far: a heap with the
+  /// earliest event on top. A fault that occurs no more has no event.
   std::vector<FaultEvent> fault_events;
 
-  std::uint64_t due = k_never;  ///< tick of the next intervention or fault event
-  /// A body from which a random selection chooses. The bodies with the lowest keys are chosen.
+  std::uint64_t due = k_never;  ///< tick after which the next intervention or fault event is applied
+  /// A body that a random selection may choose. The selection takes the bodies with the lowest keys.
   struct Candidate {
     std::uint64_t key = 0;  ///< random number; equal keys are ordered by id
     BodyId body;            ///< id of the body

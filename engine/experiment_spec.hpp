@@ -14,7 +14,8 @@
 
 namespace troupe::engine {
 
-// The experiment of a world file (docs/experiments.md): its stop conditions, interventions and faults.
+// The experiment of a world file (docs/experiments.md): its stop conditions, interventions and faults. Time
+// advances in ticks, steps of equal length. A measure is a number that is computed from the state of a run.
 
 /// How a measure is compared with a number.
 enum class Comparison : std::uint8_t {
@@ -30,31 +31,39 @@ inline constexpr std::array<std::string_view, 6> k_comparisons{"<", "<=", ">", "
 /// Whether `a COMPARISON b` is true. If a or b is NaN it is false, also for Comparison::unequal.
 bool holds(double a, Comparison comparison, double b);
 
-/// A stop condition: a comparison of a measure with a number.
+/// A stop condition: a comparison of a measure, such as the covered area, with a number.
 struct StopSpec {
   MeasureSpec measure;                        ///< left operand
   Comparison comparison = Comparison::below;  ///< operator of `measure COMPARISON value`
   double value = 0;                           ///< right operand, in the SI unit of the measure
 };
-/// The text of a condition: `coverage >= 0.9`, `stalls:leaders > 10`.
+/// The text of a condition, with the name that the world file gives the measure, if any, and the shortest
+/// decimal form of the number: `coverage >= 0.9`, `stalls:leaders > 10`.
 std::string text_of(const StopSpec& condition);
 
-/// A group of bodies: a population (NAME0, NAME1, ...), all bodies of a type, or one body. If `count` or
-/// `share` is set, the group is a random selection of these bodies.
+/// A group of bodies: a population, all bodies of a type, or one body. If `count` or `share` is set, the
+/// group is a random selection of these bodies; if both are set, the smaller number of bodies counts.
+/// Interventions select among the bodies that they can change when they are applied: those in the world that
+/// are not yet in the requested condition. Faults select among the bodies that are present at tick 0.
 struct GroupSpec {
   /// What `name` refers to.
   enum class By : std::uint8_t {
-    population,  ///< the name of a population: NAME for the bodies NAME0, NAME1, ...
+    population,  ///< the name of a population: NAME for all bodies named NAME0, NAME1, ...
     type,        ///< the name of a body type (TypeSpec::name)
-    model,       ///< the name of one body
+    model,       ///< the name or alias of one body
   };
-  By by = By::population;             ///< what `name` refers to
-  std::string name;                   ///< name of the population, type or body
-  std::optional<std::int64_t> count;  ///< number of bodies to select; all if there are fewer
-  std::optional<double> share;  ///< fraction of bodies to select, 0 to 1; their number is rounded to nearest
+  By by = By::population;  ///< what `name` refers to
+  std::string name;        ///< name of the population, type or body
+  /// Number of bodies to select, at least 0; all if there are fewer. Not set: no limit. For `add`, the number
+  /// of bodies to add.
+  std::optional<std::int64_t> count;
+  /// Fraction of the bodies to select, 0 to 1. The number of bodies is rounded to nearest, halves up. Not
+  /// set: no limit. Not used for `add`.
+  std::optional<double> share;
 };
 
-/// New values for some parameters of the drive, of a device or of a controller of a type.
+/// New values for some parameters of the drive, of a device or of a controller of a type. The type must have
+/// that drive, device or controller.
 struct SettingSpec {
   /// The owner of the parameters.
   enum class Of : std::uint8_t {
@@ -65,30 +74,40 @@ struct SettingSpec {
   TypeId type;              ///< the type; the change affects all its bodies
   Of of = Of::drive;        ///< the owner of the parameters
   std::uint32_t index = 0;  ///< index of the device or controller in the TypeSpec
-  Record params;  ///< one per field of the kind's table; without a value: the parameter does not change
+  /// One value per field of the kind's table, in the order of the table. Where there is no value
+  /// (Value::given() is false), the parameter does not change.
+  Record params;
 };
 
-/// Returns a copy of `params` in which the values that the setting gives replace the old ones.
+/// Returns a copy of `params` in which the values that the setting gives replace the old ones. `params` must
+/// belong to the table of the kind that the setting changes.
 Record changed(const Record& params, const SettingSpec& setting);
 
-/// An intervention of the world file: a change of the running world, applied between two ticks.
+/// An intervention of the world file: a change of the running world, applied between two ticks. It does not
+/// affect unborn and dead bodies, except that `add` spawns unborn ones.
 struct InterventionSpec {
   /// The kind of intervention.
   enum class Action : std::uint8_t {
-    remove,   ///< removes the bodies of the group from the world
-    add,      ///< spawns bodies of the population's reserve
+    remove,   ///< removes the bodies of the group from the world for good
+    add,      ///< spawns bodies of the reserve of a population
     disable,  ///< stops the devices, controllers and drives of the group's bodies
-    enable,   ///< lets disabled bodies run again
-    move,     ///< moves one body to `pose`
-    set,      ///< changes parameters of a type
+    enable,   ///< lets disabled bodies of the group run again
+    /// moves one body to `pose`, even if another body is there; no effect on a carried body
+    move,
+    set,  ///< changes parameters of a type, for all its bodies
   };
   /// World time, s. The intervention is applied after the first tick that ends at this time or later, in the
-  /// phase `intervene` of the tick that follows.
+  /// phase `intervene` at the beginning of the tick that follows. With 0 or less, it is applied before the
+  /// first tick.
   double time_s = 0;
-  Action action = Action::remove;  ///< kind of intervention; its name is in k_actions
+  Action action = Action::remove;  ///< kind of intervention
   GroupSpec whom;                  ///< affected bodies; for `add`, a population with a reserve
-  std::optional<Pose> pose;        ///< for `move` the new pose, for `add` the pose of each new body
-  /// For `add` without `pose`: box in which the new bodies get random poses; not set: the world's bounds.
+  /// World frame, m and rad. For `move`, the new pose; it must be set. For `add`, the pose of each new body;
+  /// no further body is added once this pose is occupied.
+  std::optional<Pose> pose;
+  /// For `add` without `pose`: box in which each new body gets a random free pose, world frame, m; not set:
+  /// the world's bounds. If a body finds no free pose in 1000 trials, it and the remaining bodies are not
+  /// added.
   std::optional<Box> region;
   std::optional<SettingSpec> setting;  ///< for `set`: the new parameters; `whom` is then unused
   Where where;                         ///< file position, for messages
@@ -97,14 +116,14 @@ struct InterventionSpec {
 inline constexpr std::array<std::string_view, 6> k_actions{"remove", "add",  "disable",
                                                            "enable", "move", "set"};
 
-/// Faults that may occur in bodies of a group. Bodies that are born later never have faults.
+/// Faults that may occur in bodies of a group. Only bodies that are present at tick 0 have faults.
 struct FaultSpec {
-  GroupSpec whom;     ///< bodies that may fail; chosen when a world is built or restarted
-  double from_s = 0;  ///< earliest world time at which a fault may occur, s
+  GroupSpec whom;     ///< bodies that may fail; selected when the world is built or restarted
+  double from_s = 0;  ///< world time from which on faults may occur, s
   /// One possible fault of the bodies.
   struct Impairment {
-    std::string kind;  ///< name in Registry::faults
-    Record params;     ///< one value for each field of the kind's table
+    std::string kind;  ///< name of a fault kind of Registry::faults
+    Record params;     ///< one value for each field of the kind's table (FaultKind::params)
   };
   std::vector<Impairment> impairments;  ///< the faults; each occurs independently of the others
   Where where;                          ///< file position, for messages
@@ -114,7 +133,7 @@ struct FaultSpec {
 struct ExperimentSpec {
   std::vector<StopSpec> stop_when;   ///< the run ends when at least one of these is true
   std::vector<InterventionSpec> at;  ///< interventions, in any order of time
-  std::vector<FaultSpec> faults;     ///< faults of bodies that are present at tick 0
+  std::vector<FaultSpec> faults;     ///< faults that may occur
 
   /// Whether the experiment has neither stop conditions nor interventions nor faults. A run of the world then
   /// ends only at its end time, or when the program ends it.

@@ -11,32 +11,37 @@
 
 namespace troupe::engine {
 
-// The data that a viewer needs to draw a world at one tick. Viewers do not read the state tables.
+// The data that a viewer needs to draw a world at one tick (time step). Viewers do not read the state of the
+// world itself. A FrameScene has what is constant during a run, a Frame what changes from tick to tick.
 
 /// A solid to draw.
 struct FrameShape {
-  Solid solid;                 ///< its geometry in the body frame
+  Solid solid;                 ///< its geometry, body frame, m
   std::optional<Color> color;  ///< colour of the solid; not set: FrameBody::color
 };
 
-/// The shapes of bodies that look alike.
+/// The shapes of bodies that look alike: of all bodies of a type, or of a body with moved joints or
+/// recoloured parts.
 struct FrameType {
   std::vector<FrameShape> shapes;  ///< the solids of all parts
   bool mobile = false;             ///< true: the bodies are robots and get a mark that shows their heading
-  double radius = 0;               ///< radius of the circle about the body's origin that encloses it, m
-  std::string name;                ///< name of the type, for display
+  /// Radius of a circle about the body's origin that encloses the shapes, m.
+  double radius = 0;
+  std::string name;  ///< name of the type, for display
 };
 
 /// A body to draw.
 struct FrameBody {
-  std::uint32_t type = 0;  ///< index into FrameScene::types; larger indices continue in Frame::types
-  Pose pose_world_body;    ///< pose at this tick; for static bodies, the pose during the whole run
-  Color color;             ///< colour of the shapes that have no colour of their own
-  bool stalled = false;    ///< whether its last motion was blocked or would have ended out of bounds
-  std::uint32_t id = 0;    ///< id of the body (BodyId)
+  /// Index of its shapes. An index i below the size n of FrameScene::types refers to that list; a larger
+  /// index refers to Frame::types[i - n]. Static bodies only refer to FrameScene::types.
+  std::uint32_t type = 0;
+  Pose pose_world_body;  ///< pose at this tick; for static bodies, the pose during the whole run
+  Color color;           ///< colour of the shapes that have no colour of their own
+  bool stalled = false;  ///< whether its last motion was blocked or would have ended out of bounds
+  std::uint32_t id = 0;  ///< number of the body in the world: the value of its BodyId
 };
 
-/// The beams of a ranger that start at one place.
+/// A fan of beams of a ranger that start at one place.
 struct FrameTransducer {
   Pose pose_body;           ///< origin of the beams and heading of their middle; body frame, joints at rest
   double range_max = 0;     ///< length of the beams, m
@@ -45,7 +50,7 @@ struct FrameTransducer {
   std::size_t samples = 1;  ///< number of its readings
 };
 
-/// A ranger of a type, whose readings can be drawn.
+/// A ranger of a body type, whose readings can be drawn.
 struct FrameRanger {
   std::uint32_t type = 0;                    ///< type of the body: index into FrameScene::types
   std::size_t readings = 0;                  ///< number of readings of all transducers
@@ -54,33 +59,40 @@ struct FrameRanger {
 
 /// The data that are constant during a run.
 struct FrameScene {
-  std::vector<FrameType> types;      ///< body types, indexed by TypeId
-  std::vector<FrameBody> fixed;      ///< static bodies
-  Box bounds;                        ///< box that contains all bodies at tick 0, m
+  std::vector<FrameType> types;  ///< body types, indexed by TypeId
+  std::vector<FrameBody> fixed;  ///< static bodies, in order of ids
+  /// Box that contains all static bodies, and the bounding circles of all bodies that are in the world at
+  /// tick 0, m, world frame.
+  Box bounds;
   std::string title;                 ///< title of the world
   std::vector<FrameRanger> rangers;  ///< rangers that FrameScan refers to
   double tile_m = 0;                 ///< edge of the tiles of the spatial index, m; 0: unknown
   double cell_m = 0;                 ///< edge of the cells of those tiles, m; 0: unknown
-  std::optional<Box> limits;         ///< bounds of the world (WorldSpec::bounds), m
+  /// Box that the origins of bodies cannot leave (WorldSpec::bounds), m, world frame. Not set: the world file
+  /// gives none.
+  std::optional<Box> limits;
 };
 
-/// The readings of one ranger of one body.
+/// The readings of one ranger of one body: FrameRanger::readings entries of Frame::ranges, from index `first`
+/// on.
 struct FrameScan {
   std::uint32_t body = 0;    ///< the body: index into Frame::mobile
   std::uint32_t ranger = 0;  ///< the ranger: index into FrameScene::rangers
   std::size_t first = 0;     ///< index of its first reading in Frame::ranges
-  Pose moved;                ///< displacement of the ranger by joints, relative to rest, body frame
+  /// Motion that takes the ranger from its pose with joints at rest to its present pose, body frame, m and
+  /// rad. The identity if the ranger is on no joint.
+  Pose moved;
 };
 
-/// A detection: a line from a sensor to the part that it detected, world frame, m.
+/// A detection of a part of a body: a line from a sensor to the part that it detected, world frame, m.
 struct FrameSight {
   std::uint32_t body = 0;                          ///< the body: index into Frame::mobile
   Eigen::Vector3d from = Eigen::Vector3d::Zero();  ///< position of the sensor
   Eigen::Vector3d to = Eigen::Vector3d::Zero();    ///< origin of the detected part
 };
 
-/// A blob of one colour that a blob finder sees. It is drawn as a triangle between the sensor and the two
-/// edges of the blob, world frame, m.
+/// A blob (a region of one colour in the view of a camera) that a blob finder sees. It is drawn as a triangle
+/// between the sensor and the two edges of the blob, world frame, m.
 struct FrameBlob {
   std::uint32_t body = 0;                           ///< the body: index into Frame::mobile
   Eigen::Vector3d from = Eigen::Vector3d::Zero();   ///< position of the sensor
@@ -93,8 +105,8 @@ struct FrameBlob {
 struct FrameTie {
   /// The relation.
   enum class Kind : std::uint8_t {
-    carries,      ///< from a carrier to a carried body
-    holds,        ///< from a gripper to the body it holds
+    carries,      ///< from the origin of a carrier to that of a body that it carries
+    holds,        ///< from a gripper to the origin of the body that it holds
     beam,         ///< a light beam between the paddles of a gripper, not interrupted
     broken_beam,  ///< a light beam between the paddles of a gripper, interrupted by a body
   };
@@ -103,18 +115,18 @@ struct FrameTie {
   Eigen::Vector3d to = Eigen::Vector3d::Zero();    ///< other end, world frame, m
 };
 
-/// A square of the floor that robots have visited. It is [x, x + 1) times [y, y + 1) in the world frame, in
-/// units of Frame::covered_m.
+/// A square of the floor that the origin of a robot has visited: [x, x + 1) times [y, y + 1) in the world
+/// frame, in units of Frame::covered_m.
 struct FrameSquare {
   std::int32_t x = 0;   ///< lower edge in x, in units of Frame::covered_m
   std::int32_t y = 0;   ///< lower edge in y, in units of Frame::covered_m
-  float freshness = 1;  ///< time of the last visit, from 0 (the viewer's first tick) to 1 (now)
+  float freshness = 1;  ///< time of the last visit, from 0 (first tick of the viewer) to 1 (now)
 };
 
-/// Past positions of a body.
+/// Past positions of a body, for the last seconds before this tick.
 struct FrameTrail {
   std::uint32_t body = 0;  ///< the body: index into Frame::mobile
-  /// Positions from the oldest to the present one, world frame, m.
+  /// Positions of its origin from the oldest to the present one, world frame, m. At least one.
   std::vector<Eigen::Vector3d> points;
 };
 
@@ -123,24 +135,34 @@ struct FrameTrail {
 struct Frame {
   double time_s = 0;              ///< world time, s
   std::uint64_t tick = 0;         ///< number of completed ticks
-  std::vector<FrameBody> mobile;  ///< the bodies that are in the world and not static, in order of ids
-  std::vector<FrameType> types;   ///< one per body whose joints are not at rest: its present shapes
+  std::vector<FrameBody> mobile;  ///< bodies that are in the world and not static, in order of ids
+  /// Shapes of bodies that now look different from their type: one entry for each body whose joints are not
+  /// at rest, and one for all bodies of a type whose parts have the same colours, set by devices
+  /// (DeviceKind::shows_color). FrameBody::type refers to them.
+  std::vector<FrameType> types;
 
   // The following are empty unless the viewer requests them.
-  std::vector<FrameScan> scans;      ///< scans of rangers, in order of bodies
-  std::vector<float> ranges;         ///< ranges of all scans, one after another, m
-  std::vector<FrameSight> sights;    ///< detections of fiducial finders, in order of bodies
-  std::vector<FrameBlob> blobs;      ///< blobs that blob finders see, in order of bodies
-  std::vector<FrameTie> grips;       ///< beams between paddles, and the bodies that grippers hold
-  std::vector<FrameTie> links;       ///< lines from carriers to carried bodies
-  std::vector<FrameTrail> trails;    ///< past positions of bodies
-  std::vector<FrameSquare> covered;  ///< squares that robots have visited
+  /// Readings of rangers, in any order. Rangers that do not run have none.
+  std::vector<FrameScan> scans;
+  std::vector<float> ranges;       ///< ranges of all scans, one after another, m
+  std::vector<FrameSight> sights;  ///< detections of fiducial finders, in order of bodies
+  std::vector<FrameBlob> blobs;    ///< blobs that blob finders see, in order of bodies
+  /// Light beams between the paddles of grippers, and lines to the bodies that grippers hold, in order of
+  /// bodies.
+  std::vector<FrameTie> grips;
+  std::vector<FrameTie> links;     ///< lines from carriers to carried bodies, in order of the carried bodies
+  std::vector<FrameTrail> trails;  ///< past positions, one per body of `mobile`, in the same order
+  std::vector<FrameSquare> covered;  ///< squares that robots have visited, sorted by x and then by y
   double covered_m = 0;              ///< edge of the squares of `covered`, m
   std::vector<std::string> names;    ///< names of bodies, one per body of `mobile`
-  std::vector<double> charges;  ///< one per body of `mobile`: charge of its power pack, 0 to 1; NaN: none
-  /// One per body of `mobile`: value of a field of the state that selects the body's colour; NaN: none.
+  /// One per body of `mobile`: energy of its first power pack as a fraction of the capacity, 0 to 1, and 1 if
+  /// the pack never becomes empty; NaN: the body has no power pack.
+  std::vector<double> charges;
+  /// One per body of `mobile`: value of the field of the state by which the viewer colours the bodies; NaN:
+  /// the body has no such value.
   std::vector<double> values;
-  std::string value_name;  ///< name of `values` with unit: "velocity.x (m/s)"
+  /// Name of the field of `values`, with its unit: "velocity.x (m/s)".
+  std::string value_name;
   /// Speed of the run relative to real time, which the viewer displays; 0: not displayed.
   double times_real_time = 0;
 };
