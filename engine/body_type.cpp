@@ -62,8 +62,9 @@ void add_geometry(const TypeSpec& spec, BodyType& type, Diagnostics& diagnostics
   type.pushable = std::ranges::any_of(spec.parts, [](const PartSpec& part) { return part.returns.pushable; });
   const bool can_be_gripped =
       std::ranges::any_of(spec.parts, [](const PartSpec& part) { return part.returns.gripper; });
-  if (is_mobile(spec) || !spec.devices.empty() || can_be_gripped ||
-      type.pushable) {  // all other types belong to the static scene
+  // All other types belong to the static scene: BodyType::runs().
+  if (is_mobile(spec) || !spec.devices.empty() || !spec.controllers.empty() || can_be_gripped ||
+      type.pushable) {
     try {
       type.obstacle = obstacle_shape(spec);
       type.grip = shape_of(spec, [](const PartSpec& part) { return part.returns.gripper; });

@@ -100,7 +100,7 @@ ControllerCheck::ControllerCheck(World& world, const Registry& registry) : world
   }
   diagnostics.throw_if_errors();
   for (const InterventionSpec& at : world.spec().experiment.at)
-    if (at.setting) settings_.push_back({ticks_until(at.time_s, world.tick_s()), &*at.setting});
+    if (at.setting) settings_.push_back({ticks_until(at.time_s, world.tick_s()), *at.setting});
   std::ranges::stable_sort(settings_, {}, &Setting::tick);
   follow_settings(world.tick() + 1);
   for (const BodyType& type : world.types()) {
@@ -159,7 +159,7 @@ void ControllerCheck::follow_settings(std::uint64_t tick) {
         make_afresh(spec, type_specs_[t], fresh_types_[t], c);
   }
   for (; followed_ < in_force; ++followed_) {
-    const SettingSpec& setting = *settings_[followed_].setting;
+    const SettingSpec& setting = settings_[followed_].setting;
     TypeSpec& type = type_specs_[setting.type.index()];
     Record& params = setting.of == SettingSpec::Of::drive    ? type.drive->params
                      : setting.of == SettingSpec::Of::device ? type.devices[setting.index].params

@@ -140,8 +140,8 @@ class ControllerCheck {
   std::vector<BodyType> fresh_types_;
   /// A change of parameters by an intervention of the world.
   struct Setting {
-    std::uint64_t tick = 0;                ///< last tick with the old parameters
-    const SettingSpec* setting = nullptr;  ///< the change, in the world's spec
+    std::uint64_t tick = 0;  ///< last tick with the old parameters
+    SettingSpec setting;     ///< the change
   };
   std::vector<Setting> settings_;  // sorted by tick
   std::size_t followed_ = 0;       // number of settings that fresh_types_ and type_specs_ include

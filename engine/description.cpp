@@ -33,9 +33,12 @@ void say(Field& field, const Fact& fact) {
     case Fact::Kind::unit: field.unit = fact.unit; break;
     case Fact::Kind::above:
     case Fact::Kind::at_least:
-      field.above_min = fact.kind == Fact::Kind::above;
+      if (fact.number > field.min) field.above_min = false;
       field.min = std::max(field.min, fact.number);
-      if (!field.above_min) field.max = std::min(field.max, fact.high);
+      if (fact.kind == Fact::Kind::above && fact.number == field.min)
+        field.above_min = true;
+      else if (fact.kind == Fact::Kind::at_least)
+        field.max = std::min(field.max, fact.high);
       break;
     case Fact::Kind::at_most: field.max = std::min(field.max, fact.number); break;
     case Fact::Kind::choices: field.choices.assign(fact.choices.begin(), fact.choices.end()); break;

@@ -1,6 +1,7 @@
 #include "troupe/recorded_run.hpp"
 
 #include "base/diagnostics.hpp"
+#include "engine/energy.hpp"
 #include "engine/mount.hpp"
 #include "engine/shown_color.hpp"
 #include "troupe/value_names.hpp"
@@ -494,8 +495,12 @@ Frame RecordedRun::frame(const FrameWishes& wishes) const {
     if (wishes.charges) {
       const std::vector<double> stored = impl_->values(shown, "sensors", "stored", 0);
       const std::vector<double> capacity = impl_->values(shown, "sensors", "capacity", 0);
-      for (std::size_t i = 0; i < stored.size(); ++i)
-        shown.charges.push_back(capacity[i] > 0 ? stored[i] / capacity[i] : k_nan);
+      const std::vector<double> infinite = impl_->values(shown, "sensors", "infinite", 0);
+      for (std::size_t i = 0; i < stored.size(); ++i) {
+        const engine::Energy pack{
+            .stored_j = stored[i], .capacity_j = capacity[i], .infinite = infinite[i] == 1};
+        shown.charges.push_back(std::isnan(stored[i]) ? k_nan : pack.proportion_remaining());
+      }
     }
     if (wishes.names)
       for (const engine::FrameBody& body : shown.mobile)

@@ -125,6 +125,28 @@ TEST_F(Render, WhatWasRecordedOfTheStateIsDrawn) {
   }
 }
 
+TEST_F(Render, ChargesThatWereRecordedAreThoseOfTheRun) {
+  if (!worldio::has_hdf5()) GTEST_SKIP() << "built without HDF5";
+  write("packs.json", R"({"troupe": 1, "types": {
+    "full": {"size_m": [0.4, 0.4, 0.2], "drive": {"kind": "diff"},
+             "devices": [{"name": "pack", "kind": "power_pack", "capacity_J": 100, "stored_J": 40}]},
+    "endless": {"size_m": [0.4, 0.4, 0.2], "drive": {"kind": "diff"},
+                "devices": [{"name": "pack", "kind": "power_pack", "infinite": true}]},
+    "plain": {"size_m": [0.4, 0.4, 0.2], "drive": {"kind": "diff"}}},
+    "models": [{"name": "f", "type": "full"}, {"name": "e", "type": "endless", "pose": {"x_m": 1}},
+               {"name": "p", "type": "plain", "pose": {"x_m": 2}}]})");
+  ASSERT_EQ(troupe({"run", "packs.json", "--for", "1", "--quiet", "--record", "packs.h5", "--record-fields",
+                    "pose,power_pack"})
+                .code,
+            0);
+  ASSERT_EQ(draw({"packs.json", "--at", "1", "--layers=energy"}).code, 0);
+  const std::string of_world = pixels("p.png");
+  ASSERT_EQ(draw({"packs.h5", "--layers=energy"}).code, 0);
+  EXPECT_EQ(pixels("p.png"), of_world);
+  ASSERT_EQ(draw({"packs.h5"}).code, 0);
+  EXPECT_NE(pixels("p.png"), of_world);
+}
+
 TEST_F(Render, ColoursThatAreShownAreThoseOfTheRun) {
   if (!worldio::has_hdf5()) GTEST_SKIP() << "built without HDF5";
   const std::string world = std::string(TROUPE_SOURCE_DIR) + "/worlds/gradient.json";  // hops by LEDs

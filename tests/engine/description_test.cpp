@@ -28,6 +28,19 @@ struct Inner {
   friend bool operator==(const Inner&, const Inner&) = default;
 };
 
+struct Limited {
+  double above_then_at_least = 1;
+  double at_least_then_above = 1;
+  double above_below_at_least = 3;
+
+  static constexpr void describe(Description<Limited>& d) {
+    using namespace facts;
+    d.member<&Limited::above_then_at_least>("above_then_at_least", above(0), within(-1, 9));
+    d.member<&Limited::at_least_then_above>("at_least_then_above", at_least(0), above(0));
+    d.member<&Limited::above_below_at_least>("above_below_at_least", above(0), at_least(2));
+  }
+};
+
 /// A member of each type that there may be.
 struct All {
   bool flag = true;
@@ -126,6 +139,16 @@ TEST(Description, LimitsAreNoWiderThanTheMember) {
   EXPECT_EQ(field(table, "byte").max, 255);
   EXPECT_EQ(field(table, "single").max, std::numeric_limits<float>::max());
   EXPECT_EQ(field(table, "angle").max, 1);
+}
+
+TEST(Description, ALimitThatIsExcludedStaysExcluded) {
+  const FieldTable& table = described<Limited>();
+  EXPECT_EQ(field(table, "above_then_at_least").min, 0);
+  EXPECT_TRUE(field(table, "above_then_at_least").above_min);
+  EXPECT_EQ(field(table, "above_then_at_least").max, 9);
+  EXPECT_TRUE(field(table, "at_least_then_above").above_min);
+  EXPECT_EQ(field(table, "above_below_at_least").min, 2);
+  EXPECT_FALSE(field(table, "above_below_at_least").above_min);
 }
 
 TEST(Description, WhatHasNoDefaultIsRequiredOrOptional) {

@@ -153,6 +153,28 @@ TEST(World, AnExceptionOfAControllerComesOutOfTheStep) {
   }
 }
 
+struct Idler {
+  static constexpr bool needs_drive = false;
+  std::vector<std::size_t> choose(std::span<const DeviceInfo>, std::vector<bool>&) { return {}; }
+  void operator()(const Percept&, Random&, Actions&) const {}
+};
+
+TEST(World, ABodyThatHasOnlyAControllerIsAnObstacle) {
+  Registry registry = test::registry();
+  registry.controllers.push_back(make_controller_kind<Idler>("idler", ""));
+  SceneBuilder scene;
+  const TypeId post = scene.type("post", {box(0.4, 0.4)});
+  scene[post].controllers = {{.kind = "idler", .params = {}, .where = {}}};
+  scene.body("post", post, {1, 0, 0, 0});
+  const BodyId robot = scene.body("r", scene.robot("robot", {box(0.4, 0.4)}));
+  Diagnostics diagnostics;
+  World world(scene.spec, registry, {.threads = 1}, diagnostics);
+  world.set_command(world.row(robot), {0.5, 0, 0});
+  for (int tick = 0; tick < 40; ++tick) world.step();
+  EXPECT_LT(world.pose(robot).x, 0.61);
+  EXPECT_GT(world.pose(robot).x, 0.5);
+}
+
 TEST(World, ARobotAtTheSpeedOfLightDelaysNoOther) {
   SceneBuilder scene;
   const TypeId type = scene.robot("robot", {box(0.4, 0.4)});
