@@ -6,8 +6,8 @@
 
 namespace troupe {
 
-/// A point or a displacement in the plane, in metres unless stated otherwise. In the frame of a body x points
-/// forward and y to the left; in the world frame x points east and y north.
+/// A point or a displacement in the plane, in metres unless stated otherwise. In the frame of a body, x
+/// points forward and y to the left. In the world frame, x points east and y north.
 using Vec2 = Eigen::Vector2d;
 
 /// Position and heading in 2.5 dimensions: z is a height, and rotation is about z only. Metres and radians;

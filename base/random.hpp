@@ -13,8 +13,8 @@ std::array<std::uint32_t, 4> philox4x32(std::array<std::uint32_t, 4> counter,
                                         std::array<std::uint32_t, 2> key);
 
 /// Returns the number of a random stream: a hash of the name of a kind (such as the sensor kind `ranger`) and
-/// the name of its instance (such as `laser`). Every instance has its own stream, so adding a noisy sensor
-/// does not change the random numbers of any other sensor.
+/// the name of one of its instances (such as `laser`). Every instance has a stream of its own, so adding a
+/// noisy sensor does not change the random numbers of any other sensor.
 std::uint32_t stream_id(std::string_view kind, std::string_view instance);
 
 /// A sequence of random numbers for one entity (usually a body, by its id), in one stream, at one tick. A
@@ -29,7 +29,8 @@ class Random {
   std::uint32_t bits();
   /// Returns a uniformly distributed number in [0, 1) with 53 random bits; uses two draws.
   double uniform();
-  /// Returns a uniformly distributed number in [low, high); uses two draws.
+  /// Returns a uniformly distributed number in [low, high); uses two draws. If `high` is not above `low`,
+  /// returns `low`.
   double uniform(double low, double high);
   /// Returns a uniformly distributed integer from 0 to n - 1, without bias; n must be positive. Uses one
   /// draw, rarely more.
@@ -39,7 +40,8 @@ class Random {
   double normal();
   /// Returns an exponentially distributed number with mean 1; uses two draws.
   double exponential();
-  /// Permutes the items; all permutations are equally likely (Fisher-Yates).
+  /// Permutes the items; all permutations are equally likely (Fisher-Yates). Uses about one draw per item.
+  /// Sequence: a type with size() and operator[], with fewer than 2^32 items.
   template <class Sequence>
   void shuffle(Sequence& items) {
     for (std::uint32_t n = static_cast<std::uint32_t>(items.size()); n > 1; --n) {

@@ -13,7 +13,7 @@ struct Error {
   std::string text;  ///< for example "needs a radio"
 };
 
-/// A value, or an error that says why there is none:
+/// A value, or an error that says why there is no value:
 ///
 ///     Result<Image> read_image(...);
 ///     if (const Result<Image> image = read_image(...))
