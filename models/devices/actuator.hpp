@@ -6,7 +6,8 @@
 
 namespace troupe::models {
 
-/// The command of an actuator. It holds until the controller replaces it.
+/// The command of an actuator: the command holds until the controller replaces it. Without a command, the
+/// joint stands still.
 struct ActuatorCommand {
   /// Meaning of `goal`.
   enum Mode : std::uint8_t {

@@ -8,11 +8,11 @@ namespace troupe::models {
 
 /// The command of a gripper. It holds until the controller replaces it. A motion that an order has started
 /// continues to its end, unless the opposite order (`open` and `close`, `up` and `down`) reverses it. So the
-/// paddles and the lift can move at the same time, if one order follows the other.
+/// paddles and the lift can move at the same time, if an order for one follows an order for the other.
 struct GripperCommand {
   /// The motion to start.
   enum Order : std::uint8_t {
-    nothing,  ///< start no motion
+    nothing,  ///< starts no motion
     open,     ///< open the paddles, and release what they hold
     close,    ///< close the paddles, and grip what they touch
     up,       ///< lift the paddles, with what they hold
@@ -80,7 +80,7 @@ struct GripperState {
   }
 };
 
-/// A base with two paddles, which close on bodies that can be gripped and lift them.
+/// A base with two paddles, which close on bodies with gripper_return, hold one of them and lift it.
 ///
 /// parameters  size (x, y, z, m), paddle_size (x, y, z, relative to size), paddles (open or closed) and lift
 ///             (down or up) at the start, autosnatch (the gripper ignores commands: it closes while a body
@@ -92,10 +92,11 @@ struct GripperState {
 ///             and they are raised by u (1 - p.z) s.z.
 /// motion      The paddles and the lift each take 2 s from one end to the other. If a paddle would overlap
 ///             a body or a wall, paddles and lift do not move in this tick, and the gripper is stalled.
-/// beams       Two light beams run between the inner faces of the paddles, 0.495 s.x (inner) and 0.165 s.x
-///             (outer) behind the tips. Each paddle also has a contact sensor, which detects bodies in the
-///             area that its inner face would sweep in one tick of closing. The beams and the contact sensors
-///             detect bodies with gripper_return, and the body that the gripper holds.
+/// beams       Two light beams run between the inner faces of the paddles, at the height of their lower
+///             edges, 0.495 s.x (inner) and 0.165 s.x (outer) behind the tips. Each paddle also has a contact
+///             sensor, which detects bodies in the area that its inner face would sweep in one tick of
+///             closing. The beams and the contact sensors detect bodies with gripper_return, and the body
+///             that the gripper holds.
 /// gripping    When closing paddles touch a body with gripper_return, they stop and hold the body in its
 ///             present pose: from then on, the body moves with the paddles. If they touch several bodies,
 ///             they hold the body with the lowest id of those that touch the left paddle. If no body touches

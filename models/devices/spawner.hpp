@@ -8,7 +8,8 @@
 
 namespace troupe::models {
 
-/// The command of a spawner. Each time a controller increases `request` by 1, one more birth becomes due.
+/// The command of a spawner. For each 1 by which a controller increases `request`, one more birth becomes
+/// due.
 struct SpawnerCommand {
   std::uint32_t request = 0;  ///< number of births requested so far
 
