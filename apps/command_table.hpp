@@ -13,8 +13,8 @@ namespace troupe::apps {
 /// and the completion scripts of shells are made from it.
 struct CommandOption {
   std::vector<std::string> names;  ///< as typed: "--for"; for a positional argument only its name: "WORLD"
-  std::string value;  ///< placeholder of its value: "S", "FILE.h5", "exact|grid"; empty: no value
-  std::string help;   ///< description in --help
+  std::string value;               ///< placeholder of its value: "S", "FILE.h5", "exact|grid"; empty: none
+  std::string help;                ///< description in --help
   bool positional = false;
 };
 

@@ -14,7 +14,7 @@ namespace troupe::apps {
 class Pacer : public Observer {
  public:
   /// rate: largest speed, in multiples of real time, above 0. is_over: a function that returns true if the
-  /// run was asked to stop; waiting then ends early.
+  /// run must stop. It is called about every 50 ms during a wait, and ends the wait when it returns true.
   Pacer(double rate, std::function<bool()> is_over);
 
   void observe(const Simulation& simulation) override;

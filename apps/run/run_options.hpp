@@ -26,7 +26,7 @@ struct RunOptions : WorldOptions {
   RecordingOptions recording;          ///< interval and fields of the recording
   std::filesystem::path session;       ///< session file to repeat; empty: none
   bool view = false;                   ///< --view: show the run in browsers (docs/live.md)
-  bool force = false;                  ///< replace existing outputs
+  bool force = false;                  ///< replace an existing checkpoint or recording
   bool clock = false;                  ///< print the time even if the world file does not request it
   double rate = 0;                     ///< limit of the speed, in multiples of real time; 0: no limit
   bool world_rate = false;             ///< limit the speed to the rate in the world file, and ignore `rate`
