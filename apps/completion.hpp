@@ -28,7 +28,7 @@ std::string completion(std::string_view shell, const std::vector<Command>& comma
 
 /// Adds the options of `completion`; parsing fills `shell`, which must outlive `command`.
 void add_completion_options(CLI::App& command, std::string& shell);
-/// `troupe completion`: prints the script for a shell.
+/// `troupe completion`: prints the script for a shell, one of k_shells, on standard output.
 ExitCode print_completion(const std::string& shell);
 
 }  // namespace troupe::apps

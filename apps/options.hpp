@@ -68,7 +68,7 @@ struct WorldOptions {
   bool is_checkpoint = false;   ///< `world` is a checkpoint
   SimulationOptions simulation;
   std::optional<double> for_s;  ///< --for: end in world time, s
-  bool gives_ranks = false;     ///< whether --ranks is given, which a launcher such as mpirun excludes
+  bool gives_ranks = false;     ///< whether --ranks is given, which is an error under mpirun
   double rank_limit_s = 600;    ///< --rank-limit: longest wait for another rank, wall time, s
 };
 /// Adds the positional argument WORLD and the options of add_run_settings(). Parsing fills `options`, which

@@ -17,7 +17,7 @@ namespace troupe {
 /// this number instead of the name.
 class SourceFiles {
  public:
-  /// Returns the number of a file. Adds it on first use; the same name always gives the same number.
+  /// Returns the number of a file. Adds the file on first use; the same name always gives the same number.
   std::uint32_t add(std::string_view name);
   /// The name of a file; `file` must be a number that add() returned.
   const std::string& name(std::uint32_t file) const { return names_[file]; }
@@ -101,7 +101,7 @@ class Diagnostics {
   void inherits(const Inheritable& heir, const Inheritable& base);
 
   bool has_errors() const { return errors_ > 0; }  ///< whether throw_if_errors() would throw
-  /// All findings in the order they were added; valid until the next one is added.
+  /// All findings in the order in which they were added; valid until the next finding is added.
   std::span<const Finding> findings() const { return findings_; }
   /// A finding as `file:line: severity: message`. If the line is 0, it is omitted. If the finding has no
   /// file, file and line are omitted.

@@ -33,7 +33,7 @@ class HashStream {
   ~HashStream();
   HashStream(const HashStream&) = delete;
   HashStream& operator=(const HashStream&) = delete;
-  /// Appends bytes. The hash does not depend on how they are cut into pieces.
+  /// Appends bytes. The hash does not depend on how the bytes are divided among calls.
   void add(std::span<const std::byte> bytes);
   std::uint64_t hash() const;  ///< the hash of all bytes added so far; more may follow
 

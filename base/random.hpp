@@ -72,9 +72,11 @@ inline std::uint64_t mix_in(std::uint64_t mixture, std::uint64_t value) {
   return scramble(mixture + value + k_step);
 }
 
-/// A 64-bit hash of a seed and a tick, for priorities of robots: every bit depends on every input bit.
+/// A 64-bit hash of a seed and a tick. Every bit of the result depends on every bit of the seed and the tick.
 inline std::uint64_t mix(std::uint64_t seed, std::uint64_t tick) { return mix_in(mix_in(0, seed), tick); }
-/// A 64-bit hash of a seed, a tick and an id, for priorities of robots: every bit depends on every input bit.
+/// A 64-bit hash of a seed, a tick and an id. Every bit of the result depends on every bit of the three
+/// numbers. Conflicts between motions are resolved in the order of these hashes of the bodies, which is
+/// another order in each tick.
 inline std::uint64_t mix(std::uint64_t seed, std::uint64_t tick, std::uint64_t id) {
   return mix_in(mix(seed, tick), id);
 }

@@ -17,10 +17,10 @@ namespace troupe::partition {
 ///
 /// Positions relative to the fan's reference point are computed in double and rounded once to float, so that
 /// two edges with a common vertex use the same value. For a beam with direction d and origin o, and a vertex
-/// v, the sign of c = (v - o) x d tells on which side of the beam v is. The beam hits edge (a, b) if c_a and
-/// c_b are on different sides. Zero counts as both sides, so that no beam passes between two edges at their
-/// vertex. The inverse range is (d x e) / A, with the edge vector e = b - a and A = (a - o) x (b - o); it is
-/// negative if the edge is behind the origin.
+/// v, the sign of c = (v - o) x d tells on which side of the beam v is; x denotes the cross product in the
+/// plane. The beam hits edge (a, b) if c_a and c_b are on different sides. Zero counts as both sides, so that
+/// no beam passes between two edges at their vertex. The inverse range is (d x e) / A, with the edge vector e
+/// = b - a and A = (a - o) x (b - o); it is negative if the edge is behind the origin.
 ///
 /// e and a x b are computed in double and then rounded to float. In exact arithmetic, c_a - c_b would also
 /// give d x e, and the rounded ends would also give a x b. In floats, both would lose all digits for an edge
@@ -93,15 +93,17 @@ constexpr double k_range_slack = 1.0 / 4096;
 /// rounding to float of distances near 0.
 constexpr float k_cull_slack = 1e-6f;
 
-/// An edge is hit at a grazing angle if |d x e| is less than this number times |ex| + |ey|.
+/// An edge is hit at a grazing angle if |d x e| is less than this number times |ex| + |ey|, with d and e as
+/// in the comment at the top of this file.
 constexpr float k_grazing = 1.0f / 256;
 /// An edge looks tiny if |A| is at most this number times m^2, with A and m as in the comment at the top of
 /// this file. The sign of A, which tells on which side of the edge's line the origin is, could then be wrong
 /// because of rounding.
 constexpr float k_tiny = 1.0f / (1 << 20);
 
-/// Converts the edge from a to b (world frame, metres) to coordinates relative to the reference point. Its
-/// area is set to exactly 0 if it is below the rounding error of its two products.
+/// Converts the edge from a to b (world frame, metres) to coordinates relative to the reference point.
+/// RayEdge::area is set to exactly 0 if its magnitude is below the rounding error of the two products of
+/// which it is the difference.
 inline RayEdge relative_edge(const Vec2& a, const Vec2& b, const Vec2& reference, float ranger_return) {
   constexpr double k_noise = 0x1p-50;
   const Vec2 from = a - reference;

@@ -39,7 +39,7 @@ struct MovingOutline {
   std::uint32_t body = 0;   ///< index into `poses` of redraw(); rays of this body ignore the outline
   std::uint32_t first = 0;  ///< the outline is vertices [first, first + count) of RayGrid::redraw()
   std::uint32_t count = 0;  ///< number of vertices, at least one
-  ZInterval z;              ///< heights, body frame
+  ZInterval z;              ///< heights, body frame, m
   float ranger_return = 1;  ///< intensity that a ray reads; negative: the outline is not drawn
 };
 
@@ -58,7 +58,7 @@ struct GridHit {
   float ranger_return = 0;  ///< largest intensity of the surfaces hit in the cell; 0 if none
 };
 
-/// The cells of one world, drawn and walked as described above.
+/// The cells of one world. The comment at the top of this file says how outlines are drawn and how rays move.
 class RayGrid {
  public:
   /// Draws the static scene. The mobile bodies are drawn only by redraw(). outlines: those of the mobile

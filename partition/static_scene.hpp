@@ -59,8 +59,8 @@ class EdgeGrid {
 class StaticScene {
  public:
   StaticScene() = default;
-  /// solids: in the world frame. cell_m: edge length of the grid cells of the spatial indices, metres; it
-  /// affects only the speed
+  /// solids: in the world frame. cell_m: edge length of the grid cells of the spatial indices, metres, above
+  /// 0; it affects only the speed
   StaticScene(std::vector<FixedSolid> solids, double cell_m);
 
   std::span<const FixedSolid> solids() const { return solids_; }  ///< all solids, in the order given
@@ -94,7 +94,8 @@ class StaticScene {
   /// - A solid with a deeper overlap does not block the motion, so that a body can leave the solid.
   bool blocks(std::size_t solid, const PlacedShape& before, const PlacedShape& there) const;
   /// True if the shape, at this pose, shares area with an obstacle at a common height: an edge of the
-  /// obstacle enters the shape, or a whole piece of the shape is inside the obstacle.
+  /// obstacle enters the shape, or a whole piece of the shape is inside the obstacle. False for a shape
+  /// without pieces.
   bool blocked(const ObstacleShape& shape, const Pose& pose_world_body) const;
   /// The bodies whose obstacle solids overlap the shape at this pose, in ascending order of their ids, each
   /// once.

@@ -97,7 +97,7 @@ struct SolidLayer {
   SolidMesh mesh;
   std::vector<SolidInstance> instances;
   Depth depth = Depth::solid;
-  /// If true, the shadow of the mesh on the floor is drawn instead of the mesh, in the colour
+  /// If true, the layer shows the shadow of the mesh on the floor (z = 0) instead of the mesh, in the colour
   /// SolidInstance::edge.
   bool shadow = false;
 };
@@ -118,7 +118,7 @@ struct PointLayer {
   std::vector<Point> points;
   float size = 1;       ///< edge length of the squares, pixels
   bool on_map = false;  ///< true: flat in the picture, like a Layer; false: in the world, like a SolidLayer
-  bool on_top = false;  ///< only with on_map: whether it covers all earlier layers, whatever their heights
+  bool on_top = false;  ///< only with on_map: as Layer::on_top
 };
 
 using AnyLayer = std::variant<Layer, SolidLayer, PointLayer>;

@@ -86,7 +86,7 @@ struct View {
 /// drawn as vector graphics.
 bool is_from_above(const Camera& camera);
 
-/// Metadata of a file as pairs of a key, such as `world` or `time_s`, and a value.
+/// Metadata of a file: pairs of a key, such as `world` or `time_s`, and its value.
 using FileTexts = std::vector<std::pair<std::string, std::string>>;
 /// The file formats of vector graphics.
 enum class VectorFormat : std::uint8_t { svg, pdf };

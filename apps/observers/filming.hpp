@@ -20,7 +20,7 @@
 
 namespace troupe::apps {
 
-/// Measures the mean speed of a run, in multiples of real time, since its construction.
+/// Measures the mean speed of a run, in multiples of real time, since the construction of this object.
 class RunSpeed {
  public:
   /// begin_s: the simulated time that the run has reached now, s.

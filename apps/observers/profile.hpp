@@ -30,7 +30,7 @@ struct ProfileLimits {
   /// Largest number of tasks in the file, about 100 bytes each. A tick with more tasks than may still be
   /// written is written without its tasks.
   std::size_t most_tasks = 1'000'000;
-  /// Largest number of ticks in the file, about 1 kB each.
+  /// Largest number of ticks in the file, about 1 kB each. Later ticks are omitted.
   std::size_t most_ticks = 20'000;
 };
 
@@ -59,7 +59,8 @@ class Profile : public Observer, public TickWatcher {
   void task(std::size_t index, bool begins) override;
   TickWatcher* tick_watcher() override { return this; }
 
-  /// Writes the tick that has just ended, if any.
+  /// Writes the tick that has just ended, if the profile is to contain this tick. Does nothing before the
+  /// first tick.
   void observe(const Simulation& simulation) override;
 
   /// Returns a line that states which ticks and tasks were omitted because of the limits; empty: none.

@@ -50,8 +50,8 @@ class RankDeal {
   /// On rank 0: sends a message to all other ranks, whose shared() returns this message. Call it at most
   /// once.
   void share(partition::Message message);
-  /// On the other ranks: waits for the message that rank 0 passes to share(), and returns it. Returns
-  /// std::nullopt if rank 0 has ended without share().
+  /// On the other ranks: waits for the message that rank 0 passes to share(), and returns this message.
+  /// Returns std::nullopt if rank 0 has ended without share(). Must not be called on rank 0.
   std::optional<partition::Message> shared();
   bool has_shared() const { return has_shared_; }  ///< whether share() was called or shared() got a message
   /// Sends `own` to rank 0. On rank 0, waits for the messages of all ranks and returns them, indexed by rank;
@@ -65,9 +65,9 @@ class RankDeal {
   bool has_shared_ = false;
 };
 
-/// Calls run() on every process that a launcher has started. Returns the result of rank 0. Errors are handled
-/// as in on_ranks(). threads: RankDeal::threads(), or 0 for the default of the process. limit_s: the longest
-/// time that a rank waits for another, s
+/// Calls run() on every process that a launcher has started, and returns the result of this process. Errors
+/// are handled as in on_ranks(). threads: RankDeal::threads(), or 0 for the default of the process. limit_s:
+/// the longest time that a rank waits for another, s
 ExitCode on_each_rank(unsigned threads, double limit_s, const std::function<ExitCode(RankDeal& deal)>& run);
 
 /// For commands that run in one process only: returns true if a launcher started several processes, so that

@@ -30,7 +30,7 @@ struct BrushCommand {
 
 /// State of a brush.
 struct BrushState {
-  std::uint64_t painted = 0;  ///< number of ticks in which it changed the colour of a zone
+  std::uint64_t painted = 0;  ///< number of ticks in which the brush changed the colour of a zone
 
   static constexpr void describe(engine::Description<BrushState>& d) {
     d.member<&BrushState::painted>("painted", "number of ticks in which it changed the colour of a zone");

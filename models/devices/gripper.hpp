@@ -43,17 +43,17 @@ struct GripperState {
   };
   std::uint8_t paddles = is_open;  ///< state of the paddles, one of Paddles
   std::uint8_t lift = is_down;     ///< state of the lift, one of Lift
-  std::uint8_t stalled = 0;        ///< 1: its motion in this tick was blocked
-  std::uint8_t taken = 0;          ///< 1: it could not grip a body, because another gripper holds that body
+  std::uint8_t stalled = 0;        ///< 1: the motion of the gripper in this tick was blocked
+  std::uint8_t taken = 0;          ///< 1: a body could not be gripped, because another gripper holds it
   std::uint8_t beam_inner = 0;     ///< 1: a body with gripper_return breaks the beam near the base
   std::uint8_t beam_outer = 0;     ///< 1: a body with gripper_return breaks the beam near the tips
   std::uint8_t contact_left = 0;   ///< 1: a body with gripper_return touches the left paddle's inner face
   std::uint8_t contact_right = 0;  ///< 1: a body with gripper_return touches the right paddle's inner face
-  std::uint32_t held = 0;          ///< id + 1 of the body that it holds; 0: none
+  std::uint32_t held = 0;          ///< id + 1 of the body that the gripper holds; 0: none
   double paddle_position = 0;      ///< from 0 (open) to 1 (closed)
   double lift_position = 0;        ///< from 0 (down) to 1 (up)
-  double asked_paddle = 0;         ///< paddle position, 0 to 1, at the end of this tick unless blocked
-  double asked_lift = 0;           ///< lift position, 0 to 1, at the end of this tick unless blocked
+  double asked_paddle = 0;         ///< paddle position at the end of this tick if nothing blocks the motion
+  double asked_lift = 0;           ///< lift position at the end of this tick if nothing blocks the motion
 
   static constexpr void describe(engine::Description<GripperState>& d) {
     d.member<&GripperState::paddles>("paddles",

@@ -11,8 +11,8 @@ namespace troupe::models {
 /// State of a power pack: its energy, and the energy that it has exchanged since tick 0, all in J.
 struct PowerPackState {
   double stored = 0;          ///< energy that the pack holds
-  double capacity = 0;        ///< greatest energy that it can hold
-  double dissipated = 0;      ///< energy drawn since tick 0 by everything that it supplies
+  double capacity = 0;        ///< greatest energy that the pack can hold
+  double dissipated = 0;      ///< energy drawn since tick 0 by everything that the pack supplies
   double received = 0;        ///< energy received since tick 0 through power contacts
   double given = 0;           ///< energy given since tick 0 through power contacts
   std::uint8_t infinite = 0;  ///< 1: the pack never runs out; `stored` and `capacity` stay 0
@@ -62,8 +62,8 @@ engine::DeviceKind power_pack_kind();
 
 /// State of a power contact.
 struct PowerContactState {
-  /// For a giving contact: number of taking contacts that it touched at the end of the last tick, at most
-  /// k_most_takers. For other contacts: 0.
+  /// For a giving contact: number of taking contacts that it touched at the end of the last tick, counted up
+  /// to k_most_takers. For other contacts: 0.
   std::uint8_t touched = 0;
 
   static constexpr void describe(engine::Description<PowerContactState>& d) {

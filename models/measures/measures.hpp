@@ -11,7 +11,7 @@ engine::MeasureKind stalls_measure();
 engine::MeasureKind held_measure();          ///< `held`: number of robots stopped at the world's bounds
 engine::MeasureKind alive_measure();         ///< `alive`: number of robots that are in the world
 engine::MeasureKind deaths_measure();        ///< `deaths`: number of bodies of a type that have died
-engine::MeasureKind displacement_measure();  ///< `displacement`, m: mean distance from where robots started
+engine::MeasureKind displacement_measure();  ///< `displacement`, m: mean distance of robots from their start
 engine::MeasureKind path_length_measure();   ///< `path_length`, m: mean length of the robots' paths
 engine::MeasureKind mean_speed_measure();    ///< `mean_speed`, m/s: mean speed of the robots in the last tick
 /// `order`: agreement of the robots' headings, the length of the mean of their unit vectors, from 0 to 1 (all
