@@ -203,9 +203,9 @@ void turn(const Rotation& rotation, const double* x, const double* y, std::size_
 /// Projects the edges on all beams of a fan: raises inverse[i] to the largest inverse range (1/m) at which
 /// beam i hits one of the edges, if that is larger than inverse[i]. reference: the point, m, world frame, to
 /// which the origins of the beams are relative.
-/// inverse  fan.padded() entries
-/// returns  fan.padded() entries, or null if they are not needed: set to the ranger_return of the edge that
-///          beam i hits; of two edges at one range, to the larger ranger_return
+/// inverse  array of fan.padded() entries
+/// returns  null if it is not needed, else an array of fan.padded() entries: whenever inverse[i] is raised,
+///          returns[i] is set to the ranger_return of the edge; of two edges at one range, to the larger one
 void project(const EdgeBlock& edges, const Vec2& reference, const Fan& fan, float* inverse, float* returns);
 
 /// Writes to limits[i] the distance up to which beam i can still hit an edge, metres: the smaller of its

@@ -41,7 +41,8 @@ class Snapshots : public Observer {
   /// that do not fit the world, and for times outside the run.
   Snapshots(const PictureFiles& files, const Simulation& simulation, std::uint64_t end_tick);
 
-  /// Throws the errors that drawing would throw, so that they are reported before the run.
+  /// Writes a small picture next to the first file and removes it. Throws the errors of Pictures::write(), so
+  /// that they are reported before the run.
   void rehearse() { pictures_.rehearse(first_); }
   void observe(const Simulation& simulation) override;
   void finish(const Simulation& simulation) override;
@@ -63,7 +64,8 @@ class Filming : public Observer {
  public:
   /// Throws InputError for options that do not fit the world.
   Filming(const PictureFiles& files, const PictureSource& source);
-  /// Throws the errors that drawing would throw, so that they are reported before the run.
+  /// Writes a small picture next to the film and removes it. Throws the errors of Pictures::write(), so
+  /// that they are reported before the run.
   void rehearse() { pictures_.rehearse(film_); }
   /// Starts ffmpeg, unless the film is written as one picture per frame. Call it once, before observe().
   /// Throws OutputError if ffmpeg is not found or the file cannot be written.

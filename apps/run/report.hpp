@@ -10,7 +10,8 @@
 
 namespace troupe::apps {
 
-/// Results of a run, from which summary_text() and, for --json, summary_json() make the summary at its end.
+/// Results of a run. At the end of the run, summary_text() or, with --json, summary_json() makes the summary
+/// of them.
 struct Report {
   std::string world;             ///< name of the world file
   std::string title;             ///< title of the world

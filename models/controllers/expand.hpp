@@ -18,8 +18,8 @@ namespace troupe::models {
 ///         the sum, so that robots gather: this is the clustering variant in the paper
 engine::ControllerKind expand_controller();
 
-/// Presets of `expand` with exactly the parameters of two examples of Stage: its cave benchmark (16 sonars)
-/// and its hospital benchmark (a ring of 12 infrared rangers).
+/// Presets of `expand` with exactly the parameters of two examples of Stage: `expand_pioneer` for its cave
+/// benchmark (16 sonars), `expand_swarm` for its hospital benchmark (a ring of 12 infrared rangers).
 ///@{
 engine::Registry::Preset expand_pioneer_preset();
 engine::Registry::Preset expand_swarm_preset();

@@ -32,7 +32,7 @@ class FiducialReadings {
   std::int32_t id(const engine::Readings& seen, std::size_t target) const {
     return seen.field<std::int32_t>(sensors::k_fiducial_id)[target];
   }
-  /// Distance to the origin of the target, m.
+  /// Horizontal distance from the finder to the origin of the target, m.
   float range(const engine::Readings& seen, std::size_t target) const {
     return seen.field<float>(sensors::k_fiducial_range)[target];
   }
@@ -41,7 +41,7 @@ class FiducialReadings {
   double bearing(const engine::Readings& seen, std::size_t target) const {
     return turned(seen.field<float>(sensors::k_fiducial_bearing)[target]);
   }
-  /// Heading of the target, rad, in the frame of the drive.
+  /// Heading of the target, rad, counter-clockwise from straight ahead of the drive.
   double heading(const engine::Readings& seen, std::size_t target) const {
     return turned(seen.field<float>(sensors::k_fiducial_heading)[target]);
   }
