@@ -7,7 +7,7 @@
 namespace troupe {
 
 /// A sum of doubles without rounding errors. The result is the double nearest to the mathematical sum of all
-/// terms, ties to even. For finite sums it equals the result of `math.fsum` in Python. It therefore depends
+/// terms, ties to even. A finite result equals that of `math.fsum` in Python. The result therefore depends
 /// neither on the order of the terms nor on how the terms are divided among several ExactSum objects that are
 /// added in the end.
 ///

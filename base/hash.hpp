@@ -11,7 +11,7 @@
 
 namespace troupe {
 
-/// The 64-bit XXH3 hash of the bytes. It has the same value on every platform.
+/// The 64-bit XXH3 hash of the bytes, which is the same on every platform.
 std::uint64_t hash_bytes(std::span<const std::byte> bytes, std::uint64_t seed = 0);
 /// Hashes a text: hash_bytes() of its characters with seed 0.
 std::uint64_t hash_text(std::string_view text);

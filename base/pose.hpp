@@ -55,7 +55,7 @@ struct Transform {
 };
 
 /// Combines two poses: returns pose_a_c from pose_a_b and pose_b_c. The heading is wrapped into [-pi, pi].
-/// transform_a_b must equal Transform(pose_a_b). It is a parameter so that a caller that combines one
+/// transform_a_b must equal Transform(pose_a_b). This parameter exists so that a caller that combines one
 /// pose_a_b with many poses can compute the transform once.
 inline Pose compose(const Pose& pose_a_b, const Transform& transform_a_b, const Pose& pose_b_c) {
   const Vec2 p = transform_a_b * pose_b_c.position();

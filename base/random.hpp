@@ -7,8 +7,8 @@
 namespace troupe {
 
 /// The random number generator Philox4x32-10 (Salmon, Moraes, Dror, Shaw: Parallel random numbers: as easy as
-/// 1, 2, 3; SC 2011). It is a pure function: the same counter and key give the same four random words on
-/// every machine.
+/// 1, 2, 3; SC 2011). The function is pure: the same counter and key give the same four random words on every
+/// machine.
 std::array<std::uint32_t, 4> philox4x32(std::array<std::uint32_t, 4> counter,
                                         std::array<std::uint32_t, 2> key);
 

@@ -68,10 +68,10 @@ class NearCircles {
       size_ = kept;
     });
   }
-  /// Adds the circles of outline pieces that reach into the disc. Circles farther than `within` (m) from its
-  /// centre may be omitted, so that the search is shorter. A piece that has several circles is added several
-  /// times. The bits of `mark` are set in CircleArrays::row of each added circle, to tell pieces from bodies.
-  /// begin() must have been called.
+  /// Adds the circles of outline pieces that reach into the disc. Circles farther than `within` (m) from the
+  /// centre of the disc may be omitted, so that the search is shorter. A piece that has several circles is
+  /// added several times. The bits of `mark` are set in CircleArrays::row of each added circle, to tell
+  /// pieces from bodies. begin() must have been called.
   void add_pieces(const FixedOutlines& outlines, double within, std::uint32_t mark);
   /// Removes all circles but the first `size`, which must be at most size().
   void keep(std::size_t size) { size_ = size; }

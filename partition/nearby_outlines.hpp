@@ -23,8 +23,8 @@ void unpack(std::span<const CircleRun> runs, std::uint32_t mark, std::size_t siz
 /// The circles that the rays of sensors in one block of cells (see GridGeometry) may hit: the circles of
 /// bodies and of pieces of static outlines. The circles are divided into bands by their distance from the
 /// block; band 0 is the nearest. A wide body (see BodyIndex) may be in several bands, and several times in
-/// one. A band is gathered on first use and then serves all sensors in the block. In a crowd most sensors
-/// need only the first band.
+/// one band. A band is gathered on first use and then serves all sensors in the block. In a crowd most
+/// sensors need only the first band.
 class NearbyOutlines {
  public:
   /// In circles(), the member `row` is the index of a body in the state tables or, with this bit set, the

@@ -13,7 +13,7 @@
 namespace troupe::partition {
 
 /// The arithmetic of the exact ray engine: edges are projected on all beams of a fan at once. docs/sensing.md
-/// derives it and its error bounds.
+/// derives the formulas and their error bounds.
 ///
 /// Positions relative to the fan's reference point are computed in double and rounded once to float, so that
 /// two edges with a common vertex use the same value. For a beam with direction d and origin o, and a vertex
@@ -23,8 +23,8 @@ namespace troupe::partition {
 /// = b - a and A = (a - o) x (b - o); it is negative if the edge is behind the origin.
 ///
 /// e and a x b are computed in double and then rounded to float. In exact arithmetic, c_a - c_b would also
-/// give d x e, and the rounded ends would also give a x b. In floats, both would lose all digits for an edge
-/// that is short compared to its distance (0.3 mm of error for an edge of 5 mm at 5 m).
+/// give d x e, and the rounded ends would also give a x b. In floats, these two expressions would lose all
+/// digits for an edge that is short compared to its distance (0.3 mm of error for an edge of 5 mm at 5 m).
 ///
 /// For three sorts of edges this formula would divide rounding errors by rounding errors: edges hit at a
 /// grazing angle (|d x e| < 2^-8 (|ex| + |ey|)), edges that look tiny from the origin, and edges that pass

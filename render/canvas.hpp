@@ -123,7 +123,7 @@ struct PointLayer {
 
 using AnyLayer = std::variant<Layer, SolidLayer, PointLayer>;
 
-/// An OpenGL renderer for layers. It may be used on any thread, but only by one thread at a time.
+/// An OpenGL renderer for layers. A canvas may be used on any thread, but only by one thread at a time.
 class Canvas {
  public:
   /// Creates an OpenGL context without a window. Throws std::runtime_error if OpenGL is not available.

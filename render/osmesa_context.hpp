@@ -7,8 +7,8 @@
 namespace troupe::render {
 
 /// An OpenGL 3.3 core context without a window, by the library OSMesa. OSMesa is loaded with the first
-/// context and stays loaded. It is not linked, because linking would cost 57 MB and 26 ms even in runs that
-/// draw no pictures.
+/// context and stays loaded. The library is not linked, because linking would cost 57 MB and 26 ms even in
+/// runs that draw no pictures.
 class OsmesaContext {
  public:
   /// Creates a context, which is not current on any thread. Throws std::runtime_error if OSMesa is missing or
@@ -18,16 +18,16 @@ class OsmesaContext {
   OsmesaContext(const OsmesaContext&) = delete;
   OsmesaContext& operator=(const OsmesaContext&) = delete;
 
-  /// Makes this context current on the calling thread until release() is called. It can be current on only
-  /// one thread at a time. Throws std::runtime_error if OSMesa fails.
+  /// Makes this context current on the calling thread until release() is called. A context can be current on
+  /// only one thread at a time. Throws std::runtime_error if OSMesa fails.
   void make_current();
   /// Ends make_current(): no context is then current on the calling thread. Call it on the same thread as
   /// make_current(), and before the destructor.
   void release();
 
   using Procedure = void (*)();
-  /// The OpenGL function with this name, such as "glClear", which the caller casts to its true type. It is
-  /// valid for all contexts. Throws std::runtime_error if the library has no such function.
+  /// The OpenGL function with this name, such as "glClear", which the caller casts to its true type. The
+  /// function is valid for all contexts. Throws std::runtime_error if the library has no such function.
   Procedure procedure(const char* name) const;
 
  private:

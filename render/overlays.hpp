@@ -17,8 +17,8 @@ SolidLayer solid_grid(const engine::FrameScene& scene, const Projection& project
 double grid_pitch(const Projection& projection);
 
 /// Appends layers with those overlays on the floor that `shown` selects: coverage, density, tiles, cells,
-/// bounds, footprints, trails. They cover all earlier layers, and all later layers cover them. colors: one
-/// colour per body of Frame::mobile; if empty, bodies have their own colours.
+/// bounds, footprints, trails. The new layers cover all earlier layers, and later layers cover them. colors:
+/// one colour per body of Frame::mobile; if empty, bodies have their own colours.
 void add_on_floor(std::vector<AnyLayer>& layers, const engine::FrameScene& scene, const engine::Frame& frame,
                   std::span<const Rgba> colors, const Projection& projection, const Layers& shown,
                   const Theme& theme);

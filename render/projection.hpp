@@ -48,8 +48,8 @@ class Projection {
 
   /// Distance of a world point from the viewer along the view direction, m; negative: behind the viewer.
   double depth(const Vec3& point) const { return -back_.dot(point - eye_); }
-  /// Scale of the picture at a world point, pixels per metre. In a perspective view, it is 0 for points that
-  /// are behind the viewer or nearer than the near plane.
+  /// Scale of the picture at a world point, pixels per metre. In a perspective view, the scale is 0 for
+  /// points that are behind the viewer or nearer than the near plane.
   double pixels_per_metre(const Vec3& point) const;
   /// Place of a world point in the picture: pixels right of and above its centre. Empty if pixels_per_metre()
   /// is 0 there.
@@ -61,8 +61,9 @@ class Projection {
   /// the point of the floor below the viewer.
   Vec3 floor_center() const;
 
-  /// Origin of the single-precision coordinates in solid layers: a world point, m, at the height 0. It is
-  /// near the visible part of the world, so that the coordinates are small and their rounding errors as well.
+  /// Origin of the single-precision coordinates in solid layers: a world point, m, at the height 0. The point
+  /// is near the visible part of the world, so that the coordinates are small, and so are their rounding
+  /// errors.
   const Vec3& origin() const { return origin_; }
   /// Column-major matrix that converts points relative to origin() to OpenGL's clip coordinates, with y up.
   std::array<float, 16> clip_matrix() const;

@@ -21,8 +21,8 @@ class TickWatcher {
 };
 
 /// Base class of objects that observe a run between ticks, most of which write a file: a log, a recording, a
-/// profile. An observer must not change the state. It throws std::runtime_error, whose text names the file,
-/// if writing fails; the run then ends.
+/// profile. An observer must not change the state. If writing fails, an observer throws std::runtime_error,
+/// whose text names the file; the run then ends.
 class Observer {
  public:
   Observer() = default;

@@ -14,8 +14,9 @@
 
 namespace troupe::apps {
 
-/// Writes the table of --measures with the columns `tick,time_s,coverage,...`. It has one line for every tick
-/// that is a multiple of `every`, so that a resumed run writes the same lines as an uninterrupted run.
+/// Writes the table of --measures with the columns `tick,time_s,coverage,...`. The table has one line for
+/// every tick that is a multiple of `every`, so that a resumed run writes the same lines as an uninterrupted
+/// run.
 class MeasuresTable : public Observer {
  public:
   /// Creates the table. If the simulation was resumed from a checkpoint, an existing table is continued and
@@ -54,8 +55,8 @@ class EventsTable : public Observer {
   CsvFile csv_;
 };
 
-/// The beginnings of the first lines of a table of measures and of a table of events. `troupe info` detects
-/// the type of a file by them; the events must be tested first, because their line begins with both.
+/// The beginnings of the first lines of a table of measures and of a table of events, by which `troupe info`
+/// detects the type of a file. A table of events begins with both, so k_events_mark must be tested first.
 inline constexpr std::string_view k_measures_mark = "tick,time_s,";
 inline constexpr std::string_view k_events_mark = "tick,time_s,event,robot,";
 /// The first line of a table of events: the names of its columns.

@@ -20,15 +20,16 @@ struct Evasion {
   double stop = 0.5;          ///< the robot turns on the spot when a reading ahead is below this
   double back_speed = 0.1;    ///< absolute speed while the robot backs out
   /// The robot backs out after more than this number of consecutive decisions in which a command did not move
-  /// it. The number is larger than the number of decisions after which a command takes effect.
+  /// the robot. The number is larger than the number of decisions after which a command takes effect.
   std::uint32_t stuck = 5;
   /// Value for the argument `share` of the constructor of Scanner, for the scanner passed to avoids().
   static constexpr std::size_t window_share = 4;
 
   /// Turns away from obstacles as the controller `wander` does, with two differences, because many robots
-  /// meet near their common goals: it looks at the middle half of the scan (window_share) instead of the
-  /// middle third, and it turns for 5 to 9 decisions, half as long. ranges: readings of the scanner's ranger,
-  /// m. Returns true if it has set `command`, false if the way is free; `command` is then unchanged.
+  /// meet near their common goals: avoids() looks at the middle half of the scan (window_share) instead of
+  /// the middle third, and the robot turns for 5 to 9 decisions, half as long. ranges: readings of the
+  /// scanner's ranger, m. Returns true if it has set `command`, false if the way is free; `command` is then
+  /// unchanged.
   template <class Memory>
   bool avoids(Memory& memory, const Scanner& scanner, std::span<const float> ranges, Random& random,
               engine::Command& command) const {

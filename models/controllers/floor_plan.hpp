@@ -22,9 +22,9 @@ class FloorPlan {
   /// in the world frame. For a body without solids, it is a free square with edges of 1 m around the body's
   /// origin. Throws std::length_error as convex_pieces() does.
   static FloorPlan of_body(const engine::WorldSpec& world, BodyId body);
-  /// The raster of the body with this name. If no body has this name, it is the raster of the first body
-  /// whose outline is an image. If there is no such body either, it is a free square with edges of 16 m
-  /// around the origin of the world.
+  /// The raster of the body with this name. If no body has this name, returns the raster of the first body
+  /// whose outline is an image. If there is no such body either, returns a free square with edges of 16 m
+  /// around the origin of the world. Throws std::length_error as of_body() does.
   static FloorPlan of_world(const engine::WorldSpec& world, std::string_view name);
 
   /// Index of the cell that contains a point (m, world frame). For a point outside the box, the index of the

@@ -47,7 +47,8 @@ struct ActuatorState {
 /// state       ActuatorState; commands: ActuatorCommand
 /// moves       In velocity mode, the joint moves at the commanded speed, which is clamped to +-max_speed, and
 ///             stops at min_position and max_position. In position mode, the goal is clamped to these limits.
-///             The joint moves towards it at max_speed and reaches it exactly, with a shorter last step.
+///             The joint moves towards the goal at max_speed and reaches the goal exactly, with a shorter
+///             last step.
 /// draws       2 W from the power pack that supplies it, even if the joint stands still
 /// edges       An axis of length 0 means the x axis. If the moved parts would overlap a body or static
 ///             geometry, the joint does not move in this tick, and is stalled.

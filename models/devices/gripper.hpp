@@ -6,9 +6,9 @@
 
 namespace troupe::models {
 
-/// The command of a gripper. It holds until the controller replaces it. A motion that an order has started
-/// continues to its end, unless the opposite order (`open` and `close`, `up` and `down`) reverses it. So the
-/// paddles and the lift can move at the same time, if an order for one follows an order for the other.
+/// The command of a gripper: the command holds until the controller replaces it. A motion that an order has
+/// started continues to its end, unless the opposite order (`open` and `close`, `up` and `down`) reverses it.
+/// So the paddles and the lift can move at the same time, if an order for one follows an order for the other.
 struct GripperCommand {
   /// The motion to start.
   enum Order : std::uint8_t {

@@ -24,8 +24,8 @@ struct LightCommand {
 
 using sensors::LightState;
 
-/// A light that blinks: in each `period`, it is first lit for the fraction `dutycycle` of the period, and
-/// then dark. The first period begins at tick 0.
+/// A light that blinks: in each `period`, the light is first lit for the fraction `dutycycle` of the period,
+/// and then dark. The first period begins at tick 0.
 ///
 /// parameters  period (s), dutycycle (0 to 1), enabled, intensity (brightness read at 1 m)
 /// state       LightState; commands: LightCommand, whose `on` and `off` override the blinking

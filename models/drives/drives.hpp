@@ -121,8 +121,9 @@ struct CarParams {
 ///               diff  turns towards the goal, drives while the goal is within pi/16 rad of straight ahead,
 ///                     and turns to the goal's heading after arrival
 ///               omni  drives straight to the goal and turns to the goal's heading on the way
-///               car   drives to the goal in a curve, turning with twice the gain. If the goal is behind it,
-///                     it first swings about its rear axle. After arrival it swings to the goal's heading
+///               car   drives to the goal in a curve, turning with twice the gain. If the goal is behind the
+///                     car, the car first swings about its rear axle. After arrival it swings to the goal's
+///                     heading
 ///@{
 engine::DriveKind diff_drive();
 engine::DriveKind omni_drive();
