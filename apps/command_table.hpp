@@ -9,16 +9,16 @@ class App;
 
 namespace troupe::apps {
 
-/// An option or positional argument of a command, as the command-line parser describes it. The manual page
-/// and the completion scripts of shells are made from it.
+/// An option or positional argument of a command, as declared to the command-line parser. manual_page() and
+/// completion() use these data.
 struct CommandOption {
   std::vector<std::string> names;  ///< as typed: "--for"; for a positional argument only its name: "WORLD"
-  std::string value;  ///< placeholder of its value: "S", "FILE.h5", "exact|grid"; empty: no value
-  std::string help;   ///< description in --help
+  std::string value;               ///< placeholder of its value: "S", "FILE.h5", "exact|grid"; empty: none
+  std::string help;                ///< description in --help
   bool positional = false;
 };
 
-/// A command, or the program itself, as the command-line parser describes it.
+/// A command, or the program itself, as declared to the command-line parser.
 struct Command {
   std::string name;                    ///< as typed: "run"; of the program itself: "troupe"
   std::string help;                    ///< description in --help

@@ -19,7 +19,7 @@ struct ProgramCommand {
   std::string help;                                    ///< one line for --help
   std::function<void(CLI::App& command)> add_options;  ///< declares the options; parsing fills them
   std::function<ExitCode()> run;                       ///< runs the command with its options
-  std::any options;  ///< a std::shared_ptr to the options that parsing fills, such as RunOptions
+  std::any options;  ///< std::shared_ptr to the options that parsing fills, such as a RunOptions
 };
 
 /// All commands, in the order of --help. Each call creates new options.

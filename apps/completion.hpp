@@ -18,16 +18,17 @@ namespace troupe::apps {
 /// The shells for which there are completion scripts.
 inline constexpr std::array<std::string_view, 3> k_shells{"bash", "zsh", "fish"};
 
-/// Returns a completion script. It completes commands, options, and the values of options whose values the
-/// help lists ("exact|grid"). For all other values and arguments the script offers file names. shell: one of
-/// k_shells; commands: the result of command_table(); arguments: maps the name of a command to the allowed
-/// values of its positional argument.
+/// Returns a completion script. The script completes commands, options, and the values of options whose
+/// placeholder lists words of lower-case letters ("exact|grid"). It offers file names for values whose
+/// placeholder contains FILE or DIR, and for positional arguments that `arguments` does not list, but nothing
+/// for other values. shell: one of k_shells; commands: the result of command_table(); arguments: maps the
+/// name of a command to the allowed values of its positional argument.
 std::string completion(std::string_view shell, const std::vector<Command>& commands,
                        const std::map<std::string, std::vector<std::string>>& arguments);
 
 /// Adds the options of `completion`; parsing fills `shell`, which must outlive `command`.
 void add_completion_options(CLI::App& command, std::string& shell);
-/// `troupe completion`: prints the script for a shell.
+/// `troupe completion`: prints the script for a shell, one of k_shells, on standard output.
 ExitCode print_completion(const std::string& shell);
 
 }  // namespace troupe::apps

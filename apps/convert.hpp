@@ -27,7 +27,8 @@ void add_convert_options(CLI::App& command, ConvertOptions& options);
 
 /// `troupe convert`: writes a world in the other format, or again in its own (JSON then lists populations
 /// body by body), and prints one line with the numbers of models and types. Throws InputError if the world
-/// cannot be loaded or cannot be expressed in the other format.
+/// cannot be loaded or cannot be expressed in the other format. If the output exists (without `force`) or
+/// cannot be written, prints an error and returns k_bad_input.
 ExitCode convert(const ConvertOptions& options);
 
 }  // namespace troupe::apps

@@ -9,12 +9,12 @@
 namespace troupe::apps {
 
 /// A table that is written during a run, as comma-separated values that pandas reads without options. The
-/// first line has the column names, and the first column is the tick. Lines stay in memory until flush(), so
-/// that the file contains only whole lines.
+/// first line has the column names, and the first column is the tick. All lines, also the first, stay in
+/// memory until flush(), so that the file contains only whole lines.
 class CsvFile {
  public:
-  /// Creates or overwrites the file and writes `header`, the line of column names. Throws OutputError if that
-  /// fails.
+  /// Creates or empties the file. `header` is the line of column names, without line break. Throws
+  /// OutputError if the file cannot be opened.
   CsvFile(const std::filesystem::path& file, std::string_view header);
   /// Continues the table of an earlier run. Keeps the lines before the first line whose tick is at least
   /// `keep_before`. Removes all other lines and an incomplete last line. Creates the file if it does not
@@ -23,15 +23,15 @@ class CsvFile {
   CsvFile(const std::filesystem::path& file, std::string_view header, std::uint64_t keep_before);
 
   /// Appends a number as a cell to the current line. A double is written as the shortest text that reads back
-  /// as the same number, or as `nan`.
+  /// as the same number, or as `inf`, `-inf` or `nan`.
   CsvFile& add(double number);
   CsvFile& add(std::uint64_t number);
   /// Appends a cell, in quotes if necessary (csv_cell()).
   CsvFile& add(std::string_view text);
   void end_line();  ///< ends the current line
 
-  /// Writes the finished lines to the file. Call it only after end_line(). tick: the current tick of the run,
-  /// for the error. Throws std::runtime_error if writing fails.
+  /// Writes the finished lines to the file. Call it only after end_line(), not within a line. tick: the
+  /// current tick of the run, for the error. Throws std::runtime_error if writing fails.
   void flush(std::uint64_t tick);
 
  private:
@@ -43,7 +43,8 @@ class CsvFile {
   bool line_begun_ = false;
 };
 
-/// Returns a text as a cell of a table: in quotes if it contains a comma, a quote or a line break (RFC 4180).
+/// Returns a text as a cell of a table. If the text contains a comma, a quote or a line break, the cell is in
+/// quotes, with each quote doubled (RFC 4180).
 std::string csv_cell(std::string_view text);
 
 }  // namespace troupe::apps

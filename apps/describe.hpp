@@ -27,15 +27,16 @@ void add_describe_options(CLI::App& command, DescribeOptions& options);
 ExitCode describe(const DescribeOptions& options);
 
 /// Returns one line with name and description for every kind of model, sensor, device, drive, controller,
-/// preset, measure, fault and event.
+/// preset, measure, fault and event, under a heading for each of these groups.
 std::string list_kinds(const engine::Registry& registry);
 
 /// Returns the names of all kinds that list_kinds() lists, except events, sorted, without duplicates.
 std::vector<std::string_view> kind_names(const engine::Registry& registry);
 
-/// Returns, as text, the parameters of every kind of this name (a model and a sensor may have the same name):
-/// for each parameter its JSON key, units, default, range and meaning. Also finds the kinds of plug-ins that
-/// the registry can load. Throws InputError, with similar names, if there is no such kind.
+/// Returns the description, as text, of every kind of this name (a model and a sensor may have the same
+/// name): for each parameter the JSON key, units, default, range and meaning; for a device also the fields of
+/// its readings and of its command; for a measure its definition. Also finds the kinds of plug-ins that the
+/// registry can load. Throws InputError, with similar names, if there is no such kind.
 std::string describe_kind(const engine::Registry& registry, std::string_view name);
 
 }  // namespace troupe::apps

@@ -21,7 +21,7 @@ inline constexpr std::string_view k_hash_log_mark = "# troupe hash log 1";
 /// as InputError: `run.log:31: error: ...`.
 class HashLogReader {
  public:
-  /// Opens the file and reads its header.
+  /// Opens the file and reads its header. Throws InputError if the file cannot be read or is not a hash log.
   explicit HashLogReader(const std::filesystem::path& file);
 
   const std::filesystem::path& file() const { return header_.file; }
@@ -37,7 +37,8 @@ class HashLogReader {
     std::array<std::uint64_t, engine::k_hash_groups> groups;  ///< hashes of the groups of components
   };
   /// Returns the next line after the header, or nothing at the end of the log. Throws InputError if a tick is
-  /// missing, if the line is incomplete, or if its state hash is not the sum of its group hashes.
+  /// missing or repeated, if the line is incomplete or malformed, or if its state hash is not the sum (modulo
+  /// 2^64) of its group hashes.
   std::optional<Line> next();
 
  private:

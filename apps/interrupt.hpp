@@ -14,7 +14,7 @@ bool stop_requested();
 /// Starts to count the signal SIGUSR1, by which users request a checkpoint. Without this call, the signal
 /// ends the program.
 void count_save_requests();
-/// How often SIGUSR1 has arrived since count_save_requests().
+/// How often SIGUSR1 has arrived since the last call of count_save_requests(), which resets the number to 0.
 std::uint32_t save_requests();
 /// Sets the file, such as an unfinished film, that a second Ctrl-C or SIGTERM removes before it ends the
 /// program. Replaces the file of the previous call. An empty name, or one of 4,096 bytes or more: no file.

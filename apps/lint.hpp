@@ -20,8 +20,8 @@ struct LintOptions {
 /// Adds the options of `lint`; parsing fills `options`, which must outlive `command`.
 void add_lint_options(CLI::App& command, LintOptions& options);
 
-/// `troupe lint`: prints likely mistakes in a world, one line each. Throws InputError if the world cannot be
-/// loaded.
+/// `troupe lint`: prints likely mistakes in a world, one line each, and a line with their number. Returns
+/// k_failed if there are any, else k_finished. Throws InputError if the world cannot be loaded.
 ExitCode lint_world(const LintOptions& options);
 
 }  // namespace troupe::apps

@@ -17,7 +17,7 @@ namespace troupe::apps {
 /// texts of --help. version: version of the program, which is printed at the foot of each page.
 std::string manual_page(const std::vector<Command>& commands, std::string_view version);
 
-/// `troupe manual` has no options.
+/// Options of `troupe manual`, which has none.
 struct ManualOptions {};
 inline void add_manual_options(CLI::App&, ManualOptions&) {}
 /// `troupe manual`: prints manual_page() on standard output.

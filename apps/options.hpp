@@ -19,8 +19,9 @@ class Option;
 /// Command-line options that several commands share.
 namespace troupe::apps {
 
-/// Converts a whole text to a number of type T. Returns std::nullopt if the text is not a number, contains
-/// anything else (a space, a unit, a leading `+`), or is outside the range of T.
+/// Converts a whole text to a number of type T. Returns std::nullopt if the text is not a decimal number,
+/// contains anything else (a space, a unit, a leading `+`), or is outside the range of T. For a
+/// floating-point T, `inf` and `nan` are numbers.
 template <class T>
 std::optional<T> number(std::string_view text) {
   T value{};
@@ -44,8 +45,9 @@ double seconds_from_zero(const char* option, const std::string& text);
 /// CLI::ValidationError for other texts. what: name of the time in the error, such as "a real time".
 double positive_seconds(const char* option, const std::string& text, std::string_view what);
 
-/// Convert a value of --threads, --tile-size (m) or --ranks, which have the same form in every command. Throw
-/// CLI::ValidationError for invalid values.
+/// Converts a value of --threads (1 to partition::Parallel::k_most_threads), of --tile-size (m, above 0) or
+/// of --ranks (1 to k_most_ranks), which have the same form in every command. Throws CLI::ValidationError for
+/// other values.
 unsigned thread_count(std::string_view text);
 double tile_size_m(std::string_view text);
 unsigned rank_count(std::string_view text);
@@ -55,7 +57,8 @@ unsigned rank_count(std::string_view text);
 /// conversions are not used, because they would accept hexadecimal numbers and nan.
 CLI::Option* add_value(CLI::App& app, const char* name, const char* value, const char* help,
                        const std::function<void(const std::string&)>& set);
-/// Like add_value(), for an option that may be repeated. `add` is called with the text of each value.
+/// Like add_value(), for an option that may be repeated. `add` is called with the text of each value, in
+/// their order.
 CLI::Option* add_values(CLI::App& app, const char* name, const char* value, const char* help,
                         const std::function<void(const std::string&)>& add);
 
@@ -65,7 +68,7 @@ struct WorldOptions {
   bool is_checkpoint = false;   ///< `world` is a checkpoint
   SimulationOptions simulation;
   std::optional<double> for_s;  ///< --for: end in world time, s
-  bool gives_ranks = false;     ///< whether --ranks is given, which a launcher such as mpirun excludes
+  bool gives_ranks = false;     ///< whether --ranks is given, which is an error under mpirun
   double rank_limit_s = 600;    ///< --rank-limit: longest wait for another rank, wall time, s
 };
 /// Adds the positional argument WORLD and the options of add_run_settings(). Parsing fills `options`, which
@@ -80,14 +83,15 @@ void add_end_option(CLI::App& app, WorldOptions& options);
 /// set: receives, for each --set, the JSON pointer and the JSON text of the new value.
 void add_set_option(CLI::App& app, const char* help, std::vector<std::pair<std::string, std::string>>& set);
 
-/// Returns the end of the run in world time, s: the value of --for, or else the quit time of the world file.
+/// Returns the end of the run in world time, s: the value of --for, or else the quit time of the world.
 /// Throws InputError if neither is given.
 double end_of(const WorldOptions& options, const Simulation& simulation);
-/// Adds --simd. As soon as it is parsed, it selects the instruction set for range finding of the process.
+/// Adds --simd. Parsing this option selects the instruction set for range finding of the whole process, and
+/// throws CLI::ValidationError for a set that cannot be used.
 void add_simd_option(CLI::App& app);
 /// Selects the instruction set for range finding that the environment variable TROUPE_SIMD names. Does
-/// nothing if the variable is not set. Throws InputError if the name is unknown or the processor lacks the
-/// set.
+/// nothing if the variable is not set or empty. Throws InputError if the name is unknown or the processor
+/// lacks the set.
 void obey_simd_variable();
 /// Adds --rank-seed, which sets SimulationOptions::rank_seed.
 void add_rank_seed_option(CLI::App& app, WorldOptions& options);

@@ -36,22 +36,23 @@ struct Input {
 /// neither a folder, nor one of `inputs`, nor another output. Empty paths are skipped. The function creates
 /// nothing, so that an invalid world leaves no files.
 void check_outputs(const std::vector<Input>& inputs, const std::vector<std::filesystem::path>& outputs);
-/// Checks that files can be written into a folder. If the folder does not exist yet, checks that it can be
-/// created. Ignores an empty path. Creates nothing. Throws OutputError.
+/// Checks that files can be written into a folder. If the folder does not exist yet, checks that its parent
+/// folder exists and is writable. Ignores an empty path. Creates nothing. Throws OutputError.
 void check_folder(const std::filesystem::path& folder);
-/// Whether two paths name the same file, which need not exist yet.
+/// Whether two paths name the same file, which need not exist yet. False if one is empty.
 bool same_file(const std::filesystem::path& a, const std::filesystem::path& b);
 
 /// Writes a hash log. Each line is written to the file at the end of its tick.
 class HashLog : public Observer {
  public:
   /// Opens the file and writes the header. If the simulation was resumed from a checkpoint and the file
-  /// exists, the file must contain the tick of the checkpoint with the same state hash; lines after this tick
-  /// are removed, and the log is continued. Throws OutputError, or InputError if the file is not a hash log.
+  /// exists, the log is continued: its header must have the same options as this run, apart from those that a
+  /// resumed run may change, it must contain the tick of the checkpoint with the same hashes, and the lines
+  /// after this tick are removed. Throws OutputError, or InputError if the file is not a hash log.
   HashLog(const std::filesystem::path& file, const Simulation& simulation);
 
-  /// Writes the line of the current tick. Throws std::runtime_error if writing fails, for example because the
-  /// disk is full.
+  /// Writes the line of the current tick, unless a continued log already ends with it. Throws
+  /// std::runtime_error if writing fails, for example because the disk is full.
   void observe(const Simulation& simulation) override;
 
  private:

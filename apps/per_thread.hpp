@@ -13,7 +13,8 @@
 namespace troupe::apps {
 
 /// A set of objects of type T, one for each thread that calls own(). Each thread writes only its own object,
-/// without locks. all() may be called only while no thread calls own() or writes its object.
+/// without locks. all() may be called, and its result used, only while no thread calls own() or writes its
+/// object.
 template <class T>
 class PerThread {
  public:

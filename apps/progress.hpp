@@ -6,13 +6,13 @@
 namespace troupe::apps {
 
 /// Returns the text of a progress bar, without control characters. The run goes from world time `begin_s` to
-/// `end_s` and has reached `now_s`, which must exceed `begin_s`; all in s. elapsed_s: wall time since the run
+/// `end_s` and has reached `now_s`; both must exceed `begin_s`; all in s. elapsed_s: wall time since the run
 /// began, s.
 std::string progress_text(double begin_s, double now_s, double end_s, double elapsed_s);
 
 /// A progress bar on standard error, which is redrawn up to five times per second and erased at the end.
-/// Nothing is drawn if standard error is not a terminal, because the bar would clutter a log file, or if the
-/// run is expected to take less than two seconds.
+/// Nothing is drawn if standard error is not a terminal, because the bar would clutter a log file, or while
+/// the run is expected to take less than two seconds in total.
 class Progress {
  public:
   /// begin_s, end_s: world times at which the run begins and ends, s. wanted: false: nothing is drawn.

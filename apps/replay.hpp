@@ -26,10 +26,12 @@ struct ReplayOptions {
 void add_replay_options(CLI::App& command, ReplayOptions& options);
 
 /// Writes a self-contained HTML page that plays the recording in a browser. Returns a description of the page
-/// (robots, frames, size) as lines of text for the user. Throws InputError if the file is not a recording or
-/// does not have the data that the page needs, or if the page exists, and OutputError if writing fails.
+/// (robots, frames, size) as lines of text for the user. Prints warnings on standard error. Throws InputError
+/// if the file is not a recording or does not have the data that the page needs, if the page exists (without
+/// `force`), or if its folder is not writable; throws OutputError if writing fails.
 std::string write_replay_page(const ReplayOptions& options);
-/// `troupe replay RECORDING -o FILE.html`: calls write_replay_page() and prints its result.
+/// `troupe replay RECORDING -o FILE.html`: calls write_replay_page() and prints its result. Returns k_failed
+/// after printing an OutputError; passes an InputError on.
 ExitCode replay(const ReplayOptions& options);
 
 }  // namespace troupe::apps

@@ -16,7 +16,7 @@ class App;
 /// package `troupe` contains the same commands; it calls set_script_reader() before run_command_line().
 namespace troupe::apps {
 
-/// A function that reads the Python script `file` and returns it. Throws if the script has errors.
+/// A function that reads the Python script `file` and returns the script. Throws if the script has errors.
 using ReadScript = std::function<std::shared_ptr<const Script>(const std::filesystem::path& file)>;
 
 /// Sets the function that reads scripts, for the rest of the process.
@@ -28,10 +28,10 @@ void add_controller_option(CLI::App& app, std::vector<std::shared_ptr<const Scri
 
 /// Whether a parsed command line has --controller, and this process has no script reader.
 bool python_is_wanted();
-/// Replaces this process by `python3 -m troupe` with these arguments. The interpreter is that of the
-/// environment variable TROUPE_PYTHON, or else the one for which the Python package was built. Throws
-/// InputError if the interpreter cannot be executed, or if a launcher such as mpirun started several
-/// processes.
+/// Replaces this process by `python3 -m troupe` with the arguments argv[1] to argv[argc - 1]. The interpreter
+/// is that of the environment variable TROUPE_PYTHON, or else the one for which the Python package was built,
+/// or, if that does not exist, the first python3 on PATH. Throws InputError if the interpreter cannot be
+/// executed, or if a launcher such as mpirun started several processes.
 [[noreturn]] void run_in_python(int argc, const char* const* argv);
 
 }  // namespace troupe::apps

@@ -12,18 +12,19 @@ namespace troupe::apps {
 
 /// Options of `troupe view`.
 struct ViewOptions : WorldOptions {
-  std::uint16_t port = 0;          ///< 0: any free port
+  std::uint16_t port = 0;          ///< TCP port to listen on; 0: any free port
   std::string bind;                ///< IP address to listen on; empty: the loopback addresses
   std::vector<std::string> hosts;  ///< host names of proxies; requests may have them in the header `Host`
   double rate = 1;                 ///< limit of the speed, times real time; 0: no limit
   std::filesystem::path folder;    ///< folder for the session and other files; empty: the working folder
-  bool open = false;               ///< open a browser
+  bool open = false;               ///< open the page in the default browser
 };
 
 /// Adds the options of `view`; parsing fills `options`, which must outlive `command`.
 void add_view_options(CLI::App& command, ViewOptions& options);
-/// `troupe view`: shows a world in browsers until Ctrl-C, until the time of --for, or until a condition in
-/// the world's stop_when holds.
+/// `troupe view`: shows a world or a checkpoint in browsers until Ctrl-C, until the time of --for, or until a
+/// condition in the world's `stop_when` holds. Returns k_stopped after Ctrl-C or SIGTERM, k_bad_input after
+/// printing an InputError, else k_finished.
 ExitCode view_world(const ViewOptions& options);
 
 }  // namespace troupe::apps

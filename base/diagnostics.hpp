@@ -13,11 +13,11 @@
 
 namespace troupe {
 
-/// The names of the files that a world was read from, each with a number. A place in a file (Where) stores
-/// the number instead of the name.
+/// The names of the files that a world was read from, each with a number. Where, a place in a file, stores
+/// this number instead of the name.
 class SourceFiles {
  public:
-  /// Returns the number of a file. Adds it on first use; the same name always gives the same number.
+  /// Returns the number of a file. Adds the file on first use; the same name always gives the same number.
   std::uint32_t add(std::string_view name);
   /// The name of a file; `file` must be a number that add() returned.
   const std::string& name(std::uint32_t file) const { return names_[file]; }
@@ -37,7 +37,7 @@ struct Where {
 
 /// Severity of a finding.
 enum class Severity {
-  note,     ///< explains the previous finding
+  note,     ///< explains the previous finding; does not stop the load
   warning,  ///< reported; the load continues
   error,    ///< the load fails with InputError
 };
@@ -52,9 +52,9 @@ struct Finding {
 /// A part of the input that other parts inherit from, or that inherits from another part, such as a type of a
 /// world.
 struct Inheritable {
-  std::string path;  ///< with which messages about it begin: `/types/bot`
-  std::string name;  ///< as messages quote it: `bot`
-  Where where;       ///< where it begins
+  std::string path;  ///< path with which messages about the part begin: `/types/bot`
+  std::string name;  ///< name of the part, as messages quote it: `bot`
+  Where where;       ///< place in the input where the part begins
 };
 
 /// Thrown for invalid input. The message lists the errors, one per line, as `maze.world:41: error: ...`. At
@@ -80,29 +80,31 @@ class Diagnostics {
   /// The table that Where::file refers to; never null.
   const std::shared_ptr<SourceFiles>& files() const { return files_; }
 
-  /// Adds an error. Call number k_most_errors throws InputError, as throw_if_errors() does, because reading
-  /// more of the input would only cost time and memory.
+  /// Adds an error, unless inherits() says that it was already reported. The call that adds error number
+  /// k_most_errors throws InputError, as throw_if_errors() does, because reading more of the input would only
+  /// cost time and memory.
   void error(Where where, std::string message);
   static constexpr std::size_t k_most_errors = 1000;  ///< limit per load, see error()
   /// Adds a warning.
   void warning(Where where, std::string message);
   /// Adds a warning. If the same message occurs at several places, only the first place is listed. Later
-  /// calls with the message are counted, and warnings() appends that count, as in ` (and 99 more)`. If
-  /// thorough(), the warning is listed once for each place.
+  /// calls with this message are counted, and warnings() appends the count, as in ` (and 99 more)`. If
+  /// thorough() is true, the warning is listed once for each place.
   void warning_once(Where where, std::string message);
 
-  /// Says that `heir` contains copies of the content of `base`. From now on, an error or a warning about
+  /// Declares that `heir` contains copies of the content of `base`. From now on, an error or a warning about
   /// inherited content is reported once instead of for every heir: if two findings have the same place, and
-  /// their messages differ only in the names of parts with a common base, the second finding is dropped. Of
-  /// several such messages, the one about the part from which the others inherit is kept. Findings on the
-  /// line on which an heir begins are about its own content, unless its base has the same finding.
+  /// their messages differ only in the names of parts with a common base, the second finding is dropped. If
+  /// the second finding is about the part from which the part of the first inherits, its message replaces
+  /// that of the first. Findings on the line on which an heir begins are about the heir's own content: both
+  /// findings are then kept, unless one of the two parts inherits from the other.
   void inherits(const Inheritable& heir, const Inheritable& base);
 
   bool has_errors() const { return errors_ > 0; }  ///< whether throw_if_errors() would throw
-  /// All findings in the order they were added; valid until the next one is added.
+  /// All findings in the order in which they were added; valid until the next finding is added.
   std::span<const Finding> findings() const { return findings_; }
-  /// A finding as `file:line: severity: message`. If the line is 0 it is omitted; if the finding has no file,
-  /// file and line are omitted.
+  /// A finding as `file:line: severity: message`. If the line is 0, it is omitted. If the finding has no
+  /// file, file and line are omitted.
   std::string text(const Finding& finding) const;
   /// All warnings, one entry each, with the counts of repetitions that warning_once() describes.
   std::vector<std::string> warnings() const;
@@ -132,17 +134,18 @@ class Diagnostics {
   std::size_t errors_ = 0;
 };
 
-/// Returns a suggestion such as ` (did you mean "omni"?)`, with the known name that differs from `word` by
-/// the fewest edits; of several such names, the first. An edit inserts, deletes or replaces a letter or swaps
-/// two adjacent ones. A name is suggested only if the shorter of the two words has at least three letters per
-/// edit. If there is no such name, the result is empty.
+/// Returns a suggestion such as ` (did you mean "omni"?)`, with a leading space and with the known name that
+/// differs from `word` by the fewest edits; of several such names, the first. An edit inserts, deletes or
+/// replaces a letter or swaps two adjacent ones. A name is suggested only if the shorter of the two words has
+/// at least three letters per edit. If there is no such name, the result is empty.
 std::string did_you_mean(std::string_view word, std::span<const std::string_view> known);
 /// The message for an unknown name: `unknown drive "dif"; known: car, diff, omni (did you mean "diff"?)`.
 /// what: what the name stands for, here `drive`. known: the allowed names, of which the first 50 in
-/// alphabetical order are listed. The message has no suggestion if `known` has more than 2000 names. If
-/// `known` is empty, the message is `unknown drive "dif"; no drive exists`.
+/// alphabetical order are listed, followed by ` and N more`. The suggestion is that of did_you_mean(); there
+/// is none if `known` has more than 2000 names. If `known` is empty, the message is `unknown drive "dif"; no
+/// drive exists`.
 std::string unknown_name(std::string_view what, std::string_view name, std::vector<std::string_view> known);
-/// The names joined as `a, b, c`.
+/// The names joined as `a, b, c`; empty without names.
 std::string comma_list(std::span<const std::string_view> names);
 
 }  // namespace troupe

@@ -7,16 +7,17 @@
 namespace troupe {
 
 /// A sum of doubles without rounding errors. The result is the double nearest to the mathematical sum of all
-/// terms, ties to even, and equals that of `math.fsum` in Python. It therefore depends neither on the order
-/// of the terms nor on how the terms are divided among several ExactSum objects that are added in the end.
+/// terms, ties to even. A finite result equals that of `math.fsum` in Python. The result therefore depends
+/// neither on the order of the terms nor on how the terms are divided among several ExactSum objects that are
+/// added in the end.
 ///
 /// source  The sum is kept as an integer, in units of the smallest double: Neal, Fast exact summation using
 ///         small and large superaccumulators, arXiv:1505.05571, 2015.
 /// cost    about 5 ns per term
 class ExactSum {
  public:
-  /// Adds a term. With infinities or a NaN among the terms, the sum is what IEEE 754 addition gives: NaN for
-  /// infinities of both signs.
+  /// Adds a term. With infinities or NaNs among the terms, the sum is what IEEE 754 addition gives: the
+  /// infinity if all infinities have one sign and there is no NaN, else NaN.
   void add(double term);
   /// Adds all terms of another sum.
   void add(const ExactSum& other);

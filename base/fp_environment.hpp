@@ -4,8 +4,8 @@
 
 namespace troupe {
 
-/// Checks that the calling thread rounds to nearest and keeps denormal numbers, as IEEE 754 requires. If
-/// it does not, the error names each violation, such as "denormal results are flushed to zero". The usual
+/// Checks that the calling thread rounds to nearest and keeps denormal numbers, as IEEE 754 requires. If the
+/// thread does not, the error says what is wrong, such as "denormal results are flushed to zero". The usual
 /// cause is a library that gcc has linked with -ffast-math: from then on, a thread that loads such a library
 /// flushes denormals to zero.
 Result<> check_fp_environment();

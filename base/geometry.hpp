@@ -18,13 +18,13 @@ struct ZInterval {
 
   bool contains(double z) const { return min <= z && z <= max; }  ///< whether z is inside; ends count
   /// True if each of the two intervals begins below the upper end of the other. Intervals that only touch at
-  /// their ends do not overlap.
+  /// their ends do not overlap. Neither interval may be empty: the result could then be either.
   bool overlaps(const ZInterval& other) const { return min < other.max && other.min < max; }
   ZInterval shifted(double dz) const { return {min + dz, max + dz}; }  ///< moved up by dz metres
   friend bool operator==(const ZInterval&, const ZInterval&) = default;
 };
 
-/// Axis-aligned box. Empty (min > max) until extended.
+/// Axis-aligned box in the plane, metres. A new box is empty (min > max) until extend() is called.
 struct Box {
   /// The corner with the least x and y, metres, in the frame of the points that extend the box.
   Vec2 min{std::numeric_limits<double>::infinity(), std::numeric_limits<double>::infinity()};
@@ -64,7 +64,7 @@ struct Box {
   bool touches(const Box& b) const {
     return min.x() <= b.max.x() && b.min.x() <= max.x() && min.y() <= b.max.y() && b.min.y() <= max.y();
   }
-  /// The bounding box of a circle.
+  /// The bounding box of a circle, m; empty for a negative radius.
   static Box around(const Vec2& center, double radius) {
     Box b;
     b.min = {center.x() - radius, center.y() - radius};
@@ -86,9 +86,10 @@ struct Solid {
   friend bool operator==(const Solid&, const Solid&) = default;
 };
 
-/// Number of vertices of all contours.
+/// Number of vertices of all contours of all solids.
 std::size_t count_vertices(const std::vector<Solid>& solids);
-/// Transforms a solid from the frame of a body to the world frame. pose_world_body: the pose of the body.
+/// Transforms a solid from the frame of a body to the world frame: contours by position and heading, heights
+/// by z. pose_world_body: the pose of the body.
 Solid placed(Solid solid, const Pose& pose_world_body);
 
 /// A convex polygon, counter-clockwise, extruded over a z interval.
@@ -109,8 +110,8 @@ bool is_convex(const Ring& ring);
 /// The smallest distance, metres, between two parallel lines that enclose the ring; 0 for a ring without
 /// area. The ring must be convex and counter-clockwise.
 double convex_width(const Ring& ring);
-/// True if the point is inside the solid by the even-odd rule; ignores heights. For a point on an edge the
-/// result may be either.
+/// True if the point, in the frame of the contours, is inside the solid by the even-odd rule; ignores
+/// heights. For a point on an edge the result may be either.
 bool contains(const Solid& solid, const Vec2& point);
 
 /// Cuts the even-odd region of a solid into convex pieces that do not overlap. A single convex contour is

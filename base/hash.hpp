@@ -11,15 +11,17 @@
 
 namespace troupe {
 
-/// The 64-bit XXH3 hash of the bytes. It has the same value on every platform.
+/// The 64-bit XXH3 hash of the bytes, which is the same on every platform.
 std::uint64_t hash_bytes(std::span<const std::byte> bytes, std::uint64_t seed = 0);
 /// Hashes a text: hash_bytes() of its characters with seed 0.
 std::uint64_t hash_text(std::string_view text);
 
 /// Hashes the rows of a table. The result does not depend on the order of the rows: it is the sum, modulo
 /// 2^64, of the hashes of all rows. Row i belongs to the body ids[i], starts at first + i * stride and has
-/// `bytes` bytes; its hash is hash_bytes(), with `seed`, of its four-byte id followed by these bytes. Costs a
-/// few ns per row. Rows of 1 byte, or of a multiple of four bytes up to 64, are hashed by faster code.
+/// `bytes` bytes; the hash of the row is hash_bytes(), with `seed`, of the four-byte id followed by the bytes
+/// of the row. The number of rows is ids.size(); without rows the sum is 0. Costs a few ns per row. Rows of 1
+/// byte, or of a multiple of four bytes up to 64, are hashed by faster code; for other sizes the function
+/// allocates a buffer.
 std::uint64_t hash_rows(std::span<const BodyId> ids, const std::byte* first, std::size_t stride,
                         std::size_t bytes, std::uint64_t seed);
 
@@ -31,7 +33,7 @@ class HashStream {
   ~HashStream();
   HashStream(const HashStream&) = delete;
   HashStream& operator=(const HashStream&) = delete;
-  /// Appends bytes. The hash does not depend on how they are cut into pieces.
+  /// Appends bytes. The hash does not depend on how the bytes are divided among calls.
   void add(std::span<const std::byte> bytes);
   std::uint64_t hash() const;  ///< the hash of all bytes added so far; more may follow
 

@@ -15,7 +15,7 @@ struct Id {
   std::uint32_t value = std::numeric_limits<std::uint32_t>::max();  ///< the index; all ones is the invalid id
 
   constexpr Id() = default;
-  constexpr explicit Id(std::size_t v) : value(static_cast<std::uint32_t>(v)) {}  ///< v: the index, from 0
+  constexpr explicit Id(std::size_t v) : value(static_cast<std::uint32_t>(v)) {}  ///< index below 2^32 - 1
 
   /// False for a default-constructed id.
   constexpr bool valid() const { return value != std::numeric_limits<std::uint32_t>::max(); }
@@ -25,13 +25,13 @@ struct Id {
 };
 
 /// Identifies a body: a top-level model with everything attached to it. Bodies are numbered in the order of
-/// the world file. Ids are never reused, and they do not say where the data of the body are in memory (see
-/// Row).
+/// the world file. An id is never reused after the death of its body. It is not an index into the state
+/// tables: that is the Row of the body.
 using BodyId = Id<struct BodyIdKind>;
 /// Identifies a body type, which holds the data that identical bodies share.
 using TypeId = Id<struct TypeIdKind>;
 /// Identifies a row of the state tables. Every body that can move, sense, decide, be gripped or be pushed has
-/// a row, which holds its data. The row of a body does not change while its world exists.
+/// a row, which holds the state of the body. The row of a body does not change while its world exists.
 using Row = Id<struct RowKind>;
 
 }  // namespace troupe

@@ -31,11 +31,12 @@ struct SinCos {
   double sin;  ///< the sine, in [-1, 1]
   double cos;  ///< the cosine, in [-1, 1]
 };
-/// Computes sine and cosine with a single argument reduction. The bits are those of sin() and cos().
+/// Computes sine and cosine with a single argument reduction. The bits are those of sin() and cos(). NaN and
+/// +-inf give NaN.
 SinCos sincos(double radians);
 
-/// Computes the sines and cosines of many angles. Each result has the same bits as from sincos(double), but
-/// takes half the time, because the compiler vectorises the loop. `out` must have the size of
+/// Computes the sines and cosines of many angles, rad. Each result has the bits of sincos(double). This takes
+/// half the time of single calls, because the compiler vectorises the loop. `out` must have the size of
 /// `radians`. (There is no such function for atan2: because of its three divisions it would not be faster.)
 void sincos(std::span<const double> radians, std::span<SinCos> out);
 

@@ -6,13 +6,14 @@
 
 namespace troupe::math_tables {
 
-/// pi/2 as three short parts and a remainder; products of a part with an integer below 2^20 are exact.
+/// pi/2 as the sum of four doubles: three parts of at most 33 bits, whose products with an integer below 2^20
+/// are exact, and a remainder.
 inline constexpr double k_half_pi_parts[4] = {
     0x1.921fb54400000p+0, 0x1.0b4611a600000p-34,
     0x1.3198a2e000000p-69, 0x1.b839a252049c1p-104,
 };
 
-/// pi/2 as an unevaluated sum of two doubles.
+/// pi/2 as the sum of two doubles: the nearest double, and the remainder.
 inline constexpr double k_half_pi[2] = {
     0x1.921fb54442d18p+0, 0x1.1a62633145c07p-54,
 };
@@ -33,27 +34,27 @@ inline constexpr std::uint32_t k_two_over_pi_digits[42] = {
     0xf0cfbc20, 0x9af4361d,
 };
 
-/// (sin(x)/x - 1)/x^2 in powers of x^2 for |x| <= pi/4.
+/// Coefficients, lowest power first, of a polynomial in x^2 for (sin(x)/x - 1)/x^2, |x| <= pi/4.
 inline constexpr double k_sin[7] = {
     -0x1.5555555555555p-3, 0x1.1111111111110p-7, -0x1.a01a01a019938p-13,
     0x1.71de3a5460950p-19, -0x1.ae645412c4390p-26, 0x1.61217f0a95ad6p-33,
     -0x1.ab17d37ab5989p-41,
 };
 
-/// (cos(x) - 1 + x^2/2)/x^4 in powers of x^2 for |x| <= pi/4.
+/// Coefficients, lowest power first, of a polynomial in x^2 for (cos(x) - 1 + x^2/2)/x^4, |x| <= pi/4.
 inline constexpr double k_cos[6] = {
     0x1.5555555555555p-5, -0x1.6c16c16c16967p-10, 0x1.a01a019f4eaf9p-16,
     -0x1.27e4fa17d9624p-22, 0x1.1eeb68e88cbb9p-29, -0x1.907da2e9cd397p-37,
 };
 
-/// (atan(x)/x - 1)/x^2 in powers of x^2 for |x| <= 0.11.
+/// Coefficients, lowest power first, of a polynomial in x^2 for (atan(x)/x - 1)/x^2, |x| <= 0.11.
 inline constexpr double k_atan[8] = {
     -0x1.5555555555555p-2, 0x1.9999999999999p-3, -0x1.24924924922bfp-3,
     0x1.c71c71c6855c2p-4, -0x1.745d1685ee627p-4, 0x1.3b132cc452240p-4,
     -0x1.10de519a5595ep-4, 0x1.cd8bc95f320d5p-5,
 };
 
-/// For k = 0 .. 32: c = k/32 (0 for k < 4) and atan(c) as a sum of two doubles.
+/// Three numbers for each k = 0 .. 32: c = k/32 (0 for k < 4), and atan(c) as the sum of two doubles.
 inline constexpr double k_atan_table[99] = {
     0x0.0p+0, 0x0.0p+0, 0x0.0p+0,
     0x0.0p+0, 0x0.0p+0, 0x0.0p+0,
@@ -90,22 +91,22 @@ inline constexpr double k_atan_table[99] = {
     0x1.0000000000000p+0, 0x1.921fb54442d18p-1, 0x1.1a62633145c07p-55,
 };
 
-/// The leading bits of ln(2)/32: the product with an integer below 2^16 is exact.
+/// ln(2)/32, rounded to a multiple of 2^-42, so that the product with an integer below 2^16 is exact.
 inline constexpr double k_ln2_over_32_hi = 0x1.62e42fefa0000p-6;
 
-/// The remainder of ln(2)/32.
+/// ln(2)/32 minus k_ln2_over_32_hi.
 inline constexpr double k_ln2_over_32_lo = 0x1.cf79abc9e3b3ap-45;
 
 /// 32/ln(2).
 inline constexpr double k_32_over_ln2 = 0x1.71547652b82fep+5;
 
-/// (exp(x) - 1 - x)/x^2 in powers of x for |x| <= ln(2)/64.
+/// Coefficients, lowest power first, of a polynomial in x for (exp(x) - 1 - x)/x^2, |x| <= ln(2)/64.
 inline constexpr double k_exp[5] = {
     0x1.0000000000000p-1, 0x1.555555554dccap-3, 0x1.5555555551910p-5,
     0x1.11114faa79fd2p-7, 0x1.6c1700057e56ap-10,
 };
 
-/// For j = 0 .. 31: 2^(j/32) as a sum of two doubles.
+/// Two numbers for each j = 0 .. 31: 2^(j/32) as the sum of two doubles.
 inline constexpr double k_exp_table[64] = {
     0x1.0000000000000p+0, 0x0.0p+0,
     0x1.059b0d3158574p+0, 0x1.d73e2a475b465p-55,
@@ -141,13 +142,14 @@ inline constexpr double k_exp_table[64] = {
     0x1.f50765b6e4540p+0, 0x1.9d3e12dd8a18bp-54,
 };
 
-/// ln(2) to a multiple of 2^-42: the product with an exponent is exact.
+/// ln(2), rounded to a multiple of 2^-42, so that the product with the exponent of a double is exact.
 inline constexpr double k_ln2_hi = 0x1.62e42fefa3800p-1;
 
-/// The remainder of ln(2).
+/// ln(2) minus k_ln2_hi.
 inline constexpr double k_ln2_lo = 0x1.ef35793c76730p-45;
 
-/// For the 128 intervals of m in [0.6875, 1.375): c near 1/m to 9 bits; -ln(c) to 2^-42, and its remainder.
+/// Three numbers for each of 128 intervals of m in [0.6875, 1.375): c, a multiple of 2^-9 near 1/m; -ln(c),
+/// rounded to a multiple of 2^-42; the remainder of -ln(c).
 inline constexpr double k_log_table[384] = {
     0x1.7380000000000p+0, -0x1.7d4eeef5ef000p-2, 0x1.c9018f8f27d8fp-45,
     0x1.7100000000000p+0, -0x1.7664e1239e000p-2, 0x1.0c4fb6aeb27afp-44,
@@ -279,7 +281,7 @@ inline constexpr double k_log_table[384] = {
     0x1.7500000000000p-1, 0x1.44591e053a000p-2, -0x1.6e95892923d88p-47,
 };
 
-/// (ln(1 + x) - x + x^2/2)/x^3 in powers of x for |x| <= 2^-7: the Taylor series.
+/// Coefficients, lowest power first, of the Taylor series of (ln(1 + x) - x + x^2/2)/x^3, for |x| <= 2^-7.
 inline constexpr double k_log[7] = {
     0x1.5555555555555p-2, -0x1.0000000000000p-2, 0x1.999999999999ap-3,
     -0x1.5555555555555p-3, 0x1.2492492492492p-3, -0x1.0000000000000p-3,

@@ -62,10 +62,12 @@ for lowest in (-32, -65, -98):
     parts.append(part)
     rest -= part
 array(
-    "pi/2 as three short parts and a remainder; products of a part with an integer below 2^20 are exact.",
+    "pi/2 as the sum of four doubles: three parts of at most 33 bits, whose products with an integer below 2^20\n"
+    "/// are exact, and a remainder.",
     "k_half_pi_parts", parts + [rest], 2)
 hi = mp.mpf(rounded(mp.pi / 2))
-array("pi/2 as an unevaluated sum of two doubles.", "k_half_pi", [hi, mp.pi / 2 - hi], 2)
+array("pi/2 as the sum of two doubles: the nearest double, and the remainder.",
+      "k_half_pi", [hi, mp.pi / 2 - hi], 2)
 constant("2/pi.", "k_two_over_pi", 2 / mp.pi)
 constant("1/(2 pi).", "k_one_over_two_pi", 1 / (2 * mp.pi))
 
@@ -79,38 +81,44 @@ print("};")
 
 top = (mp.pi / 4 + mp.mpf(2) ** -20) ** 2
 polynomial(
-    "(sin(x)/x - 1)/x^2 in powers of x^2 for |x| <= pi/4.", "k_sin",
+    "Coefficients, lowest power first, of a polynomial in x^2 for (sin(x)/x - 1)/x^2, |x| <= pi/4.",
+    "k_sin",
     lambda z: (mp.sin(mp.sqrt(z)) / mp.sqrt(z) - 1) / z, mp.mpf(0), top, 7)
 polynomial(
-    "(cos(x) - 1 + x^2/2)/x^4 in powers of x^2 for |x| <= pi/4.", "k_cos",
+    "Coefficients, lowest power first, of a polynomial in x^2 for (cos(x) - 1 + x^2/2)/x^4, |x| <= pi/4.",
+    "k_cos",
     lambda z: (mp.cos(mp.sqrt(z)) - 1 + z / 2) / z**2, mp.mpf(0), top, 6)
 
 # -- atan at the multiples of 1/32; below 4/32 the polynomial needs no table
 polynomial(
-    "(atan(x)/x - 1)/x^2 in powers of x^2 for |x| <= 0.11.", "k_atan",
+    "Coefficients, lowest power first, of a polynomial in x^2 for (atan(x)/x - 1)/x^2, |x| <= 0.11.",
+    "k_atan",
     lambda z: (mp.atan(mp.sqrt(z)) / mp.sqrt(z) - 1) / z, mp.mpf(0), mp.mpf("0.11") ** 2, 8)
 rows = []
 for k in range(33):
     value = mp.atan(mp.mpf(k) / 32) if k >= 4 else mp.mpf(0)
     hi = mp.mpf(rounded(value))
     rows += [mp.mpf(k) / 32 if k >= 4 else mp.mpf(0), hi, value - hi]
-array("For k = 0 .. 32: c = k/32 (0 for k < 4) and atan(c) as a sum of two doubles.", "k_atan_table", rows, 3)
+array("Three numbers for each k = 0 .. 32: c = k/32 (0 for k < 4), and atan(c) as the sum of two doubles.",
+      "k_atan_table", rows, 3)
 
 # -- exp: 2^(j/32)
 part = cut(mp.log(2) / 32, -42)
-constant("The leading bits of ln(2)/32: the product with an integer below 2^16 is exact.", "k_ln2_over_32_hi", part)
-constant("The remainder of ln(2)/32.", "k_ln2_over_32_lo", mp.log(2) / 32 - part)
+constant("ln(2)/32, rounded to a multiple of 2^-42, so that the product with an integer below 2^16 is exact.",
+         "k_ln2_over_32_hi", part)
+constant("ln(2)/32 minus k_ln2_over_32_hi.", "k_ln2_over_32_lo", mp.log(2) / 32 - part)
 constant("32/ln(2).", "k_32_over_ln2", 32 / mp.log(2))
 edge = mp.log(2) / 64 * mp.mpf("1.001")
 polynomial(
-    "(exp(x) - 1 - x)/x^2 in powers of x for |x| <= ln(2)/64.", "k_exp",
+    "Coefficients, lowest power first, of a polynomial in x for (exp(x) - 1 - x)/x^2, |x| <= ln(2)/64.",
+    "k_exp",
     lambda x: (mp.exp(x) - 1 - x) / x**2 if abs(x) > mp.mpf(10) ** -50 else mp.mpf(0.5), -edge, edge, 5)
 rows = []
 for j in range(32):
     value = mp.mpf(2) ** (mp.mpf(j) / 32)
     hi = mp.mpf(rounded(value))
     rows += [hi, value - hi]
-array("For j = 0 .. 31: 2^(j/32) as a sum of two doubles.", "k_exp_table", rows, 2)
+array("Two numbers for each j = 0 .. 31: 2^(j/32) as the sum of two doubles.", "k_exp_table", rows, 2)
 
 # -- log: the argument m in [0.6875, 1.375), 128 intervals of its leading bits
 start = mp.mpf("0.6875")
@@ -135,13 +143,16 @@ for j in range(128):
     rows += [c, hi, value - hi]
 assert widest <= mp.mpf(2) ** -7
 part = cut(mp.log(2), -42)
-constant("ln(2) to a multiple of 2^-42: the product with an exponent is exact.", "k_ln2_hi", part)
-constant("The remainder of ln(2).", "k_ln2_lo", mp.log(2) - part)
+constant("ln(2), rounded to a multiple of 2^-42, so that the product with the exponent of a double is exact.",
+         "k_ln2_hi", part)
+constant("ln(2) minus k_ln2_hi.", "k_ln2_lo", mp.log(2) - part)
 array(
-    "For the 128 intervals of m in [0.6875, 1.375): c near 1/m to 9 bits; -ln(c) to 2^-42, and its remainder.",
+    "Three numbers for each of 128 intervals of m in [0.6875, 1.375): c, a multiple of 2^-9 near 1/m; -ln(c),\n"
+    "/// rounded to a multiple of 2^-42; the remainder of -ln(c).",
     "k_log_table", rows, 3)
 array(
-    "(ln(1 + x) - x + x^2/2)/x^3 in powers of x for |x| <= 2^-7: the Taylor series.", "k_log",
+    "Coefficients, lowest power first, of the Taylor series of (ln(1 + x) - x + x^2/2)/x^3, for |x| <= 2^-7.",
+    "k_log",
     [mp.mpf((-1) ** n) / (n + 3) for n in range(7)], 3)
 
 print("\n}  // namespace troupe::math_tables")

@@ -6,8 +6,8 @@
 
 namespace troupe {
 
-/// A point or a displacement in the plane, in metres unless stated otherwise. In the frame of a body x points
-/// forward and y to the left; in the world frame x points east and y north.
+/// A point or a displacement in the plane, in metres unless stated otherwise. In the frame of a body, x
+/// points forward and y to the left. In the world frame, x points east and y north.
 using Vec2 = Eigen::Vector2d;
 
 /// Position and heading in 2.5 dimensions: z is a height, and rotation is about z only. Metres and radians;
@@ -55,7 +55,7 @@ struct Transform {
 };
 
 /// Combines two poses: returns pose_a_c from pose_a_b and pose_b_c. The heading is wrapped into [-pi, pi].
-/// transform_a_b must equal Transform(pose_a_b). It is a parameter so that a caller that combines one
+/// transform_a_b must equal Transform(pose_a_b). This parameter exists so that a caller that combines one
 /// pose_a_b with many poses can compute the transform once.
 inline Pose compose(const Pose& pose_a_b, const Transform& transform_a_b, const Pose& pose_b_c) {
   const Vec2 p = transform_a_b * pose_b_c.position();

@@ -7,14 +7,14 @@
 namespace troupe {
 
 /// The random number generator Philox4x32-10 (Salmon, Moraes, Dror, Shaw: Parallel random numbers: as easy as
-/// 1, 2, 3; SC 2011). It is a pure function: the same counter and key give the same four random words on
-/// every machine.
+/// 1, 2, 3; SC 2011). The function is pure: the same counter and key give the same four random words on every
+/// machine.
 std::array<std::uint32_t, 4> philox4x32(std::array<std::uint32_t, 4> counter,
                                         std::array<std::uint32_t, 2> key);
 
 /// Returns the number of a random stream: a hash of the name of a kind (such as the sensor kind `ranger`) and
-/// the name of its instance (such as `laser`). Every instance has its own stream, so adding a noisy sensor
-/// does not change the random numbers of any other sensor.
+/// the name of one of its instances (such as `laser`). Every instance has a stream of its own, so adding a
+/// noisy sensor does not change the random numbers of any other sensor.
 std::uint32_t stream_id(std::string_view kind, std::string_view instance);
 
 /// A sequence of random numbers for one entity (usually a body, by its id), in one stream, at one tick. A
@@ -29,7 +29,8 @@ class Random {
   std::uint32_t bits();
   /// Returns a uniformly distributed number in [0, 1) with 53 random bits; uses two draws.
   double uniform();
-  /// Returns a uniformly distributed number in [low, high); uses two draws.
+  /// Returns a uniformly distributed number in [low, high); uses two draws. If `high` is not above `low`,
+  /// returns `low`.
   double uniform(double low, double high);
   /// Returns a uniformly distributed integer from 0 to n - 1, without bias; n must be positive. Uses one
   /// draw, rarely more.
@@ -39,7 +40,8 @@ class Random {
   double normal();
   /// Returns an exponentially distributed number with mean 1; uses two draws.
   double exponential();
-  /// Permutes the items; all permutations are equally likely (Fisher-Yates).
+  /// Permutes the items; all permutations are equally likely (Fisher-Yates). Uses about one draw per item.
+  /// Sequence: a type with size() and operator[], with fewer than 2^32 items.
   template <class Sequence>
   void shuffle(Sequence& items) {
     for (std::uint32_t n = static_cast<std::uint32_t>(items.size()); n > 1; --n) {
@@ -70,9 +72,11 @@ inline std::uint64_t mix_in(std::uint64_t mixture, std::uint64_t value) {
   return scramble(mixture + value + k_step);
 }
 
-/// A 64-bit hash of a seed and a tick, for priorities of robots: every bit depends on every input bit.
+/// A 64-bit hash of a seed and a tick. Every bit of the result depends on every bit of the seed and the tick.
 inline std::uint64_t mix(std::uint64_t seed, std::uint64_t tick) { return mix_in(mix_in(0, seed), tick); }
-/// A 64-bit hash of a seed, a tick and an id, for priorities of robots: every bit depends on every input bit.
+/// A 64-bit hash of a seed, a tick and an id. Every bit of the result depends on every bit of the three
+/// numbers. Conflicts between motions are resolved in the order of these hashes of the bodies, which is
+/// another order in each tick.
 inline std::uint64_t mix(std::uint64_t seed, std::uint64_t tick, std::uint64_t id) {
   return mix_in(mix(seed, tick), id);
 }

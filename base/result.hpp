@@ -7,13 +7,13 @@
 
 namespace troupe {
 
-/// The reason for a failure, as part of a sentence. It has no full stop and does not name the place in the
-/// input; the caller that reports the error adds the place (base/diagnostics.hpp).
+/// The reason for a failure, as part of a sentence. The text has no full stop and does not name the place in
+/// the input; the caller that reports the error adds the place (base/diagnostics.hpp).
 struct Error {
   std::string text;  ///< for example "needs a radio"
 };
 
-/// A value, or an error that says why there is none:
+/// A value, or an error that says why there is no value:
 ///
 ///     Result<Image> read_image(...);
 ///     if (const Result<Image> image = read_image(...))

@@ -11,29 +11,29 @@
 namespace troupe::partition {
 
 /// A circle that encloses a body, metres, world frame: an entry of a spatial index. Its coordinates and
-/// radius are floats, so that four circles fill a cache line and kernels load them directly. Because of the
-/// rounding to float, the circle is slightly larger than the body's own circle, which is centred on the
-/// body's origin. The exact position of the body is found by its row, the index of the body in the arrays
-/// passed to BodyIndex::rebuild().
+/// radius are floats, so that four circles fill a cache line and kernels load them directly. To cover the
+/// rounding to float, the circle is slightly larger than the exact one, which is centred on the body's
+/// origin. The member `row` is the index of the body in the arrays passed to BodyIndex::rebuild(), which hold
+/// its exact position.
 struct BodyCircle {
   float x;            ///< x of the centre (east)
   float y;            ///< y of the centre (north)
-  float radius;       ///< negative if the body is absent; queries return no such circle
-  std::uint32_t row;  ///< row of the body; in FixedOutlines the number of a piece of an outline
+  float radius;       ///< slightly more than the exact radius
+  std::uint32_t row;  ///< row of the body; in FixedOutlines, the number of a piece of an outline
 };
 
-/// Makes a BodyCircle that encloses the circle with this radius about this position (m, world frame).
-/// Rounding a coordinate c to float moves it by at most 2^-24 |c|, or 2^-150 if c is smaller than the normal
-/// floats. Rounding therefore moves the centre by at most 2^-24 (|x| + |y|) + 2^-149. The radius is increased
-/// by slightly more, and then multiplied by 1 + 2^-22 because it is rounded itself. The increase is 12
-/// micrometres at x = y = 100 m and 12 millimetres at x = y = 100 km. row: stored in the circle.
+/// Makes a BodyCircle that encloses the circle with this radius about this position (m, world frame). `row`
+/// is stored in the result. Rounding a coordinate c to float moves it by at most 2^-24 |c|, or 2^-150 if c is
+/// smaller than the normal floats. Rounding therefore moves the centre by at most 2^-24 (|x| + |y|) + 2^-149.
+/// The radius is increased by slightly more, and then multiplied by 1 + 2^-22 because it is rounded itself.
+/// The increase is 12 micrometres at x = y = 100 m and 12 millimetres at x = y = 100 km.
 inline BodyCircle enclosing_circle(const Vec2& position, double radius, std::uint32_t row) {
   const double shift = 0x1p-24 * (std::abs(position.x()) + std::abs(position.y())) + 0x1p-120;
   return {static_cast<float>(position.x()), static_cast<float>(position.y()),
           static_cast<float>((radius + shift) * (1 + 0x1p-22)), row};
 }
 
-/// The radius that marks a body as absent.
+/// The radius, in the argument `radii` of BodyIndex::rebuild(), of a body that is not in the world.
 inline constexpr double k_not_there = -1;
 
 /// A spatial index of the mobile bodies: their circles in one array, sorted by grid cell, and within a cell
@@ -45,20 +45,22 @@ inline constexpr double k_not_there = -1;
 /// largest radius of such bodies. A wider body, called a wide body below, is listed in every cell that it
 /// touches, so that one truck does not expand every query.
 ///
-/// A row with a negative radius (k_not_there) is not in the index.
+/// A row with a negative radius (k_not_there) is not in the index. Before the first rebuild(), the index is
+/// empty.
 class BodyIndex {
  public:
   BodyIndex() = default;
   explicit BodyIndex(const GridGeometry& geometry) : geometry_(geometry) {}  ///< an empty index
 
   /// Reserves memory for bodies anywhere in the box `ground` (metres, world frame), but for at most 2^14
-  /// tiles. Afterwards rebuild() allocates only if there are more rows than in any earlier call, or if bodies
-  /// are in more tiles than were reserved.
+  /// tiles. An empty box reserves nothing. Afterwards rebuild() allocates only if there are more rows than in
+  /// any earlier call, or if bodies are in more tiles than were reserved.
   void reserve(const Box& ground);
 
-  /// Replaces the contents. places, radii: the pose of each row's body and the radius of the circle about its
-  /// origin, metres, world frame; a negative radius means that the body is absent. Queries read both arrays,
-  /// so these must stay valid and unchanged until the next rebuild().
+  /// Replaces the contents. places, radii: one entry per row: the pose of the body (metres, world frame), and
+  /// the radius (metres) of the circle about its origin that encloses it; a negative radius means that the
+  /// body is absent. The position of a body that is not absent must not be NaN. Queries read both arrays, so
+  /// the caller must keep them valid and unchanged until the next rebuild().
   void rebuild(std::span<const Transform> places, std::span<const double> radii, Parallel& parallel);
 
   /// Calls visit(span of circles) for runs: consecutive entries of the index, from neighbouring cells. The
@@ -84,8 +86,8 @@ class BodyIndex {
                             });
   }
 
-  /// Calls visit(circle) once for every body whose circle may touch the box, and for some that do not touch
-  /// it.
+  /// Calls visit(circle) once for every body whose circle may touch the box (metres, world frame), and once
+  /// for some bodies whose circles do not touch it.
   template <class Visit>
   void for_each_near(const Box& box, Visit&& visit) const {
     const Box reach = box.expanded(small_radius_);
@@ -103,17 +105,17 @@ class BodyIndex {
                             });
   }
 
-  /// All rows in the index, each once. They are sorted by the tile that contains the origin of the row's
-  /// body, then by block within the tile, then by cell, then by row. If rows are processed in this order, the
-  /// data of their neighbours are often still in the caches.
+  /// All rows in the index, each once; valid until the next rebuild(). Rows whose bodies have their origins
+  /// in the same tile are adjacent. Within a tile, rows are sorted by block, then by cell, then by row. If
+  /// rows are processed in this order, the data of their neighbours are often still in the caches.
   std::span<const std::uint32_t> order() const { return order_; }
   /// A number that identifies the cell of the origin of the row's body: two rows have equal numbers if and
-  /// only if their origins are in one cell. Valid until the next rebuild().
+  /// only if their origins are in one cell. The row must be in the index. Valid until the next rebuild().
   std::uint32_t home(std::uint32_t row) const { return homes_[row]; }
-  /// Number of known tiles: those that contain bodies, and some that recently did.
+  /// Number of known tiles: those in which bodies are listed, and some in which bodies were listed earlier.
   std::size_t tiles() const { return directory_.size(); }
   const GridGeometry& geometry() const { return geometry_; }  ///< sizes of the cells and tiles of the index
-  /// The largest radius of the bodies that are not wide (not wider than a cell), metres.
+  /// The largest radius of the bodies that are not wide (not wider than a cell), metres; 0 if there are none.
   double largest_small_radius() const { return small_radius_; }
   /// Whether there are wide bodies, which for_each_run() may visit several times.
   bool has_wide() const { return has_wide_; }

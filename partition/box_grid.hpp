@@ -9,16 +9,18 @@
 namespace troupe::partition {
 
 /// An index of static boxes by the grid cells that they touch. The grid has about as many cells as there are
-/// boxes. A box that covers many cells, such as that of a floor plan among a thousand crates, is kept in a
-/// separate list instead of in each of its cells; every query visits the boxes of that list.
+/// boxes, but at most 1024 x 1024. A box that covers more than 64 cells, such as the box of a floor plan
+/// among a thousand crates, is kept in a separate list instead of in each of its cells. Every query visits
+/// the boxes of that list.
 class BoxGrid {
  public:
   BoxGrid() = default;
   /// Indexes the boxes. Queries report a box by its position in `boxes` and never report an empty box.
   explicit BoxGrid(std::span<const Box> boxes);
 
-  /// Calls visit(index of a box) at least once for each box that touches `box`, and also for some that do
-  /// not. Stops when a call returns true. Returns whether a call returned true.
+  /// Calls visit(i), with the index i of an indexed box, until a call returns true, and returns whether a
+  /// call did. If none does, visit() is called at least once for each indexed box that touches `box`, and
+  /// also for some that do not touch it.
   template <class Visit>
   bool any_near(const Box& box, Visit&& visit) const {
     for (const std::uint32_t i : wide_)

@@ -5,7 +5,8 @@
 namespace troupe::partition {
 
 /// True if some piece of one shape overlaps, touches or comes within `distance` (metres, inclusive) of some
-/// piece of the other, seen from above: heights are ignored. Computed in double.
+/// piece of the other, seen from above: heights are ignored. False if a shape has no pieces. `distance` must
+/// not be negative.
 bool come_within(const PlacedShape& a, const PlacedShape& b, double distance);
 
 }  // namespace troupe::partition

@@ -8,9 +8,10 @@ namespace troupe::partition {
 
 /// Makes a table of permutations of the lanes of a SIMD vector: one for each bit mask of kLanes bits, in the
 /// order of the masks. A permutation moves the lanes that its mask selects to the front of the vector and
-/// keeps their order. If kBytes is 1, a permutation is stored as one index per lane: the lane that moves
-/// there. Otherwise a lane has kBytes bytes, and a permutation is stored as one index per byte: the byte that
-/// moves there. The entries after those of the selected lanes are 0.
+/// keeps their order. If kBytes is 1, a permutation has one entry per lane of the result: the index of the
+/// lane that moves to this place. Otherwise a lane has kBytes bytes, and a permutation has one entry per byte
+/// of the result: the index of the byte that moves to this place. The entries after those of the selected
+/// lanes are 0.
 template <std::size_t kLanes, std::size_t kBytes>
 constexpr std::array<std::uint8_t, (kLanes * kBytes) << kLanes> compress_table() {
   std::array<std::uint8_t, (kLanes * kBytes) << kLanes> table{};
@@ -23,8 +24,8 @@ constexpr std::array<std::uint8_t, (kLanes * kBytes) << kLanes> compress_table()
   return table;
 }
 
-/// The permutations by lanes, for vectors of eight lanes. They take 2 KiB. Four bits per lane would halve the
-/// size but cost two more instructions per use.
+/// The permutations by lanes, for vectors of eight lanes. The table takes 2 KiB. Four bits per lane would
+/// halve its size but cost two more instructions per use.
 alignas(64) inline constexpr auto k_compress_lanes = compress_table<8, 1>();
 /// The permutations by bytes, for vectors of four lanes of four bytes.
 alignas(64) inline constexpr auto k_compress_bytes = compress_table<4, 4>();

@@ -16,24 +16,26 @@ struct FixedEdge {
   std::uint32_t solid;  ///< the solid of the edge: index into StaticScene::solids()
 };
 
-/// The outlines of the static scene, for rangers and other sensors. They are divided into pieces: short
-/// chains of edges, each with an enclosing circle. The circles are indexed by the grid cell of their centre.
-/// A ranger skips a piece if its beams cannot reach the circle of the piece, as it does for bodies. An edge
-/// longer than `piece_m` (see the constructor) is a piece of its own with several circles. The edge is not
-/// cut, because cutting would change the bits of readings.
+/// The outlines of the static scene, for rangers and other sensors. The outlines are divided into pieces:
+/// short chains of edges, each with an enclosing circle. A grid indexes the circles by the cells of their
+/// centres. A ranger skips a piece if its beams cannot reach the circle of the piece, as it does for bodies.
+/// An edge longer than `piece_m` (see the constructor) is a piece of its own, which several circles together
+/// enclose. The edge is not cut, because cutting would change the bits of readings. A default-constructed
+/// object has no pieces.
 class FixedOutlines {
  public:
   FixedOutlines() = default;
-  /// edges: the edges of each outline must follow one another. piece_m: side of the cells of the grid, and
-  /// largest width of a piece that has several edges, metres; it affects the speed, never a reading.
+  /// edges: in the order of the outlines; only consecutive edges that share an end are joined to a piece.
+  /// piece_m: side of the cells of the grid, and largest diagonal of the bounding box of a piece that has
+  /// several edges, metres, above 0. It affects the speed, never a reading.
   FixedOutlines(std::span<const FixedEdge> edges, double piece_m);
 
   /// The grid of the circles' centres.
   const GridGeometry& geometry() const { return geometry_; }
 
-  /// Calls visit(span of circles) for the circles with centres in the cells from low to high, both included,
-  /// a few at a time. The member `row` of a circle is the number of its piece. A piece may have several
-  /// circles.
+  /// Calls visit(span of circles) for all circles with centres in the cells from low to high, both included:
+  /// one call for the circles of each row of cells within a tile. The member `row` of a circle is the number
+  /// of its piece. A piece may have several circles.
   template <class Visit>
   void for_each_run(Cell low, Cell high, Visit&& visit) const {
     partition::for_each_run(geometry_, directory_, low, high,
@@ -52,14 +54,16 @@ class FixedOutlines {
     for_each_run(geometry_.cell(centres.min), geometry_.cell(centres.max), visit);
   }
 
-  /// The vertices of a piece. Its edges run from each vertex to the next, and all belong to one solid.
+  /// The vertices of a piece, world frame, metres. The edges of the piece run from each vertex to the next,
+  /// and all belong to one solid. At least k_most_edges - 1 more vertices are readable beyond the end, as
+  /// EdgeBlock::add() needs. piece: its number (BodyCircle::row).
   std::span<const Vec2> chain(std::uint32_t piece) const {
     return {&vertices_[pieces_[piece].first], pieces_[piece].vertices};
   }
-  /// The solid of a piece: index into StaticScene::solids().
+  /// The solid of a piece: index into StaticScene::solids(). piece: its number (BodyCircle::row).
   std::uint32_t solid(std::uint32_t piece) const { return pieces_[piece].solid; }
   static constexpr std::uint32_t k_most_edges = 8;  ///< most edges of a piece
-  /// The largest radius of the circles, metres.
+  /// The largest radius of the circles, metres; 0 if there are none.
   double largest_radius() const { return largest_radius_; }
 
  private:

@@ -11,7 +11,8 @@
 namespace troupe::partition {
 
 /// The transports (partition/transport.hpp) between ranks that are threads of this process. A rank is one of
-/// the threads that compute a world together. Each rank has a mailbox to which the other ranks add messages.
+/// the threads that compute a world together, numbered from 0. Each rank has a mailbox to which the other
+/// ranks add messages.
 class Mailboxes {
  public:
   /// seed: if it is given, messages arrive late and in a random order that follows from the seed, as they may
@@ -24,10 +25,11 @@ class Mailboxes {
   Mailboxes(const Mailboxes&) = delete;
   Mailboxes& operator=(const Mailboxes&) = delete;
 
-  Transport& of(unsigned rank);  ///< the transport of a rank; valid while this object lives
-  /// Tells all ranks that a rank has failed. Calls of receive() that wait for a message, and later calls that
-  /// find no message, then throw RankError with this text. Only the text of the first call counts.
-  /// Thread-safe.
+  /// The transport of a rank, which must be below the number of ranks; valid while this object lives.
+  Transport& of(unsigned rank);
+  /// Tells all ranks that a rank has failed. Calls of Transport::receive() that wait for a message, and later
+  /// calls that find no message, then throw RankError with this text. Messages sent earlier are still
+  /// received. Only the text of the first call counts. Thread-safe.
   void close(const std::string& reason);
 
  private:

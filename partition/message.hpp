@@ -20,12 +20,13 @@ using Message = std::vector<std::byte>;
 /// Appends values to a message.
 class MessageWriter {
  public:
-  /// Appends a number, or a struct without pointers.
+  /// Appends the bytes of a number or of a struct without pointers.
   template <class T>
   void put(const T& value) {
     static_assert(std::is_trivially_copyable_v<T>);
     put_bytes(std::as_bytes(std::span(&value, 1)));
   }
+  /// Appends bytes, without their number.
   void put_bytes(std::span<const std::byte> bytes) {
     message_.insert(message_.end(), bytes.begin(), bytes.end());
   }
@@ -36,19 +37,21 @@ class MessageWriter {
   }
   void reserve(std::size_t bytes) { message_.reserve(bytes); }  ///< allocates room for a whole message
   std::size_t size() const { return message_.size(); }          ///< length so far, bytes
-  Message take() { return std::move(message_); }                ///< moves the message out of this object
+  Message take() { return std::move(message_); }                ///< moves the message out; size() is then 0
 
  private:
   Message message_;
 };
 
-/// Reads values from a message, in the order in which they were appended. All functions throw
-/// std::logic_error if the message is too short. The message must outlive this object.
+/// Reads values from a message, in the order in which a MessageWriter appended them. get(), get_bytes() and
+/// get_text() throw std::logic_error if fewer bytes are left than they need. The message must outlive this
+/// object.
 class MessageReader {
  public:
   MessageReader() = default;  ///< reads an empty message
   explicit MessageReader(std::span<const std::byte> message) : rest_(message) {}
 
+  /// Reads a value that put() appended; T must be the same type.
   template <class T>
   T get() {
     static_assert(std::is_trivially_copyable_v<T>);
@@ -56,10 +59,12 @@ class MessageReader {
     get_bytes(std::as_writable_bytes(std::span(&value, 1)));
     return value;
   }
+  /// Fills the whole span `bytes` with the next bytes of the message.
   void get_bytes(std::span<std::byte> bytes) {
     const std::span<const std::byte> from = take(bytes.size());
     if (!from.empty()) std::memcpy(bytes.data(), from.data(), from.size());
   }
+  /// Reads a text that put_text() appended.
   std::string get_text() {
     const std::span<const std::byte> text = take(get<std::uint64_t>());
     return {reinterpret_cast<const char*>(text.data()), text.size()};

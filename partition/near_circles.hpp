@@ -12,8 +12,9 @@
 
 namespace troupe::partition {
 
-/// A list of circles, with one array per component so that kernels load several circles at a time, metres.
-/// The arrays never shrink and may have more entries than there are circles.
+/// A list of circles, with one array per component so that kernels load several circles at a time. All values
+/// are in metres; the object that owns the list states the frame of the centres. The arrays never shrink and
+/// may have more entries than there are circles.
 struct CircleArrays {
   std::vector<float> x;            ///< x of the centres
   std::vector<float> y;            ///< y of the centres
@@ -47,8 +48,8 @@ class NearCircles {
  public:
   /// Begins an empty list for a disc. centre: the centre of the disc, world frame, m. reach: its radius, m.
   void begin(const Vec2& centre, double reach);
-  /// Adds each body whose circle reaches into the disc, once, unless skip(row) is true. Some circles may be
-  /// slightly outside the disc.
+  /// Adds the circle of each body that reaches into the disc, once, unless skip(row of the body) is true.
+  /// Also adds some circles that are slightly outside the disc. begin() must have been called.
   template <class Skip>
   void add_bodies(const BodyIndex& index, Skip&& skip) {
     // Wide bodies are stored in several cells of the index.
@@ -67,18 +68,20 @@ class NearCircles {
       size_ = kept;
     });
   }
-  /// Adds the pieces of outlines that reach into the disc and are at most `within` (m) away from its centre.
-  /// A piece may be added several times. The bits of `mark` are set in CircleArrays::row of each piece, to
-  /// tell pieces from bodies.
+  /// Adds the circles of outline pieces that reach into the disc. Circles farther than `within` (m) from the
+  /// centre of the disc may be omitted, so that the search is shorter. A piece that has several circles is
+  /// added several times. The bits of `mark` are set in CircleArrays::row of each added circle, to tell
+  /// pieces from bodies. begin() must have been called.
   void add_pieces(const FixedOutlines& outlines, double within, std::uint32_t mark);
-  /// Removes all circles but the first `size`.
+  /// Removes all circles but the first `size`, which must be at most size().
   void keep(std::size_t size) { size_ = size; }
   /// Reserves memory for this many circles.
   void make_room(std::size_t size) { circles_.make_room(size); }
 
   std::size_t size() const { return size_; }  ///< number of circles
-  /// The circles; their centres are relative to the centre of the disc. The circles are widened by more than
-  /// the rounding errors of their centres and radii.
+  /// The circles. Their centres are relative to the centre of the disc, along the axes of the world frame.
+  /// Their radii are increased by more than the rounding errors of centres and radii. Only the first size()
+  /// entries of the arrays are circles.
   const CircleArrays& circles() const { return circles_; }
 
  private:

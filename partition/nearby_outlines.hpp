@@ -12,8 +12,8 @@
 
 namespace troupe::partition {
 
-/// Consecutive circles in memory. Three more must be readable beyond the end, because kernels load several at
-/// a time.
+/// Consecutive circles in memory. Three more circles must be readable beyond the end, because kernels load
+/// several circles at a time.
 using CircleRun = std::span<const BodyCircle>;
 /// Copies the circles of all runs, one after another, to the entries of `out` from index `size` on. Sets the
 /// bits of `mark` in CircleArrays::row of the copies. `out` must have room for three more circles than are
@@ -21,8 +21,9 @@ using CircleRun = std::span<const BodyCircle>;
 void unpack(std::span<const CircleRun> runs, std::uint32_t mark, std::size_t size, CircleArrays& out);
 
 /// The circles that the rays of sensors in one block of cells (see GridGeometry) may hit: the circles of
-/// bodies and of pieces of static outlines. They are divided into bands by their distance from the block,
-/// near ones first. A band is gathered on first use and then serves all sensors in the block. In a crowd most
+/// bodies and of pieces of static outlines. The circles are divided into bands by their distance from the
+/// block; band 0 is the nearest. A wide body (see BodyIndex) may be in several bands, and several times in
+/// one band. A band is gathered on first use and then serves all sensors in the block. In a crowd most
 /// sensors need only the first band.
 class NearbyOutlines {
  public:
@@ -34,15 +35,16 @@ class NearbyOutlines {
   /// geometry: the grid of `bodies`, whose blocks are used. reach: largest distance from a sensor at which
   /// its rays may hit a circle, metres.
   void begin(const BodyIndex& bodies, const FixedOutlines& fixed, const GridGeometry& geometry, double reach);
-  /// Makes the block that contains this point (world frame, metres) the current block. The other members
-  /// refer to this block. If the block changes, all bands are gathered again on their next use.
+  /// Makes the block that contains this point (world frame, metres) the current block, to which the members
+  /// below refer. If the block changes, all bands are gathered again on their next use. begin() must have
+  /// been called.
   void set_block_of(const Vec2& point);
 
   /// Number of bands. Together they contain every circle within the reach of any point of the block, and some
   /// that are farther away.
   std::size_t bands() const { return radii_.size(); }
-  /// A distance in metres: every circle closer than this to any point of the block is in this band or an
-  /// earlier one.
+  /// The outer radius of a band, metres: every circle closer than this to any point of the block is in this
+  /// band or an earlier one. That of the last band is the argument `reach` of begin().
   double radius(std::size_t band) const { return radii_[band]; }
   /// The range of a band in circles(). Bands are padded to a multiple of k_circle_padding with circles that
   /// no beam hits.
@@ -50,12 +52,13 @@ class NearbyOutlines {
     std::size_t begin;  ///< index of its first circle in circles()
     std::size_t end;    ///< index one past its last circle
   };
-  /// The range of a band, which must be below bands(). Gathers the band on first use.
+  /// The range of a band, which must be below bands(). Gathers this band and all earlier ones on first use.
+  /// set_block_of() must have been called since begin().
   Band band(std::size_t band) {
     while (ends_.size() <= band) gather(ends_.size());
     return {band == 0 ? 0 : ends_[band - 1], ends_[band]};
   }
-  /// The circles of all bands gathered so far; grows when the next band is gathered.
+  /// The circles of all bands gathered so far, world frame; grows when the next band is gathered.
   const CircleArrays& circles() const { return circles_; }
   /// The distance from a sensor, metres, up to which the sensor should search the first band before it
   /// searches the rest of that band. On average about k_nearest_shell_circles circles are within this

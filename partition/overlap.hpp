@@ -12,8 +12,8 @@ struct PieceCircle {
   Vec2 centre;    ///< centre of the piece's bounding box
   double radius;  ///< distance from the centre to the piece's farthest corner
 };
-/// The circle that encloses an outline, about the centre of its bounding box. The outline must have at least
-/// one corner.
+/// The circle that encloses an outline, about the centre of its bounding box, metres, in the frame of the
+/// outline. The outline must have at least one corner.
 PieceCircle circle_about(const Ring& outline);
 
 /// The shape of a body for overlap(): convex prisms in the body frame.
@@ -22,8 +22,8 @@ struct ObstacleShape {
   std::vector<PieceCircle> circles;  ///< enclosing circles, one per piece
   std::size_t vertices = 0;          ///< number of vertices of all pieces
   double radius = 0;    ///< radius of the circle about the body's origin that encloses the body, m
-  double thinnest = 0;  ///< smallest width of any piece, m
-  ZInterval z;          ///< the interval that encloses the heights of all pieces
+  double thinnest = 0;  ///< smallest width of any piece (convex_width()), m; 0: no pieces
+  ZInterval z;          ///< the interval that encloses the heights of all pieces, body frame, m
 
   bool empty() const { return pieces.empty(); }  ///< true if the body blocks nothing
 };
@@ -33,7 +33,7 @@ struct ObstacleShape {
 /// of a corner's position, which is 1.5e-11 m at 100 km from the origin.
 inline constexpr double k_rounding_m = 1e-9;
 
-/// Makes a shape from the convex pieces of a body's obstacle solids.
+/// Makes a shape from the convex pieces of a body's obstacle solids (convex_pieces()), body frame, m.
 ObstacleShape make_obstacle_shape(std::span<const ConvexPrism> pieces);
 
 /// Returns the shape with every edge of every piece moved inwards by `depth`, m. A body that penetrates the

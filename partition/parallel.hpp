@@ -9,9 +9,9 @@ namespace troupe::partition {
 /// Runs parallel loops on several threads. The step of a world does all its parallel work through this class.
 ///
 /// There are two equivalent backends: oneTBB, and plain std::thread (CMake option TROUPE_STD_THREADS), which
-/// the thread sanitizer understands. The constructor restores the default floating-point environment of the
-/// calling thread, and each worker thread restores its own before its first task
-/// (base/fp_environment.hpp).
+/// the thread sanitizer understands. The constructor restores the default floating-point environment
+/// (base/fp_environment.hpp) of the calling thread, and each worker thread restores its own environment
+/// before its first task. One thread at a time may use an object.
 class Parallel {
  public:
   static constexpr unsigned k_most_threads = 1024;  ///< largest number of threads
@@ -43,8 +43,9 @@ class Parallel {
 
   /// Calls task(i) once for each i from 0 to count - 1 and returns when all calls are done. The calls run in
   /// any order, on the worker threads and the calling thread. Tasks should be coarse (some tens of
-  /// microseconds) and must write only data that no other task of the loop reads or writes. If tasks throw,
-  /// the others still run; then the exception of the task with the lowest index is rethrown.
+  /// microseconds), must write only data that no other task of the loop reads or writes, and must not call
+  /// for_each() of the same object. If tasks throw, the others still run; then the exception of the task with
+  /// the lowest index is rethrown.
   template <class Task>
   void for_each(std::size_t count, Task&& task) {
     run(

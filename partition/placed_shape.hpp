@@ -11,7 +11,8 @@ namespace troupe::partition {
 /// vertex again; nothing is stored.
 class PlacedRing {
  public:
-  /// transform: from the frame of the ring to the other frame. Both arguments must outlive the object.
+  /// transform: from the frame of the ring to the other frame. `ring` and `transform` must outlive the
+  /// object.
   PlacedRing(const Ring& ring, const Transform& transform) : ring_(ring), transform_(transform) {}
   std::size_t size() const { return ring_.size(); }  ///< number of vertices
   /// The i-th vertex, transformed.
@@ -22,7 +23,8 @@ class PlacedRing {
   const Transform& transform_;
 };
 
-/// True if two convex counter-clockwise polygons share area; polygons that only touch do not.
+/// True if two convex counter-clockwise polygons in the same frame share area. Polygons that only touch do
+/// not.
 bool convex_overlap(std::span<const Vec2> a, std::span<const Vec2> b);
 
 /// True if the segment from s0 to s1 enters the interior of a convex counter-clockwise polygon.
@@ -71,7 +73,8 @@ class PlacedShape {
   std::array<Vec2, 128> vertices_;  // of all pieces, if they fit
 };
 
-/// True if the shapes share area at a common height, see overlap.hpp.
+/// The function overlap() of overlap.hpp for shapes that are already placed: true if the shapes share area at
+/// a common height. The caller must pass the body with the lower id as `a`.
 bool overlap(const PlacedShape& a, const PlacedShape& b);
 
 /// A fast test that compares only the circles about the pieces and ignores heights. If it returns false, no
@@ -80,8 +83,9 @@ bool overlap(const PlacedShape& a, const PlacedShape& b);
 bool pieces_in_reach(const ObstacleShape& a, const Transform& at_a, const ObstacleShape& b,
                      const Transform& at_b, double distance);
 
-/// A fast test. If it returns false, shapes with these radii (metres) about these positions (world frame)
-/// cannot overlap; if it returns true, they may. overlap() calls it first.
+/// A fast test. a, b: origins of two shapes, metres, world frame. radius_a, radius_b: radii about these
+/// origins that enclose the shapes, metres. If the function returns false, the shapes cannot overlap; if it
+/// returns true, they may. overlap() calls it first.
 inline bool in_reach(const Vec2& a, double radius_a, const Vec2& b, double radius_b) {
   const double reach = radius_a + radius_b + k_rounding_m;
   const double dx = b.x() - a.x();

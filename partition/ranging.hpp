@@ -13,18 +13,18 @@
 namespace troupe::partition {
 
 /// The arithmetic of the exact ray engine: edges are projected on all beams of a fan at once. docs/sensing.md
-/// derives it and its error bounds.
+/// derives the formulas and their error bounds.
 ///
 /// Positions relative to the fan's reference point are computed in double and rounded once to float, so that
 /// two edges with a common vertex use the same value. For a beam with direction d and origin o, and a vertex
-/// v, the sign of c = (v - o) x d tells on which side of the beam v is. The beam hits edge (a, b) if c_a and
-/// c_b are on different sides. Zero counts as both sides, so that no beam passes between two edges at their
-/// vertex. The inverse range is (d x e) / A, with the edge vector e = b - a and A = (a - o) x (b - o); it is
-/// negative if the edge is behind the origin.
+/// v, the sign of c = (v - o) x d tells on which side of the beam v is; x denotes the cross product in the
+/// plane. The beam hits edge (a, b) if c_a and c_b are on different sides. Zero counts as both sides, so that
+/// no beam passes between two edges at their vertex. The inverse range is (d x e) / A, with the edge vector e
+/// = b - a and A = (a - o) x (b - o); it is negative if the edge is behind the origin.
 ///
 /// e and a x b are computed in double and then rounded to float. In exact arithmetic, c_a - c_b would also
-/// give d x e, and the rounded ends would also give a x b. In floats, both would lose all digits for an edge
-/// that is short compared to its distance (0.3 mm of error for an edge of 5 mm at 5 m).
+/// give d x e, and the rounded ends would also give a x b. In floats, these two expressions would lose all
+/// digits for an edge that is short compared to its distance (0.3 mm of error for an edge of 5 mm at 5 m).
 ///
 /// For three sorts of edges this formula would divide rounding errors by rounding errors: edges hit at a
 /// grazing angle (|d x e| < 2^-8 (|ex| + |ey|)), edges that look tiny from the origin, and edges that pass
@@ -46,7 +46,7 @@ constexpr std::size_t padded_beams(std::size_t count) {
 /// The geometry of a scan: a fan of beams with one origin and equal angular steps, counter-clockwise, such as
 /// that of a laser scanner. A scan may have more than k_most_beams beams.
 struct Scan {
-  Vec2 middle = Vec2::UnitX();  ///< direction halfway between the first and the last beam, world frame
+  Vec2 middle = Vec2::UnitX();  ///< unit vector halfway between first and last beam, world frame
   float fov = 0;                ///< angle between the first and the last beam, rad
   float step = 0;               ///< angle between neighbouring beams, rad
 };
@@ -55,8 +55,8 @@ struct Scan {
 inline constexpr std::size_t k_most_beams = 32;
 
 /// A fan of beams at one height. Beam i starts at (ox[i], oy[i]), relative to a reference point that is
-/// passed along with the fan, and has the unit direction (dx[i], dy[i]). Both are given along the axes of the
-/// world frame. Each array has padded_beams(count) entries; those beyond count repeat the last beam.
+/// passed along with the fan, and has the unit direction (dx[i], dy[i]). The axes of these vectors are those
+/// of the world frame. Each array has padded_beams(count) entries; those beyond count repeat the last beam.
 struct Fan {
   const float* dx = nullptr;   ///< x of the directions
   const float* dy = nullptr;   ///< y of the directions
@@ -64,7 +64,7 @@ struct Fan {
   const float* oy = nullptr;   ///< y of the origins, m
   std::size_t count = 0;       ///< number of beams
   bool common_origin = false;  ///< true: all origins are 0
-  bool mirrored = false;       ///< true: beam i + count / 2 has the opposite direction of beam i
+  bool mirrored = false;       ///< true: for i < count / 2, beam i + count / 2 is opposite to beam i
   const Scan* scan = nullptr;  ///< not null if the beams form a scan
 
   std::size_t padded() const { return padded_beams(count); }  ///< size of each array
@@ -83,24 +83,27 @@ struct RayEdge {
 };
 
 /// A margin, as a fraction of a distance. Tests that discard distant edges treat each beam as longer by this
-/// margin. The margin is needed because rounding may make the computed range to an edge smaller than the
-/// distance to its nearest point. At the smallest angle that is not grazing, the difference is at most 2^-14
-/// of the distance plus 2^-14 of the distance between the beam's origin and the reference point. The margin
-/// is twice the sum of both.
+/// margin, because rounding may make the computed range to an edge smaller than the distance to its nearest
+/// point. At the smallest angle that is not grazing, the difference is at most 2^-14 of that distance plus
+/// 2^-14 of the distance between the beam's origin and the reference point. If the second distance does not
+/// exceed the first, the margin is at least twice the difference.
 constexpr double k_range_slack = 1.0 / 4096;
 
-/// A second margin, metres, which the same tests add to that of k_range_slack. It covers rounding to float
-/// close to an origin.
+/// A second margin, metres, which the tests that use k_range_slack add to the first margin. It covers the
+/// rounding to float of distances near 0.
 constexpr float k_cull_slack = 1e-6f;
 
-/// An edge is hit at a grazing angle if |d x e| is less than this number times |ex| + |ey|.
+/// An edge is hit at a grazing angle if |d x e| is less than this number times |ex| + |ey|, with d and e as
+/// in the comment at the top of this file.
 constexpr float k_grazing = 1.0f / 256;
-/// An edge looks tiny if |A| is at most this number times m^2 (A and m as above). The sign of A, which tells
-/// on which side of the edge's line the origin is, could then be wrong because of rounding.
+/// An edge looks tiny if |A| is at most this number times m^2, with A and m as in the comment at the top of
+/// this file. The sign of A, which tells on which side of the edge's line the origin is, could then be wrong
+/// because of rounding.
 constexpr float k_tiny = 1.0f / (1 << 20);
 
-/// Converts the edge from a to b (world frame, metres) to coordinates relative to the reference point. Its
-/// area is set to exactly 0 if it is below the rounding error of its two products.
+/// Converts the edge from a to b (world frame, metres) to coordinates relative to the reference point.
+/// RayEdge::area is set to exactly 0 if its magnitude is below the rounding error of the two products of
+/// which it is the difference.
 inline RayEdge relative_edge(const Vec2& a, const Vec2& b, const Vec2& reference, float ranger_return) {
   constexpr double k_noise = 0x1p-50;
   const Vec2 from = a - reference;
@@ -123,14 +126,15 @@ inline RayEdge relative_edge(const Vec2& a, const Vec2& b, const Vec2& reference
 /// A set of beams of a fan: bit i is set if beam i is in the set. For a scan, functions ignore the set and
 /// find the beams by their angles.
 using BeamSet = std::uint32_t;
-/// The set of all beams of a fan; for a scan all bits.
+/// The set of all beams of a fan, which must have 1 to k_most_beams beams unless it is a scan. For a scan,
+/// all bits are set.
 inline BeamSet all_beams(const Fan& fan) {
   return fan.scan != nullptr ? ~0u : ~0u >> (k_most_beams - fan.count);
 }
 
-/// A buffer of outlines to project on a fan, world frame, metres. It stores chains of vertices, so that the
-/// work per vertex is done once for both of its edges. Edge j runs from vertex j to vertex j + 1 and exists
-/// if it belongs to a piece; between two chains there is no edge.
+/// A buffer of outlines to project on a fan, world frame, metres. The buffer stores chains of vertices, so
+/// that the work per vertex is done once for both edges at the vertex. Vertices are numbered through all
+/// chains. Edge j runs from vertex j to vertex j + 1; the last vertex of a chain begins no edge.
 class EdgeBlock {
  public:
   static constexpr std::size_t k_capacity = 128;  ///< largest number of vertices
@@ -147,11 +151,12 @@ class EdgeBlock {
   void clear() { vertices_ = pieces_count_ = 0; }
   bool empty() const { return vertices_ == 0; }       ///< whether there are no vertices
   std::size_t vertices() const { return vertices_; }  ///< number of vertices of all chains
-  /// The largest number of edges that the next chain may have.
+  /// The largest number of edges that the next chain may have; 0 if the buffer is full.
   std::size_t room() const { return std::max(vertices_, k_capacity - 1) - vertices_; }
 
   /// Adds a chain of `edges` edges that have the same enclosing circle: from `first` to rest[0], from there
-  /// to rest[1], and so on. `edges` must be from 1 to room().
+  /// to rest[1], and so on. The chain is divided into pieces of at most k_piece edges. `edges` must be from 1
+  /// to room().
   /// rest: copied in multiples of k_piece vertices, so that k_piece - 1 vertices beyond the chain must be
   ///       readable
   /// met_by: the beams that may hit one of the edges
@@ -176,8 +181,8 @@ class EdgeBlock {
   const double* xy() const { return xy_.data(); }  ///< x and y of each vertex, aligned to 64 bytes
   /// The pieces in the order in which they were added.
   std::span<const Piece> pieces() const { return {pieces_.data(), pieces_count_}; }
-  /// Edge j relative to the reference point. The edge must belong to a piece; ranger_return is that of the
-  /// piece.
+  /// Edge j relative to the reference point (world frame, metres). The edge must belong to a piece;
+  /// ranger_return is that of the piece.
   RayEdge relative(std::size_t j, const Vec2& reference, float ranger_return) const {
     const double* e = &xy_[2 * j];
     return relative_edge({e[0], e[1]}, {e[2], e[3]}, reference, ranger_return);
@@ -190,16 +195,17 @@ class EdgeBlock {
   std::size_t pieces_count_ = 0;
 };
 
-/// Rotates the vectors (x[i], y[i]), which are directions or origins of beams, and rounds each result once to
-/// float. All arrays have padded_beams(count) entries.
+/// Rotates the vectors (x[i], y[i]), which are directions or origins of beams, and writes the results, each
+/// rounded once to float, to out_x and out_y. All arrays have padded_beams(count) entries.
 void turn(const Rotation& rotation, const double* x, const double* y, std::size_t count, float* out_x,
           float* out_y);
 
-/// Projects the edges on all beams of a fan: raises inverse[i] to the largest inverse range at which beam i
-/// hits one of the edges, if that is larger than inverse[i].
-/// inverse  fan.padded() entries
-/// returns  fan.padded() entries, or null if they are not needed: set to the ranger_return of the edge that
-///          beam i hits; of two edges at one range, to the larger ranger_return
+/// Projects the edges on all beams of a fan: raises inverse[i] to the largest inverse range (1/m) at which
+/// beam i hits one of the edges, if that is larger than inverse[i]. reference: the point, m, world frame, to
+/// which the origins of the beams are relative.
+/// inverse  array of fan.padded() entries
+/// returns  null if it is not needed, else an array of fan.padded() entries: whenever inverse[i] is raised,
+///          returns[i] is set to the ranger_return of the edge; of two edges at one range, to the larger one
 void project(const EdgeBlock& edges, const Vec2& reference, const Fan& fan, float* inverse, float* returns);
 
 /// Writes to limits[i] the distance up to which beam i can still hit an edge, metres: the smaller of its
@@ -207,12 +213,12 @@ void project(const EdgeBlock& edges, const Vec2& reference, const Fan& fan, floa
 /// Returns the largest of these distances. All three arrays have fan.padded() entries.
 float limits_of(const Fan& fan, const float* inverse, const float* range_max, float* limits);
 
-/// Computes the readings in metres: ranges[i] is range_of(inverse[i], range_max[i]). `ranges` has fan.count
-/// entries; the other two arrays have fan.padded() entries.
+/// Computes the readings in metres: ranges[i] is set to range_of(inverse[i], range_max[i]). `ranges` has
+/// fan.count entries; the other two arrays have fan.padded() entries.
 void ranges_of(const Fan& fan, const float* inverse, const float* range_max, float* ranges);
 
-/// The circles that may_meet() keeps: their rows, and the beams that may hit them. The other arrays of
-/// CircleArrays are working memory of may_meet().
+/// The circles that may_meet() keeps: CircleArrays::row of each, and the beams that may hit it. The other
+/// arrays of CircleArrays are working memory of may_meet().
 struct MetCircles : CircleArrays {
   std::vector<BeamSet> beams;  ///< per circle: the beams that may hit it
 
@@ -228,19 +234,21 @@ inline constexpr std::size_t k_circle_padding = 16;
 /// Discards circles that no beam can hit. Keeps those of the circles in [begin, end) that some beam may hit
 /// before its limit and whose nearest point is from `low` to `high` away from the reference, metres. Writes
 /// the rows of the kept circles, and the beams that may hit them, to the first entries of `met`, and returns
-/// their number. Its margins are far above rounding errors, so that no circle that a beam hits is discarded.
+/// the number of kept circles. Its margins are far above rounding errors, so that no circle that a beam hits
+/// is discarded.
 /// begin, end  multiples of k_circle_padding; circles with a radius of minus infinity are never hit
 /// limits      as limits_of() computes them
 std::size_t may_meet(const CircleArrays& circles, std::size_t begin, std::size_t end, const Vec2& reference,
                      const Fan& fan, const float* limits, float low, float high, MetCircles& met);
 
-/// The inverse range, 1/m, at which one beam hits one edge: 0 if the beam misses the edge, infinity if it
-/// starts on the edge. The SIMD kernels of project() give the same bits as this function. dx, dy: unit
-/// direction of the beam. ox, oy: its origin relative to the reference, metres.
+/// The inverse range, 1/m, at which one beam hits one edge: 0 if the beam misses the edge, infinity if the
+/// beam starts on the edge. The SIMD kernels of project() give the same bits as this function. dx, dy: unit
+/// direction of the beam, along the axes of the world frame. ox, oy: origin of the beam relative to the
+/// reference point, metres.
 float inverse_range(const RayEdge& edge, float dx, float dy, float ox, float oy);
 
 /// Converts an inverse range, 1/m, to a range, metres. The result is exactly range_max unless inverse > 1 /
-/// range_max, and is never above range_max.
+/// range_max, and is never above range_max; 0 for an infinite inverse range. range_max: metres, above 0.
 inline float range_of(float inverse, float range_max) {
   if (!(inverse > 1.0f / range_max)) return range_max;
   const float range = 1.0f / inverse;

@@ -19,9 +19,10 @@ namespace troupe::partition {
 /// Intelligence, 2008): outlines are drawn into the cells of a nested grid, and rays walk from cell to cell.
 ///
 /// Cells are squares with edges of length `resolution`. The cell of a point (x, y) in the world frame is
-/// (floor(x / resolution), floor(y / resolution)). 8 x 8 cells make a block, stored in one 64-bit word. 8 x 8
-/// blocks make a region, found through a hash table; another word tells which of its blocks are not empty.
-/// Empty regions are not stored.
+/// (floor(x / resolution), floor(y / resolution)). Only rays, as in Stage, round the position towards zero
+/// instead: at negative coordinates, a ray meets an edge one cell away from the cell in which the edge is
+/// drawn. 8 x 8 cells make a block, stored in one 64-bit word. 8 x 8 blocks make a region, found through a
+/// hash table; another word tells which of its blocks are not empty. Empty regions are not stored.
 ///
 /// An edge is drawn as a staircase of cells, by Cohen's integer line (Graphics Gems IV, 1994): each cell
 /// shares a side with the previous one. The staircase begins in the cell of the edge's start and stops before
@@ -35,10 +36,10 @@ namespace troupe::partition {
 
 /// An outline of a mobile body.
 struct MovingOutline {
-  std::uint32_t body = 0;   ///< index into `poses` of redraw(). Rays that this body casts ignore the outline
+  std::uint32_t body = 0;   ///< index into `poses` of redraw(); rays of this body ignore the outline
   std::uint32_t first = 0;  ///< the outline is vertices [first, first + count) of RayGrid::redraw()
   std::uint32_t count = 0;  ///< number of vertices, at least one
-  ZInterval z;              ///< heights, body frame
+  ZInterval z;              ///< heights, body frame, m
   float ranger_return = 1;  ///< intensity that a ray reads; negative: the outline is not drawn
 };
 
@@ -57,43 +58,46 @@ struct GridHit {
   float ranger_return = 0;  ///< largest intensity of the surfaces hit in the cell; 0 if none
 };
 
-/// The cells of one world, drawn and walked as described above.
+/// The cells of one world. The comment at the top of this file says how outlines are drawn and how rays move.
 class RayGrid {
  public:
   /// Draws the static scene. The mobile bodies are drawn only by redraw(). outlines: those of the mobile
   /// bodies, grouped by body; outlines without vertices or with a negative ranger_return are dropped.
-  /// vertices: of all outlines, world frame, metres. resolution_m: edge of a cell, metres. Throws
-  /// std::length_error if the cells would take more than k_most_bytes (the message suggests a resolution that
-  /// fits), or if a solid is more than 2^29 cells from the origin.
+  /// vertices: the vertices of all outlines, including dropped ones, world frame, metres. resolution_m: edge
+  /// of a cell, metres, above 0. Throws std::length_error if the cells would take more than k_most_bytes (the
+  /// message suggests a resolution that fits), or if a solid that rangers see is more than 2^29 cells from
+  /// the origin.
   RayGrid(std::span<const FixedSolid> solids, std::vector<MovingOutline> outlines,
           std::span<const Vec2> vertices, double resolution_m);
   static constexpr std::size_t k_most_bytes = std::size_t{2} << 30;  ///< limit on the memory of the cells
 
   /// Optional data for redraw(): for bodies with moving parts, bodies that move together, and absent bodies.
   struct Linked {
-    /// Per outline that the constructor did not drop: how far its z is raised, m. Empty: no outline is
-    /// raised.
+    /// Per outline that the constructor did not drop: the height by which it is raised above its
+    /// MovingOutline::z, m. Empty: no outline is raised.
     std::span<const double> lifts;
     /// Per body: the number of its group; rays of the body ignore the whole group. Empty: each body is its
     /// own group. Must stay valid until the next redraw().
     std::span<const std::uint32_t> groups;
     std::span<const std::uint8_t> absent;  ///< per body: not 0 if it is not drawn; empty: all are drawn
   };
-  /// Removes the drawings of the mobile bodies and draws the bodies at their present poses. vertices: of all
-  /// outlines, world frame, metres, in the same order as in the constructor. poses: one per body; only their
-  /// z is used. The result depends neither on the number of threads nor on the order in which they draw.
+  /// Removes the drawings of the mobile bodies and draws the bodies at their present poses. vertices: the
+  /// present vertices of all outlines, including dropped ones, world frame, metres, in the same order as in
+  /// the constructor. poses: one per body; only their z is used. The result depends neither on the number of
+  /// threads nor on the order in which they draw.
   void redraw(std::span<const Vec2> vertices, std::span<const Pose> poses, Parallel& parallel,
               const Linked& linked = {});
 
-  /// Follows a ray through the cells and returns the first surface that it hits; range_max if it hits none.
-  /// Several threads may call it at once, but not during redraw().
+  /// Follows a ray through the cells and returns the first surface that it hits. If it hits none, or starts
+  /// 2^29 cells or more from the origin, the range is exactly GridRay::range_max. Several threads may call
+  /// cast() at once, but not during redraw().
   GridHit cast(const GridRay& ray) const;
 
   double resolution_m() const { return cells_.cell_m; }  ///< edge of a cell, metres
   /// True if a static or a mobile outline is drawn in the cell of this point (world frame, metres).
   bool is_drawn(const Vec2& point) const;
-  /// Number of known regions: those with static geometry, those that contain bodies, and some that bodies
-  /// have recently left.
+  /// Number of known regions (squares of 64 x 64 cells): those with static geometry, those in which bodies
+  /// are drawn, and some that bodies have left.
   std::size_t regions() const { return slots_.size(); }
   /// Memory of the cells of the static scene, bytes.
   std::size_t fixed_bytes() const;

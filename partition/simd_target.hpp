@@ -21,9 +21,9 @@ const SimdTargets& simd_targets();  ///< the instruction sets of this build, on 
 std::string simd_target();
 
 /// Makes the kernels of the whole process run on this instruction set. Do not call it while a world is
-/// stepped. name: one of simd_targets().usable. For any other name the function throws std::invalid_argument,
-/// with a message such as `"avx512" is not an instruction set of this processor; it has avx2, sse4, ssse3 and
-/// scalar`.
+/// stepped. name: one of simd_targets().usable. For any other name the function throws std::invalid_argument
+/// with the usable names, such as `"avx512" is not an instruction set of this processor; it has avx2, sse4,
+/// ssse3 and scalar`.
 void use_simd_target(std::string_view name);
 
 }  // namespace troupe::partition

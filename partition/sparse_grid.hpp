@@ -26,12 +26,13 @@ struct GridGeometry {
   std::size_t cells_per_tile() const { return std::size_t{1} << (2 * tile_bits); }  ///< cells per tile
   double tile_m() const { return cell_m * static_cast<double>(1u << tile_bits); }  ///< edge of a tile, metres
 
-  /// The cell that contains a point (metres, world frame). Coordinates beyond +-2^30 cells are clamped.
+  /// The cell that contains a point (metres, world frame). Coordinates beyond +-2^30 cells are clamped; they
+  /// must not be NaN.
   Cell cell(const Vec2& p) const { return {index(p.x()), index(p.y())}; }
   /// The tile that contains a cell.
   Cell tile(Cell c) const { return {c.x >> tile_bits, c.y >> tile_bits}; }
-  /// A block is 2^block_bits() cells wide: 4 cells, or as wide as a tile if that is less. Bodies of one block
-  /// are processed together and share look-ups.
+  /// The binary logarithm of the width of a block in cells. A block is 4 cells wide, or as wide as a tile if
+  /// a tile has fewer cells per side. Bodies of one block are processed together and share look-ups.
   unsigned block_bits() const { return tile_bits < 2 ? tile_bits : 2; }
   Cell block(Cell c) const { return {c.x >> block_bits(), c.y >> block_bits()}; }  ///< the block of a cell
   /// The bounds of a block, metres, world frame.
@@ -42,7 +43,8 @@ struct GridGeometry {
     box.max = Vec2((block.x + 1.0) * edge, (block.y + 1.0) * edge);
     return box;
   }
-  /// The index of a cell in its tile: row-major, so that a run of cells along x is contiguous.
+  /// The index of a cell in its tile, from 0 to cells_per_tile() - 1: row-major, so that a run of cells along
+  /// x has consecutive indices.
   std::size_t in_tile(Cell c) const {
     const std::int32_t mask = (1 << tile_bits) - 1;
     return (static_cast<std::size_t>(c.y & mask) << tile_bits) | static_cast<std::size_t>(c.x & mask);
@@ -59,8 +61,9 @@ struct GridGeometry {
   }
 };
 
-/// A hash table (open addressing) that numbers the tiles which are in use. The number of a tile is called its
-/// slot; the first tile inserted gets slot 0, the next one slot 1 and so on. Other tiles take no memory.
+/// A hash table (open addressing) that numbers the tiles that insert() was called for. The number of a tile
+/// is called its slot; the first tile inserted gets slot 0, the next one slot 1 and so on. Other tiles take
+/// no memory.
 class TileDirectory {
  public:
   static constexpr std::uint32_t k_none = ~0u;  ///< marks the absence of a slot
@@ -77,7 +80,7 @@ class TileDirectory {
     tiles_.reserve(tiles);
   }
   std::size_t size() const { return tiles_.size(); }  ///< number of tiles; slots are 0 to size() - 1
-  Cell tile(std::uint32_t slot) const { return tiles_[slot]; }  ///< the tile of a slot
+  Cell tile(std::uint32_t slot) const { return tiles_[slot]; }  ///< the tile of a slot below size()
 
   /// The slot of a tile; k_none if it has none.
   std::uint32_t find(Cell tile) const {
@@ -118,8 +121,8 @@ class TileDirectory {
   std::vector<Cell> tiles_;
 };
 
-/// Visits those cells of the rectangle from low to high, both included, whose tiles are in the directory.
-/// They are visited in runs: a run is the part of a row of cells that is in one tile. For each run, calls
+/// Visits those cells of the rectangle from low to high, both included, whose tiles are in the directory. The
+/// cells are visited in runs: a run is the part of a row of cells that is in one tile. For each run, calls
 /// visit(slot, first, last, cell): the slot of the tile, the index of the first cell of the run in the tile
 /// (GridGeometry::in_tile()), one past the index of its last cell, and the first cell itself.
 template <class Visit>

@@ -29,12 +29,11 @@ class EdgeGrid {
  public:
   EdgeGrid() = default;
   /// Indexes the edges. geometry: the grid of the cells. A query visits every edge that crosses its box, and
-  /// some edges near the box. The grid affects only how many of these other edges it visits, and so its
-  /// speed.
+  /// some other edges near the box. The grid affects only the number of the other edges, and so the speed.
   EdgeGrid(std::span<const FixedEdge> edges, const GridGeometry& geometry);
 
-  /// Calls visit(span of edges) for all edges of the cells that the box (metres, world frame) touches. An
-  /// edge that crosses several of these cells is visited once for each.
+  /// Calls visit(span of edges) for the edges in the cells that the box (metres, world frame) touches. An
+  /// edge that crosses several of these cells is visited once per cell.
   template <class Visit>
   void for_each_run(const Box& box, Visit&& visit) const {
     if (edges_.empty()) return;
@@ -54,18 +53,19 @@ class EdgeGrid {
   std::vector<FixedEdge> edges_;       // in (tile, cell) order
 };
 
-/// The static scene: the solids that never move. It provides their outlines for rays, tests whether a shape
-/// overlaps them, and distances to them.
+/// The static scene: the solids that never move. It provides the outlines of the solids for rays, tests
+/// whether a shape overlaps a solid, and computes distances to solids. A default-constructed scene has no
+/// solids.
 class StaticScene {
  public:
   StaticScene() = default;
-  /// solids: in the world frame. cell_m: edge length of the grid cells of the spatial indices, metres; it
-  /// affects only the speed
+  /// solids: in the world frame. cell_m: edge length of the grid cells of the spatial indices, metres, above
+  /// 0; it affects only the speed
   StaticScene(std::vector<FixedSolid> solids, double cell_m);
 
   std::span<const FixedSolid> solids() const { return solids_; }  ///< all solids, in the order given
-  const Box& bounds() const { return bounds_; }                   ///< bounds of all solids, world frame
-  std::size_t edge_count() const { return edge_count_; }          ///< number of edges of all solids
+  const Box& bounds() const { return bounds_; }  ///< bounds of all solids, world frame, m; may be empty
+  std::size_t edge_count() const { return edge_count_; }  ///< number of edges of all solids
 
   /// The outlines that rangers see.
   const FixedOutlines& outlines() const { return outlines_; }
@@ -73,15 +73,16 @@ class StaticScene {
   const FixedOutlines& hidden_outlines() const { return hidden_outlines_; }
   bool has_obstacles() const { return has_obstacles_; }  ///< whether any solid blocks motions
 
-  /// Returns the index in solids() of an obstacle that has heights in common with the shape and an edge that
-  /// enters the shape; -1 if there is none. If there are several, returns the one that the search finds
-  /// first. Solids for which ignored(index) is true are skipped. A solid that contains the whole shape is
-  /// not found, because none of its edges enters the shape; blocked() finds it.
+  /// Returns the index in solids() of an obstacle that has an edge that enters a piece of the shape at a
+  /// common height; -1 if there is none. If there are several, returns the one that the search finds first.
+  /// Solids for which ignored(index) is true are skipped. A solid that contains the whole shape is not found,
+  /// because none of its edges enters the shape; blocked() finds it.
   template <class Ignored>
   int crossed(const PlacedShape& shape, Ignored&& ignored) const;
 
-  /// The distance from a point to the nearest edge of an obstacle, metres, or `most` if there is no edge
-  /// within that distance. Heights are ignored.
+  /// The distance from a point (metres, world frame) to the nearest edge of an obstacle, metres, or `most` if
+  /// there is no edge within the distance `most`. Heights are ignored; inside an obstacle, the distance is
+  /// not negative.
   double clearance(const Vec2& point, double most) const;
   /// True if the shape shares area with the obstacle solid solids()[solid] at a common height.
   bool overlaps_solid(std::size_t solid, const PlacedShape& shape) const;
@@ -93,7 +94,8 @@ class StaticScene {
   /// - A solid with a deeper overlap does not block the motion, so that a body can leave the solid.
   bool blocks(std::size_t solid, const PlacedShape& before, const PlacedShape& there) const;
   /// True if the shape, at this pose, shares area with an obstacle at a common height: an edge of the
-  /// obstacle enters the shape, or a whole piece of the shape is inside the obstacle.
+  /// obstacle enters the shape, or a whole piece of the shape is inside the obstacle. False for a shape
+  /// without pieces.
   bool blocked(const ObstacleShape& shape, const Pose& pose_world_body) const;
   /// The bodies whose obstacle solids overlap the shape at this pose, in ascending order of their ids, each
   /// once.

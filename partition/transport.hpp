@@ -18,8 +18,8 @@ class RankError : public std::runtime_error {
   using std::runtime_error::runtime_error;
 };
 
-/// Messages between *ranks*, the threads or processes that compute one world together (docs/cluster.md). Each
-/// rank has an object of this class, which only one of its threads may use.
+/// Sends and receives messages between *ranks*, the threads or processes that compute one world together
+/// (docs/cluster.md). Each rank has an object of this class, which only one thread may use.
 class Transport {
  public:
   Transport() = default;
@@ -27,23 +27,25 @@ class Transport {
   Transport& operator=(const Transport&) = delete;
   virtual ~Transport() = default;
 
-  virtual unsigned rank() const = 0;   ///< number of this rank, from 0
+  virtual unsigned rank() const = 0;   ///< number of this rank, from 0 to ranks() - 1
   virtual unsigned ranks() const = 0;  ///< number of ranks
-  /// Starts to send a message to another rank and returns without waiting for the receiver.
+  /// Starts to send a message to another rank and returns without waiting for the receiver. to: a rank below
+  /// ranks() other than rank(). A transport between processes throws RankError if sending fails.
   void send(unsigned to, std::shared_ptr<const Message> message) {
     traffic_.messages += 1;
     traffic_.bytes += message->size();
     post(to, std::move(message));
   }
   void send(unsigned to, MessageWriter message) { send(to, std::make_shared<const Message>(message.take())); }
-  /// Starts to send a message to every other rank.
+  /// Starts to send a message to every other rank; errors are those of send().
   void send_to_all(const std::shared_ptr<const Message>& message) {
     for (unsigned to = 0; to < ranks(); ++to)
       if (to != rank()) send(to, message);
   }
   void send_to_all(MessageWriter message) { send_to_all(std::make_shared<const Message>(message.take())); }
   /// Waits for the next message from a rank and returns it. The messages of one rank are received in the
-  /// order in which it sent them. Throws RankError.
+  /// order in which that rank sent them. from: a rank below ranks() other than rank(). Throws RankError if a
+  /// rank failed or does not answer.
   virtual std::shared_ptr<const Message> receive(unsigned from) = 0;
 
   /// What this rank has sent so far.
@@ -54,7 +56,7 @@ class Transport {
   const Traffic& traffic() const { return traffic_; }  ///< what this rank has sent so far
   /// A clock that measures intervals, s; always 0 if the transport has none.
   virtual double seconds() const { return 0; }
-  virtual double waited_s() const { return 0; }  ///< time that receive() has waited, s; 0 without a clock
+  virtual double waited_s() const { return 0; }  ///< total time spent waiting, s; 0 without a clock
 
  private:
   virtual void post(unsigned to, std::shared_ptr<const Message> message) = 0;

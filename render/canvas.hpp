@@ -14,19 +14,19 @@
 namespace troupe::render {
 
 /// Selects the colour of a triangle. `own` is the colour stored in its vertices. `body`, `edge` and `mark`
-/// are colours of the instance that is drawn (its members with these names), so that instances with different
-/// colours share a mesh.
+/// are the members with these names of the instance that is drawn, so that instances with different colours
+/// share a mesh. A triangle has the colour of its last corner.
 enum class Paint : std::uint32_t { own, body, edge, mark };
 
 // ---- flat layers, in the plane of the picture
 
 /// A corner of a triangle in a flat layer.
 struct Vertex {
-  /// Position, body frame. x and y are in mesh units (Instance::size is the number of pixels per unit). z is
-  /// the height above the origin of the instance, m.
+  /// Position, frame of the instance. x and y are in mesh units (Instance::size is the number of pixels per
+  /// unit). z is the height above the origin of the instance, m.
   float x, y, z;
-  /// Offset added after scaling, pixels, body frame. It gives strokes a width that does not depend on the
-  /// scale.
+  /// Offset added to x and y after scaling, pixels, frame of the instance. It gives strokes a width that does
+  /// not depend on the scale.
   float offset_x, offset_y;
   Rgba own;  ///< colour for Paint::own
   Paint paint;
@@ -44,31 +44,31 @@ struct Instance {
   Rgba body, edge, mark;  ///< its colours for Paint::body, edge and mark
 };
 
-/// Instances of one mesh. Higher triangles cover lower triangles. At equal height, later triangles cover
-/// earlier ones.
+/// Instances of one mesh. Higher triangles cover lower ones, also those of earlier layers. At equal height,
+/// later triangles cover earlier ones.
 struct Layer {
   Mesh mesh;
   std::vector<Instance> instances;
-  bool on_top = false;  ///< true: the layer covers all earlier layers, whatever their heights
+  bool on_top = false;  ///< true: this layer and later ones cover all earlier layers, at any height
 };
 
 // ---- layers of solids in the world
 
-/// Type of a corner of a triangle in a solid mesh. It determines the meaning of the vector a = (ax, ay, az)
-/// of a SolidVertex.
+/// Type of a corner of a triangle in a solid mesh. The type determines the meaning of the vector a = (ax, ay,
+/// az) of a SolidVertex. The three corners of a triangle have the same type.
 enum class Corner : std::uint32_t {
   face,    ///< lit surface; a is its normal, of unit length
   plain,   ///< unlit surface, such as a mark on a face, drawn slightly nearer to the viewer; a is not used
   stroke,  ///< one end of a line; a is the position of the other end
-  rim,     ///< like a stroke, but drawn slightly farther away than strokes
+  rim,     ///< like `stroke`, but drawn slightly farther away, so that strokes cover it
 };
 
 /// A corner of a triangle in a solid layer.
 struct SolidVertex {
-  float x, y, z;     ///< position, body frame, in mesh units (SolidInstance::scale is metres per unit)
+  float x, y, z;     ///< position, frame of the instance, mesh units (SolidInstance::scale m per unit)
   float ax, ay, az;  ///< the vector a of Corner, in the same frame and units
-  /// Half the width of a stroke, pixels. It is positive for corners to the left of the direction to the other
-  /// end of the stroke, negative for corners to the right.
+  /// For strokes and rims: half the width of the line, pixels; positive for a corner to the left of the
+  /// direction to the other end, negative for a corner to the right. Otherwise not used.
   float side;
   Rgba own;  ///< colour for Paint::own
   Paint paint;
@@ -97,7 +97,7 @@ struct SolidLayer {
   SolidMesh mesh;
   std::vector<SolidInstance> instances;
   Depth depth = Depth::solid;
-  /// If true, the shadow of the mesh on the floor is drawn instead of the mesh, in the colour
+  /// If true, the layer shows the shadow of the mesh on the floor (z = 0) instead of the mesh, in the colour
   /// SolidInstance::edge.
   bool shadow = false;
 };
@@ -118,12 +118,12 @@ struct PointLayer {
   std::vector<Point> points;
   float size = 1;       ///< edge length of the squares, pixels
   bool on_map = false;  ///< true: flat in the picture, like a Layer; false: in the world, like a SolidLayer
-  bool on_top = false;  ///< only with on_map: whether it covers all earlier layers, whatever their heights
+  bool on_top = false;  ///< only with on_map: as Layer::on_top
 };
 
 using AnyLayer = std::variant<Layer, SolidLayer, PointLayer>;
 
-/// An OpenGL renderer for layers. It may be used on any thread, but only by one thread at a time.
+/// An OpenGL renderer for layers. A canvas may be used on any thread, but only by one thread at a time.
 class Canvas {
  public:
   /// Creates an OpenGL context without a window. Throws std::runtime_error if OpenGL is not available.
@@ -137,7 +137,7 @@ class Canvas {
   void check_size(int width, int height) const;
   /// Draws layers in order on a background of the colour `ground`, with 4 samples per pixel if the driver
   /// supports that. The size of the picture is that of the projection. Throws std::runtime_error as
-  /// check_size() does, and when memory runs out.
+  /// check_size() does, and if OpenGL runs out of memory.
   Picture paint(const Projection& projection, Rgba ground, std::span<const AnyLayer> layers);
 
  private:

@@ -14,17 +14,18 @@ namespace troupe::render {
 /// The viewpoint of a picture. By default the camera looks straight down and shows the whole scene.
 struct Camera {
   bool perspective = false;  ///< true: perspective view; false: parallel (orthographic) view
-  double pitch = 0;          ///< rad: 0 looks straight down, pi/2 looks horizontally
-  double yaw = 0;            ///< rad: counter-clockwise, 0 looks along +y
-  /// World point in the picture's centre, m. If not given, it is chosen so that the scene is in the picture.
+  double pitch = 0;          ///< rad, 0 to pi/2: 0 looks straight down, pi/2 looks horizontally
+  double yaw = 0;            ///< rad, counter-clockwise seen from above; 0: +y is upwards in the picture
+  /// World point in the picture's centre, m. If not given: with `across_m`, the centre of the region that
+  /// View::region describes; else a point such that the whole region is visible.
   std::optional<Eigen::Vector3d> center;
-  /// Width of the part of the world that is visible in the picture's middle row, m. If not given, it is
-  /// chosen so that the whole scene is visible.
+  /// Width, m, above 0, of the part of the world that the picture shows at the distance of `center`. If not
+  /// given, the width is chosen so that the whole region that View::region describes is visible.
   std::optional<double> across_m;
   /// World position of a perspective camera, m. If given, `center` and `across_m` are ignored. Parallel views
   /// ignore it.
   std::optional<Eigen::Vector3d> eye;
-  double fov = 0.65;  ///< vertical field of view of a perspective view, rad
+  double fov = 0.65;  ///< vertical field of view of a perspective view, rad, above 0 and below pi
 };
 
 /// Background of a picture: light beige (paper), white, dark, or transparent, where empty pixels have opacity
@@ -32,15 +33,16 @@ struct Camera {
 enum class Background : std::uint8_t { paper, white, dark, transparent };
 
 /// What is drawn in addition to the bodies. Some layers name the member of engine::Frame or
-/// engine::FrameScene that holds their data.
+/// engine::FrameScene that holds their data; a layer without data draws nothing. The scale bar, the clock and
+/// the legends are drawn only in pictures of at least 240 x 160 pixels.
 struct Layers {
   bool grid = true;      ///< grid lines on the floor
   bool shadows = true;   ///< shadows of the bodies on the floor
   bool headings = true;  ///< a mark at the front of each robot
-  /// A red outline with a white rim around robots whose last motion was blocked or would have ended out of
-  /// bounds.
+  /// A red outline with a white rim around bodies whose last motion was blocked or would have ended out of
+  /// bounds (FrameBody::stalled).
   bool stalls = true;
-  bool scale = true;    ///< a scale bar; in views not from above, a text with the distance between grid lines
+  bool scale = true;    ///< a scale bar; in views not from above with a `grid`, the distance of its lines
   bool clock = true;    ///< the simulated time
   bool speed = false;   ///< speed of the simulation next to the clock: Frame::times_real_time
   bool legend = true;   ///< legend of the colour scale, if bodies are coloured by Frame::values
@@ -66,28 +68,31 @@ struct Layers {
 struct View {
   int width = 1280;  ///< width of the picture, pixels
   int height = 720;  ///< height of the picture, pixels
-  /// World region that must be visible, m. In a view from above it fills the picture in one direction, x or
-  /// y; in the other direction more of the world may be visible. Other views show it with a margin. If not
-  /// given, it is the bounds of the scene with a margin. The members `center`, `across_m` and `eye` of the
-  /// camera take precedence.
+  /// World region that must be visible, m. In a view from above, the region fills the picture in one
+  /// direction, x or y; in the other direction more of the world may be visible. Other views show the region
+  /// with a margin. If not given, the region is FrameScene::bounds, extended by FrameScene::limits if
+  /// Layers::bounds is set, with a margin. The members `center`, `across_m` and `eye` of the camera take
+  /// precedence.
   std::optional<Box> region;
   Camera camera;
   Layers layers;
   Background background = Background::paper;
-  /// Values at the ends of the colour scale, if bodies are coloured by a value. If not given, they are the
-  /// smallest and the largest value in the frame.
+  /// Values at the ends of the colour scale, the lower one first, if bodies are coloured by Frame::values. If
+  /// not given, the ends are the smallest and the largest finite value in the frame.
   std::optional<std::pair<double, double>> values;
 };
 
-/// Whether the view is a map, that is, straight down without perspective. Only maps can be drawn as vector
-/// graphics.
+/// Whether the view is a map: without perspective, and with a pitch and a yaw of exactly 0. Only maps can be
+/// drawn as vector graphics.
 bool is_from_above(const Camera& camera);
 
-/// Metadata of a file as pairs of a key, such as `world` or `time_s`, and a value.
+/// Metadata of a file: pairs of a key, such as `world` or `time_s`, and its value.
 using FileTexts = std::vector<std::pair<std::string, std::string>>;
+/// The file formats of vector graphics.
 enum class VectorFormat : std::uint8_t { svg, pdf };
 
-/// A picture of 8-bit RGBA pixels, row by row from the top. Alpha is not premultiplied.
+/// A picture. `rgba` has 4 bytes per pixel (red, green, blue, opacity), row by row from the top, each row
+/// from the left. The colours are not multiplied by the opacity.
 struct Picture {
   int width = 0;   ///< width of the picture, pixels
   int height = 0;  ///< height of the picture, pixels
@@ -96,33 +101,36 @@ struct Picture {
 
 /// Draws frames of one scene. Data that all pictures need are computed only once.
 ///
-/// view    A view from above (camera at pitch and yaw 0 without perspective) is a map: +x points right, +y
-///         up. Bodies are flat shapes, and robots are drawn over the floor plan whatever its height. Other
-///         views show solids with lit faces and edges, without hidden surfaces.
-/// robots  Robots are drawn at least 3.5 pixels wide, so that a swarm stays visible. On a map, they
-///         have outlines if at least 7 pixels wide, and heading marks if at least 9 pixels wide. In other
-///         views, bodies narrower than 10 pixels are boxes without outlines and marks. Outlines of stalled
-///         robots are red. In pictures whose smaller side has more than 900 pixels, all these widths grow in
-///         proportion.
+/// view    A view from above (is_from_above()) is a map: +x points right, +y up. Bodies are flat shapes, and
+///         robots are drawn over the floor plan whatever its height. Other views show solids with lit faces
+///         and edges, without hidden surfaces.
+/// robots  Robots are drawn at least 3.5 pixels wide, so that a swarm stays visible. On a map, robots
+///         narrower than 5 pixels are squares with sides of 3.5 pixels; robots have outlines if at least 7
+///         pixels wide, and heading marks if at least 9 pixels wide. In other views, robots narrower than 3.5
+///         pixels are squares of that size, and wider bodies up to 10 pixels are boxes without outlines and
+///         marks. Outlines of stalled robots are red. In pictures whose smaller side has more than 900
+///         pixels, all these widths grow in proportion.
 /// errors  draw() throws std::runtime_error if OSMesa, which is loaded on first use, is missing (the message
-///         names the package to install); if the picture is larger than the driver allows (the message names
-///         the limit); or if the region is not finite or has no area.
+///         names the package to install); if a side of the picture is below 1 pixel or larger than the driver
+///         allows (the message names the limit); or if View::region is not finite or has no area.
 /// output  Equal input gives equal bytes on one machine. The floating-point environment of the caller is
 ///         restored.
 /// threads A painter may be used on any thread, but only by one thread at a time.
 class Painter {
  public:
+  /// Computes the data that all pictures share; OSMesa is not needed yet.
   explicit Painter(engine::FrameScene scene);
   ~Painter();
   Painter(Painter&&) noexcept;
   Painter& operator=(Painter&&) noexcept;
 
+  /// The scene passed to the constructor.
   const engine::FrameScene& scene() const;
-  /// Draws one picture as pixels.
+  /// Draws one picture as pixels. Errors: see the class. The indices in `frame` must be valid for scene().
   Picture draw(const engine::Frame& frame, const View& view);
   /// Draws a view from above as vector graphics and returns the content of an SVG 1.1 or PDF file. The size
   /// of the picture is that of the view, with pixels of 1/96 inch. `texts` are stored in the file. Throws
-  /// std::runtime_error if the view is not from above, or if the region is not finite or has no area. For a
+  /// std::runtime_error if the view is not from above, or if View::region is not finite or has no area. For a
   /// PDF it also throws if cairo is missing or too old, and the message names the package to install. OSMesa
   /// is not needed.
   std::string draw_vector(const engine::Frame& frame, const View& view, VectorFormat format,
@@ -136,7 +144,8 @@ class Painter {
   std::unique_ptr<Impl> impl_;
 };
 
-/// Draws one picture with a new Painter. This function may be called from several threads at the same time.
+/// Draws one picture with a new Painter; errors are those of Painter::draw(). Several threads may call this
+/// function at the same time. For several pictures of a scene, one Painter is faster.
 Picture draw(const engine::FrameScene& scene, const engine::Frame& frame, const View& view);
 
 }  // namespace troupe::render

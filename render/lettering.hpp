@@ -11,21 +11,23 @@
 
 namespace troupe::render {
 
-/// Line segments; the ends are in pixels from the picture's centre. Each segment is drawn twice, first wide
-/// in the halo colour, then narrow in the ink colour, so that it is readable on any background.
+/// Line segments; the ends are in pixels right of and above the picture's centre. mesh_of() draws each
+/// segment twice, first wide in the colour Theme::halo, then narrow in the colour Theme::ink, so that the
+/// segment is readable on any background.
 using Lines = std::vector<std::pair<Vec2, Vec2>>;
 
-/// Height of capitals and digits, strokes (Framing::stroke).
+/// Usual height of capitals and digits, strokes (Framing::stroke).
 inline constexpr double k_cap_height = 11;
 
-/// Adds the letters of `text` to `lines`. pen: start of the baseline, pixels from the picture's centre. unit:
-/// a sixth of the height of capitals, pixels; descenders reach 2 units below the baseline. Each character
-/// outside printable ASCII is drawn as an empty box.
+/// Adds the letters of `text` to `lines`. pen: start of the baseline, pixels right of and above the picture's
+/// centre. unit: a sixth of the height of capitals, pixels; descenders reach 2 units below the baseline. Each
+/// character outside printable ASCII is drawn as an empty box.
 void add_text(Lines& lines, std::string_view text, const Vec2& pen, double unit);
-/// Width of a text from the pen to the right end of the last letter, pixels. unit: as for add_text().
+/// Width of a text from the pen to the right end of the last letter, pixels. unit: as for add_text(). The
+/// text must not be empty: the result would be negative.
 double text_width(std::string_view text, double unit);
 
-/// One line of text, in pixels from the picture's centre.
+/// One line of text. Positions are in pixels right of and above the picture's centre.
 struct Text {
   std::string text;
   Vec2 pen = Vec2::Zero();   ///< start of its baseline, or the end if `ends_at_pen`
@@ -44,7 +46,8 @@ struct Writing {
 inline constexpr double k_halo_strokes = 5;
 inline constexpr double k_ink_strokes = 1.4;
 
-/// The lettering as triangles, halos included. stroke: pixels per stroke.
+/// The lettering as triangles, halos included, in pixels right of and above the picture's centre. stroke:
+/// pixels per stroke (Framing::stroke).
 Mesh mesh_of(const Writing& writing, double stroke, const Theme& theme);
 
 }  // namespace troupe::render

@@ -13,15 +13,16 @@ struct RoundLength {
   double metres = 1;
   int exponent = 0;  ///< exponent of the power of ten
 
-  /// The largest round length that is at most `metres`, which must be positive. If `metres` is a power of
-  /// ten, the result may be half of it, because of rounding.
+  /// The largest round length that is at most `metres`, which must be positive and finite. If `metres` is a
+  /// power of ten, the result may be half of that power, because of rounding.
   static RoundLength at_most(double metres);
   /// The length as text, such as "50 m", "0.2 m", "2 km" or "5 mm".
   std::string text() const;
 };
 
-/// The lines of the floor grid of a map, one stroke wide, in pixels from the picture's centre. The distance
-/// between lines is a round length of at least 48 strokes.
+/// The lines of the floor grid of a map, one stroke wide (rounded to whole pixels), in pixels right of and
+/// above the picture's centre. The distance between lines is a RoundLength that is at least 48 strokes long
+/// in the picture.
 Mesh floor_grid(const Framing& framing, Rgba color);
 /// The scale bar and the texts along the picture's lower edge.
 struct Furniture {
@@ -31,8 +32,8 @@ struct Furniture {
 };
 /// The text of the clock: "12.5 s", or "12.5 s  40 x real time" if `times_real_time` is above 0.
 std::string clock_text(double time_s, double times_real_time = 0);
-/// Adds the scale bar and the texts of `shown` to `writing`. It adds nothing if the picture is too small for
-/// them (Framing::has_furniture).
+/// Adds the scale bar and the texts of `shown` to `writing`. Adds nothing if the picture is too small
+/// (Framing::has_furniture()). Empty texts are omitted.
 void add_furniture(Writing& writing, const Framing& framing, const Furniture& shown);
 
 }  // namespace troupe::render

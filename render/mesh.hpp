@@ -8,11 +8,13 @@ namespace troupe::render {
 struct MeshStyle {
   float edge = 0;     ///< width of the outline of each contour, pixels; 0: no outline
   float halo = 0;     ///< width of a white line drawn under the outline, pixels; 0: no line
-  bool mark = false;  ///< whether there is a triangle at the front that points forward
+  bool mark = false;  ///< whether there is a heading mark: a triangle at the front that points forward
 };
 
+/// Converts each component as to_byte() does.
 Rgba to_rgba(const Color& color);
-/// The colour for the outline of a shape of the colour `fill`: darker, with the same opacity.
+/// The colour for the outline of a shape of the colour `fill`: red, green and blue are 65 % of those of
+/// `fill`, and the opacity is the same.
 Rgba darker(Rgba fill);
 /// A colour that is readable on `fill`: white if `fill` is dark, near black if it is light.
 Rgba contrasting(Rgba fill);
@@ -22,16 +24,20 @@ Rgba contrasting(Rgba fill);
 using Pieces = std::vector<std::vector<ConvexPrism>>;
 Pieces pieces_of(const engine::FrameType& type);
 
-/// The top faces of the shapes of a type in its body frame, m, with the lines and the mark that `style`
-/// selects. Lower shapes come first, the heading mark last. `pieces` is pieces_of(type).
+/// The top faces of the shapes of a type in its body frame, m, with the outlines and the heading mark that
+/// `style` selects. Lower shapes come first, the heading mark last. Shapes without a colour of their own use
+/// Paint::body, Paint::edge and Paint::mark. `pieces` must be pieces_of(type).
 Mesh body_mesh(const engine::FrameType& type, const Pieces& pieces, const MeshStyle& style);
-/// The triangles of a mesh without its strokes, all in the colour Paint::body. It is drawn for shadows.
+/// The triangles of a mesh without its strokes, all in the colour Paint::body. Maps draw this mesh as the
+/// shadow of a body.
 Mesh silhouette(Mesh mesh);
 
-/// Adds a line from a to b at the height z. Its square ends extend beyond a and b by half the width, so that
-/// corners close. a and b are in mesh units, z is in m, the width is in pixels.
+/// Adds a line from a to b at the height z. The square ends of the line extend beyond a and b by half the
+/// width, so that corners close. a and b are in mesh units, z is in m, the width is in pixels. own: the
+/// colour for Paint::own.
 void add_stroke(Mesh& mesh, const Vec2& a, const Vec2& b, double z, double width, Paint paint, Rgba own = {});
-/// Adds a filled rectangle with the corners min and max, in mesh units.
+/// Adds a filled rectangle with the lower left corner `min` and the upper right corner `max`, in mesh units,
+/// at the height 0 and in the colour `own`.
 void add_rectangle(Mesh& mesh, const Vec2& min, const Vec2& max, Rgba own);
 
 }  // namespace troupe::render

@@ -7,25 +7,27 @@
 namespace troupe::render {
 
 /// An OpenGL 3.3 core context without a window, by the library OSMesa. OSMesa is loaded with the first
-/// context and stays loaded. It is not linked, because linking would cost 57 MB and 26 ms even in runs that
-/// draw no pictures.
+/// context and stays loaded. The library is not linked, because linking would cost 57 MB and 26 ms even in
+/// runs that draw no pictures.
 class OsmesaContext {
  public:
-  /// Throws std::runtime_error if OSMesa is missing or too old. The message names the package to install.
+  /// Creates a context, which is not current on any thread. Throws std::runtime_error if OSMesa is missing or
+  /// too old. The message names the package to install.
   OsmesaContext();
   ~OsmesaContext();
   OsmesaContext(const OsmesaContext&) = delete;
   OsmesaContext& operator=(const OsmesaContext&) = delete;
 
-  /// Makes this context current on the calling thread until release() is called. It can be current on only
-  /// one thread at a time. Throws std::runtime_error if OSMesa fails.
+  /// Makes this context current on the calling thread until release() is called. A context can be current on
+  /// only one thread at a time. Throws std::runtime_error if OSMesa fails.
   void make_current();
-  /// Ends make_current(). Call it on the same thread as make_current().
+  /// Ends make_current(): no context is then current on the calling thread. Call it on the same thread as
+  /// make_current(), and before the destructor.
   void release();
 
   using Procedure = void (*)();
-  /// The OpenGL function with this name, such as "glClear". It is valid for all contexts. Throws
-  /// std::runtime_error if the library has no such function.
+  /// The OpenGL function with this name, such as "glClear", which the caller casts to its true type. The
+  /// function is valid for all contexts. Throws std::runtime_error if the library has no such function.
   Procedure procedure(const char* name) const;
 
  private:
@@ -34,9 +36,9 @@ class OsmesaContext {
       window_;  // required by OSMesa; pictures are drawn into framebuffer objects
 };
 
-/// Opens the first of these libraries that can be loaded and returns its handle, which is never closed. If
-/// none can be loaded, throws std::runtime_error; the message has the package to install and the messages of
-/// the loader.
+/// Opens the first of these libraries that can be loaded and returns its handle (of dlopen()), which is never
+/// closed. If none can be loaded, throws std::runtime_error; the message names the package to install and
+/// contains the messages of the loader.
 void* open_osmesa(std::span<const char* const> library_names);
 
 }  // namespace troupe::render

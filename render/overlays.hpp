@@ -7,32 +7,37 @@
 
 namespace troupe::render {
 
-/// The floor grid of a view that is not from above: lines on the floor around the scene, `pitch` metres
-/// apart.
+/// The floor grid of a view that is not from above: lines on the floor, `pitch` metres apart, at multiples of
+/// `pitch`. The grid covers FrameScene::bounds, but extends at most 60 lines from Projection::origin() in
+/// each direction.
 SolidLayer solid_grid(const engine::FrameScene& scene, const Projection& projection, double pitch,
                       Rgba color);
-/// The distance between grid lines for this view, m.
+/// The distance between grid lines for this view, m: a RoundLength that is at least 48 strokes long at the
+/// floor in the picture's centre.
 double grid_pitch(const Projection& projection);
 
-/// Adds those overlays on the floor, below the bodies, that `shown` selects: coverage, density, tiles, cells,
-/// bounds, footprints, trails. colors: colours of the bodies in this frame, or empty if bodies have their own
-/// colours.
+/// Appends layers with those overlays on the floor that `shown` selects: coverage, density, tiles, cells,
+/// bounds, footprints, trails. The new layers cover all earlier layers, and later layers cover them. colors:
+/// one colour per body of Frame::mobile; if empty, bodies have their own colours.
 void add_on_floor(std::vector<AnyLayer>& layers, const engine::FrameScene& scene, const engine::Frame& frame,
                   std::span<const Rgba> colors, const Projection& projection, const Layers& shown,
                   const Theme& theme);
 
-/// Adds those overlays above the floor that `shown` selects: scans, beams, sights, blobs. colors: as for
-/// add_on_floor(). depth: `floor` in a view from above, `air` in other views.
+/// Appends layers with those overlays above the floor that `shown` selects: scans, beams, sights, blobs.
+/// colors: as for add_on_floor(). depth: how these layers use the depth buffer: `floor` in a view from above,
+/// `air` in other views.
 void add_in_air(std::vector<AnyLayer>& layers, const engine::FrameScene& scene, const engine::Frame& frame,
                 std::span<const Rgba> colors, const Projection& projection, const Layers& shown,
                 SolidLayer::Depth depth);
 
-/// Adds those overlays that connect bodies and that `shown` selects: links, grips. No body hides them.
+/// Appends a layer with those overlays that connect bodies and that `shown` selects: links, grips. The layer
+/// covers all earlier layers, so it must come after the bodies.
 void add_ties(std::vector<AnyLayer>& layers, const engine::Frame& frame, const Projection& projection,
               const Layers& shown, const Theme& theme);
 
 /// The lettering of the picture that `view.layers` selects: names, energy bars, legends, clock, and the scale
-/// bar or, in a view that is not from above, the distance between grid lines.
+/// bar or, in a view that is not from above and has a grid, the distance between grid lines. A small picture
+/// (Framing::has_furniture()) has only names and energy bars.
 Writing written(const engine::FrameScene& scene, const engine::Frame& frame, const Projection& projection,
                 const Framing& framing, const View& view);
 

@@ -12,17 +12,19 @@ namespace troupe::render {
 
 using Vec3 = Eigen::Vector3d;
 
-/// The mapping of world points to the picture. right(), up() and back() are unit vectors in the world frame:
-/// the axes of the picture, and the direction from the picture towards the viewer.
+/// The mapping of world points to the picture. World points are in metres. right(), up() and back() are unit
+/// vectors in the world frame: the axes of the picture, and the direction from the picture towards the
+/// viewer.
 class Projection {
  public:
   /// A parallel view straight down, with the given framing. `heights` is the interval of heights, m, that the
   /// depth buffer must resolve.
   static Projection from_above(const Framing& framing, const ZInterval& heights);
   /// A view of width x height pixels. stroke: pixels per stroke (Framing::stroke). pitch: rad, 0 looks
-  /// straight down, pi/2 horizontally. yaw: rad, counter-clockwise, 0 looks along +y. fov: vertical field of
-  /// view of a perspective view, rad; 0: parallel view. The position of the viewer must be set by one of the
-  /// functions below.
+  /// straight down, pi/2 horizontally. yaw: rad, counter-clockwise seen from above; 0: +y is upwards in the
+  /// picture. fov: vertical field of view of a perspective view, rad, below pi; 0: parallel view. The caller
+  /// must then set the position of the viewer by fit(), look_at() or stand_at(), and the range of depths by
+  /// reach().
   Projection(int width, int height, double stroke, double pitch, double yaw, double fov);
 
   bool perspective() const { return focal_ > 0; }
@@ -31,21 +33,23 @@ class Projection {
   /// Pixels per stroke, the unit of line widths and letter sizes (Framing::stroke).
   double stroke() const { return stroke_; }
 
-  /// Moves the viewer so that all points are in the picture and fill it, except for a margin on all sides and
-  /// a band below, both in pixels. `points` (m, world frame) must not be empty.
+  /// Moves the viewer, and sets the scale of a parallel view, so that all points are in the picture and fill
+  /// it, except for a margin on all sides and a band below, both in pixels. `points` (m, world frame) must
+  /// not be empty.
   void fit(std::span<const Vec3> points, double margin, double band_below);
-  /// Moves the viewer so that the world point `center` is in the picture's centre, where the picture is
-  /// `across` metres wide.
+  /// Moves the viewer, and sets the scale of a parallel view, so that the world point `center` is in the
+  /// picture's centre, where the picture is `across` metres wide. `across` must be above 0.
   void look_at(const Vec3& center, double across);
   /// Moves the viewer to the world point `eye`. Only for perspective views.
   void stand_at(const Vec3& eye);
-  /// Sets the range of the depth buffer to the depths of these points, with a margin.
+  /// Sets the range of the depth buffer (near and far plane) to the depths of these points (m, world frame),
+  /// with a margin. Does nothing without points.
   void reach(std::span<const Vec3> points);
 
-  /// Distance from the viewer along the view direction, m; negative: behind the viewer.
+  /// Distance of a world point from the viewer along the view direction, m; negative: behind the viewer.
   double depth(const Vec3& point) const { return -back_.dot(point - eye_); }
-  /// Scale of the picture at a world point, pixels per metre. In a perspective view, it is 0 for points that
-  /// are behind the viewer or nearer than the near plane.
+  /// Scale of the picture at a world point, pixels per metre. In a perspective view, the scale is 0 for
+  /// points that are behind the viewer or nearer than the near plane.
   double pixels_per_metre(const Vec3& point) const;
   /// Place of a world point in the picture: pixels right of and above its centre. Empty if pixels_per_metre()
   /// is 0 there.
@@ -53,23 +57,25 @@ class Projection {
   /// Whether a ball around a world point may be visible; `radius` is in m. The result may be true for a ball
   /// just outside the picture.
   bool may_show(const Vec3& point, double radius) const;
-  /// The point of the floor (z = 0) in the picture's centre, or below the viewer if no floor is in the
-  /// centre.
+  /// The point of the floor (z = 0) in the picture's centre. If the view is within 3 degrees of horizontal,
+  /// the point of the floor below the viewer.
   Vec3 floor_center() const;
 
-  /// Origin of the single-precision coordinates in solid layers: a world point, m, at the height 0. It is
-  /// near the visible part of the world, so that the coordinates are small and their rounding errors as well.
+  /// Origin of the single-precision coordinates in solid layers: a world point, m, at the height 0. The point
+  /// is near the visible part of the world, so that the coordinates are small, and so are their rounding
+  /// errors.
   const Vec3& origin() const { return origin_; }
   /// Column-major matrix that converts points relative to origin() to OpenGL's clip coordinates, with y up.
   std::array<float, 16> clip_matrix() const;
-  /// Offset of the third clip coordinate that moves a point towards the viewer by about the length of two
-  /// strokes in the picture.
+  /// Offset to add to the third clip coordinate of a point, so that the point is drawn nearer to the viewer,
+  /// by a depth that is about two strokes long in the picture.
   float clip_bias() const;
   /// Distance of the near plane of a perspective view, m; 0 in a parallel view.
   double nearest() const { return perspective() ? near_ : 0; }
   /// Clip units per metre to the right and upwards in the picture, before the division by depth.
   Vec2 clip_scale() const;
-  /// Position of the viewer relative to origin(), m; a point far away in a parallel view.
+  /// Position of the viewer relative to origin(), m; in a parallel view, a point 10^7 m away in the direction
+  /// of the viewer.
   Vec3 viewer_from_origin() const;
   const Vec3& right() const { return right_; }
   const Vec3& up() const { return up_; }

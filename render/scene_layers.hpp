@@ -8,10 +8,10 @@
 
 namespace troupe::render {
 
-/// A scene, and data that are computed only once and used by all its pictures.
+/// A scene, which must outlive this object, and data that are computed once for all its pictures.
 struct SceneMeshes {
   const engine::FrameScene& scene;
-  std::vector<Pieces> pieces;  ///< convex pieces of the shapes of each type
+  std::vector<Pieces> pieces;  ///< pieces_of() each type of the scene
 };
 
 /// Colour of the outline of a stalled robot.
@@ -23,21 +23,24 @@ inline constexpr float k_stalled_widening = 1.3F;
 inline constexpr float k_stalled_halo = 1.9F;
 
 /// Least width of a robot in the picture, strokes (Framing::stroke), so that a swarm stays visible in a large
-/// world.
+/// world. Narrower robots are drawn with this width.
 inline constexpr double k_smallest_robot = 3.5;
-/// Robots narrower than this, in strokes, have no outline, because it would hide their colour.
+/// On a map, robots narrower than this, in strokes, have no outline, because an outline would hide their
+/// colour.
 inline constexpr double k_smallest_outlined = 7;
-/// Robots narrower than this, in strokes, have no heading mark, because it would be too small to see.
+/// On a map, robots narrower than this, in strokes, have no heading mark, because a mark would be too small
+/// to see.
 inline constexpr double k_smallest_marked = 9;
 
-/// A layer with a single instance of a mesh whose units are pixels from the picture's centre.
+/// A layer with a single instance of a mesh whose units are pixels right of and above the picture's centre.
+/// on_top: as Layer::on_top.
 Layer flat(Mesh mesh, bool on_top);
 
 /// Adds the layers of a view from above that show static bodies, such as the floor plan, and their shadows.
 void add_flat_fixed(std::vector<AnyLayer>& layers, const SceneMeshes& meshes, const Framing& framing,
                     const Layers& shown, const Theme& theme);
-/// Adds the layers of a view from above that show mobile bodies. `colors` has one colour per mobile body; if
-/// it is empty, bodies have their own colours.
+/// Adds the layers of a view from above that show mobile bodies. These layers cover all earlier layers.
+/// `colors` has one colour per body of Frame::mobile; if it is empty, bodies have their own colours.
 void add_flat_mobile(std::vector<AnyLayer>& layers, const SceneMeshes& meshes, const engine::Frame& frame,
                      std::span<const Rgba> colors, const Framing& framing, const Layers& shown);
 

@@ -11,21 +11,23 @@ struct SolidStyle {
   float edge = 0;          ///< width of the lines along edges, pixels; 0: no lines
   float halo = 0;          ///< width of a white line drawn under each of these lines, pixels; 0: none
   bool mark = false;       ///< whether there is a triangle at the front that points forward
-  double least_side = 0;   ///< corners next to a side shorter than this, m (steps of a bitmap), have no line
+  double least_side = 0;   ///< vertical edges next to a side shorter than this, m, have no line
   double least_edged = 0;  ///< shapes narrower than this, m, have no lines
 };
 
-/// The shapes of a type as prisms without undersides, in its body frame, m. `pieces` is pieces_of(type).
+/// The shapes of a type as prisms without undersides, in its body frame, m. `pieces` must be pieces_of(type).
 SolidMesh prism_mesh(const engine::FrameType& type, const Pieces& pieces, const SolidStyle& style);
-/// A box around all shapes of a type, in the colour Paint::body. It is drawn for bodies of a few pixels.
+/// A box around all shapes of a type, without underside, in its body frame, m, in the colour Paint::body. It
+/// is drawn for bodies of a few pixels. Empty if the type has no shapes.
 SolidMesh box_mesh(const engine::FrameType& type);
-/// The faces of a mesh, without its lines and marks. It is drawn by layers with SolidLayer::shadow.
+/// The faces of a mesh, without its lines and marks, for a layer with SolidLayer::shadow.
 SolidMesh shadow_mesh(const SolidMesh& mesh);
 
-/// The interval of heights of the shapes of a type, body frame, m.
+/// The interval of heights of the shapes of a type, body frame, m; [0, 0] without shapes.
 ZInterval heights_of(const engine::FrameType& type);
 
-/// Adds a line from a to b (mesh units); `width` is in pixels.
+/// Adds a line from a to b (mesh units); `width` is in pixels. own: the colour for Paint::own. corner:
+/// Corner::stroke or Corner::rim.
 void add_stroke(SolidMesh& mesh, const Eigen::Vector3d& a, const Eigen::Vector3d& b, double width,
                 Paint paint, Rgba own = {}, Corner corner = Corner::stroke);
 /// Adds an unlit triangle (Corner::plain) of the colour `own`.

@@ -9,16 +9,17 @@
 namespace troupe::render {
 
 /// The colour for a number from 0 (dark violet) to 1 (yellow). Lightness increases with the number, so that
-/// the scale is readable in grey and for the colour-blind. Numbers outside 0 to 1 are clamped.
+/// the scale is readable in grey and for the colour-blind. Numbers outside 0 to 1 are clamped; the number
+/// must not be NaN.
 Rgba value_color(double share);
 /// The colour of bodies without a value.
 inline constexpr Rgba k_no_value = {170, 166, 158, 255};
 
-/// The smallest and the largest finite value. If they are equal, the ends of an interval of length 1 around
-/// them are returned. If no value is finite, 0 and 1 are returned.
+/// Returns the smallest and the largest finite value. If both are equal, returns the ends of the interval of
+/// length 1 around them. If no value is finite, returns 0 and 1.
 std::pair<double, double> range_of(std::span<const double> values);
-/// One colour per value, on the scale of value_color() from range.first to range.second. If these are
-/// equal, all values have the middle colour. The colour for NaN is k_no_value.
+/// One colour per value, on the scale of value_color() from range.first to range.second. Unless range.first <
+/// range.second, all values have the middle colour. The colour for NaN is k_no_value.
 std::vector<Rgba> value_colors(std::span<const double> values, const std::pair<double, double>& range);
 
 }  // namespace troupe::render

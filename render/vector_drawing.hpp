@@ -16,14 +16,14 @@ namespace troupe::render {
 struct VectorPath {
   std::vector<Ring> rings;  ///< points in pixels from the picture's upper left corner, y down
   Rgba color{};
-  double width = 0;        ///< width of lines, pixels; 0: the rings are filled, also where they overlap
+  double width = 0;        ///< width of lines, pixels; 0: rings are filled, even where they overlap
   bool is_closed = false;  ///< for lines: whether the last point of each ring is joined to its first
 };
 
 /// One line of text.
 struct VectorText {
   std::string text;          ///< the text, UTF-8
-  Vec2 pen = Vec2::Zero();   ///< start of its baseline, or the end if `ends_at_pen`; pixels, as in VectorPath
+  Vec2 pen = Vec2::Zero();   ///< start of its baseline, or end if `ends_at_pen`; as VectorPath::rings
   bool ends_at_pen = false;  ///< true: the text ends at the pen; false: it starts there
   double cap_height = 11;    ///< height of capitals, pixels
   Rgba color{};
@@ -39,9 +39,10 @@ struct VectorDrawing {
   std::vector<std::variant<VectorPath, VectorText>> items;
 };
 
-/// The layers and the lettering of a map as a drawing. Triangles that follow one another in a fan are joined
-/// to a polygon, and strokes that follow one another to a line. The triangles of flat layers are sorted by
-/// height, because a drawing has no depth buffer.
+/// The layers and the lettering of a map (is_from_above()) as a drawing. Consecutive triangles of a fan are
+/// joined to a polygon, and consecutive strokes to a line. The triangles of flat layers are sorted by height,
+/// because a drawing has no depth buffer. Invalid UTF-8 and control characters in texts become question
+/// marks.
 VectorDrawing vector_drawing(const Projection& projection, std::span<const AnyLayer> layers,
                              const Writing& writing, const Theme& theme);
 

@@ -8,8 +8,10 @@ namespace troupe::apps {
 
 /// `troupe check`: loads a world in several variants (numbers of threads, tile sizes, ...), steps them tick
 /// by tick and compares their states after each tick. Prints the variants and the first difference on
-/// standard output, and everything else on standard error. registry: the kinds that worlds may use, that is,
-/// the result of make_registry(), to which a program may have added kinds.
+/// standard output, and warnings and errors on standard error. Returns k_finished if all variants agree,
+/// k_failed if one differs, and k_bad_input after an InputError. Throws engine::StepError if the step of
+/// every variant ends with an error. registry: the kinds that worlds may use, that is, the result of
+/// make_registry(), to which a program may have added kinds.
 ExitCode check(const CheckOptions& options, const engine::Registry& registry);
 
 }  // namespace troupe::apps

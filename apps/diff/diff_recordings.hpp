@@ -11,7 +11,9 @@ namespace troupe::apps {
 bool is_hdf5(const std::filesystem::path& file);
 
 /// `troupe diff` for two recordings: compares them up to the first frame that differs and prints the result.
-/// Throws InputError for files that are not comparable recordings.
+/// Returns k_finished if the compared ticks and fields, those that both files have, are the same and both
+/// recordings have the same end, else k_failed. Throws InputError for files that are not comparable
+/// recordings.
 ExitCode diff_recordings(const DiffOptions& options);
 
 }  // namespace troupe::apps

@@ -13,15 +13,17 @@ namespace troupe::apps {
 
 /// Options of `troupe info`.
 struct InfoOptions {
-  std::filesystem::path file;                      ///< file to summarise, of any type that Troupe uses
+  std::filesystem::path file;                      ///< file to summarise
   std::vector<std::filesystem::path> plugin_path;  ///< folders to search for plug-ins
 };
 
 /// Adds the options of `info`; parsing fills `options`, which must outlive `command`.
 void add_info_options(CLI::App& command, InfoOptions& options);
 
-/// `troupe info FILE`: prints the type of a Troupe file, detected from its content, and a summary of it on
-/// standard output. Throws InputError if the file is not a Troupe file or cannot be read.
+/// `troupe info FILE`: prints the type of a file, detected from its content, and a summary of the file on
+/// standard output. The file may be a world (Stage's or JSON), a hash log, a recording, a checkpoint, a table
+/// of measures or events, or a profile. Throws InputError for any other file and for a file that cannot be
+/// read.
 ExitCode info(const InfoOptions& options);
 
 }  // namespace troupe::apps

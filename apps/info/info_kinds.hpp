@@ -29,7 +29,7 @@ Summary summary_of_world(const std::filesystem::path& file, const std::string& t
 
 /// Returns a range of ticks and the range of their world times, s, as text: "0 to 20, 0 to 2 s".
 std::string ticks_text(std::uint64_t first, std::uint64_t last, double first_s, double last_s);
-/// Returns a count with its noun `what`: "1 robot", "2 robots".
+/// Returns a count with the noun `what`, to which `s` is added unless the count is 1: "1 robot", "2 robots".
 std::string counted(std::size_t count, std::string_view what);
 
 }  // namespace troupe::apps

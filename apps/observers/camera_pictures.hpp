@@ -10,14 +10,14 @@
 
 namespace troupe::apps {
 
-/// Writes camera images into a folder: for each running camera, at each tick that is a multiple of
-/// `every_ticks`, one PNG with the colours (`r0.eye-000012.300s-color.png`) and one with the depths
-/// (`...-depth.png`; docs/sensing.md). The bytes of a file depend only on the readings of the camera, its
-/// name and the tick. A camera that has no reading yet is skipped.
+/// Writes camera images into a folder: for each running camera, at each tick above 0 that is a multiple of
+/// `every_ticks`, one PNG with the colours (`r0.eye-000012.300s-color.png`: body, camera, world time) and one
+/// with the depths (`...-depth.png`; docs/sensing.md). The bytes of a file depend only on the readings of the
+/// camera, its name and the tick. A camera that has no reading yet is skipped.
 class CameraPictures : public Observer {
  public:
-  /// Creates the folder if it does not exist. every_ticks: interval of the images, ticks. Throws OutputError
-  /// if creating the folder fails.
+  /// Creates the folder if it does not exist; its parent folder must exist. every_ticks: interval of the
+  /// images, ticks, at least 1. Throws OutputError if creating the folder fails.
   CameraPictures(std::filesystem::path folder, std::uint64_t every_ticks);
 
   void observe(const Simulation& simulation) override;

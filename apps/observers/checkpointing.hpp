@@ -15,9 +15,9 @@ namespace troupe::apps {
 /// Detects that a user has requested a checkpoint by sending SIGUSR1 to a process of the run.
 class SaveRequests {
  public:
-  /// Whether a request has arrived since the last call that returned true. Requests within one second after
-  /// that call are ignored: a launcher passes a signal on to all processes, so that one request of the user
-  /// arrives several times.
+  /// Whether a request has arrived since the previous call. Requests within one second after a call that
+  /// returned true are ignored: a launcher passes a signal on to all processes, so that one request of the
+  /// user arrives several times.
   bool has_new(const Simulation& simulation);
 
  private:
@@ -28,11 +28,11 @@ class SaveRequests {
 /// Saves checkpoints of a run: periodically, on SIGUSR1, and when the run ends or is stopped.
 class Checkpointing : public Observer {
  public:
-  /// file: the checkpoint, which each save replaces. every_s: the period in simulated seconds; not given: a
-  /// checkpoint is saved only at the end. others: the other observers of the run, which must outlive this
-  /// object; before_save() is called on them before each checkpoint during the run. The constructor writes a
-  /// trial checkpoint next to `file` and removes it, so that a full disk or a world that cannot be saved is
-  /// reported before the run. Throws OutputError if this fails.
+  /// file: the checkpoint, which each save replaces. every_s: the period in simulated seconds; not given: no
+  /// periodic checkpoints. others: the other observers of the run, which must outlive this object; their
+  /// before_save() is called before each checkpoint during the run. The constructor writes a trial checkpoint
+  /// next to `file` and removes it, so that a full disk or a world that cannot be saved is reported before
+  /// the run. Throws OutputError if this fails.
   Checkpointing(std::filesystem::path file, std::optional<double> every_s, const Simulation& simulation,
                 std::vector<Observer*> others);
 

@@ -12,6 +12,8 @@ namespace troupe::apps {
 /// s, 812.4 x real time`.
 class ClockLines : public Observer {
  public:
+  /// every_ticks: interval of the lines, ticks, at least 1. simulation: the simulation at the beginning of
+  /// the run.
   ClockLines(std::uint64_t every_ticks, const Simulation& simulation);
 
   void observe(const Simulation& simulation) override;

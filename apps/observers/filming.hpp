@@ -20,13 +20,13 @@
 
 namespace troupe::apps {
 
-/// Measures the mean speed of a run, in multiples of real time, since its construction.
+/// Measures the mean speed of a run, in multiples of real time, since the construction of this object.
 class RunSpeed {
  public:
   /// begin_s: the simulated time that the run has reached now, s.
   explicit RunSpeed(double begin_s) : begin_s_(begin_s) {}
-  /// Mean speed from construction until now, in multiples of real time; 0 if no wall time has passed. time_s:
-  /// the simulated time that the run has reached now, s.
+  /// Mean speed from the construction of this object until now, in multiples of real time; 0 if no wall time
+  /// has passed. time_s: the simulated time that the run has reached now, s.
   double at(double time_s) const;
 
  private:
@@ -37,15 +37,17 @@ class RunSpeed {
 /// Writes pictures of single ticks of a run. A separate thread draws them while the run continues.
 class Snapshots : public Observer {
  public:
-  /// end_tick: last tick of the run. Throws InputError for options that do not fit the world, and for
-  /// times outside the run.
+  /// files: must request at least one snapshot. end_tick: last tick of the run. Throws InputError for options
+  /// that do not fit the world, and for times outside the run.
   Snapshots(const PictureFiles& files, const Simulation& simulation, std::uint64_t end_tick);
 
-  /// Throws the errors that drawing would throw, so that they are reported before the run.
+  /// Writes a small picture next to the first file and removes it. Throws the errors of Pictures::write(), so
+  /// that they are reported before the run.
   void rehearse() { pictures_.rehearse(first_); }
   void observe(const Simulation& simulation) override;
   void finish(const Simulation& simulation) override;
-  /// Draws the end of the run if --snapshot-at was not given. Throws if drawing fails.
+  /// If --snapshot-at was not given, draws the end of the run and waits until the picture is written. Throws
+  /// if this fails.
   void after_summary(const Simulation& simulation) override;
 
  private:
@@ -62,15 +64,17 @@ class Filming : public Observer {
  public:
   /// Throws InputError for options that do not fit the world.
   Filming(const PictureFiles& files, const PictureSource& source);
-  /// Throws the errors that drawing would throw, so that they are reported before the run.
+  /// Writes a small picture next to the film and removes it. Throws the errors of Pictures::write(), so
+  /// that they are reported before the run.
   void rehearse() { pictures_.rehearse(film_); }
-  /// Starts ffmpeg, unless the film is written as one picture per frame. Throws OutputError if ffmpeg is not
-  /// found or the file cannot be written.
+  /// Starts ffmpeg, unless the film is written as one picture per frame. Call it once, before observe().
+  /// Throws OutputError if ffmpeg is not found or the file cannot be written.
   void open();
 
   void observe(const Simulation& simulation) override;
-  /// Adds the frames of the film up to the current time of `source`; frames between this time and that of the
-  /// previous call are interpolated. next_s: simulated time of the next call, s; infinity if there is none.
+  /// Adds the frames of the film up to the current time of `source`. A frame between the times of two calls
+  /// is interpolated between their states. next_s: simulated time of the next call, s; infinity if there is
+  /// no next call.
   void observe(const PictureSource& source, double next_s);
   void finish(const Simulation& simulation) override;
   /// Waits until the film is complete. Throws if drawing or writing failed.

@@ -13,7 +13,7 @@ namespace troupe::apps {
 class TickWatcher {
  public:
   virtual ~TickWatcher() = default;
-  /// Called when a phase begins, or, with std::nullopt, when the tick ends.
+  /// Called with each phase when it begins, and with std::nullopt when the tick ends.
   virtual void phase(std::optional<Phase> phase) = 0;
   /// Called when a task of a parallel loop begins (`begins` is true) or ends (false), on the thread that runs
   /// the task. Several threads may call it at once. index: index of the task in its loop.
@@ -21,8 +21,8 @@ class TickWatcher {
 };
 
 /// Base class of objects that observe a run between ticks, most of which write a file: a log, a recording, a
-/// profile. An observer must not change the state. It throws std::runtime_error, whose text names the file,
-/// if writing fails; the run then ends.
+/// profile. An observer must not change the state. If writing fails, an observer throws std::runtime_error,
+/// whose text names the file; the run then ends.
 class Observer {
  public:
   Observer() = default;
@@ -32,8 +32,9 @@ class Observer {
 
   /// Called once before the first step and after every tick.
   virtual void observe(const Simulation& simulation) = 0;
-  /// Called before a periodic checkpoint is saved. The observer must then write everything that it has
-  /// observed so far to its file, because a run that is resumed from this checkpoint continues the file.
+  /// Called before a checkpoint is saved during the run, periodically or on request. The observer must then
+  /// write everything that it has observed so far to its file, because a run that is resumed from this
+  /// checkpoint continues the file.
   virtual void before_save() {}
   /// Called when the run has ended or was stopped, after the last observe().
   virtual void finish(const Simulation& /*simulation*/) {}

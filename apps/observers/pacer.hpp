@@ -7,14 +7,14 @@
 
 namespace troupe::apps {
 
-/// Limits the speed of a run to `rate` times real time: after each tick it waits until the wall time at which
-/// this tick is due. A run that is slower than its rate never waits. If a run has fallen behind by more than
-/// one second, for example because the process was suspended, it does not catch up: from then on it continues
-/// at its rate.
+/// Limits the speed of a run to `rate` times real time: after each tick, observe() waits until the wall time
+/// at which this tick is due. A run that is slower than its rate never waits. If a run has fallen behind by
+/// more than one second, for example because the process was suspended, it does not catch up: from then on it
+/// continues at its rate.
 class Pacer : public Observer {
  public:
   /// rate: largest speed, in multiples of real time, above 0. is_over: a function that returns true if the
-  /// run was asked to stop; waiting then ends early.
+  /// run must stop. It is called about every 50 ms during a wait, and ends the wait when it returns true.
   Pacer(double rate, std::function<bool()> is_over);
 
   void observe(const Simulation& simulation) override;

@@ -27,10 +27,10 @@ inline constexpr std::string_view k_profile_mark = "{\"displayTimeUnit\":\"ms\",
 struct ProfileLimits {
   std::uint64_t first_tick = 1;                 ///< first tick in the profile
   std::uint64_t last_tick = ~std::uint64_t{0};  ///< last tick in the profile
-  /// Largest number of tasks in the file, about 100 bytes each. A tick whose tasks would exceed this number
-  /// is written without its tasks.
+  /// Largest number of tasks in the file, about 100 bytes each. A tick with more tasks than may still be
+  /// written is written without its tasks.
   std::size_t most_tasks = 1'000'000;
-  /// Largest number of ticks in the file, about 1 kB each.
+  /// Largest number of ticks in the file, about 1 kB each. Later ticks are omitted.
   std::size_t most_ticks = 20'000;
 };
 
@@ -46,9 +46,11 @@ struct ProfileLimits {
 ///         and decide for its own robots. The phase sense is drawn at the time at which it began on rank 0,
 ///         because the clocks of processes differ
 /// load    the argument `imbalance` of a phase is the time that the busiest worker spent in tasks, divided by
-///         the mean over all workers (1: equal work; the number of threads: one worker did everything). It is
-///         absent if the phase ran no task
-/// errors  OutputError if the file cannot be opened, std::runtime_error if it cannot be written
+///         the mean over all workers (1: equal work; the number of threads: one worker did everything);
+///         `busy_us` is the time of all workers together, microseconds. Both are absent if the phase ran no
+///         task
+/// errors  the constructor throws OutputError if the file cannot be opened; observe() throws
+///         std::runtime_error if it cannot be written
 class Profile : public Observer, public TickWatcher {
  public:
   Profile(const std::filesystem::path& file, const Simulation& simulation, const ProfileLimits& limits);
@@ -57,7 +59,8 @@ class Profile : public Observer, public TickWatcher {
   void task(std::size_t index, bool begins) override;
   TickWatcher* tick_watcher() override { return this; }
 
-  /// Writes the tick that has just ended, if any.
+  /// Writes the tick that has just ended, if the profile is to contain this tick. Does nothing before the
+  /// first tick.
   void observe(const Simulation& simulation) override;
 
   /// Returns a line that states which ticks and tasks were omitted because of the limits; empty: none.

@@ -18,9 +18,10 @@ struct RunOptions;
 std::filesystem::path recording_file(const RunOptions& options, const Simulation& simulation);
 
 class Recorder;
-/// Opens the recording of a run. Returns null if the run is not recorded. If the simulation was resumed from
-/// a checkpoint, an existing recording is continued, unless --force was given. Throws InputError for an
-/// invalid file or invalid fields, before anything is written.
+/// Opens the recording of a run (recording_file()). Returns null if the run is not recorded. If the
+/// simulation was resumed from a checkpoint, an existing recording is continued, unless --force was given.
+/// Throws InputError for an invalid file or invalid fields, and if there is no recording but an interval or
+/// fields of one are given, before anything is written.
 std::unique_ptr<Recorder> make_recorder(const RunOptions& options, const Simulation& simulation);
 
 /// Writes a recording. Starts to flush the frames to the disk every 2 s of wall time, so that readers of the

@@ -14,14 +14,15 @@
 
 namespace troupe::apps {
 
-/// Writes the table of --measures with the columns `tick,time_s,coverage,...`. It has one line for every tick
-/// that is a multiple of `every`, so that a resumed run writes the same lines as an uninterrupted run.
+/// Writes the table of --measures with the columns `tick,time_s,coverage,...`. The table has one line for
+/// every tick that is a multiple of `every`, so that a resumed run writes the same lines as an uninterrupted
+/// run.
 class MeasuresTable : public Observer {
  public:
   /// Creates the table. If the simulation was resumed from a checkpoint, an existing table is continued and
   /// the data that the measures keep from earlier ticks are restored from the checkpoint. every: interval of
-  /// the lines, ticks. Throws OutputError if the file cannot be written or continued. The simulation must
-  /// outlive this object.
+  /// the lines, ticks, at least 1. Throws OutputError if the file cannot be written or continued, or if the
+  /// checkpoint lacks these data. The simulation must outlive this object.
   MeasuresTable(const std::filesystem::path& file, Simulation& simulation, Measures measures,
                 std::uint64_t every);
   ~MeasuresTable() override;
@@ -54,9 +55,11 @@ class EventsTable : public Observer {
   CsvFile csv_;
 };
 
-/// The beginnings of the first lines of the two tables, by which `troupe info` detects the type of a file.
+/// The beginnings of the first lines of a table of measures and of a table of events, by which `troupe info`
+/// detects the type of a file. A table of events begins with both, so k_events_mark must be tested first.
 inline constexpr std::string_view k_measures_mark = "tick,time_s,";
 inline constexpr std::string_view k_events_mark = "tick,time_s,event,robot,";
+/// The first line of a table of events: the names of its columns.
 inline constexpr std::string_view k_events_header =
     "tick,time_s,event,robot,id,x_m,y_m,heading_rad,other,other_id";
 

@@ -14,9 +14,9 @@
 namespace troupe::apps {
 
 /// Writes a film: passes pictures to ffmpeg, a child process, which encodes them. ffmpeg writes a temporary
-/// file in the folder of the film; the file gets the film's name when the film is complete. The temporary
-/// file of an unfinished film is removed. If SIGKILL prevents this, the next film with the same name replaces
-/// the file.
+/// file in the folder of the film; when the film is complete, the file gets the film's name and replaces an
+/// older film. The temporary file of an unfinished film is removed. If SIGKILL prevents this, the next film
+/// with the same name replaces the file.
 class Ffmpeg {
  public:
   /// Starts ffmpeg. film: file to write; width, height: size of the pictures, pixels; fps: pictures per
@@ -27,10 +27,11 @@ class Ffmpeg {
   Ffmpeg(const Ffmpeg&) = delete;
   Ffmpeg& operator=(const Ffmpeg&) = delete;
 
-  /// Adds one picture: 8-bit RGBA, four bytes per pixel, row by row from the top. Throws std::runtime_error
-  /// if ffmpeg has ended.
+  /// Adds one picture: 8-bit RGBA, four bytes per pixel, row by row from the top, of the size given to the
+  /// constructor. Throws std::runtime_error if ffmpeg has ended.
   void write(std::span<const std::uint8_t> rgba);
-  /// Waits until the film is complete. Throws std::runtime_error if ffmpeg fails.
+  /// Ends the film and waits until it is complete. Call it once, after the last write(). Throws
+  /// std::runtime_error if ffmpeg fails.
   void finish();
 
  private:
@@ -48,8 +49,9 @@ class Ffmpeg {
 /// Searches ffmpeg in the folders of the environment variable PATH and returns its path; empty if it is not
 /// found.
 std::string find_ffmpeg();
-/// Throws OutputError if the film that `pictures` requests cannot be made, for example because ffmpeg is
-/// missing. Does nothing if no film is requested. Writes nothing.
+/// Throws OutputError if the film that `pictures` requests cannot be made, because ffmpeg is missing or the
+/// background is transparent. Does nothing if no film is requested, or a film of single pictures. Writes
+/// nothing.
 void check_film(const PictureFiles& pictures);
 
 }  // namespace troupe::apps

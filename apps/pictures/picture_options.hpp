@@ -22,14 +22,16 @@ struct PictureFiles {
   PictureOptions look;                ///< how all pictures and frames are drawn
 };
 
-/// Placeholder for the simulated time in the names of snapshots.
+/// Placeholder in the names of snapshots, which is replaced by the simulated time, s, such as `0.5`.
 inline constexpr std::string_view k_time_mark = "{time}";
-/// Returns the files of all snapshots, in the order of `snapshot_at_s`; empty if there is no snapshot.
+/// Returns the files of all snapshots, in the order of `snapshot_at_s` and with their times in place of
+/// k_time_mark; if `snapshot_at_s` is empty, only the file `snapshot`; empty if there is no snapshot.
 std::vector<std::filesystem::path> snapshot_files(const PictureFiles& pictures);
-/// Whether a film with this name is written as one PNG file per frame: the name contains `%06d` and ends in
-/// `.png`.
+/// Whether a film with this name is written as one PNG file per frame: the file name contains `%06d` and ends
+/// in `.png`.
 bool is_frames(const std::filesystem::path& film);
-/// Returns the file of a frame of a film for which is_frames() is true. Frames are counted from 0.
+/// Returns the file of a frame of a film for which is_frames() is true: the number of the frame, from 0, with
+/// six digits replaces `%06d`.
 std::filesystem::path frame_file(const std::filesystem::path& film, std::size_t frame);
 
 /// Adds --snapshot, --snapshot-at, --film and the options of add_look_options(); `pictures` must outlive
@@ -43,12 +45,13 @@ void add_picture_options(CLI::App& app, PictureFiles& pictures);
 void add_look_options(CLI::App& app, PictureOptions& look);
 /// Adds --film, --fps and --film-speed. Parsing fills `pictures`, which must outlive `app`.
 void add_film_options(CLI::App& app, PictureFiles& pictures);
-/// Convert `text`, the value of the option `option`, and store it as the name (set_snapshot()) or the times
-/// (set_times()) of the snapshots in `pictures`. Throw CLI::ParseError for invalid values.
+/// Converts `text`, the value of the option `option`, and stores it as the name (set_snapshot()) or the
+/// times, s, sorted and each once (set_times()), of the snapshots in `pictures`. Throws CLI::ParseError for
+/// invalid values.
 void set_snapshot(PictureFiles& pictures, const char* option, const std::string& text);
 void set_times(PictureFiles& pictures, const char* option, const std::string& text);
-/// Throws CLI::ValidationError if several times are given and the name of the snapshots has no {time}.
-/// times_option, name_option: names of the two options, for the error.
+/// Throws CLI::ValidationError if several times are given and the name of the snapshots has no {time}
+/// (k_time_mark). times_option, name_option: names of the two options, for the error.
 void check_names(const PictureFiles& pictures, const char* times_option, const char* name_option);
 
 /// Returns the list of cameras and of layers (--camera, --layers), for the help of a command.

@@ -16,13 +16,14 @@ namespace troupe::apps {
 /// Options of `troupe render`.
 struct RenderOptions : WorldOptions {
   PictureFiles pictures;  ///< pictures of the file `world`, which is a world, a checkpoint or a recording
-  std::vector<std::string> given;  ///< options of the command line that only some types of input allow
+  std::vector<std::string> given;  ///< names of given options that not every type of input allows
 };
 
 /// Adds the options of `render`; parsing fills `options`, which must outlive `command`.
 void add_render_options(CLI::App& command, RenderOptions& options);
 /// `troupe render`: draws the requested pictures of a world, a checkpoint or a recording, and makes the
-/// requested film.
+/// requested film. Returns k_stopped after Ctrl-C or SIGTERM, k_bad_input after printing an InputError or
+/// OutputError, else k_finished.
 ExitCode render_pictures(const RenderOptions& options);
 
 }  // namespace troupe::apps

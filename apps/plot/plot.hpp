@@ -22,8 +22,9 @@ struct PlotOptions {
 
 /// Adds the options of `plot`; parsing fills `options`, which must outlive `command`.
 void add_plot_options(CLI::App& command, PlotOptions& options);
-/// `troupe plot`: plots a measure of a sweep. Replaces the process by python3, which runs the embedded
-/// script. Returns (after printing an error) only if python3 cannot be started.
+/// `troupe plot`: plots a measure of a sweep. Replaces the process by Python (the interpreter that the
+/// environment variable TROUPE_PYTHON names, else python3), which runs the embedded script. If Python cannot
+/// be started, prints an error and returns k_failed; otherwise does not return.
 ExitCode plot(const PlotOptions& options);
 
 }  // namespace troupe::apps

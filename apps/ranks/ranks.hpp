@@ -14,10 +14,11 @@ namespace troupe::apps {
 
 /// Runs a command on all processes that a launcher such as mpirun has started (docs/cluster.md). Rank 0 calls
 /// run() with options that refer to the other processes (SimulationOptions::processes). The other processes
-/// only compute their parts of the worlds that rank 0 loads.
-/// Without a launcher, or with a single process, calls run(options). If an error concerns all processes, only
-/// rank 0 prints it. If this process fails, it prints the error and ends at once, because other processes may
-/// wait for it.
+/// only compute their parts of the worlds that rank 0 loads. Without a launcher, or with a single process,
+/// calls run(options.simulation) and passes its exceptions on. Otherwise returns the result of run() on rank
+/// 0, and k_finished on the other ranks; for an InputError, which concerns all processes, rank 0 prints it
+/// and the function returns k_bad_input. After any other exception, this process prints the error and ends
+/// without returning, because other processes may wait for it.
 ExitCode on_ranks(const WorldOptions& options,
                   const std::function<ExitCode(const SimulationOptions& simulation)>& run);
 
@@ -26,7 +27,7 @@ ExitCode on_ranks(const WorldOptions& options,
 /// in the same order.
 class RankDeal {
  public:
-  /// For a process that is the only one. threads: as below
+  /// For a process that is the only one. threads: number of runs that this process makes at the same time
   explicit RankDeal(unsigned threads);
   /// transport: the connection to the other processes
   /// threads: number of runs that this process makes at the same time
@@ -40,19 +41,21 @@ class RankDeal {
   unsigned rank() const;
   unsigned ranks() const;
   unsigned threads() const { return threads_; }  ///< number of runs that this process makes at the same time
-  /// How often a rank that is at work must call tell_that_it_works().
+  /// The longest time between two calls of tell_that_it_works() by a rank that is at work, s.
   std::chrono::duration<double> interval() const { return interval_; }
-  /// Tells the ranks that wait for this rank that it is at work, so that their limit begins again. Rank 0
-  /// also passes on in gather() that another rank is at work. Does nothing with one rank.
+  /// Tells the ranks that wait for this rank that it is at work, so that they start to count `limit_s` again.
+  /// While rank 0 waits in gather(), it passes such a message of one rank on to all other ranks. Does nothing
+  /// with one rank.
   void tell_that_it_works() const;
-  /// On rank 0: sends a message to all other ranks, whose shared() returns it. Call it once.
+  /// On rank 0: sends a message to all other ranks, whose shared() returns this message. Call it at most
+  /// once.
   void share(partition::Message message);
-  /// On the other ranks: waits for the message that rank 0 passes to share(), and returns it. Returns
-  /// std::nullopt if rank 0 has ended without share().
+  /// On the other ranks: waits for the message that rank 0 passes to share(), and returns this message.
+  /// Returns std::nullopt if rank 0 has ended without share(). Must not be called on rank 0.
   std::optional<partition::Message> shared();
   bool has_shared() const { return has_shared_; }  ///< whether share() was called or shared() got a message
-  /// Sends `own` to rank 0. On rank 0, waits for the messages of all ranks and returns them, by rank; on
-  /// other ranks, returns nothing.
+  /// Sends `own` to rank 0. On rank 0, waits for the messages of all ranks and returns them, indexed by rank;
+  /// on other ranks, returns an empty list. Throws partition::RankError if a rank does not answer.
   std::vector<partition::Message> gather(partition::Message own) const;
 
  private:
@@ -62,9 +65,9 @@ class RankDeal {
   bool has_shared_ = false;
 };
 
-/// Calls run() on every process that a launcher has started. Returns the result of rank 0. Errors are handled
-/// as in on_ranks(). threads: RankDeal::threads(), or 0 for the default of the process. limit_s: the longest
-/// time that a rank waits for another, s
+/// Calls run() on every process that a launcher has started, and returns the result of this process. Errors
+/// are handled as in on_ranks(). threads: RankDeal::threads(), or 0 for the number of processors that the
+/// launcher or the system gives this process. limit_s: the longest time that a rank waits for another, s
 ExitCode on_each_rank(unsigned threads, double limit_s, const std::function<ExitCode(RankDeal& deal)>& run);
 
 /// For commands that run in one process only: returns true if a launcher started several processes, so that

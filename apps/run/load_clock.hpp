@@ -12,7 +12,8 @@ namespace troupe::apps {
 /// measures) are not counted. The cost is two clock readings per task; a task takes tens of microseconds.
 class LoadClock {
  public:
-  /// Call with true when a tick begins and with false when it has ended.
+  /// Call with true when a tick begins and with false when it has ended. Repeated calls with the same value
+  /// have no effect.
   void tick(bool is_under_way) {
     if (is_under_way == is_tick_) return;
     is_tick_ = is_under_way;
@@ -38,12 +39,12 @@ class LoadClock {
     mark(worker.begin, begins, worker.busy_s);
   }
 
-  /// Fraction of the wall time of all ticks that was spent outside parallel loops, from 0 to 1. More worker
-  /// threads do not shorten this part.
+  /// Fraction of the wall time of all ticks that was spent outside parallel loops, from 0 to 1; 0 before the
+  /// first tick. More worker threads do not shorten this part.
   double serial_share() const { return ticks_s_ > 0 ? 1 - loops_s_ / ticks_s_ : 0; }
   /// The time of the busiest worker in the tasks of a parallel loop, summed over all loops, divided by the
   /// mean time of all `threads` workers: 1 if all workers had equal work, `threads` if one worker did
-  /// everything.
+  /// everything, 0 if no task was run.
   double imbalance(unsigned threads) const { return busy_s_ > 0 ? threads * longest_s_ / busy_s_ : 0; }
 
  private:

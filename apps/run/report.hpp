@@ -10,12 +10,13 @@
 
 namespace troupe::apps {
 
-/// Results of a run, from which summary_text() and, for --json, summary_json() make the summary at its end.
+/// Results of a run. At the end of the run, summary_text() or, with --json, summary_json() makes the summary
+/// of them.
 struct Report {
   std::string world;             ///< name of the world file
   std::string title;             ///< title of the world
   Statistics statistics;         ///< robots, stalls, ... at the end of the run; counts since tick 0
-  Simulation::Hashes hashes;     ///< of the state at the end of the run
+  Simulation::Hashes hashes;     ///< hashes of the state at the end of the run
   std::uint64_t first_tick = 0;  ///< tick at which the run began or was resumed
   double tick_s = 0;             ///< length of a tick, s
   double end_s = 0;              ///< requested end, world time, s

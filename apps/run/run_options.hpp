@@ -19,17 +19,17 @@ struct RunOptions : WorldOptions {
   std::vector<std::filesystem::path> worlds;
   RunOutputs outputs;  ///< all outputs; most of them store the values of their options themselves
   std::filesystem::path checkpoint;  ///< file to save checkpoints in; empty: none
-  /// Simulated time between checkpoints, s; not given: only at the end.
+  /// Simulated time between checkpoints, s; not given: checkpoints are saved only on SIGUSR1 and at the end.
   std::optional<double> checkpoint_every_s;
   std::optional<double> wall_limit_s;  ///< wall time after which the run stops, s; not given: no limit
   std::filesystem::path record;        ///< file of the recording; empty: the one that the world names, if any
   RecordingOptions recording;          ///< interval and fields of the recording
   std::filesystem::path session;       ///< session file to repeat; empty: none
   bool view = false;                   ///< --view: show the run in browsers (docs/live.md)
-  bool force = false;                  ///< replace existing outputs
-  bool clock = false;                  ///< print the time even if the world file does not request it
-  double rate = 0;                     ///< limit of the speed, in multiples of real time; 0: no limit
-  bool world_rate = false;             ///< limit the speed to the rate in the world file, and ignore `rate`
+  bool force = false;                  ///< replace an existing checkpoint or recording
+  bool clock = false;       ///< print the simulated time even if the world file does not request this
+  double rate = 0;          ///< limit of the speed, in multiples of real time; 0: no limit
+  bool world_rate = false;  ///< limit the speed to the rate in the world file, and ignore `rate`
   // For `troupe resume`: `world` is then a checkpoint, and the only members of `simulation` that are used are
   // those that ResumeOptions also has, such as `threads` and `set`.
   bool across_versions = false;  ///< resume although another version of Troupe wrote the checkpoint

@@ -21,11 +21,12 @@ using Observers = std::vector<std::unique_ptr<Observer>>;
 /// vector that it is given.
 using OpenOutput = std::function<void(Observers&)>;
 
-/// A kind of output of a run, such as the hash log, with its command-line options. To add a kind, derive a
-/// class in a file of its own and add a row to the table in run_outputs.cpp.
+/// Base class of the kinds of output of a run, such as the hash log, with their command-line options. To add
+/// a kind, derive a class in a file of its own and add a row to the table in run_outputs.cpp.
 class RunOutput {
  public:
   virtual ~RunOutput() = default;
+  /// Returns a copy of this object with the values of its options.
   virtual std::unique_ptr<RunOutput> clone() const = 0;
 
   /// Adds the options of this output to the command `app`, which is `run` or `resume`. Parsing fills this
@@ -37,12 +38,13 @@ class RunOutput {
   /// Returns the files that the output will write. The caller checks that they can be written. Throws
   /// OutputError if the output finds another error, such as an existing checkpoint. Creates nothing.
   virtual std::vector<std::filesystem::path> files(const RunOptions& options) const = 0;
-  /// If the command line names no file, takes the name from the loaded world. Throws InputError if that name
-  /// is not allowed.
+  /// If the command line names no file, takes the name from the loaded world, if the world gives one. Throws
+  /// InputError if that name is not allowed.
   virtual void take_name_from_world(RunOptions& /*options*/, const Simulation& /*simulation*/) const {}
   /// Checks the output before any file is opened, so that errors in drawing, measuring or writing are
   /// reported before the run. Returns a function that opens the files; null if there is nothing to open.
-  /// simulation: outlives the opened observers. end_tick: last tick of the run. Throws InputError.
+  /// simulation: must outlive the opened observers. end_tick: last tick of the run. Throws InputError if the
+  /// options do not fit the world.
   virtual OpenOutput prepare(const RunOptions& options, Simulation& simulation,
                              std::uint64_t end_tick) const = 0;
 };

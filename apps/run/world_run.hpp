@@ -21,12 +21,13 @@ namespace troupe::apps {
 class Pacer;
 
 /// One loaded world of a run, with the observers that write its outputs. The caller calls, in this order:
-/// take_names_from_world(), rehearse(), open_outputs(), begin(), step() until is_done(), finish(),
-/// print_summary(), after_summary().
+/// take_names_from_world(), rehearse(), open_outputs(), open_view() if the run is shown in browsers, begin(),
+/// step() until is_done(), finish(), print_summary(), after_summary().
 class WorldRun {
  public:
   /// Loads or resumes the world and prints its warnings. options: those of a single world, in whose names of
-  /// outputs {world} is already replaced. Throws InputError.
+  /// outputs {world} is already replaced. Throws InputError if the world, the checkpoint or the session is
+  /// invalid, if the run has no end, or if the end is earlier than the checkpoint.
   explicit WorldRun(RunOptions options);
   ~WorldRun();
   WorldRun(const WorldRun&) = delete;
@@ -44,8 +45,8 @@ class WorldRun {
   /// Opens the outputs. is_over: a function that returns true if the run was asked to stop; waiting because
   /// of RunOptions::rate then ends early.
   void open_outputs(std::function<bool()> is_over);
-  /// Shows the run in browsers and prints the addresses on standard error. is_over: as for
-  /// open_outputs(); when it returns true, a run that a user has paused also ends.
+  /// Shows the run in browsers and prints the addresses on standard error. is_over: as for open_outputs();
+  /// when this function returns true, a run that a user has paused also ends.
   void open_view(const std::function<bool()>& is_over);
   /// Whether the run prints lines with the simulated time (--clock); a progress bar would interfere with
   /// them.
@@ -57,6 +58,7 @@ class WorldRun {
   void begin();
   /// Makes one step, and then calls observe() of all observers.
   void step();
+  /// Whether the run has reached its last tick, or a condition in the world's `stop_when` holds.
   bool is_done() const { return simulation_.tick() >= ticks_ || simulation_.stopped(); }
   /// World time at the end of the next tick, s.
   double next_s() const { return static_cast<double>(simulation_.tick() + 1) * simulation_.tick_s(); }
@@ -67,8 +69,9 @@ class WorldRun {
   void save_at_least() const;
 
   const Report& report() const { return report_; }
-  /// Prints the summary on standard output, as text or JSON. is_one_of_several: the run has several worlds,
-  /// so the summary begins with the name of the world.
+  /// Prints warnings on standard error, and the summary on standard output, as text or JSON (with
+  /// RunOptions::quiet, only as JSON). Throws std::runtime_error if standard output cannot be written.
+  /// is_one_of_several: the run has several worlds, so the summary begins with the name of the world.
   void print_summary(bool is_one_of_several) const;
   /// Calls after_summary() of the observers.
   void after_summary() const;

@@ -44,8 +44,9 @@ class SweepJournal {
   int descriptor_ = -1;
 };
 
-/// Returns the outcomes in all journals of a folder, by index of the run. study: the text that identifies the
-/// study, as for SweepJournal. Throws OutputError if a journal stores another text.
+/// Returns the outcomes in all journals of a folder, which must exist, by index of the run. An incomplete
+/// last line of a journal is ignored. study: the text that identifies the study, as for SweepJournal. Throws
+/// OutputError if a journal stores another text or has a damaged line.
 std::map<std::size_t, SweepOutcome> read_journals(const std::filesystem::path& folder,
                                                   std::string_view study);
 

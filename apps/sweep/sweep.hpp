@@ -25,14 +25,17 @@ struct SweepOptions {
   bool list = false;          ///< only print the list of runs
   bool quiet = false;         ///< print only errors
   std::vector<std::filesystem::path> plugin_path;      ///< folders to search for plug-ins
-  std::vector<std::shared_ptr<const Script>> scripts;  ///< --controller
+  std::vector<std::shared_ptr<const Script>> scripts;  ///< scripts with controllers (--controller)
 };
 
 /// Adds the options of `sweep`; parsing fills `options`, which must outlive `command`.
 void add_sweep_options(CLI::App& command, SweepOptions& options);
 
 /// `troupe sweep`: makes those runs of a study whose results are not in its folder yet. When all runs are
-/// finished, writes the tables.
+/// finished, writes the tables. Returns k_finished if the runs of this process are finished, k_failed if a
+/// run or writing failed, k_stopped after Ctrl-C or SIGTERM, and k_bad_input after printing an OutputError.
+/// Throws InputError for an invalid study or world; with several processes, on_each_rank() handles this
+/// error.
 ExitCode sweep(const SweepOptions& options);
 
 }  // namespace troupe::apps

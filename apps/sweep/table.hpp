@@ -25,12 +25,15 @@ struct SweepTable {
 };
 
 /// Writes a table with one row per run, in the order of runs:
-/// `run,PARAMETERS...,seed,ticks,time_s,MEASURES...,stopped_by,state_hash,error`. pandas reads it without
-/// options. Replaces the file only when it is complete. Throws OutputError.
+/// `run,PARAMETERS...,seed,ticks,time_s,MEASURES...,stopped_by,state_hash,error`. pandas reads the table
+/// without options. A run without an outcome has the number of ticks 0, and `nan` or empty cells for its
+/// results. Replaces the file only when the new table is complete. Throws OutputError if writing fails.
 void write_csv(const SweepTable& table, const std::filesystem::path& file);
-/// Writes the table `run,time_s,MEASURES...` into the folder, with one row for each time at which a run was
-/// measured (Study::measure_every_s), by concatenating the files of series_file(). measures: names of the
-/// columns of measures (Measures::columns()). Replaces the file only when it is complete. Throws OutputError.
+/// Writes the table `run,time_s,MEASURES...` to the file series.csv of the folder, with one row for each time
+/// at which a run was measured (Study::measure_every_s), by concatenating the files of series_file() of all
+/// finished runs. measures: names of the columns of measures (Measures::columns()). Replaces the file only
+/// when the new table is complete. Throws OutputError if the file of a finished run is missing or writing
+/// fails.
 void write_series(const SweepTable& table, const std::vector<std::string>& measures,
                   const std::filesystem::path& folder);
 /// Returns the path of the file with the rows of one run for write_series(), which concatenates these files.
@@ -41,7 +44,8 @@ std::filesystem::path series_file(const std::filesystem::path& folder, std::size
 void add_series_row(std::string& rows, std::size_t run, double time_s, const std::vector<double>& values);
 
 /// Writes the table of write_csv() to an HDF5 file (docs/sweeps.md): each column as a dataset of the group
-/// /table, and the names of the columns, in their order, as the dataset /columns. Throws OutputError.
+/// /table, and the names of the columns, in their order, as the dataset /columns. Replaces the file only when
+/// it is complete. Throws OutputError if writing fails.
 void write_hdf5(const SweepTable& table, const std::filesystem::path& file);
 
 }  // namespace troupe::apps

@@ -20,7 +20,8 @@ struct Beam {
   Vec2 origin = Vec2::Zero();  ///< point at which the beam starts, m
 };
 
-/// The beams of a ranger, in the order of its readings. Empty if the device is not a ranger.
+/// The beams of a ranger with its joints at rest, in the order of its readings. Empty if the device is not a
+/// ranger.
 inline std::vector<Beam> beams_of(const engine::DeviceInfo& device) {
   const engine::DeviceKind::Prepared& layout = device.prepared;
   const Transform pose_drive_sensor(device.pose);

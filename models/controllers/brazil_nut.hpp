@@ -10,10 +10,11 @@ namespace troupe::models {
 /// large ones.
 ///
 /// aims      The robot steers along the vector a = `taxis` g + `noise` u + p in its own frame. Names in
-///           backquotes are parameters. g is the unit vector towards the light. u is a unit vector of random
-///           direction, which changes every `shake` seconds. p is the repulsion by other robots. Let R be the
-///           sum of the radii of the robot and a robot that it hears. If the distance r between them is below
-///           R, p has a term of length `push` (1 - r / R) that points away from that robot.
+///           backquotes are parameters. g is the unit vector towards the light, or 0 if the light sensor sees
+///           no light. u is a unit vector of random direction, which changes every `shake` seconds. p is the
+///           repulsion by other robots. Let R be the sum of the radii of the robot and of another robot that
+///           it hears, and r the distance between their radios. If r is below R, p has a term of length
+///           `push` (1 - r / R) that points away from the other robot.
 /// drives    The forward speed is `speed` times min(|a|, 1) times the cosine of the angle of a, which may be
 ///           negative. The turn rate is `gain` times this angle.
 /// needs     a drive, a light sensor of three directions or more, a radio with a payload of 4 bytes or more

@@ -6,16 +6,17 @@ namespace troupe::models {
 
 /// Chains of standing robots that lead other robots from a nest to a prey. A standing robot in a chain is a
 /// link. Links are numbered from the nest, which has the number 0: the next link after link n has the number
-/// n + 1. A link has a path if the chain leads on from it to the prey.
+/// n + 1. A link has a path if the chain leads on from this link to the prey.
 ///
 /// sends     The nest, the links and the prey each broadcast two bytes: their number, and 1 if they have a
 ///           path, else 0. The prey sends 255 and 1.
 /// searches  A robot that hears neither the nest nor a link drives straight on and turns away from obstacles.
 /// explores  A robot that hears links goes from the nearest link to the next one, outwards. At the end of a
 ///           chain it goes to the place for a new link: the distance `spacing` (m, a parameter) beyond the
-///           last link, in line with the last two links. At the nest it may also start a new chain: at a
-///           place `spacing` from the nest that is more than `spacing` from the nearest first link. At the
-///           place for a new link, it becomes a link with probability `joins` per decision.
+///           last link, in line with the last two links, or towards the robot if it hears only the last one.
+///           At the nest it may also start a new chain: at a place `spacing` from the nest that is more than
+///           `spacing` from the nearest first link. At the place for a new link, it becomes a link with
+///           probability `joins` per decision.
 /// leaves    A link leaves the chain in three cases. If it has no path and hears no next link, it leaves with
 ///           probability `leaves` per decision. If it has not heard the link before it for more than 20
 ///           decisions, it leaves. If two links of the same number are nearer to each other than half of

@@ -16,14 +16,15 @@ enum class FloorOpinion : std::uint8_t {
 /// A collective decision on whether more of a coloured floor is black or white.
 ///
 /// starts    Robots with even ids start with the opinion black, robots with odd ids with the opinion white.
-/// explores  The robot senses the floor for an exponentially distributed time with the mean `explore`. The
-///           quality of its opinion is the fraction of its ground readings in this time that have the colour
-///           of its opinion.
+/// explores  The robot senses the floor for an exponentially distributed time with the mean `explore` (s, a
+///           parameter). The quality of its opinion is the fraction of its ground readings in this time that
+///           have the colour of its opinion.
 /// shares    Then it broadcasts its opinion for an exponentially distributed time. The mean of this time is
-///           `share` times the quality. At the end it adopts an opinion from the messages that it heard in
-///           the last 3 s. With the rule `majority`, this is the more frequent opinion, with its own opinion
-///           counted as one message. With `voter`, it is the opinion in a random message. If there is a tie
-///           or no message, it keeps its opinion. Then it explores again.
+///           the parameter `share` (s) times the quality. At the end it adopts an opinion from the messages
+///           that it heard in the last 3 s. If the parameter `rule` is "majority", this is the more frequent
+///           opinion, with its own opinion counted as one message; after a tie it keeps its opinion. If
+///           `rule` is "voter", this is the opinion in a random message. Without a message, it keeps its
+///           opinion. Then it explores again.
 /// walks     While it explores or shares, it drives straight on for random times of mean 10 s. Between them
 ///           it turns on the spot by up to 180 degrees. It turns away from obstacles ahead.
 /// LED       If the robot has an LED, the LED is grey while the robot explores. While the robot shares its

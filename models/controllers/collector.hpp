@@ -8,14 +8,15 @@ namespace troupe::models {
 /// there. If its power pack runs low during the search, it charges the pack first.
 ///
 /// seeks    The robot drives straight on and turns away from obstacles ahead until its fiducial finder sees a
-///          puck (fiducial_return `puck`) that is not yet at a sink. It drives up to the puck, slowly for the
-///          last half metre, and closes its gripper when the puck breaks the inner beam.
-/// carries  It carries the puck to the nearest sink and opens the gripper there. Sinks are the models whose
-///          name is the parameter `sink`, or this name followed by digits.
+///          puck (fiducial_return `puck`) that is 0.8 m or more away from every sink. It drives up to the
+///          puck, slowly for the last half metre, and closes its gripper when the puck breaks the inner beam.
+/// carries  It carries the puck to within 0.5 m of the nearest sink and opens the gripper there. Sinks are
+///          the models whose name is the parameter `sink`, or this name followed by digits; a world without
+///          sinks is an error.
 /// charges  If its power pack holds less than 25 % of its capacity, it goes to the nearest model whose
 ///          fiducial_return is `charger` and stands there until the pack holds 95 %. A robot without a pack,
 ///          or in a world without a charger, never charges.
-/// needs    a drive, a ranger with more than 8 beams that sees ahead, a fiducial finder, a gripper
+/// needs    a drive, a ranger with more than 8 beams that sees ahead, a fiducial finder, a gripper, a sink
 /// source   none: written for Troupe. Stage has the devices, but no example that combines them
 engine::ControllerKind collector_controller();
 

@@ -15,7 +15,8 @@ namespace troupe::models {
 class DeviceChoice {
  public:
   /// devices: the devices of the body. claimed: one entry per device, true if a controller uses the device;
-  /// the functions below set it for the devices that they claim. Both arguments must outlive this object.
+  /// the functions below set the entries of the devices that they claim. Both arguments must outlive this
+  /// object.
   DeviceChoice(std::span<const engine::DeviceInfo> devices, std::vector<bool>& claimed)
       : devices_(devices), claimed_(claimed) {}
 
@@ -34,14 +35,15 @@ class DeviceChoice {
   bool take_kind(std::string_view kind) {
     return take([kind](const engine::DeviceInfo& device) { return device.kind == kind; });
   }
-  /// Claims an unclaimed ranger that sees ahead (Scanner::is_usable) and returns its Scanner. It takes the
-  /// first such ranger that has a transducer (fan of beams) with k_least_samples or more beams, as in Stage.
-  /// If there is none, it takes the first such ranger whose transducers have that many beams together. If no
-  /// ranger can be used, the error states the reason for each ranger of the robot. share: the second argument
-  /// of the constructor of Scanner.
+  /// Claims an unclaimed ranger that sees ahead (Scanner::is_usable) and returns its Scanner. The function
+  /// takes the first such ranger that has a transducer (fan of beams) with k_least_samples or more beams, as
+  /// in Stage. If there is none, it takes the first such ranger whose transducers have that many beams
+  /// together. If no ranger can be used, the error states the reason for each ranger of the robot. share: the
+  /// second argument of the constructor of Scanner.
   Result<Scanner> take_scanner(std::size_t share);
   /// Claims a ground sensor, a radio and a scanner (take_scanner), in this order, and returns the scanner.
-  /// Returns an error if one of the three is missing. share: as for take_scanner().
+  /// Returns an error if one of the three is missing; devices that were claimed before stay claimed. share:
+  /// as for take_scanner().
   Result<Scanner> take_ground_radio_scanner(std::size_t share);
   /// Indices of the claimed devices, in the order in which they were claimed.
   const std::vector<std::size_t>& chosen() const { return chosen_; }

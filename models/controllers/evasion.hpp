@@ -9,10 +9,10 @@
 
 namespace troupe::models {
 
-/// Obstacle avoidance for controllers that drive to goals among other robots. Speeds are in m/s and rad/s,
-/// distances in m. The template parameter `Memory` is the type of the controller's memory. It must have the
-/// members avoid_updates (int32), still_updates and escape_updates (uint32), x, y (m) and heading (rad), all
-/// 0 at the start.
+/// Obstacle avoidance for controllers of robots that drive among other robots, many of them to a common goal.
+/// Speeds are in m/s and rad/s, distances in m. The template parameter `Memory` is the type of the
+/// controller's memory. It must have the members avoid_updates (int32), still_updates and escape_updates
+/// (uint32), x, y (m) and heading (rad), all 0 at the start.
 struct Evasion {
   double avoid_speed = 0.05;  ///< forward speed while the robot turns away
   double avoid_turn = 0.5;    ///< absolute turn rate while the robot turns away, left or right
@@ -20,15 +20,16 @@ struct Evasion {
   double stop = 0.5;          ///< the robot turns on the spot when a reading ahead is below this
   double back_speed = 0.1;    ///< absolute speed while the robot backs out
   /// The robot backs out after more than this number of consecutive decisions in which a command did not move
-  /// it. The number is larger than the number of decisions after which a command takes effect.
+  /// the robot. The number is larger than the number of decisions after which a command takes effect.
   std::uint32_t stuck = 5;
   /// Value for the argument `share` of the constructor of Scanner, for the scanner passed to avoids().
   static constexpr std::size_t window_share = 4;
 
   /// Turns away from obstacles as the controller `wander` does, with two differences, because many robots
-  /// meet near their common goals: it looks at the middle half of the scan instead of the middle third, and
-  /// it turns for half as long. ranges: readings of the scanner's ranger, m. Returns true if it has set
-  /// `command`, false if the way is free.
+  /// meet near their common goals: avoids() looks at the middle half of the scan (window_share) instead of
+  /// the middle third, and the robot turns for 5 to 9 decisions, half as long. ranges: readings of the
+  /// scanner's ranger, m. Returns true if it has set `command`, false if the way is free; `command` is then
+  /// unchanged.
   template <class Memory>
   bool avoids(Memory& memory, const Scanner& scanner, std::span<const float> ranges, Random& random,
               engine::Command& command) const {
@@ -44,9 +45,10 @@ struct Evasion {
     return true;
   }
 
-  /// Backs out if the robot is stuck at an obstacle that its scanner does not see. here: the estimated pose
-  /// of the robot. command: the command of the last decision, which is replaced when the robot begins to back
-  /// out. Returns true while the robot backs out: the caller must then leave the command as it is.
+  /// Backs out for 5 to 14 decisions if the robot is stuck at an obstacle that its scanner does not see
+  /// (Evasion::stuck). Call it once per decision. here: the estimated pose of the robot. command: the command
+  /// of the last decision, which is replaced when the robot begins to back out. Returns true while the robot
+  /// backs out: the caller must then leave the command as it is.
   template <class Memory>
   bool escapes(Memory& memory, const Pose& here, Random& random, engine::Command& command) const {
     const bool is_to_move = command.x != 0 || command.turn != 0;

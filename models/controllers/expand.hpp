@@ -4,11 +4,13 @@
 
 namespace troupe::models {
 
-/// Dispersal by ranges: a robot turns towards the vector sum of its beams, and drives while the way ahead is
-/// clear. Each beam contributes a vector along the beam whose length is the reading of the beam. The
-/// controller reads all beams of the first ranger that no other controller of the robot has claimed.
+/// Dispersal by ranges: a robot turns towards the vector sum of its beams. It drives while every reading
+/// exceeds the clearance of its beam (parameter `clearance` or `clearances`, m) and the sum is within the
+/// angle `cone` of straight ahead. Each beam contributes a vector along the beam whose length is the reading
+/// of the beam. The controller reads all beams of the first ranger that no other controller of the robot has
+/// claimed.
 /// edges   If the vector sum is not longer than 1e-6 times the sum of the readings, as in a ring of beams in
-///         open space, it has no direction, and the robot drives straight ahead. If the sum points straight
+///         open space, it has no direction, and straight ahead is used instead. If the sum points straight
 ///         ahead (within 1e-6 rad) but the way is not clear, the robot turns left, unless `invert` is set.
 ///         With `hold_on_axis`, neither rule applies. Instead, as in Stage, the robot repeats its last
 ///         command if the sum lies exactly on the x or y axis
@@ -16,8 +18,8 @@ namespace troupe::models {
 ///         the sum, so that robots gather: this is the clustering variant in the paper
 engine::ControllerKind expand_controller();
 
-/// Presets of `expand` with exactly the parameters of two examples of Stage: its cave benchmark (16 sonars)
-/// and its hospital benchmark (a ring of 12 infrared rangers).
+/// Presets of `expand` with exactly the parameters of two examples of Stage: `expand_pioneer` for its cave
+/// benchmark (16 sonars), `expand_swarm` for its hospital benchmark (a ring of 12 infrared rangers).
 ///@{
 engine::Registry::Preset expand_pioneer_preset();
 engine::Registry::Preset expand_swarm_preset();

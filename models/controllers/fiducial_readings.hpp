@@ -12,17 +12,17 @@
 
 namespace troupe::models {
 
-/// Gives a controller access to the readings of a fiducial finder, with angles in the frame of the drive. The
-/// argument `seen` of the functions holds the readings of the finder. The argument `target` is the index of a
-/// target, from 0 to count() - 1.
+/// Gives a controller access to the readings of a fiducial finder, with angles in the frame of the drive. A
+/// target is a part that the finder detects. The argument `seen` of the functions holds the readings of the
+/// finder. The argument `target` is the index of a target, from 0 to count() - 1, the nearest target first.
 class FiducialReadings {
  public:
   FiducialReadings() = default;
   /// finder: a device that the controller chose, of kind `fiducial`.
   explicit FiducialReadings(const engine::DeviceInfo& finder) : finder_heading_(finder.pose.heading) {}
 
-  /// Number of targets in the readings, which are sorted from the nearest target to the farthest. More
-  /// targets may be in sight than the readings have room for: the readings then hold the nearest of them.
+  /// Number of targets in the readings. More targets may be in sight than the readings have room for: the
+  /// readings then hold the nearest of them.
   std::size_t count(const engine::Readings& seen) const {
     return std::min<std::size_t>(seen.field<std::uint32_t>(sensors::k_fiducial_count)[0],
                                  seen.field<std::int32_t>(sensors::k_fiducial_id).size());
@@ -32,15 +32,16 @@ class FiducialReadings {
   std::int32_t id(const engine::Readings& seen, std::size_t target) const {
     return seen.field<std::int32_t>(sensors::k_fiducial_id)[target];
   }
-  /// Distance to the origin of the target, m.
+  /// Horizontal distance from the finder to the origin of the target, m.
   float range(const engine::Readings& seen, std::size_t target) const {
     return seen.field<float>(sensors::k_fiducial_range)[target];
   }
-  /// Bearing of the origin of the target, rad, counter-clockwise from straight ahead of the drive.
+  /// Bearing of the origin of the target from the finder, rad, counter-clockwise from straight ahead of the
+  /// drive.
   double bearing(const engine::Readings& seen, std::size_t target) const {
     return turned(seen.field<float>(sensors::k_fiducial_bearing)[target]);
   }
-  /// Heading of the target, rad, in the frame of the drive.
+  /// Heading of the target, rad, counter-clockwise from straight ahead of the drive.
   double heading(const engine::Readings& seen, std::size_t target) const {
     return turned(seen.field<float>(sensors::k_fiducial_heading)[target]);
   }

@@ -16,14 +16,15 @@ class FloorPlan {
  public:
   static constexpr int k_cells = 32;  ///< number of cells along each side, as in Stage's fasr2
 
-  /// A plan over this box (m, world frame) with all cells free.
+  /// A plan over this box (m, world frame; not empty and with an area above 0) with all cells free.
   explicit FloorPlan(const Box& box) : box_(box), blocked_(k_cells * k_cells, 0) {}
-  /// The raster of the solids of a body at its pose in the world file, over their bounding box in the world
-  /// frame. A body without solids has a free square with edges of 1 m.
+  /// The raster of the solids of a body at its pose in the world file, over the bounding box of these solids
+  /// in the world frame. For a body without solids, it is a free square with edges of 1 m around the body's
+  /// origin. Throws std::length_error as convex_pieces() does.
   static FloorPlan of_body(const engine::WorldSpec& world, BodyId body);
-  /// The raster of the body with this name. If no body has this name, it is the raster of the first body
-  /// whose outline is an image. If there is no such body either, it is a free square with edges of 16 m
-  /// around the origin of the world.
+  /// The raster of the body with this name. If no body has this name, returns the raster of the first body
+  /// whose outline is an image. If there is no such body either, returns a free square with edges of 16 m
+  /// around the origin of the world. Throws std::length_error as of_body() does.
   static FloorPlan of_world(const engine::WorldSpec& world, std::string_view name);
 
   /// Index of the cell that contains a point (m, world frame). For a point outside the box, the index of the
@@ -43,11 +44,11 @@ class FloorPlan {
 
 inline constexpr int k_free_cost = 1;     ///< cost in find_way() of a step to a free cell
 inline constexpr int k_blocked_cost = 9;  ///< cost in find_way() of a step to a blocked cell
-/// The cheapest path from the cell `from` to any of the goals, which are cells. The result lists the cells of
-/// the path, `from` and the goal included. It is empty if there are no goals. Steps lead east, north, west or
-/// south. A step costs k_free_cost, or k_blocked_cost if it leads into a blocked cell. The path is found by
-/// A* with the Manhattan distance as the heuristic. Which of several equally cheap paths is returned depends
-/// only on the arguments.
+/// The cheapest path from the cell `from` to any of the goals, which are indices of cells
+/// (FloorPlan::cell()). The result lists the cells of the path, `from` and the goal included. It is empty if
+/// there are no goals. Steps lead east, north, west or south. A step costs k_free_cost, or k_blocked_cost if
+/// it leads into a blocked cell. The path is found by A* with the Manhattan distance as the heuristic. Which
+/// of several equally cheap paths is returned depends only on the arguments.
 std::vector<int> find_way(const FloorPlan& plan, int from, std::span<const int> goals);
 
 /// A table of the cheapest path (find_way) from every cell of a plan to one of several goals. The table is
@@ -55,9 +56,9 @@ std::vector<int> find_way(const FloorPlan& plan, int from, std::span<const int> 
 /// one constant table.
 class WaysTo {
  public:
-  /// goals: cells. If there are none, next() returns its argument.
+  /// goals: indices of cells. If there are none, next() returns its argument.
   WaysTo(const FloorPlan& plan, std::span<const int> goals);
-  /// The next cell on the cheapest path from this cell. At a goal, it is the cell itself.
+  /// The next cell on the cheapest path from this cell. At a goal, the goal itself.
   int next(int cell) const { return next_[static_cast<std::size_t>(cell)]; }
   /// Centre of the cell that is `steps` steps ahead on the cheapest path from the point `from`. If the path
   /// has fewer steps, the centre of the goal. `from` and the result are in m, world frame.

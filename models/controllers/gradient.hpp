@@ -21,8 +21,9 @@ inline constexpr std::uint8_t k_hops_unknown = 255;
 ///           halts with a probability of 2 % per decision. It settles if the distance is still at least
 ///           `spacing` when it has stopped. A robot without a ranger is settled from the start.
 /// counts    The hop count of a settled robot is one more than the smallest count that it hears. It
-///           broadcasts this count, and forgets a count that no message has confirmed for `patience`
-///           decisions. So a single lost message has no effect, but counts change after a robot has failed.
+///           broadcasts this count, or nothing while the count is unknown. It replaces a count that no
+///           message has confirmed for `patience` decisions by the count that follows from the present
+///           messages. So a single lost message has no effect, but counts change after a robot has failed.
 /// LED       If the robot has an LED, the LED is grey while the robot roams. On a settled robot, its colour
 ///           goes from red near the beacon to blue at twelve hops or more.
 /// needs     a radio; to roam, also a drive and a ranger with more than 8 beams that sees ahead

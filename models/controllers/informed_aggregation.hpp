@@ -5,19 +5,21 @@
 namespace troupe::models {
 
 /// Aggregation on black and white sites of the ground. Some of the robots are informed: they stop only on
-/// sites of the colour that the parameter `informed` names. The other robots stop on sites of both colours.
+/// sites of the colour that the parameter `informed` names (black or white). The other robots (`informed` is
+/// "no") stop on sites of both colours.
 ///
-/// walks     A robot drives straight on and turns by a random angle away from obstacles nearer than
-///           `min_front`.
+/// walks     A robot drives straight on. If its ranger sees an obstacle ahead that is nearer than the
+///           parameter `min_front` (m), it turns on the spot by a random angle (90 to 180 degrees), away from
+///           the nearer side.
 /// enters    On a site of a colour on which it may stop, it drives on for a random time of at most `enter`
 ///           (s), so that the first robots do not block the border. Then it stops if it is still on this
 ///           colour.
-/// stands    While it stands on a site, it broadcasts the colour of the site. It leaves with the rate
-///           `leave` exp(-`others` n), in 1/s, where n is the number of robots that it hears on a site of the
-///           same colour. It does not stop again before it has been on ground that is neither black nor
-///           white.
+/// stands    While it stands on a site, it broadcasts the colour of the site. It leaves with the rate `leave`
+///           exp(-`others` n), in 1/s, where `leave` (1/s) and `others` are parameters and n is the number of
+///           robots that it hears on a site of the same colour. It does not stop again before it has been on
+///           ground that is neither black nor white.
 /// colours   Ground is black below a quarter of full brightness, and white above three quarters.
-/// stuck     A robot that other robots block backs out.
+/// stuck     A robot that walks but does not move backs out.
 /// needs     a drive, a ground sensor, a radio, a ranger with more than 8 beams that sees ahead
 /// source    Firat, Ferrante, Cambier, Tuci: Self-organised aggregation in swarms of robots with informed
 ///           robots, TPNC 2018. Robots stay longer the more other robots are near, as cockroaches do: Jeanson

@@ -7,12 +7,12 @@ namespace troupe::models {
 /// Flocking by radio: each robot broadcasts its heading, turns to the mean of the headings that it hears, and
 /// keeps the distance `distance` (m) from the robots that it hears.
 ///
-/// aims      The robot aims along the vector a = h + `spacing_weight` p in its own frame. h is the unit
-///           vector of the mean of its own heading and the headings that it hears. p is the mean of w u over
-///           the robots that it hears: u is the unit vector towards such a robot, r the distance between the
-///           radios, and w = 1 - (`distance` / r)^2, clamped to the interval from -5 to 0.3. Near robots
-///           repel (w < 0) and far robots attract (w > 0). If the robot has a ranger, obstacles nearer than
-///           `clearance` (m) add a repulsion to a.
+/// aims      The robot aims along the vector a = h + `spacing_weight` p in its own frame. Names in backquotes
+///           are parameters. h is the unit vector of the mean of its own heading and the headings that it
+///           hears. p is the mean of w u over the robots that it hears: u is the unit vector towards such a
+///           robot, r the distance between the radios, and w = 1 - (`distance` / r)^2, clamped to the
+///           interval from -5 to 0.3. Near robots repel (w < 0) and far robots attract (w > 0). If the robot
+///           has a ranger, obstacles nearer than `clearance` (m) add a repulsion to a.
 /// drives    The forward speed is `speed` times the cosine of the angle of a, but not below -`speed` / 2. The
 ///           turn rate is `gain` times this angle.
 /// needs     a drive, a radio with a payload of 4 bytes or more. The heading that a robot broadcasts is that

@@ -42,8 +42,8 @@ struct ScanAhead {
 class Scanner {
  public:
   Scanner() = default;
-  /// share: 3 or 4, the `share` in the definition of the window. If the device is not a ranger, the scanner
-  /// has no beams.
+  /// share: 3 or 4, the `share` in the definition of the window. If the device is not a ranger, or has only
+  /// one beam, the scanner has no beams.
   Scanner(const engine::DeviceInfo& ranger, std::size_t share);
 
   /// Whether the scanner has at least k_least_samples beams, at least one of them in the window, and at least
@@ -54,8 +54,8 @@ class Scanner {
   /// Summarises one scan. ranges: the readings of the ranger. min_front, stop_distance: the limits of
   /// ScanAhead::obstruction and ScanAhead::stop. All arguments are in m.
   ScanAhead ahead(std::span<const float> ranges, double min_front, double stop_distance) const;
-  /// The reading of the middle beam, m; if there are several middle beams, the smallest of their readings.
-  /// ranges: the readings of the ranger, m.
+  /// The reading of the middle beam, m; if there are several middle beams, the smallest of their readings;
+  /// infinite if the scanner has no beams. ranges: the readings of the ranger, m.
   float straight_ahead(std::span<const float> ranges) const;
 
  private:

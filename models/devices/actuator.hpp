@@ -6,7 +6,8 @@
 
 namespace troupe::models {
 
-/// The command of an actuator. It holds until the controller replaces it.
+/// The command of an actuator: the command holds until the controller replaces it. Without a command, the
+/// joint stands still.
 struct ActuatorCommand {
   /// Meaning of `goal`.
   enum Mode : std::uint8_t {
@@ -26,8 +27,8 @@ struct ActuatorCommand {
 struct ActuatorState {
   double position = 0;       ///< m along the axis or rad about it; 0 is the pose in the world file
   double velocity = 0;       ///< velocity in this tick, m/s or rad/s; 0 if stalled
-  double asked = 0;          ///< position at the end of this tick unless its motion is blocked, m or rad
-  std::uint8_t stalled = 0;  ///< 1: its motion in this tick was blocked
+  double asked = 0;          ///< position at the end of this tick if the motion is not blocked, m or rad
+  std::uint8_t stalled = 0;  ///< 1: the motion of the joint in this tick was blocked
 
   static constexpr void describe(engine::Description<ActuatorState>& d) {
     d.member<&ActuatorState::position>(
@@ -46,7 +47,8 @@ struct ActuatorState {
 /// state       ActuatorState; commands: ActuatorCommand
 /// moves       In velocity mode, the joint moves at the commanded speed, which is clamped to +-max_speed, and
 ///             stops at min_position and max_position. In position mode, the goal is clamped to these limits.
-///             The joint moves towards it at max_speed and reaches it exactly, with a shorter last step.
+///             The joint moves towards the goal at max_speed and reaches the goal exactly, with a shorter
+///             last step.
 /// draws       2 W from the power pack that supplies it, even if the joint stands still
 /// edges       An axis of length 0 means the x axis. If the moved parts would overlap a body or static
 ///             geometry, the joint does not move in this tick, and is stalled.

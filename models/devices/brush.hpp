@@ -8,7 +8,8 @@
 
 namespace troupe::models {
 
-/// The command of a brush. It holds until the controller replaces it.
+/// The command of a brush: the command holds until the controller replaces it. Without a command, the brush
+/// does not paint.
 struct BrushCommand {
   std::uint8_t paints = 0;  ///< 1: paints the zone below the brush in each tick
   float red = 0;            ///< from 0 to 1; other values are clamped
@@ -22,22 +23,23 @@ struct BrushCommand {
     d.member<&BrushCommand::blue>("blue", "as red");
   }
 
-  /// Makes the brush paint with this colour from the next tick on. r, g, b: red, green, blue, each 0 to 1.
+  /// Makes the brush paint with this colour from the next tick on. r, g, b: red, green and blue, each from 0
+  /// to 1.
   void paint(float r, float g, float b) { *this = {1, r, g, b}; }
 };
 
 /// State of a brush.
 struct BrushState {
-  std::uint64_t painted = 0;  ///< number of ticks in which it changed the colour of a zone
+  std::uint64_t painted = 0;  ///< number of ticks in which the brush changed the colour of a zone
 
   static constexpr void describe(engine::Description<BrushState>& d) {
     d.member<&BrushState::painted>("painted", "number of ticks in which it changed the colour of a zone");
   }
 };
 
-/// A brush: a device that gives the zone (a flat coloured body) below it the commanded colour, if the zone
-/// carries a device of kind `led`. If several brushes paint a zone in the same tick, the brush of the body
-/// with the highest id determines the colour of the zone.
+/// A brush: a device that gives the zone (a flat coloured body) below the brush the commanded colour, if the
+/// zone carries a device of kind `led`. Without such a zone, painting has no effect. If several brushes paint
+/// a zone in the same tick, the brush of the body with the highest id determines the colour of the zone.
 engine::DeviceKind brush_kind();
 
 }  // namespace troupe::models

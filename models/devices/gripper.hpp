@@ -6,13 +6,13 @@
 
 namespace troupe::models {
 
-/// The command of a gripper. It holds until the controller replaces it. A motion that an order has started
-/// continues to its end, unless the opposite order (`open` and `close`, `up` and `down`) reverses it. So the
-/// paddles and the lift can move at the same time, if one order follows the other.
+/// The command of a gripper: the command holds until the controller replaces it. A motion that an order has
+/// started continues to its end, unless the opposite order (`open` and `close`, `up` and `down`) reverses it.
+/// So the paddles and the lift can move at the same time, if an order for one follows an order for the other.
 struct GripperCommand {
   /// The motion to start.
   enum Order : std::uint8_t {
-    nothing,  ///< start no motion
+    nothing,  ///< starts no motion
     open,     ///< open the paddles, and release what they hold
     close,    ///< close the paddles, and grip what they touch
     up,       ///< lift the paddles, with what they hold
@@ -43,17 +43,17 @@ struct GripperState {
   };
   std::uint8_t paddles = is_open;  ///< state of the paddles, one of Paddles
   std::uint8_t lift = is_down;     ///< state of the lift, one of Lift
-  std::uint8_t stalled = 0;        ///< 1: its motion in this tick was blocked
-  std::uint8_t taken = 0;          ///< 1: it could not grip a body, because another gripper holds that body
+  std::uint8_t stalled = 0;        ///< 1: the motion of the gripper in this tick was blocked
+  std::uint8_t taken = 0;          ///< 1: a body could not be gripped, because another gripper holds it
   std::uint8_t beam_inner = 0;     ///< 1: a body with gripper_return breaks the beam near the base
   std::uint8_t beam_outer = 0;     ///< 1: a body with gripper_return breaks the beam near the tips
   std::uint8_t contact_left = 0;   ///< 1: a body with gripper_return touches the left paddle's inner face
   std::uint8_t contact_right = 0;  ///< 1: a body with gripper_return touches the right paddle's inner face
-  std::uint32_t held = 0;          ///< id + 1 of the body that it holds; 0: none
+  std::uint32_t held = 0;          ///< id + 1 of the body that the gripper holds; 0: none
   double paddle_position = 0;      ///< from 0 (open) to 1 (closed)
   double lift_position = 0;        ///< from 0 (down) to 1 (up)
-  double asked_paddle = 0;         ///< paddle position, 0 to 1, at the end of this tick unless blocked
-  double asked_lift = 0;           ///< lift position, 0 to 1, at the end of this tick unless blocked
+  double asked_paddle = 0;         ///< paddle position at the end of this tick if nothing blocks the motion
+  double asked_lift = 0;           ///< lift position at the end of this tick if nothing blocks the motion
 
   static constexpr void describe(engine::Description<GripperState>& d) {
     d.member<&GripperState::paddles>("paddles",
@@ -80,7 +80,7 @@ struct GripperState {
   }
 };
 
-/// A base with two paddles, which close on bodies that can be gripped and lift them.
+/// A base with two paddles, which close on bodies with gripper_return, hold one of them and lift it.
 ///
 /// parameters  size (x, y, z, m), paddle_size (x, y, z, relative to size), paddles (open or closed) and lift
 ///             (down or up) at the start, autosnatch (the gripper ignores commands: it closes while a body
@@ -92,10 +92,11 @@ struct GripperState {
 ///             and they are raised by u (1 - p.z) s.z.
 /// motion      The paddles and the lift each take 2 s from one end to the other. If a paddle would overlap
 ///             a body or a wall, paddles and lift do not move in this tick, and the gripper is stalled.
-/// beams       Two light beams run between the inner faces of the paddles, 0.495 s.x (inner) and 0.165 s.x
-///             (outer) behind the tips. Each paddle also has a contact sensor, which detects bodies in the
-///             area that its inner face would sweep in one tick of closing. The beams and the contact sensors
-///             detect bodies with gripper_return, and the body that the gripper holds.
+/// beams       Two light beams run between the inner faces of the paddles, at the height of their lower
+///             edges, 0.495 s.x (inner) and 0.165 s.x (outer) behind the tips. Each paddle also has a contact
+///             sensor, which detects bodies in the area that its inner face would sweep in one tick of
+///             closing. The beams and the contact sensors detect bodies with gripper_return, and the body
+///             that the gripper holds.
 /// gripping    When closing paddles touch a body with gripper_return, they stop and hold the body in its
 ///             present pose: from then on, the body moves with the paddles. If they touch several bodies,
 ///             they hold the body with the lowest id of those that touch the left paddle. If no body touches

@@ -9,7 +9,7 @@
 
 namespace troupe::models {
 
-/// The command of an LED: the colour that it shows. It holds until the controller replaces it.
+/// The command of an LED: the colour that it shows. The command holds until the controller replaces it.
 struct LedCommand {
   /// 1: the LED takes the colour of this command in each tick; 0: it keeps its present colour.
   std::uint8_t shows = 0;
@@ -25,7 +25,7 @@ struct LedCommand {
     d.member<&LedCommand::blue>("blue", "as red");
   }
 
-  /// Makes the LED show this colour from the next tick on. r, g, b: red, green, blue, each 0 to 1.
+  /// Makes the LED show this colour from the next tick on. r, g, b: red, green and blue, each from 0 to 1.
   void show(float r, float g, float b) { *this = {1, r, g, b}; }
 };
 
@@ -43,7 +43,7 @@ struct LedState {
 /// An LED, or paint: a device that gives the part that carries it a colour, which blob finders, cameras and
 /// ground sensors see and which pictures show.
 ///
-/// parameters  shows: the colour at the start
+/// parameters  shows: the colour at the start, white by default
 /// when        A commanded colour is visible from the tick after the command on.
 engine::DeviceKind led_kind();
 

@@ -7,7 +7,7 @@
 
 namespace troupe::models {
 
-/// The command of a light. It holds until the controller replaces it.
+/// The command of a light: the command holds until the controller replaces it.
 struct LightCommand {
   /// How the light is switched.
   enum Switch : std::uint8_t {
@@ -24,17 +24,18 @@ struct LightCommand {
 
 using sensors::LightState;
 
-/// A light that blinks: in each `period`, it is first lit for the fraction `dutycycle` of the period, and
-/// then dark. The first period begins at tick 0.
+/// A light that blinks: in each `period`, the light is first lit for the fraction `dutycycle` of the period,
+/// and then dark. The first period begins at tick 0.
 ///
-/// parameters  period (s), dutycycle (0 to 1), enabled, intensity
+/// parameters  period (s), dutycycle (0 to 1), enabled, intensity (brightness read at 1 m)
 /// state       LightState; commands: LightCommand, whose `on` and `off` override the blinking
 /// edges       If `enabled` is false, it is dark until a controller switches it on. With a period of 0 it
 ///             does not blink: it is lit unless the dutycycle is 0. At the instant at which the lit part of
 ///             a period ends, it is dark.
 engine::DeviceKind blinkenlight_kind();
 
-/// A light that is off until a controller switches it on (parameter: intensity; commands: LightCommand).
+/// A light that is dark until a controller switches it on (parameter: intensity; state: LightState; commands:
+/// LightCommand).
 engine::DeviceKind lightindicator_kind();
 
 }  // namespace troupe::models

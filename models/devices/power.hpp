@@ -11,11 +11,11 @@ namespace troupe::models {
 /// State of a power pack: its energy, and the energy that it has exchanged since tick 0, all in J.
 struct PowerPackState {
   double stored = 0;          ///< energy that the pack holds
-  double capacity = 0;        ///< greatest energy that it can hold
-  double dissipated = 0;      ///< energy drawn since tick 0 by everything that it supplies
+  double capacity = 0;        ///< greatest energy that the pack can hold
+  double dissipated = 0;      ///< energy drawn since tick 0 by everything that the pack supplies
   double received = 0;        ///< energy received since tick 0 through power contacts
   double given = 0;           ///< energy given since tick 0 through power contacts
-  std::uint8_t infinite = 0;  ///< 1: the pack never runs out, and `stored` stays 0
+  std::uint8_t infinite = 0;  ///< 1: the pack never runs out; `stored` and `capacity` stay 0
   std::uint8_t charging = 0;  ///< 1: the pack received energy in the last tick
 
   static constexpr void describe(engine::Description<PowerPackState>& d) {
@@ -34,7 +34,7 @@ struct PowerPackState {
 
   /// Whether the pack holds no energy. An infinite pack is never empty.
   bool is_empty() const { return infinite == 0 && stored <= 0; }
-  /// Stored energy relative to the capacity, 0 to 1; 1 if the pack is infinite, 0 if its capacity is 0.
+  /// Stored energy divided by the capacity, 0 to 1; 1 if the pack is infinite, 0 if its capacity is 0.
   double proportion_remaining() const {
     if (infinite != 0) return 1;
     return capacity > 0 ? stored / capacity : 0;
@@ -62,8 +62,8 @@ engine::DeviceKind power_pack_kind();
 
 /// State of a power contact.
 struct PowerContactState {
-  /// For a giving contact: number of taking contacts that it touched at the end of the last tick, at most
-  /// k_most_takers. For other contacts: 0.
+  /// For a giving contact: number of taking contacts that it touched at the end of the last tick, counted up
+  /// to k_most_takers. For other contacts: 0.
   std::uint8_t touched = 0;
 
   static constexpr void describe(engine::Description<PowerContactState>& d) {
@@ -81,10 +81,11 @@ struct PowerContactState {
 /// touching  Two contacts touch if their outlines overlap or are at most k_contact_m apart, whether or not
 ///           the bodies are obstacles.
 /// transfer  In each tick, the energy min(give, take) times the length of the tick is transferred, but at
-///           most what the giving pack holds and what the taking pack has room for. Transfers happen one
-///           after another, ordered by the id of the giving body and then that of the taking body. Each
-///           transfer uses the energies that the packs have after the transfers before it. A contact that
-///           touches more than k_most_takers taking contacts serves those of the bodies with the lowest ids.
+///           most what the giving pack holds and what the taking pack has room for. An infinite pack gives
+///           without limit and takes nothing. Transfers happen one after another, ordered by the id of the
+///           giving body and then that of the taking body. Each transfer uses the energies that the packs
+///           have after the transfers before it. A contact that touches more than k_most_takers taking
+///           contacts gives only to those of the bodies with the lowest ids.
 /// state     PowerContactState; no commands
 /// needs     for each of the two contacts, a power pack on the part of the contact or on a part that carries
 ///           this part. Contacts of the same body, and of bodies that carry one another directly or

@@ -8,7 +8,8 @@
 
 namespace troupe::models {
 
-/// The command of a spawner. Each time a controller increases `request` by 1, one more birth becomes due.
+/// The command of a spawner. For each 1 by which a controller increases `request`, one more birth becomes
+/// due.
 struct SpawnerCommand {
   std::uint32_t request = 0;  ///< number of births requested so far
 
@@ -21,13 +22,13 @@ struct SpawnerCommand {
 
 /// State of a spawner.
 struct SpawnerState {
-  std::uint64_t flags = 0;    ///< number of flags that its body had received when the spawner last ran
-  std::uint32_t born = 0;     ///< number of bodies that it has spawned since the birth of its own body
+  std::uint64_t flags = 0;    ///< flags that the spawner's body had received when it last ran
+  std::uint32_t born = 0;     ///< number of bodies spawned since the birth of the spawner's body
   std::uint32_t owed = 0;     ///< number of births that are due but have not succeeded yet
   std::uint32_t refused = 0;  ///< number of tries that failed: the place was occupied or out of bounds
   std::uint32_t request = 0;  ///< the value of SpawnerCommand::request that was counted last
-  std::uint32_t last = 0;     ///< id + 1 of the body that it spawned last; 0: none
-  std::uint8_t status = 0;    ///< result of its last try, an engine::BirthStatus
+  std::uint32_t last = 0;     ///< id + 1 of the body that was spawned last; 0: none
+  std::uint8_t status = 0;    ///< result of the last try, an engine::BirthStatus
 
   static constexpr void describe(engine::Description<SpawnerState>& d) {
     d.member<&SpawnerState::flags>("flags",
@@ -50,8 +51,9 @@ struct SpawnerState {
 /// not in the world at the start. A spawner can model a nest, a door or a factory.
 ///
 /// when    A birth becomes due every `every` seconds of the life of the spawner's body, for each `per_flags`
-///         flags that this body receives, and on the command of a controller. It stays due until it succeeds.
-///         In each tick, the spawner tries at most one birth.
+///         flags that this body receives, and for each request of a controller (SpawnerCommand). `every` and
+///         `per_flags` are parameters; with 0, they cause no births. A birth stays due until it succeeds. In
+///         each tick, the spawner tries at most one birth.
 /// where   Bodies are born at the pose of the spawner. With `within` (m) above 0, they are born at a random
 ///         position in the circle of this radius around the spawner, with a random heading. Each try uses a
 ///         new random pose. If another body or a wall occupies the place, or if the place is outside the

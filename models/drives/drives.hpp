@@ -9,8 +9,8 @@
 namespace troupe::models {
 
 /// Limits of the speeds and accelerations of a drive, and its velocity until it runs for the first time.
-/// describe() gives the units and meanings. x and y are the axes of the robot frame: x forward, y to the
-/// left.
+/// describe() gives the units and meanings of the members. x and y are the axes of the robot frame: x
+/// forward, y to the left.
 struct MotionParams {
   double velocity_min_x = -1;
   double velocity_max_x = 1;
@@ -68,7 +68,8 @@ struct MotionParams {
         "turn rate until the drive runs for the first time; the limits do not apply to it");
   }
 
-  /// Returns an error if a lower limit exceeds its upper limit.
+  /// Returns an error if a lower limit exceeds its upper limit; the error names the first such pair and both
+  /// values.
   Result<> check() const;
 };
 
@@ -101,9 +102,10 @@ struct CarParams {
   }
 };
 
-/// The three kinds of drives. A drive computes a velocity v (forward, left; m/s) and a turn rate (rad/s) from
-/// a command with the members x, y and turn, and clamps both to its limits. What the command means depends on
-/// its mode (engine::ControlMode). docs/driving.md has the details.
+/// The three kinds of drives. A drive computes a velocity v (forward, left; m/s) and a turn rate (rad/s,
+/// counter-clockwise) from a command with the members x, y and turn, and clamps both to its limits. A command
+/// that is NaN gives NaN. What the command means depends on its mode (engine::ControlMode). docs/driving.md
+/// has the details.
 ///
 /// velocity      The command is the velocity of the next tick, as in Stage. Its change is not limited.
 ///               diff  v = (x, 0), turn rate = turn
@@ -114,13 +116,14 @@ struct CarParams {
 ///               x is the acceleration of the front wheels, and turn is the steering angle.
 /// position      The command is a goal: a pose in the frame in which the robot estimates its own pose. Speeds
 ///               are proportional to the remaining distance and angle, with a gain of 1/s (less if the drive
-///               runs less than once per second), and at most 0.4 m/s and 1 rad/s. The robot has arrived if
-///               it is within 0.02 m of the goal in x and in y.
+///               runs less than once per second), and at most 0.4 m/s (omni: forward and to the left each)
+///               and 1 rad/s. The robot has arrived if it is within 0.02 m of the goal in x and in y.
 ///               diff  turns towards the goal, drives while the goal is within pi/16 rad of straight ahead,
 ///                     and turns to the goal's heading after arrival
 ///               omni  drives straight to the goal and turns to the goal's heading on the way
-///               car   drives to the goal in a curve, turning with twice the gain. If the goal is behind it,
-///                     it first swings about its rear axle. After arrival it swings to the goal's heading
+///               car   drives to the goal in a curve, turning with twice the gain. If the goal is behind the
+///                     car, the car first swings about its rear axle. After arrival it swings to the goal's
+///                     heading
 ///@{
 engine::DriveKind diff_drive();
 engine::DriveKind omni_drive();

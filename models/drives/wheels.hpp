@@ -7,7 +7,7 @@
 namespace troupe::models {
 
 /// State of a part that drives on its body. x, y, z and heading are the pose of the part at the start of the
-/// tick. forward, left and turn are the velocity in this tick that its drive produces, even if the motion is
+/// tick. forward, left and turn are the velocity that its drive produces in the tick, even if the motion is
 /// blocked.
 struct WheelsState {
   double x = 0;              ///< x of the part, m, world frame
@@ -34,7 +34,7 @@ struct WheelsState {
 };
 
 /// A drive for one part of a body, like a `position` model inside another model of Stage. The driven part
-/// moves relative to the part on which it is mounted, and also moves along with that part.
+/// moves relative to the part on which it is mounted, and is carried along when that part moves.
 ///
 /// parameters  drive (diff, omni or car), and the parameters of that kind of drive, except `pushes` and those
 ///             of localization

@@ -4,17 +4,19 @@
 
 namespace troupe::models {
 
-/// Sensors that stop working: they repeat their last readings. Controllers cannot distinguish repeated
-/// readings from new ones.
+/// Sensors that stop working: they repeat their last readings. The parameter `sensors` names the sensors; if
+/// it is empty, all sensors of the robot fail. Controllers cannot distinguish repeated readings from new
+/// ones.
 engine::FaultKind dead_sensors_fault();
 
-/// A drive that is slower than commanded: all its velocities are multiplied by the parameter `factor`.
-/// Odometry measures the slower motion, so the fault adds no odometry error.
+/// A drive that is slower than commanded: all its velocities are multiplied by the parameter `factor`, above
+/// 0 and at most 1. Odometry measures the slower motion, so the fault adds no odometry error.
 engine::FaultKind slow_wheels_fault();
 
-/// A robot whose devices, controllers and drive all stop after an exponentially distributed time of mean
-/// 1 / `rate` (`rate` in 1/s). With the parameter `for` (s) above 0, the robot works again after this time,
-/// until its next failure. With 0, the failure is permanent.
+/// A robot whose devices, controllers and drive all stop after an exponentially distributed time of mean 1 /
+/// `rate` (`rate` in 1/s), counted from the start of the fault in the world file. With the parameter `for`
+/// (s) above 0, the robot works again after this time, until its next failure. With 0, the failure is
+/// permanent.
 engine::FaultKind drop_out_fault();
 
 }  // namespace troupe::models

@@ -4,11 +4,13 @@
 
 /// Measures of the clusters that pushable bodies or robots form; the parameter `bodies` selects which of the
 /// two. Two bodies are in one cluster if their origins are at most the parameter `distance` (m) apart, or if
-/// a chain of such bodies connects them. `troupe describe` prints the definitions of the measures.
+/// a chain of bodies, each at most that far from the next, connects them. A body without neighbours is a
+/// cluster of one. `troupe describe` prints the definitions of the measures.
 namespace troupe::models {
 
 engine::MeasureKind clusters_measure();  ///< `clusters`: number of clusters
-/// `largest_cluster`: fraction of the pushable bodies or of the robots that are in the largest cluster.
+/// `largest_cluster`: fraction of the pushable bodies or of the robots that are in the largest cluster; NaN
+/// if there are none.
 engine::MeasureKind largest_cluster_measure();
 
 }  // namespace troupe::models

@@ -5,9 +5,11 @@
 /// Measures of the distances between robots. `troupe describe` prints their definitions.
 namespace troupe::models {
 
-/// `mean_nearest_distance`, m: mean over the robots of the distance to the nearest other robot.
+/// `mean_nearest_distance`, m: mean over the robots of the distance to the nearest other robot; NaN for fewer
+/// than two robots.
 engine::MeasureKind mean_nearest_distance_measure();
-/// `neighbours`: mean over the robots of the number of other robots within the distance `radius` (m).
+/// `neighbours`: mean over the robots of the number of other robots within the distance `radius` (m, a
+/// parameter); NaN without robots.
 engine::MeasureKind neighbours_measure();
 
 }  // namespace troupe::models
