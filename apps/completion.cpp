@@ -32,7 +32,10 @@ ValueHint hint_of(const CommandOption& option) {
   for (std::size_t at = 0; at <= option.value.size();) {
     const std::size_t end = std::min(option.value.find('|', at), option.value.size());
     const std::string word = option.value.substr(at, end - at);
-    if (!word.empty() && std::ranges::all_of(word, [](char c) { return (c >= 'a' && c <= 'z') || c == '-'; }))
+    const auto is_letter = [](char c) { return c >= 'a' && c <= 'z'; };
+    const auto is_digit = [](char c) { return c >= '0' && c <= '9'; };
+    if (!word.empty() && is_letter(word.front()) &&
+        std::ranges::all_of(word, [&](char c) { return is_letter(c) || is_digit(c) || c == '-'; }))
       hint.words.push_back(word);
     at = end + 1;
   }

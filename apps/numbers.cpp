@@ -16,7 +16,7 @@ std::string grouped(std::uint64_t n) {
 }
 
 std::string four_digits(double x) {
-  constexpr double k_first_exponent = 1e4;  // from this value on {:.4g} writes an exponent
+  constexpr double k_first_exponent = 9999.5;  // from this value on {:.4g} writes an exponent
   // Doubles represent all integers up to this value. Longer numbers are hard to read.
   constexpr double k_largest = 1e15;
   const double size = std::abs(x);

@@ -300,6 +300,7 @@ TEST(Numbers, HaveFourDigitsForPeople) {
   EXPECT_EQ(four_digits(0.000123456), "0.0001235");
   EXPECT_EQ(four_digits(1.5), "1.5");
   EXPECT_EQ(four_digits(9999.4), "9999");
+  EXPECT_EQ(four_digits(-9999.5), "-10,000");
   EXPECT_EQ(four_digits(12345.6), "12,350");
   EXPECT_EQ(four_digits(-1234567), "-1,235,000");
   EXPECT_EQ(four_digits(2.5e20), "2.5e+20");

@@ -43,6 +43,7 @@ TEST_F(Shell, BashCompletesCommandsOptionsAndChoices) {
   EXPECT_THAT(offered({"troupe", "run", "--rat"}), UnorderedElementsAre("--rate"));
   EXPECT_THAT(offered({"troupe", "run", "--ra"}), ::testing::IsSupersetOf({"--raytracer", "--rate"}));
   EXPECT_THAT(offered({"troupe", "run", "--raytracer", "g"}), ElementsAre("grid"));
+  EXPECT_THAT(offered({"troupe", "run", "--simd", "avx"}), UnorderedElementsAre("avx2", "avx512"));
   EXPECT_THAT(offered({"troupe", "describe", "blob"}), ElementsAre("blobfinder"));
   EXPECT_THAT(offered({"troupe", "diff", "--acr"}),
               UnorderedElementsAre("--across-domains", "--across-runs"));
