@@ -116,7 +116,8 @@ struct DeviceBatch {
   void move_joint(std::size_t i, std::size_t n, const Pose& to) const;
   /// Whether move_joint() set a goal of joint n in this tick. Only the hook `joints_moved` may call this.
   bool asked_joint(std::size_t i, std::size_t n) const;
-  /// Whether joint n reached its goal in this tick. Only the hook `joints_moved` may call this.
+  /// Whether joint n moved to its goal in this tick. May be false for a goal that equals the pose which the
+  /// joint already had. Only the hook `joints_moved` may call this.
   bool moved_joint(std::size_t i, std::size_t n) const;
   /// Emits an effect of row i, which DeviceKind::apply applies after all bodies have moved. Only the hook
   /// `act` may call this. Throws std::length_error if all devices of the world together emit more effects in
