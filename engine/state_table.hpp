@@ -54,8 +54,8 @@ struct StateField {
   std::uint32_t columns = 1;       ///< values per row
   std::string unit;                ///< unit of the values: "m", "rad/s"; empty: none
   std::string text;                ///< meaning, in one line, for `troupe describe` and recordings
-  /// Offset of the field within a row, bytes. The constructor of StateTable sets it, unless the rows are
-  /// structs.
+  /// Offset of the field within a row, bytes; only for tables with StateTable::Layout::rows. If the rows are
+  /// not structs, the constructor of StateTable sets the offset.
   std::uint32_t offset = 0;
   /// True: the field adds nothing to the hash of a row in which all its bytes are 0. When a new version of
   /// Troupe adds such a field, worlds that do not use it keep their hashes.
