@@ -88,7 +88,8 @@ struct DeviceBatch {
   /// wrapper.
   Random random(std::size_t i, std::string_view name) const;
   /// Transform from the body frame to the world frame, including the displacement from rest of the joint
-  /// that the device is mounted on. compose(mount(i), pose_body_device) is the present pose of the device.
+  /// that the device is mounted on. compose(mount(i), p) is the present pose of the device, where
+  /// p is the argument `pose_body_device` of DeviceKind::prepare.
   Mount mount(std::size_t i) const;
   /// Velocity that the drive of the row's body computed last, body frame, m/s and rad/s; 0 if the body has
   /// no drive. Before the hook `act` is called, the drive has computed the velocity of this tick.
@@ -229,8 +230,8 @@ struct DeviceKind {
   std::string_view name;  ///< name in files: "ranger"
   std::string_view text;  ///< one sentence for `troupe describe`
   FieldTable params;      ///< its parameters
-  /// Names of the joints that the device moves; empty if it moves none. If there is only one joint, its name
-  /// may be empty.
+  /// Names of the joints that the device moves; empty if it moves none. A device that moves one joint may
+  /// leave the name of this joint empty.
   std::vector<std::string_view> joints;
   /// Whether the device can pick up other bodies (World::attach()).
   bool carries = false;
@@ -245,11 +246,12 @@ struct DeviceKind {
   };
   /// The data that `sense` and `act` read of other bodies, in addition to the places of these bodies
   /// (SensingView). Each name is one of the k_..._of_others above, `KIND` for the states of devices of a
-  /// kind, `KIND/command` for the commands to such devices, or the name of a field for the states of all
-  /// devices that begin with this field. If several ranks compute a world, these data are sent to all of
-  /// them. Tests enforce this: World::hide_beyond_reach().
+  /// kind, `KIND/command` for the commands to devices of a kind, or the name of a field for the states of
+  /// all devices whose first field has this name. If several ranks compute a world, these data are sent to
+  /// all ranks. Tests detect kinds that read other data with World::hide_beyond_reach().
   std::vector<std::string_view> reads;
-  /// The bodies that `apply` may change. Tests enforce this: World::hide_beyond_reach().
+  /// The bodies that `apply` may change. Tests detect kinds that change other bodies with
+  /// World::hide_beyond_reach().
   ApplyScope scope = ApplyScope::anything;
   /// Returns the solids that the device adds to its body. Null: it adds none.
   std::vector<Fixture> (*body)(const Record& params) = nullptr;
@@ -279,7 +281,7 @@ struct DeviceKind {
     /// Poses of its joints at tick 0 or at the birth of the body, relative to rest, m and rad; empty: at
     /// rest.
     std::vector<Pose> joints;
-    double joint_reach_m = 0;  ///< upper bound on how far its joints move from rest, m
+    double joint_reach_m = 0;  ///< largest horizontal shift of its joints from rest, m; turns do not count
     /// For rangers: heading of each reading in the sensor frame, rad. Percept 0 of a ranger holds the ranges.
     /// Empty for all other devices.
     std::vector<double> bearings;
@@ -326,10 +328,10 @@ struct DeviceKind {
   /// device requested: receives the result of the birth. Null: not needed.
   void (*born)(World& world, const std::any& data, const Effect& effect, const Birth& birth) = nullptr;
 
-  /// For power supplies: returns whether the supply of a row is empty. While it is empty, the devices that it
-  /// serves do not run. A supply serves the devices of its part and of the parts mounted on that part, except
-  /// parts with a supply of their own. A supply of the root part also serves the drive. Null: the device is
-  /// not a power supply.
+  /// For power supplies: returns whether the supply of a row is empty. While it is empty, the devices that
+  /// it serves do not run. A supply serves the devices of its part and of the parts mounted on that part,
+  /// except parts with a supply of their own and the parts mounted on them. A supply of the root part also
+  /// serves the drive. Null: the device is not a power supply.
   bool (*is_spent)(const std::any& data, const StateTable& state, std::size_t slot) = nullptr;
 
   bool needs_supply = false;  ///< true: it is an error if no power supply of the body serves the device
@@ -343,8 +345,9 @@ struct DeviceKind {
   /// name.
   bool shows_color = false;
   FrameLayer layer = FrameLayer::none;  ///< layer that `draw` adds to
-  /// Draws the device of a row: adds entries to the layer `layer` of a frame. For a sensor the hook is called
-  /// only if the sensor has sensed and still runs. Null if `layer` is FrameLayer::none.
+  /// Draws the device of a row: adds entries to the layer `layer` of a frame. For a sensor the hook is
+  /// called only after tick 0 and while the sensor runs (World::runs()). Null if `layer` is
+  /// FrameLayer::none.
   void (*draw)(const DeviceView& view, Frame& frame) = nullptr;
 
   /// True if the device only senses.
@@ -384,7 +387,8 @@ struct Velocity {
 /// entry per robot, but `estimates` may be empty instead. There may be no robots.
 struct DriveBatch {
   std::span<const Command> commands;  ///< one per robot
-  /// Output: velocities in this tick. On entry, if `estimates` is not empty, the velocities of the last tick.
+  /// Output: velocities in this tick. On entry, if `estimates` is not empty, the velocities that the drives
+  /// computed last; otherwise the values on entry have no meaning.
   std::span<Velocity> velocities;
   std::span<const Pose> estimates;  ///< estimated poses of the robots; empty if all commands are speeds
   double elapsed_s = 0;             ///< time from one run of these drives to the next, s

@@ -65,7 +65,7 @@ struct ReplicaParts {
   std::uint64_t& beams;          ///< rays cast by all sensors since tick 0
 };
 
-/// Options of a Replica. They change no result.
+/// Options of a Replica. No option changes the results of a run.
 struct ReplicaOptions {
   /// For tests. If set, each tick ends with a new random cut, whose random numbers follow from this seed.
   std::optional<std::uint64_t> cut_seed;
@@ -104,7 +104,7 @@ class Replica {
 
   std::uint32_t number() const { return number_; }       ///< number of the world
   unsigned ranks() const { return transport_.ranks(); }  ///< number of ranks that compute the world
-  const partition::Transport& transport() const { return transport_; }
+  const partition::Transport& transport() const { return transport_; }  ///< connects the ranks
   /// Sizes and times of the work in the last tick, one entry per rank.
   std::span<const RankWork> work() const { return work_; }
   /// How often the cut was changed because the ranks took unequal times.
@@ -133,7 +133,7 @@ class Replica {
   /// Called after the phase decide: sends the rows that other ranks may read, the effects and the goals of
   /// joints to all ranks, and receives theirs.
   void exchange();
-  void begin(Phase phase);  ///< called when a phase begins; stores it for errors and starts its timing
+  void begin(Phase phase);  ///< called when a phase begins: stores the phase for errors, and the time
 
   RowRange own() const { return rows_of(transport_.rank()); }  ///< the rows that this rank owns
   /// Returns those rows of `order` that this rank owns, in that order. Valid until the next call.
@@ -142,9 +142,11 @@ class Replica {
   void gather();   ///< implements World::gather()
   void touch();    ///< called before the program changes the state: World::touch()
   void replace();  ///< called before the program replaces the whole state
-  void reset();    ///< called by World::reset(), which then resets its own world
-  void restart(std::uint64_t seed, std::span<const BodySpec> bodies);  ///< called by World::restart()
-  void set(const SettingSpec& setting);  ///< called by World::set(), which has changed its own world
+  void reset();    ///< called by World::reset(): on rank 0, orders the other ranks to reset their worlds
+  /// Called by World::restart(): on rank 0, orders the other ranks to restart their worlds.
+  void restart(std::uint64_t seed, std::span<const BodySpec> bodies);
+  /// Called by World::set() after the change: on rank 0, orders the other ranks to make the same change.
+  void set(const SettingSpec& setting);
   /// The hashes of the state: each rank computes the hashes of its own rows, and rank 0 adds them up.
   /// std::nullopt on ranks other than 0, and if the tables of rank 0 are complete, so that its world can
   /// compute the hashes alone.

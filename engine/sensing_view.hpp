@@ -167,7 +167,7 @@ class SensingView {
     return id == 0 ? std::optional<BodyId>() : BodyId(id - 1);
   }
   /// Whether two bodies move together: one carries the other, directly or through further bodies, or a third
-  /// body carries both.
+  /// body carries both. True if a and b are the same row.
   bool same_tree(Row a, Row b) const {
     return a == b || (columns_.now->carried > 0 && columns_.roots[a.index()] == columns_.roots[b.index()]);
   }

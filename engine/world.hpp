@@ -83,20 +83,21 @@ class World {
   /// unchanged. After an exception the state is incomplete: see require_whole(). Apart from the first steps,
   /// a step allocates no memory unless a kind or a callback does.
   void step();
-  /// Throws std::logic_error if a step threw and no reset(), restart() or restore() followed: some rows then
-  /// have the state of the new tick and others that of the old one. All functions that read or continue the
-  /// state as a whole call this first: step(), hashes(), tables(), frame(), spawn(), remove() and the set_
-  /// functions. Accessors of single rows do not.
+  /// Throws std::logic_error if a step or spawn() threw and no reset(), restart() or restore() followed:
+  /// after a step that threw, some rows have the state of the new tick and others that of the old tick. All
+  /// functions that read or change the state as a whole call this first, such as step(), hashes(), tables(),
+  /// frame(), spawn(), remove(), set() and the set_ functions. Accessors of single rows do not call it.
   void require_whole() const {
     if (is_half_made_) throw_half_made();
   }
-  /// Returns to S(0), the state at tick 0. The tables, the tick, the counters and all data derived from them
-  /// are then as after construction. Callbacks and subscriptions stay. This allocates no memory, and is
-  /// allowed after a step that threw.
+  /// Returns to S(0), the state at tick 0, and undoes the changes of set(). The tables, the tick, the
+  /// counters and all data derived from them are then as after construction, or as after the last restart().
+  /// Callbacks and subscriptions stay. This allocates no memory, and is allowed after a step that threw.
   void reset();
   /// Goes to S(0), the state at tick 0, with another seed and other poses of the bodies. The run then has the
   /// same results as a run of a new world whose spec has this seed and these bodies. Only the order of the
-  /// rows may differ. Callbacks and subscriptions stay. This is allowed after a step that threw.
+  /// rows may differ. The changes of set() are undone. Callbacks and subscriptions stay. This is allowed
+  /// after a step that threw.
   ///
   /// bodies: one for each body of the spec, in the same order and with the same names and types, which is
   /// not checked. Poses and colours may differ. If a static body has another pose, the static scene is
@@ -131,7 +132,7 @@ class World {
   /// hashes of the run stay the same (docs/determinism.md). A step throws a StepError if an effect of a
   /// device changes the state of a body that is outside the scope which the kind of the device declares
   /// (DeviceKind::scope). The mode is slow: each call takes time proportional to the number of rows. Throws
-  /// std::invalid_argument unless the world has one thread and the exact ray engine.
+  /// std::invalid_argument if the mode is switched on in a world with several threads or the grid ray engine.
   void hide_beyond_reach(bool on);
   std::uint64_t tick() const { return state_.now.tick; }  ///< number of completed ticks
   double tick_s() const { return state_.spec.tick_s; }    ///< length of a tick, s
@@ -180,10 +181,13 @@ class World {
   void adopt(std::uint64_t tick, const Fill& fill, bool is_in_tick);
 
   // ---- constants and indices
-  const WorldSpec& spec() const { return state_.spec; }             ///< the spec that the world was made from
-  std::span<const BodyType> types() const { return state_.types; }  ///< compiled types, indexed by TypeId
+  /// The spec that the world was made from, with the seed and the bodies of the last restart() and the
+  /// settings of set().
+  const WorldSpec& spec() const { return state_.spec; }
+  std::span<const BodyType> types() const { return state_.types; }      ///< compiled types, indexed by TypeId
   const partition::StaticScene& scene() const { return state_.scene; }  ///< geometry of the static bodies
-  /// Spatial index of the bodies in the world that have rows, at their poses at the end of the last step.
+  /// Spatial index of the bodies in the world that have rows, at their present poses. During a step, until
+  /// the phase `index`, it has the poses before the motions of that step.
   const partition::BodyIndex& index() const { return state_.index; }
   /// Spatial index of the parts of static bodies that fiducial finders detect.
   const FixedTargets& fixed_targets() const { return state_.fixed_targets; }
@@ -224,7 +228,8 @@ class World {
   std::span<const Pose> poses() const { return state_.view.poses(); }
   /// Pose of any body, static ones included, in the world frame; NaN if the body is unborn.
   Pose pose(BodyId body) const { return state_.view.pose(body); }
-  /// The row's pose as a transform, computed once per tick. Equals Transform(pose) bit for bit.
+  /// The row's pose as a transform, which is stored and not computed here. Equals Transform(pose) bit for
+  /// bit.
   const Transform& transform(Row row) const { return state_.view.transform(row); }
   /// Velocity that the drive of each row computed, body frame, m/s and rad/s. It does not become 0 when an
   /// obstacle blocks the motion.
@@ -235,15 +240,16 @@ class World {
   bool stalled(Row row) const;
   /// Whether the row's last motion would have ended outside the bounds of the world (WorldSpec::bounds).
   bool is_out_of_bounds(Row row) const;
-  /// Estimated pose of a robot, m and rad. It is given in the frame that the Localization of its drive
-  /// defines: by default the world frame, or with odometry the frame of the robot's first pose.
+  /// Estimated pose of a robot, m and rad, in the frame that the Localization of its drive defines: by
+  /// default the world frame, or with odometry the frame of the robot's first pose. For a body without a
+  /// drive, the true pose in the world frame.
   Pose estimate(Row row) const { return estimates(type(row)).of(row, slot(row)); }
   /// Estimated poses of all bodies of a type, valid as long as the world exists. For a type without a drive
   /// they are the true poses, world frame.
   Estimates estimates(const BodyType& type) const;
-  /// Overwrites the odometry estimate of a robot with a pose in the frame of the estimate, m and rad; the z
-  /// of the pose is ignored. Throws std::logic_error if the robot has no odometry, and std::invalid_argument
-  /// if the pose is not finite.
+  /// Overwrites the odometry estimate of a robot with a pose in the frame of the estimate, m and rad. The z
+  /// of the pose is ignored, and the heading is wrapped. Throws std::logic_error if the robot has no
+  /// odometry, and std::invalid_argument if the pose is not finite.
   void set_estimate(Row row, const Pose& pose);
   /// Overwrites the command to a robot's drive, which the next step executes. Call this between steps. If a
   /// number is not finite, the next step in which the drive runs throws a StepError. Throws std::logic_error
@@ -267,7 +273,7 @@ class World {
   /// Number of carried bodies.
   std::size_t carried_count() const { return state_.now.carried; }
   /// Whether two bodies move together: one carries the other, directly or through further bodies, or a third
-  /// body carries both.
+  /// body carries both. True if a and b are the same row.
   bool same_tree(Row a, Row b) const { return state_.view.same_tree(a, b); }
   /// Attaches the body `cargo` to the body `carrier`. The cargo then keeps its present pose relative to the
   /// joint with the index `joint` of the carrier or, if `joint` is k_rigid, relative to the carrier itself.
