@@ -73,7 +73,7 @@ struct DeviceBatch {
   Effects& effects;            ///< receives effects on other bodies: see emit()
   Links& links;                ///< receives goals of joints: see move_joint()
   std::uint32_t device = 0;    ///< index of the device within the type
-  std::uint32_t stream = 0;    ///< random stream of the device
+  std::uint32_t stream = 0;    ///< number of the device's random stream: see random()
   /// Time from one run of the device to the next, s: its period in whole ticks. The time since the device
   /// last ran is longer if the device was switched off, broken or without power meanwhile.
   double period_s = 0;
@@ -357,7 +357,7 @@ struct DeviceKind {
 /// The meaning of the numbers of a command.
 enum class ControlMode : std::uint8_t {
   velocity,      ///< speeds, m/s and rad/s; for drives of kind `car`, `turn` is the steering angle, rad
-  acceleration,  ///< m/s^2 and rad/s^2; for drives of kind `car`, `turn` is the steering angle, rad
+  acceleration,  ///< accelerations, m/s^2 and rad/s^2; for drives of kind `car`, `turn` is as in `velocity`
   position,      ///< a goal pose, in the frame of the robot's estimated pose, m and rad
 };
 inline constexpr std::size_t k_control_modes = 3;  ///< number of values of ControlMode
@@ -386,7 +386,7 @@ struct Velocity {
 /// The argument of DriveKind::drive: robots of one type whose drives run in this tick. All spans have one
 /// entry per robot, but `estimates` may be empty instead. There may be no robots.
 struct DriveBatch {
-  std::span<const Command> commands;  ///< one per robot
+  std::span<const Command> commands;  ///< the commands to the drives
   /// Output: velocities in this tick. On entry, if `estimates` is not empty, the velocities that the drives
   /// computed last; otherwise the values on entry have no meaning.
   std::span<Velocity> velocities;
@@ -399,9 +399,10 @@ struct DriveKind {
   std::string_view name;  ///< name in files: "diff"
   std::string_view text;  ///< one sentence for `troupe describe`
   FieldTable params;      ///< its parameters
-  /// Compiles the parameters to the argument `data` of the other hooks.
+  /// Compiles the parameters to the argument `data` of the other hooks. The hook must accept all parameters
+  /// within the limits of `params`, because the engine calls it even if `check` returned an error.
   std::any (*prepare)(const Record& params);
-  /// Checks that the parameters are consistent. The error says what is wrong with them.
+  /// Checks that the parameters are consistent. The error says which parameters are not, and why.
   Result<> (*check)(const Record& params);
   /// Computes the velocities of a batch from the commands, within the limits of the drive. If a velocity is
   /// not finite, World::step() throws a StepError that names the robot.
@@ -515,7 +516,7 @@ struct DecideBatch {
   double time_s = 0;                     ///< world time at the end of the tick, s
   double tick_s = 0;                     ///< length of a tick, s
   std::uint64_t seed = 0;                ///< seed of the world
-  std::uint32_t stream = 0;              ///< random stream of the controller
+  std::uint32_t stream = 0;              ///< number of the controller's random stream: see random()
   std::span<const Row> rows;             ///< rows of the batch
   std::span<const BodyId> ids;           ///< id of each row of the world
   std::span<const std::uint32_t> slots;  ///< slot of each row of the world in the tables of its type

@@ -50,8 +50,10 @@ class Movement {
   std::uint64_t rounds() const { return conflicts_.rounds(); }  ///< number of rounds of the last resolution
   /// Upper bound on the distance that any body moved in the last resolution, m: Conflicts::longest().
   double longest() const { return conflicts_.longest(); }
-  std::size_t stalled() const { return stalled_; }              ///< number of rows blocked or out of bounds
-  std::size_t out_of_bounds() const { return out_of_bounds_; }  ///< number of rows out of bounds
+  /// Number of rows whose last motion was blocked or would have ended out of bounds.
+  std::size_t stalled() const { return stalled_; }
+  /// Number of rows whose last motion would have ended out of bounds.
+  std::size_t out_of_bounds() const { return out_of_bounds_; }
 
  private:
   /// Adds the motion of this tick to the odometry estimate of a robot. It is called only if the motion was

@@ -54,7 +54,9 @@ struct PublicColumns {
   std::span<const Transform> transforms;         ///< `poses` as transforms
   std::span<const Vec2> outlines;                ///< vertices of the outlines of all rows, world frame, m
   std::span<const double> radii;                 ///< bounding radius about the origin, m; negative: absent
-  std::span<const Mount> joint_mounts;           ///< displacements of the joints of all rows from rest
+  /// For all joints of all rows: transform of a point on the joint from its place with all joints at rest to
+  /// its present place, both in the body frame.
+  std::span<const Mount> joint_mounts;
   /// Row of the body that carries the row's body, directly or through others, and is not carried itself; the
   /// row itself if its body is not carried. Empty: no body of the world has joints or can carry another.
   std::span<const std::uint32_t> roots;
@@ -62,7 +64,7 @@ struct PublicColumns {
   std::span<const Life> lives;        ///< component `life`; empty: no births and deaths
 
   // What the bodies do and show: committed at the end of a tick, but written again in `actuate` or `decide`.
-  std::span<const Velocity> velocities;   ///< velocities of the drives, body frame
+  std::span<const Velocity> velocities;   ///< velocities of the drives, body frame, m/s and rad/s
   std::span<const Command> commands;      ///< commands to the drives
   std::span<const Condition> conditions;  ///< component `condition`; empty: no faults
   std::span<const StateTable> tables;     ///< all state tables: states of devices, commands to devices

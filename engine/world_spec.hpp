@@ -55,8 +55,9 @@ struct JointSpec {
 /// The image that a part's solids are made from. Only code that writes world files uses this struct; the
 /// simulation uses the solids.
 struct ImageSpec {
-  std::string file;               ///< path of the image; for a ROS map, of its YAML file
-  bool keeps_margins = false;     ///< true: scales the whole image to the part's size; false: its solid area
+  std::string file;  ///< path of the image; for a ROS map, of its YAML file
+  /// True: the whole image is scaled to the part's size; false: the solid area of the image.
+  bool keeps_margins = false;
   bool unknown_is_solid = false;  ///< for ROS maps: whether unknown cells are solid
   bool boundary = false;          ///< true: adds four walls just inside the edges of the image
   Pose origin;                    ///< centre of the image, or frame of the map, in the part's frame

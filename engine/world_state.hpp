@@ -63,7 +63,7 @@ struct WorldState {
   std::vector<Row> rows;                    ///< public: row of each body of the spec, by BodyId
   std::vector<std::uint32_t> row_types;     ///< public: TypeId of each row
   std::vector<std::uint32_t> slots;         ///< public: index of each row among the rows of its type
-  std::vector<std::uint32_t> ids;           ///< `bodies` as numbers
+  std::vector<std::uint32_t> ids;           ///< the ids of `bodies` as numbers (BodyId::value)
   std::vector<std::size_t> outline_begins;  ///< public: index of the row's first vertex in `outlines`
   /// Public: index of the row's first joint in `joint_mounts`; empty if no type has joints or can carry
   /// bodies.
@@ -84,7 +84,9 @@ struct WorldState {
   std::vector<Transform> transforms;  ///< public: the poses as transforms
   std::vector<Vec2> outlines;         ///< public: vertices of the outlines of all rows, world frame, m
   std::vector<double> radii;          ///< public: bounding radius about the origin, m; negative: absent
-  std::vector<Mount> joint_mounts;    ///< public: displacements of the joints of all rows from rest
+  /// Public: for all joints of all rows, the transform of a point on the joint from its place with all
+  /// joints at rest to its present place, both in the body frame.
+  std::vector<Mount> joint_mounts;
   /// Public: row of the body that carries the row's body, directly or through others, and is not carried
   /// itself (the root); the row itself if its body is not carried. Empty, like joint_begins, if no type has
   /// joints or can carry bodies.
