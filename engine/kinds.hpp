@@ -341,8 +341,8 @@ struct DeviceKind {
   HeldFlags (*flags)(const StateTable& state, std::size_t slot) = nullptr;
 
   /// True: the device sets the colour of its part. Its state must then begin with that colour: three f32,
-  /// red, green and blue, in a field named k_shown_color (engine/shown_color.hpp). Recordings find it by this
-  /// name.
+  /// red, green and blue, in a field named k_shown_color (engine/shown_color.hpp). Code that reads
+  /// recordings finds the field by this name.
   bool shows_color = false;
   FrameLayer layer = FrameLayer::none;  ///< layer that `draw` adds to
   /// Draws the device of a row: adds entries to the layer `layer` of a frame. For a sensor the hook is
@@ -464,7 +464,7 @@ struct Percept {
 
 /// The outputs of one robot's controller. An output that the controller does not set keeps its last value.
 struct Actions {
-  Command& command;  ///< command to the robot's drive
+  Command& command;  ///< command to the robot's drive, or to the drive device (DeviceKind::drives) instead
   /// Command structs of the chosen devices, in the order of Percept::devices; null for devices that take no
   /// commands.
   std::span<std::byte* const> devices;
@@ -547,8 +547,8 @@ struct DecideBatch {
   std::uint32_t body(std::size_t i) const { return ids[rows[i].index()].value; }  ///< id of robot i
   /// Slot of robot i in the tables of its type.
   std::size_t slot(std::size_t i) const { return slots[rows[i].index()]; }
-  /// Command that the controller of robot i gives: to the drive device of its part, or else to the body's
-  /// drive.
+  /// Command that the controller of robot i gives, for reading and writing: the command to the drive device
+  /// of `drive_commands` or, if there is none, to the body's drive.
   Command& command(std::size_t i) const {
     if (drive_commands.first == nullptr) return commands[rows[i].index()];
     return *reinterpret_cast<Command*>(drive_commands.of(slot(i)));

@@ -47,7 +47,7 @@ class Movement {
   /// until Links::carry().
   void commit();
 
-  std::uint64_t rounds() const { return conflicts_.rounds(); }  ///< number of rounds of the last resolution
+  std::uint64_t rounds() const { return conflicts_.rounds(); }  ///< number of rounds of the last resolve()
   /// Upper bound on the distance that any body moved in the last resolution, m: Conflicts::longest().
   double longest() const { return conflicts_.longest(); }
   /// Number of rows whose last motion was blocked or would have ended out of bounds.

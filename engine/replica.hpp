@@ -155,7 +155,7 @@ class Replica {
  private:
   /// An error of a rank. If there are several errors, the one with the lowest (phase, robot) is reported.
   struct Failure {
-    std::uint32_t phase = 0;  ///< the Phase in which it occurred
+    std::uint32_t phase = 0;  ///< the Phase in which the error occurred
     std::uint32_t robot = 0;  ///< 1 plus StepError::robot(); 0: the error has no robot
     std::string text;         ///< the error message; empty: the rank failed because another rank had failed
   };

@@ -4,8 +4,8 @@
 
 namespace troupe::engine {
 
-/// Longest time or interval that a world file or an option may give, s. The ticks of such a time can be
-/// counted in 64 bits.
+/// Longest time or interval that a world file or an option may give, s. The number of ticks in such a time
+/// fits 64 bits.
 inline constexpr double k_most_seconds = 1e9;
 
 /// Converts a period from seconds to ticks, rounded up to a whole number as in Stage, and at least 1 (also

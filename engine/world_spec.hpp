@@ -78,7 +78,7 @@ struct PartSpec {
   std::string alias;                    ///< the generated name, if the world file gives the part another name
   std::string kind;                     ///< model kind: "position", "ranger", ...
   std::uint32_t parent = 0;             ///< index of its parent part; the root's is 0
-  std::int32_t joint = k_rigid;         ///< index of the joint that it is mounted on
+  std::int32_t joint = k_rigid;         ///< index of the joint that it is mounted on; k_rigid: none
   Pose pose_body_part;                  ///< pose of the part's frame in the body frame
   Eigen::Vector3d size{0.4, 0.4, 1.0};  ///< declared size x, y, z, m (GetGeom() returns it in Stage)
   std::vector<Solid> solids;            ///< in the body frame with joints at rest, m, after all scaling
@@ -95,7 +95,7 @@ struct DeviceSpec {
   std::string name;              ///< the name of its part, unless the type gives the device another name
   std::string kind;              ///< name of a kind of Registry::devices
   std::uint32_t part = 0;        ///< index of the part that carries it
-  std::int32_t joint = k_rigid;  ///< index of the joint that it is mounted on
+  std::int32_t joint = k_rigid;  ///< index of the joint that it is mounted on; k_rigid: none
   /// Index of the first of the joints that it moves (DeviceKind::joints); k_rigid: it moves none.
   std::int32_t moves = k_rigid;
   Record params;          ///< one value for each field of the kind's table
@@ -117,8 +117,8 @@ struct DriveSpec {
 /// A controller of the bodies of a type.
 struct ControllerSpec {
   std::string kind;  ///< name of a kind of Registry::controllers or of a plug-in
-  /// Index of the part that the controller is on. It may use the devices of this part and of the parts
-  /// mounted on this part.
+  /// Index of the part that the controller is on. The controller may use the devices of this part and of the
+  /// parts mounted on this part, except drives.
   std::uint32_t part = 0;
   /// One value for each field of the kind's table; FieldTable::defaults() makes such a record.
   Record params;
