@@ -10,16 +10,20 @@ namespace troupe::engine {
 
 class World;
 
-/// Returns a text about the exception that is being handled: `threw: TEXT`, where TEXT is what() of a
-/// std::exception, or `threw an exception that is not a std::exception`. Call this only within a catch block.
+/// Returns a text about the exception that the calling catch block handles: `threw: TEXT`, where TEXT is
+/// what() of a std::exception, or `threw an exception that is not a std::exception`. Outside a catch block
+/// the call ends the program (std::terminate()).
 std::string thrown_text();
 
-/// Throws a StepError in place of the exception that is being handled. Its text names the tick, the kind
-/// whose function threw, and a robot: the robot of a DecisionError, and for other exceptions the robot of the
-/// first row. A StepError is rethrown unchanged, because its text already names a robot.
+/// Throws a StepError in place of the exception that the calling catch block handles. The text of the
+/// StepError names the tick, the kind whose function threw, and a robot. For a DecisionError this is the
+/// robot of the DecisionError; for any other exception it is the robot of the first row, and the text also
+/// gives the number of rows if there are several. A StepError is rethrown unchanged, because its text
+/// already names a robot. Outside a catch block the call ends the program (std::terminate()).
 ///
-/// rows: the rows (indices of bodies in the state tables) for which the function of the kind was called; may
-/// be empty what: the controller, device or drive whose function was called
+/// rows    rows (indices of bodies in the state tables) for which the function was called; empty: the text
+/// names no robot
+/// what    the controller, device or drive whose function was called
 ///@{
 [[noreturn]] void throw_step_error(const World& world, std::span<const Row> rows,
                                    const BodyType::Controller& what);
@@ -29,9 +33,9 @@ std::string thrown_text();
                                    const BodyType::Drive& what);
 ///@}
 
-/// Calls call(), which must call a function of the kind of `what` (a controller, device or drive), and
-/// returns the result. If call() throws, throw_step_error() converts the exception: users write kinds, and
-/// the exception of a plug-in does not say where it came from.
+/// Returns the result of call(), which must call a function of the kind of `what` (a controller, device or
+/// drive) for the given rows. If call() throws, throw_step_error() replaces the exception by a StepError,
+/// because the exception of a plug-in does not say where it came from.
 template <class What, class Call>
 auto call_kind(const World& world, std::span<const Row> rows, const What& what, Call&& call) {
   try {

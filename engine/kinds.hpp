@@ -39,16 +39,17 @@ struct TypeSpec;
 struct WorldSpec;
 
 /// A *kind* is a table of functions (hooks) that implements one sort of sensor, other device, drive or
-/// controller. The engine itself implements none of them: it only calls the hooks. When the world is built,
-/// the hook `prepare` converts the parameters to data of a type that the kind chooses. The other hooks
-/// receive these data, and a batch of robots as a list of rows. Several threads call the hooks at once, so a
-/// hook may write only to its arguments. If a hook throws an exception, the step ends with a StepError.
+/// controller. The engine itself implements no sensor, device, drive or controller: it only calls the hooks.
+/// When the world is built, the hook `prepare` converts the parameters to data of a type that the kind
+/// chooses. The other hooks receive these data, and either a batch of robots, given as a list of rows, or a
+/// single robot. Several threads call the hooks at once, so a hook may write only to its arguments. If a
+/// hook throws an exception during a step, World::step() throws a StepError.
 ///
 /// A body has a *row*, its index in the state tables of the world, and a *slot*, its index in the tables of
 /// its type. The state of a sensor is also called its percepts or readings.
 
-/// A model type of Stage world files, such as `position` or `ranger`, with its defaults. The registry
-/// contains these, so that all loaders use the same defaults.
+/// A model type of Stage world files, such as `position` or `ranger`, with its defaults. The model kinds are
+/// in the registry (Registry::models), so that all loaders use the same defaults.
 struct ModelKind {
   std::string_view name;                ///< name in Stage files: "position"
   std::string_view text;                ///< one sentence for `troupe describe`
@@ -60,9 +61,9 @@ struct ModelKind {
   FieldTable params;        ///< parameters of that device; if `device` is empty, of the model itself
 };
 
-/// The argument of the hooks of a device: the rows of one body type whose device senses or acts in a tick,
-/// with the data of these rows. The argument `i` of the functions is an index into `rows`.
-/// engine/sensing_view.hpp has the functions of `view`.
+/// The argument of the hooks `sense`, `act` and `joints_moved` of a device: rows of one body type for which
+/// the hook is called in a tick, with the data of these rows. There is at least one row. The argument `i` of
+/// the functions is an index into `rows`. engine/sensing_view.hpp has the functions of `view`.
 struct DeviceBatch {
   const SensingView& view;     ///< the world: constants, and where all bodies are
   const std::any& data;        ///< result of DeviceKind::prepare
@@ -72,27 +73,31 @@ struct DeviceBatch {
   Effects& effects;            ///< receives effects on other bodies: see emit()
   Links& links;                ///< receives goals of joints: see move_joint()
   std::uint32_t device = 0;    ///< index of the device within the type
-  std::uint32_t stream = 0;    ///< random stream of the device
-  double period_s = 0;         ///< time since the device last ran
+  std::uint32_t stream = 0;    ///< number of the device's random stream: see random()
+  /// Time from one run of the device to the next, s: its period in whole ticks. The time since the device
+  /// last ran is longer if the device was switched off, broken or without power meanwhile.
+  double period_s = 0;
 
   BodyId body(std::size_t i) const;       ///< id of the row's body
   std::size_t slot(std::size_t i) const;  ///< index of the row in `state` and `commands`
-  /// The random numbers of a row in this tick. Each call returns the same sequence from its beginning.
+  /// The random numbers of a row in this tick: a function of the seed of the world, `stream`, the id of the
+  /// body and the tick. Each call returns the same sequence from its beginning.
   Random random(std::size_t i) const;
-  /// The random numbers of a row in this tick, from an independent stream with this name. A kind that wraps
-  /// another kind uses such a stream, so that the wrapped kind gets the same random numbers as if it were not
-  /// wrapped.
+  /// The random numbers of a row in this tick, from an independent stream with this name. If a kind wraps
+  /// another kind and uses such a stream, the wrapped kind gets the same random numbers as without the
+  /// wrapper.
   Random random(std::size_t i, std::string_view name) const;
-  /// Transform from the body frame to the world frame, including the displacement of the joint that the
-  /// device is mounted on.
+  /// Transform from the body frame to the world frame, including the displacement from rest of the joint
+  /// that the device is mounted on. compose(mount(i), p) is the present pose of the device, where
+  /// p is the argument `pose_body_device` of DeviceKind::prepare.
   Mount mount(std::size_t i) const;
-  /// Velocity that the drive of the row's body computed last, body frame, m/s and rad/s. Drives run before
-  /// the devices of their body act.
+  /// Velocity that the drive of the row's body computed last, body frame, m/s and rad/s; 0 if the body has
+  /// no drive. Before the hook `act` is called, the drive has computed the velocity of this tick.
   const Velocity& velocity(std::size_t i) const;
   /// Command to the drive of the row's body. The numbers have no meaning if the body has no drive.
   const Command& command(std::size_t i) const;
-  /// Whether a device of the row's body is active or subscribed to (World::subscribe()). Here and below,
-  /// `its_device` is the index of the device in BodyType::devices.
+  /// Whether a device of the row's body is active (BodyType::Device::active), or World::subscribe() was
+  /// called for the body. Here and below, `its_device` is the index of the device in BodyType::devices.
   bool senses(std::size_t i, std::size_t its_device) const;
   /// Whether a device of the row's body is switched on: no controller has switched it off.
   bool is_on(std::size_t i, std::size_t its_device) const;
@@ -104,39 +109,51 @@ struct DeviceBatch {
   /// Present pose of joint n relative to its rest pose, m and rad. Here and below, n counts the joints that
   /// the device moves (DeviceKind::joints), from 0.
   const Pose& joint(std::size_t i, std::size_t n) const;
-  /// Sets the goal of a joint for this tick: a pose relative to its rest pose, m and rad. Only the hook `act`
-  /// may call this. The joints of one device move together or not at all: if the motion of one of them is
-  /// blocked, none moves. Bodies that carry one another form a tree. For the joints of a whole tree, the same
-  /// rule holds in each round of conflict resolution (Links::resolve_joints()).
+  /// Sets the goal of joint n for this tick: a pose relative to the rest pose of the joint, m and rad; the
+  /// heading is not wrapped. A second call in the same tick replaces the goal. Only the hook `act` may call
+  /// this. The joints of one device move together or not at all: if the motion of one joint is blocked, no
+  /// joint of the device moves. If bodies carry one another, a blocked motion also stops joints of those
+  /// other bodies: see Links::resolve_joints(). Throws StepError if a number of `to` is not finite.
   void move_joint(std::size_t i, std::size_t n, const Pose& to) const;
   /// Whether move_joint() set a goal of joint n in this tick. Only the hook `joints_moved` may call this.
   bool asked_joint(std::size_t i, std::size_t n) const;
-  /// Whether joint n reached its goal in this tick. Only the hook `joints_moved` may call this.
+  /// Whether joint n moved to its goal in this tick. May be false for a goal that equals the pose which the
+  /// joint already had. Only the hook `joints_moved` may call this.
   bool moved_joint(std::size_t i, std::size_t n) const;
-  /// Emits an effect, which DeviceKind::apply applies after all bodies have moved. Throws std::length_error
-  /// if there are more effects than Prepared::most_effects allows.
+  /// Emits an effect of row i, which DeviceKind::apply applies after all bodies have moved. Only the hook
+  /// `act` may call this. Throws std::length_error if all devices of the world together emit more effects in
+  /// a tick than their kinds declare (Prepared::most_effects).
   ///
-  /// sequence: order of this effect among the effects that the device of one body emits in a tick
+  /// sequence: position of this effect among the effects that the device of one body emits in a tick; each
+  /// of these effects has a number of its own
   /// verb, payload: their meaning is defined by the kind
   /// target: the affected body; not valid() if there is none
   void emit(std::size_t i, std::uint32_t sequence, std::uint32_t verb, BodyId target,
             const std::array<double, 4>& payload = {}) const {
     effects.emit({body(i), device, sequence, verb, target, payload});
   }
-  /// Requests the birth of the next body of a reserve (an index into WorldSpec::reserves) at a pose, m and
-  /// rad, world frame. DeviceKind::born receives the result.
+  /// Requests the birth of the next body of a reserve at the pose `at`, m and rad, world frame. Births come
+  /// after all other effects and all deaths of the tick. DeviceKind::born receives the result, which says
+  /// whether the body was born. There is neither a birth nor a result if the requesting body died in this
+  /// tick. Callers and errors are as for emit(), and a birth counts as an effect. If the world has neither
+  /// reserves nor deaths, World::step() throws std::logic_error.
+  ///
+  /// sequence: as for emit()
+  /// reserve: index into WorldSpec::reserves; must exist
   void emit_birth(std::size_t i, std::uint32_t sequence, std::uint32_t reserve, const Pose& at) const {
     effects.emit({body(i), device, sequence, k_birth, BodyId(), {at.x, at.y, at.z, at.heading}, reserve});
   }
-  /// Requests the death of the body `whose`. The kind must have set Prepared::ends_lives.
+  /// Requests the death of the body `whose`. The kind must have set Prepared::ends_lives. The request has no
+  /// effect if the body has no row or is not in the world. Callers, `sequence` and errors are as for emit(),
+  /// and a death counts as an effect.
   void emit_death(std::size_t i, std::uint32_t sequence, BodyId whose) const {
     effects.emit({body(i), device, sequence, k_death, whose});
   }
 };
 
 /// The argument of the hook `sense`. In addition to the data of a DeviceBatch, it has the velocities,
-/// commands and device states of all bodies at the end of the last tick. A class that reads none of these may
-/// declare `sense(const DeviceBatch&)`.
+/// commands and device states of all bodies at the end of the last tick. A device class (make_device_kind())
+/// that does not read these additional data may declare `sense(const DeviceBatch&)`.
 struct SenseBatch : DeviceBatch {
   const CommittedView& committed;  ///< the same world as `view`, with these additional data
 };
@@ -195,8 +212,8 @@ enum class FrameLayer : std::uint8_t {
 
 /// The bodies that an effect of a device may change.
 enum class ApplyScope : std::uint8_t {
-  trees,       ///< the body of the device, the target, and bodies that move together with them; the target is
-               ///< within reach
+  trees,       ///< the body of the device, the target, and all bodies that move together with either of them;
+               ///< the target must be within the reach of the device (DeviceKind::Prepared::reach_m)
   any_target,  ///< the same bodies, but the target may be anywhere in the world
   anything,    ///< any body
 };
@@ -213,14 +230,14 @@ struct DeviceKind {
   std::string_view name;  ///< name in files: "ranger"
   std::string_view text;  ///< one sentence for `troupe describe`
   FieldTable params;      ///< its parameters
-  /// Names of the joints that the device moves; empty if it moves none. If there is only one joint, its name
-  /// may be empty.
+  /// Names of the joints that the device moves; empty if it moves none. A device that moves one joint may
+  /// leave the name of this joint empty.
   std::vector<std::string_view> joints;
   /// Whether the device can pick up other bodies (World::attach()).
   bool carries = false;
-  /// Whether the device is a drive. Such a device is commanded by the controllers of its part and of the
-  /// parts mounted on that part. Its command struct is a Command (command_fields()), and its state begins
-  /// with its estimated pose.
+  /// Whether the device is a drive. The controllers of its part, and of the parts mounted on that part, then
+  /// command the device instead of the body's drive. Its command struct must be a Command
+  /// (command_fields()), and its state must begin with a Pose, the estimated pose of the device.
   bool drives = false;
   /// A solid of a device, with its joints at rest.
   struct Fixture {
@@ -229,11 +246,12 @@ struct DeviceKind {
   };
   /// The data that `sense` and `act` read of other bodies, in addition to the places of these bodies
   /// (SensingView). Each name is one of the k_..._of_others above, `KIND` for the states of devices of a
-  /// kind, `KIND/command` for the commands to such devices, or the name of a field for the states of all
-  /// devices that begin with this field. If several ranks compute a world, these data are sent to all of
-  /// them. Tests enforce this: World::hide_beyond_reach().
+  /// kind, `KIND/command` for the commands to devices of a kind, or the name of a field for the states of
+  /// all devices whose first field has this name. If several ranks compute a world, these data are sent to
+  /// all ranks. Tests detect kinds that read other data with World::hide_beyond_reach().
   std::vector<std::string_view> reads;
-  /// The bodies that `apply` may change. Tests enforce this: World::hide_beyond_reach().
+  /// The bodies that `apply` may change. Tests detect kinds that change other bodies with
+  /// World::hide_beyond_reach().
   ApplyScope scope = ApplyScope::anything;
   /// Returns the solids that the device adds to its body. Null: it adds none.
   std::vector<Fixture> (*body)(const Record& params) = nullptr;
@@ -242,23 +260,28 @@ struct DeviceKind {
     std::any data;                     ///< the argument `data` of the hooks
     std::vector<StateField> percepts;  ///< fields of the device's state table
     std::size_t percept_bytes = 0;     ///< size of a row if rows are structs (memory_fields); else 0
-    std::vector<StateField> commands;  ///< commands from controllers: fields of a struct (memory_fields)
-    std::size_t command_bytes = 0;     ///< size of the command struct; 0: the device takes no commands
-    /// The reach of the device: radius of a disc around the origin of its body, m. `sense` and `act` must not
-    /// read the data of a body whose enclosing circle is outside the disc, except for bodies that move
+    /// Fields of the struct with the commands from controllers (memory_fields); empty: the device takes no
+    /// commands.
+    std::vector<StateField> commands;
+    std::size_t command_bytes = 0;  ///< size of the command struct, bytes
+    /// The reach of the device: radius of a disc around the origin of its body, m. `sense` and `act` must
+    /// not read the data of a body whose enclosing circle is outside the disc, except for bodies that move
     /// together with the device's own body (SensingView::same_tree()). For bodies with joints, the engine
-    /// adds BodyType::joint_reach to the radius. Tests enforce this: World::hide_beyond_reach().
+    /// adds BodyType::joint_reach to the radius. Tests enforce this rule with World::hide_beyond_reach().
     double reach_m = 0;
     /// The reach for which the cells of the spatial index are chosen, m; not set: reach_m. A device that
     /// rarely searches far sets a smaller value, because a large one makes the cells coarse for all other
     /// devices.
     std::optional<double> cell_hint_m = {};
-    std::size_t beams = 0;         ///< number of rays that the device casts each time it runs
-    std::size_t most_effects = 0;  ///< largest number of effects that a row may emit in a tick
-    bool ends_lives = false;       ///< whether it may emit deaths: emit_death()
-    double watts = 0;              ///< power that it draws from its supply while it runs, W
-    std::vector<Pose> joints;      ///< poses of its joints at tick 0, relative to rest; empty: at rest
-    double joint_reach_m = 0;      ///< upper bound on how far its joints move from rest, m
+    std::size_t beams = 0;  ///< number of rays that the device casts each time it runs
+    /// Largest number of effects that a row may emit in a tick, requested births and deaths included.
+    std::size_t most_effects = 0;
+    bool ends_lives = false;  ///< whether it may emit deaths: emit_death()
+    double watts = 0;         ///< power that it draws from its supply while it runs, W
+    /// Poses of its joints at tick 0 or at the birth of the body, relative to rest, m and rad; empty: at
+    /// rest.
+    std::vector<Pose> joints;
+    double joint_reach_m = 0;  ///< largest horizontal shift of its joints from rest, m; turns do not count
     /// For rangers: heading of each reading in the sensor frame, rad. Percept 0 of a ranger holds the ranges.
     /// Empty for all other devices.
     std::vector<double> bearings;
@@ -269,7 +292,7 @@ struct DeviceKind {
     std::optional<SoughtMarks> seeks;  ///< for fiducial finders: the parts that they detect
   };
   /// Compiles the parameters, which the caller has checked against the limits of their table. The hook must
-  /// be a pure function.
+  /// be a pure function. If it throws, the device is an error of the world file.
   ///
   /// pose_body_device: the frame in which the parameters are given, as a pose in the body frame
   Prepared (*prepare)(const Record& params, const Pose& pose_body_device);
@@ -292,21 +315,23 @@ struct DeviceKind {
   /// Called together with the drives, before the controllers decide: executes the commands of the previous
   /// tick. Null: the device has no actions.
   void (*act)(const DeviceBatch& batch) = nullptr;
-  /// Called after bodies and joints have moved, if any joint of the world had a goal in this tick. The hook
-  /// can then read with DeviceBatch::moved_joint() whether its joints reached their goals. Null: not needed.
+  /// Called after bodies and joints have moved, if any joint of the world had a goal in this tick, for all
+  /// devices of the kind that move joints and whose bodies are in the world. The hook can then read with
+  /// DeviceBatch::moved_joint() whether the joints of a device reached their goals. Null: not needed.
   void (*joints_moved)(const DeviceBatch& batch) = nullptr;
-  /// Called after the bodies have moved: applies one effect of this kind. Effects are applied one by one, in
-  /// the order of (Effect::source, device, sequence). Each call sees the results of the effects applied
-  /// before. Null: the device has no effects.
+  /// Called after the bodies have moved: applies one effect that a device of this kind emitted with
+  /// DeviceBatch::emit(). Effects are applied one by one, in the order of (Effect::source, device,
+  /// sequence). Each call sees the results of the effects applied before. Null: the device must not call
+  /// emit().
   void (*apply)(World& world, const std::any& data, const Effect& effect) = nullptr;
-  /// Called after all other effects of the tick were applied: receives the result of a birth that the device
-  /// requested. Null: not needed.
+  /// Called after all other effects and all deaths of the tick were applied, once for each birth that the
+  /// device requested: receives the result of the birth. Null: not needed.
   void (*born)(World& world, const std::any& data, const Effect& effect, const Birth& birth) = nullptr;
 
-  /// For power supplies: returns whether the supply of a row is empty. While it is empty, the devices that it
-  /// serves do not run. A supply serves the devices of its part and of the parts mounted on that part, except
-  /// parts with a supply of their own. A supply of the root part also serves the drive. Null: the device is
-  /// not a power supply.
+  /// For power supplies: returns whether the supply of a row is empty. While it is empty, the devices that
+  /// it serves do not run. A supply serves the devices of its part and of the parts mounted on that part,
+  /// except parts with a supply of their own and the parts mounted on them. A supply of the root part also
+  /// serves the drive. Null: the device is not a power supply.
   bool (*is_spent)(const std::any& data, const StateTable& state, std::size_t slot) = nullptr;
 
   bool needs_supply = false;  ///< true: it is an error if no power supply of the body serves the device
@@ -316,12 +341,13 @@ struct DeviceKind {
   HeldFlags (*flags)(const StateTable& state, std::size_t slot) = nullptr;
 
   /// True: the device sets the colour of its part. Its state must then begin with that colour: three f32,
-  /// red, green and blue, in a field named k_shown_color (engine/shown_color.hpp). Recordings find it by this
-  /// name.
+  /// red, green and blue, in a field named k_shown_color (engine/shown_color.hpp). Code that reads
+  /// recordings finds the field by this name.
   bool shows_color = false;
   FrameLayer layer = FrameLayer::none;  ///< layer that `draw` adds to
-  /// Draws the device of a row: adds entries to the layer `layer` of a frame. For a sensor the hook is called
-  /// only if the sensor has sensed and still runs. Null if `layer` is FrameLayer::none.
+  /// Draws the device of a row: adds entries to the layer `layer` of a frame. For a sensor the hook is
+  /// called only after tick 0 and while the sensor runs (World::runs()). Null if `layer` is
+  /// FrameLayer::none.
   void (*draw)(const DeviceView& view, Frame& frame) = nullptr;
 
   /// True if the device only senses.
@@ -331,14 +357,14 @@ struct DeviceKind {
 /// The meaning of the numbers of a command.
 enum class ControlMode : std::uint8_t {
   velocity,      ///< speeds, m/s and rad/s; for drives of kind `car`, `turn` is the steering angle, rad
-  acceleration,  ///< m/s^2 and rad/s^2; for drives of kind `car`, `turn` is the steering angle, rad
+  acceleration,  ///< accelerations, m/s^2 and rad/s^2; for drives of kind `car`, `turn` is as in `velocity`
   position,      ///< a goal pose, in the frame of the robot's estimated pose, m and rad
 };
 inline constexpr std::size_t k_control_modes = 3;  ///< number of values of ControlMode
 
 /// The command of a controller to its drive. Speeds and accelerations are in the body frame, goals in the
-/// frame of the estimated pose. Assigning `{x, y, turn}` commands a speed; assigning a single member keeps
-/// the mode.
+/// frame of the estimated pose. Assigning `{x, y, turn}` commands a speed and switches all devices on,
+/// because it also resets `mode` and `off`; assigning a single member keeps the others.
 struct Command {
   double x = 0;                              ///< forward, m/s or m/s^2; for a goal its x, m
   double y = 0;                              ///< left, m/s or m/s^2; for a goal its y, m
@@ -358,13 +384,14 @@ struct Velocity {
 };
 
 /// The argument of DriveKind::drive: robots of one type whose drives run in this tick. All spans have one
-/// entry per robot; `estimates` may be empty instead.
+/// entry per robot, but `estimates` may be empty instead. There may be no robots.
 struct DriveBatch {
-  std::span<const Command> commands;  ///< one per robot
-  /// Output: velocities in this tick. On entry, if `estimates` is not empty, the velocities of the last tick.
+  std::span<const Command> commands;  ///< the commands to the drives
+  /// Output: velocities in this tick. On entry, if `estimates` is not empty, the velocities that the drives
+  /// computed last; otherwise the values on entry have no meaning.
   std::span<Velocity> velocities;
   std::span<const Pose> estimates;  ///< estimated poses of the robots; empty if all commands are speeds
-  double elapsed_s = 0;             ///< time since these drives ran last
+  double elapsed_s = 0;             ///< time from one run of these drives to the next, s
 };
 
 /// A kind of drive, which computes velocities from commands.
@@ -372,18 +399,20 @@ struct DriveKind {
   std::string_view name;  ///< name in files: "diff"
   std::string_view text;  ///< one sentence for `troupe describe`
   FieldTable params;      ///< its parameters
-  /// Compiles the parameters to the argument `data` of the other hooks.
+  /// Compiles the parameters to the argument `data` of the other hooks. The hook must accept all parameters
+  /// within the limits of `params`, because the engine calls it even if `check` returned an error.
   std::any (*prepare)(const Record& params);
-  /// Checks that the parameters are consistent. The error says what is wrong with them.
+  /// Checks that the parameters are consistent. The error says which parameters are not, and why.
   Result<> (*check)(const Record& params);
-  /// Computes the velocities of a batch from the commands, within the limits of the drive.
+  /// Computes the velocities of a batch from the commands, within the limits of the drive. If a velocity is
+  /// not finite, World::step() throws a StepError that names the robot.
   void (*drive)(const std::any& data, const DriveBatch& batch);
   /// Returns the velocity that a robot has until its drive runs for the first time. Null: 0.
   Velocity (*start)(const std::any& data) = nullptr;
-  /// Hooks for parameters whose effect the engine itself implements. They only read the parameters.
+  /// Hooks that only read parameters, whose effect the engine itself implements.
   ///@{
   /// Returns how robots with this drive estimate their poses. The error says why the parameters are
-  /// inconsistent. Null: their estimates are their true poses.
+  /// inconsistent. Null: the estimates are the true poses, world frame.
   Result<Localization> (*localization)(const Record& params) = nullptr;
   /// Returns the number of pushable bodies that a robot can push at once, 0 to k_most_pushed. Null: 0.
   std::int64_t (*pushes)(const Record& params) = nullptr;
@@ -396,10 +425,11 @@ inline constexpr std::size_t k_most_devices_read = 16;
 /// The state of one sensor or other device of one robot, as its controllers read it.
 class Readings {
  public:
-  Readings() = default;
+  Readings() = default;  ///< refers to no device; the functions below must not be called
   /// The state in row `slot` of a device's table. The table must outlive this object.
   Readings(const StateTable& table, std::size_t slot) : table_(&table), slot_(slot) {}
-  /// The values of field f, one per column; f is an index into DeviceKind::Prepared::percepts.
+  /// The values of field f, one per column; f is an index into DeviceKind::Prepared::percepts. T must be the
+  /// C++ type of the field's element (StateField::element).
   template <class T>
   std::span<const T> field(std::size_t f) const {
     return table_->cell<T>(slot_, f);
@@ -423,7 +453,9 @@ struct Percept {
   std::uint32_t body = 0;  ///< id of the robot
   /// The sensors and other devices that the controller chose in `prepare`, in that order.
   std::span<const Readings> devices;
-  /// Estimated pose of the robot, m and rad (engine/localization.hpp).
+  /// Estimated pose, m and rad: that of the drive device which the controller commands (DeviceKind::drives)
+  /// or, if there is none, that of the robot. Its frame is defined by the Localization of the drive
+  /// (engine/localization.hpp).
   Pose estimate;
 
   /// Ranges that a ranger measured, m, one per beam. `ranger` is its index in `devices`.
@@ -432,7 +464,7 @@ struct Percept {
 
 /// The outputs of one robot's controller. An output that the controller does not set keeps its last value.
 struct Actions {
-  Command& command;  ///< command to the robot's drive
+  Command& command;  ///< command to the robot's drive, or to the drive device (DeviceKind::drives) instead
   /// Command structs of the chosen devices, in the order of Percept::devices; null for devices that take no
   /// commands.
   std::span<std::byte* const> devices;
@@ -441,14 +473,15 @@ struct Actions {
   std::span<const std::uint32_t> switches;
 
   /// Switches a device on or off, from the next tick on. A device that is off does nothing, draws no power
-  /// and keeps its last readings. It stays off until `command` is replaced as a whole: set_speed(), for
-  /// example, switches all devices on again. Only for controllers with ControllerKind::switches.
+  /// and keeps its last readings. The device stays off until this function switches it on or until `command`
+  /// is replaced as a whole: set_speed(), for example, switches all devices on again. The call has no effect
+  /// unless ControllerKind::switches is true, nor on devices whose index in the type is 32 or higher.
   ///
   /// chosen: index of the device in Percept::devices, here and below
   void switch_device(std::size_t chosen, bool on) const {
     command.off = on ? command.off & ~switches[chosen] : command.off | switches[chosen];
   }
-  /// Whether the present command leaves a device switched on.
+  /// Whether the present command leaves a device switched on; true for devices that cannot be switched off.
   bool is_on(std::size_t chosen) const { return (command.off & switches[chosen]) == 0; }
 
   /// Commands a speed, m/s and rad/s, from the next tick on, until the command is replaced. For a car `turn`
@@ -465,7 +498,8 @@ struct Actions {
   /// stays there until the command is replaced.
   void go_to(double x, double y, double heading) { command = {x, y, heading, ControlMode::position}; }
 
-  /// The command to a chosen device. The kind of the device must take commands of the struct DeviceCommand.
+  /// The command to the device number `chosen` of Percept::devices. The kind of the device must take
+  /// commands, and its command struct must be DeviceCommand.
   template <class DeviceCommand>
   DeviceCommand& device(std::size_t chosen) const {
     return *reinterpret_cast<DeviceCommand*>(devices[chosen]);
@@ -473,22 +507,23 @@ struct Actions {
 };
 
 /// The argument of ControllerKind::decide: robots of one type whose controller decides in a tick, with their
-/// data. In the functions, robot i is the robot of rows[i]. A chosen device is a device that the controller
-/// uses (ControllerKind::Prepared::devices). Its index in that list is the argument `sensor` of the
-/// functions.
+/// data. The batch may be empty. In the functions, robot i is the robot of rows[i]. A chosen device is a
+/// device that the controller uses (ControllerKind::Prepared::devices). Its index in that list is the
+/// argument `sensor` of the functions, and the index of its entry in `percepts`, `device_commands` and
+/// `switches`.
 struct DecideBatch {
   std::uint64_t tick = 0;                ///< number of the present tick; the first tick is 1
-  double time_s = 0;                     ///< world time at the end of the tick
+  double time_s = 0;                     ///< world time at the end of the tick, s
   double tick_s = 0;                     ///< length of a tick, s
   std::uint64_t seed = 0;                ///< seed of the world
-  std::uint32_t stream = 0;              ///< random stream of the controller
+  std::uint32_t stream = 0;              ///< number of the controller's random stream: see random()
   std::span<const Row> rows;             ///< rows of the batch
   std::span<const BodyId> ids;           ///< id of each row of the world
   std::span<const std::uint32_t> slots;  ///< slot of each row of the world in the tables of its type
   std::span<Command> commands;           ///< drive command of each row of the world
-  Estimates estimates;                   ///< estimated poses
+  Estimates estimates;                   ///< estimated poses of the robots, as their drives estimate them
 
-  /// The rows of one state table of the type. Their index is the slot of a robot.
+  /// The rows of one state table of the type. The table has one row per robot of the type, indexed by slot.
   struct Rows {
     std::byte* first = nullptr;  ///< slot 0; null: there is no such table
     std::size_t row_bytes = 0;   ///< stride from one slot to the next
@@ -512,8 +547,8 @@ struct DecideBatch {
   std::uint32_t body(std::size_t i) const { return ids[rows[i].index()].value; }  ///< id of robot i
   /// Slot of robot i in the tables of its type.
   std::size_t slot(std::size_t i) const { return slots[rows[i].index()]; }
-  /// Command that the controller of robot i gives: to the drive device of its part, or else to the body's
-  /// drive.
+  /// Command that the controller of robot i gives, for reading and writing: the command to the drive device
+  /// of `drive_commands` or, if there is none, to the body's drive.
   Command& command(std::size_t i) const {
     if (drive_commands.first == nullptr) return commands[rows[i].index()];
     return *reinterpret_cast<Command*>(drive_commands.of(slot(i)));
@@ -552,11 +587,13 @@ struct DeviceInfo {
   std::string_view name;                 ///< name of the device (DeviceSpec::name)
   std::string_view kind;                 ///< kind of the device (DeviceKind::name)
   const DeviceKind::Prepared& prepared;  ///< the compiled device
-  /// Pose of the device, with its joints at rest, in the frame of the drive that the controller commands.
+  /// Pose of the device with all joints at rest, m and rad. Its frame is that of the drive which the
+  /// controller commands: the frame of the drive device (DeviceKind::drives) or, if there is none, the body
+  /// frame.
   Pose pose = {};
 };
 
-/// A kind of controller, which computes commands from percepts and memory.
+/// A kind of controller. A controller computes commands from the state of devices and from its memory.
 struct ControllerKind {
   std::string_view name;    ///< name in files: "wander"
   std::string_view text;    ///< one sentence for `troupe describe`
@@ -568,30 +605,36 @@ struct ControllerKind {
   /// compute the world, on rank 0. The result may then depend on all robots of the batch. Controllers in
   /// other languages use this, because each of their calls is slow.
   bool is_collective = false;
-  /// Fields of the memory struct of each robot. The engine owns its bytes.
+  /// Fields of the memory struct that the engine keeps for each robot; empty: the controller has no memory.
   std::vector<StateField> memory;
-  std::size_t memory_bytes = 0;  ///< size of that struct; 0: the controller has no memory
-  /// Initialises a memory struct. The hook must set every field, whatever the bytes of the struct held
-  /// before. `troupe check --controllers` tests this: it calls the hook on two memories that are filled with
-  /// different bytes.
+  std::size_t memory_bytes = 0;  ///< size of the memory struct, bytes
+  /// Initialises the memory struct of a robot at tick 0 or at its birth. The hook must set every field,
+  /// whatever the bytes of the struct held before. `troupe check --controllers` tests this rule: it calls
+  /// the hook on two memories that are filled with different bytes. Not called if the controller has no
+  /// memory.
   void (*start)(std::byte* memory);
 
   /// A controller compiled from its parameters.
   struct Prepared {
     std::any data;  ///< the argument `data` of `decide`
-    /// The devices that the controller uses: indices into the argument `devices` of `prepare`. The controller
-    /// decides in the ticks in which the first of these devices runs. Without devices it decides when the
-    /// body's drive runs, and without a drive once per ControllerSpec::period_s.
+    /// The devices that the controller uses, at most k_most_devices_read: indices into the argument
+    /// `devices` of `prepare`. The controller decides in the ticks in which the first of these devices is
+    /// due, even if that device is switched off, broken or without power. Without devices the controller
+    /// decides in the ticks in which the body's drive is due, and without a drive once per
+    /// ControllerSpec::period_s.
     std::vector<std::size_t> devices;
   };
-  /// Compiles the parameters and chooses among `devices` those that the controller uses. claimed[d] is true
-  /// if another controller of the type has reserved device d for itself; this function may set further
-  /// entries. The error says what the type lacks.
+  /// Compiles the parameters and chooses among `devices` those that the controller uses. `devices` are the
+  /// devices of the controller's part and of the parts mounted on that part, except drives. claimed[d] is
+  /// true if an earlier controller of the type has reserved devices[d] for itself; this function may set
+  /// further entries. The text of the error says what the type lacks and continues the words `controller
+  /// "NAME"`: for example, `needs a device of kind ranger`.
   Result<Prepared> (*prepare)(const Record& params, std::span<const DeviceInfo> devices,
                               std::vector<bool>& claimed);
   /// Called once after `prepare`: completes the data of the controller from the world, the type and the part
   /// of the controller, for example from the pose of a model or from the floor plan. `part` is an index into
-  /// TypeSpec::parts. The error says what is wrong. Null: not needed.
+  /// TypeSpec::parts. The error says why the world or the type does not suit the controller. Null: not
+  /// needed.
   Result<> (*bind_world)(std::any& data, const WorldSpec& world, const TypeSpec& type,
                          std::uint32_t part) = nullptr;
   /// Kinds of devices that a Stage model with this controller carries although its file does not list them.
@@ -618,12 +661,12 @@ struct Registry {
     std::string_view text;                                   ///< one sentence for `troupe describe`
     std::vector<std::pair<std::string_view, Value>> params;  ///< parameters that differ from the defaults
   };
-  std::vector<Preset> presets;  ///< their names differ from those of the controllers
+  std::vector<Preset> presets;  ///< presets; no preset has the name of a controller kind
 
   /// A callback that finds controllers of plug-ins (troupe/plugins.hpp), which are not in the lists above.
   /// `unknown` is the error message for a name that no plug-in has. The callback returns this message as its
-  /// error, with the folders that were searched or other details added. The kinds live as long as the
-  /// registry and its copies. Empty: there are no plug-ins.
+  /// error, with the folders that were searched or other details added. The kinds that it returns live as
+  /// long as the registry and its copies. Empty: there are no plug-ins.
   std::function<Result<const ControllerKind*>(std::string_view name, std::string unknown)>
       plugged_controllers;
   /// Callbacks that find the devices and the measures of plug-ins, like `plugged_controllers`.
@@ -644,10 +687,11 @@ struct Registry {
   /// the message `unknown`.
   Result<const DeviceKind*> find_device(std::string_view name, std::string unknown) const;
   /// The controller kind of this name, in the lists or in a plug-in; never null. If there is none, the error
-  /// is `unknown controller "hover"; known: expand, ...`.
+  /// begins with `unknown controller "hover"; known: expand, ...`. The name of a preset is not looked up in
+  /// plug-ins, and gives this error.
   Result<const ControllerKind*> find_controller(std::string_view name) const;
-  /// The measure of this name, in the list or in a plug-in; never null. If there is none, the error is
-  /// `unknown measure "stals"; known: alive, ...`.
+  /// The measure of this name, in the list or in a plug-in; never null. If there is none, the error begins
+  /// with `unknown measure "stals"; known: alive, ...`.
   Result<const MeasureKind*> find_measure(std::string_view name) const;
   /// Names of the controllers and presets in the lists, sorted.
   std::vector<std::string_view> controller_names() const;

@@ -29,34 +29,40 @@ struct SpatialLine {
   Box piece(double first, double last) const;
 };
 
-/// Finds the walls (outlines of the static scene) and bodies that straight lines from one point cross. Only
-/// outlines that rangers see count. Not thread-safe. Keep one object per thread and reuse it: its arrays keep
-/// their memory.
+/// Finds the walls (outlines of the static scene) and bodies that straight lines from one point, the origin,
+/// cross. A line crosses an outline if it crosses an edge of the outline between the two ends of the line,
+/// at a height within the height interval of the outline. A vertical line crosses nothing. Only outlines
+/// that rangers see count. Not thread-safe. Keep one object per thread and reuse it: its arrays keep their
+/// memory.
 class LineCrossings {
  public:
-  /// A length, m. If no line is longer than this, one search around the origin serves all lines. Otherwise
-  /// the surroundings of each line are searched separately, piece by piece.
+  /// A horizontal length, m, which affects only the speed. If `longest` in find_walls() or find_bodies() is
+  /// at most this length, one search around the origin serves all lines. Otherwise the surroundings of each
+  /// line are searched separately, piece by piece.
   static constexpr double k_together_m = 12;
 
   LineCrossings();  ///< an object without an origin: call stand() first
-  /// Sets the origin of the lines (world frame, m). The world must not change until the last query.
+  /// Sets the origin of the lines (world frame, m). Until the last query, the view must exist and the world
+  /// must not change.
   void stand(const SensingView& view, const Vec2& origin);
-  /// Collects the walls that lines of at most the length `longest` (m) may cross. Returns false if there are
-  /// none.
+  /// Prepares the queries for walls, for lines whose horizontal length is at most `longest`, m. Returns
+  /// false if it is certain that no such line crosses a wall.
   bool find_walls(double longest);
-  /// Collects the bodies that lines of at most the length `longest` (m) may cross. `candidates` must contain
-  /// the enclosing circles of all bodies that reach within this distance of the origin.
+  /// Prepares the queries for bodies, for lines whose horizontal length is at most `longest`, m.
+  /// `candidates` must contain the enclosing circles of all bodies that reach within this distance of the
+  /// origin. The circles are copied.
   void find_bodies(double longest, std::span<const partition::BodyCircle> candidates);
 
   /// Whether the line crosses a wall. Call find_walls() before. One end of the line must be the origin.
   bool crosses_wall(const SpatialLine& line) const;
-  /// Number of walls that the line crosses. Two crossings of a static solid, where the line enters and leaves
-  /// the solid, count as one wall. A single crossing, which occurs if an end of the line is inside the solid,
-  /// also counts as one wall. Call find_walls() before. One end of the line must be the origin.
+  /// Number of walls that the line crosses. Two crossings of a static solid, where the line enters and
+  /// leaves the solid, count as one wall: 2 n or 2 n - 1 crossings of one solid are n walls. A single
+  /// crossing occurs if an end of the line is inside the solid. Call find_walls() before. One end of the
+  /// line must be the origin.
   int count_walls(const SpatialLine& line);
-  /// Whether the line crosses a body other than those of the rows (indices in the state tables) a and b and
-  /// the bodies that move together with these (SensingView::same_tree()). Call find_bodies() before. One end
-  /// of the line must be the origin.
+  /// Whether the line crosses any body except the bodies of the rows (indices in the state tables) a and b,
+  /// and except bodies that move together with one of these two (SensingView::same_tree()). Call
+  /// find_bodies() before. One end of the line must be the origin.
   bool crosses_body(const SpatialLine& line, Row a, Row b) const;
 
  private:

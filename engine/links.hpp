@@ -14,10 +14,11 @@
 
 namespace troupe::engine {
 
-/// The joints of bodies, and the *trees* of bodies that carry one another. The root of a tree is its body
-/// that is not carried. This part of World writes the components (state tables) `joint/...` and `carrier`. A
-/// row is the index of a body in the state tables. The lists of this class are empty if no type of the world
-/// has joints or can pick up bodies.
+/// The joints of bodies, and the *trees* of bodies that carry one another. A tree consists of a body that is
+/// not carried, the root, and all bodies that the root carries, directly or through others. This part of
+/// World writes the components (state tables) `joint/...` and `carrier`, and the poses of carried bodies. A
+/// row is the index of a body in the state tables. If no type of the world has joints or can pick up bodies,
+/// any() is false, and functions that take a row or a joint must not be called.
 ///
 /// A body whose shape can change, because it has joints or can carry, is *composite*. For conflict
 /// resolution, the shape of a root is that of its whole tree, in the root's frame, and the shape of a carried
@@ -45,8 +46,9 @@ class Links {
   void derive();
   /// Overwrites all derived data with junk: see World::forget().
   void forget();
-  /// Whether the tables of joints and carriers are consistent. Poses must be finite, carriers and the joints
-  /// that hold their cargo must exist, and no body may carry itself, directly or through others.
+  /// Whether the tables of joints and carriers are consistent: all poses are finite, all carriers and the
+  /// joints that hold their cargo exist, and no body carries itself, directly or through others. Reads only
+  /// the state tables.
   bool hold() const;
 
   /// Whether any body type in the world has joints or can pick up bodies.
@@ -58,16 +60,18 @@ class Links {
 
   /// Sets the joints of a row to Goal::none, and updates WorldState::joint_mounts.
   void rest_joints(Row row);
-  /// Updates the obstacle shape and the radius of a row (WorldState::shapes, radii). The root of a tree has
-  /// the shape of its whole tree; a carried body has an empty shape.
+  /// Updates the obstacle shape and the radius of a row (WorldState::shapes, radii). The root of a tree gets
+  /// the shape of its whole tree, and a carried body an empty shape. A body that is unborn or dead gets an
+  /// empty shape and a negative radius.
   void reshape(std::uint32_t row);
-  /// Attaches `cargo` to a joint of a carrier: see World::attach().
+  /// Attaches `cargo` to a carrier or to one of its joints: see World::attach().
   bool attach(Row cargo, Row carrier, std::int32_t joint);
   /// Detaches a body from its carrier, if it has one; its pose stays.
   void release(Row cargo);
 
   // ---- in a tick
-  /// Sets the goal of a joint in this tick, relative to rest, m and rad. Thread-safe for different rows.
+  /// Sets the goal of a joint in this tick: a pose relative to the joint's rest pose, m and rad. All numbers
+  /// must be finite. A second call in the same tick replaces the goal. Thread-safe for different rows.
   void ask(Row row, std::size_t joint, const Pose& to);
   /// Arguments of a call of ask().
   struct AskedGoal {
@@ -78,22 +82,26 @@ class Links {
   /// Returns the goals that ask() has set for joints of these rows in this tick, one per joint. Call this
   /// before resolve_joints(), which resolves them.
   std::vector<AskedGoal> asked_goals(RowRange rows) const;
-  /// State of the joint's motion.
+  /// State of the motion of a joint in this tick.
   Goal goal(Row row, std::size_t joint) const { return joints(row)[joint].state; }
-  /// Tests the joint motions that ask() requested, and carries out those that nothing blocks. longest_motion:
-  /// upper bound on the distance that any body has moved since the spatial index was built, m.
+  /// Tests the joint motions that ask() requested, and carries out those that nothing blocks. The motions
+  /// are tested in rounds: round k tests, for each body of a tree, the joints of the body's device number k
+  /// among the devices that move joints (BodyType::joint_devices). In a round, either all tested joints of a
+  /// tree reach their goals or, if the static scene or another tree blocks one of them, none moves.
+  ///
+  /// longest_motion: upper bound on the distance that any body has moved since the spatial index was built,
+  /// m
   void resolve_joints(double longest_motion);
-  /// Returns whether any joint had a goal in this tick. Further calls of this function return false, until
-  /// ask() is called again.
+  /// Returns whether ask() was called since the last call of this function or of derive().
   bool take_asked() { return asked_.exchange(false, std::memory_order_relaxed); }
   void clear_goals(Row row);  ///< sets the joints of a row to Goal::none
-  void carry();               ///< moves carried bodies with their carriers
+  void carry();  ///< sets the poses and outlines of all carried bodies from those of their carriers
 
  private:
   /// A joint of one body.
   struct Joint {
-    /// Maps a point of the body from its position with the joint at rest to its position with the joint at
-    /// its goal, or at the pose that is being tested; body frame.
+    /// Maps the position of a point on the joint with all joints at rest to its position with this joint at
+    /// its goal, or at the pose that is being tested; both positions are in the body frame.
     Mount then;
     Pose goal;                ///< goal in this tick, relative to rest
     Goal state = Goal::none;  ///< state of the motion in this tick

@@ -17,12 +17,14 @@ namespace troupe::engine {
 /// How the robots of one type estimate their poses. Controllers and position commands (ControlMode::position)
 /// use the estimate.
 ///
-/// gps   The estimate is the true pose. It is given in the frame `origin` if that is set, else in the world
-///       frame.
-/// odom  Wheel odometry with an error. In each tick, the robot's true motion times 1 + error is added to the
-///       estimate, along the estimated heading. Neither a blocked motion nor a pose that a program sets
-///       changes the estimate. The estimate is given in the frame `origin` if that is set, else in the frame
-///       of the robot's first pose.
+/// gps   The estimate is the true pose, in the frame `origin` if `origin` is set, otherwise in the world
+/// frame. odom  Wheel odometry with an error. In each tick, the motion of the robot times 1 + error is added
+/// to the
+///       estimate, along the estimated heading. The estimate does not change if the motion is blocked, if the
+///       robot is pushed or carried, or if a program sets its pose. The frame of the estimate is `origin` if
+///       `origin` is set, otherwise the robot's pose at tick 0 or at its birth.
+///
+/// In both cases, the z of the estimate is the true height, world frame.
 struct Localization {
   /// The source of the estimate.
   enum class Kind : std::uint8_t {
@@ -32,7 +34,7 @@ struct Localization {
   /// Relative errors of odometry: the estimated motion is the true one times 1 + error.
   struct Error {
     double x = 0;     ///< relative error of forward motion
-    double y = 0;     ///< error of motion to the left
+    double y = 0;     ///< relative error of motion to the left
     double turn = 0;  ///< relative error of the turn
   };
 
@@ -42,13 +44,13 @@ struct Localization {
   /// Error of all robots of the type; not set: each robot has a random error of its own.
   std::optional<Error> error;
   /// True: odometry adds the motion of a tick along the estimated heading after the turn of that tick, as in
-  /// Stage. False: it adds the motion along the heading before the turn, as the robot really moves. Only with
-  /// false does odometry with error 0 give the true pose.
+  /// Stage. False: odometry adds the motion along the estimated heading before the turn, as the robot really
+  /// moves. With error 0, the estimate follows the true motion only if this member is false.
   bool along_new_heading = false;
 
-  /// The error of one robot's odometry: `error` if that is set. Otherwise it is random, a function of the
-  /// seed and the id of the body: uniform from -0.015 to 0.015 for x and y, and from -0.025 to 0.025 for the
-  /// turn.
+  /// The error of one robot's odometry: `error` if that member is set. Otherwise a random error, which is a
+  /// function of the seed of the world and the id of the body: uniform from -0.015 to 0.015 for x and y, and
+  /// from -0.025 to 0.025 for the turn.
   Error error_of(std::uint64_t seed, BodyId body) const;
 };
 
@@ -96,7 +98,8 @@ struct LocalizationParams {
                                                 "Stage");
   }
 
-  /// Returns the localization that the parameters describe. The error says why they are inconsistent.
+  /// Returns the localization that the parameters describe. It is an error if `localization_origin` has a
+  /// length other than 0 and 2, or `odom_error` a length other than 0 and 3.
   Result<Localization> read() const;
 };
 
@@ -106,14 +109,15 @@ struct Odometry {
   double y = 0;        ///< estimated y, m, in the frame of the estimate
   double heading = 0;  ///< estimated heading, rad
 
-  /// Adds the true motion of one tick, changed by `error`, to the estimate: x forward and y to the left, m,
-  /// and turn, rad. The motion is added along the heading that how.along_new_heading chooses. The formula is
-  /// in docs/driving.md.
+  /// Adds the true motion of one tick, multiplied by 1 + `error`, to the estimate. The motion is in the body
+  /// frame: x forward and y to the left, m, and turn, rad. It is added along the heading that
+  /// how.along_new_heading chooses; the other members of `how` are not used. The formula is in
+  /// docs/driving.md.
   void advance(const Localization& how, const Localization::Error& error, double x, double y, double turn);
 };
 
-/// Converts a pose from the world frame to the frame whose pose in the world frame is `origin`. The height
-/// does not change.
+/// Converts a pose from the world frame to the frame whose pose in the world frame is `origin`. The height z
+/// stays in the world frame; the heading is wrapped into [-pi, pi].
 Pose relative_to(const Pose& origin, const Pose& pose);
 
 /// The estimated poses of robots of one type.
@@ -122,8 +126,9 @@ struct Estimates {
   std::span<const Pose> poses;           ///< true poses, one per row
   std::span<const Odometry> odometries;  ///< odometry estimates, one per slot; empty without odometry
 
-  /// The estimated pose of a robot, m and rad, by its row (index in the state tables) and slot (index in the
-  /// tables of its type); all values are 0 if `how` is null.
+  /// The estimated pose of a robot, m and rad, in the frame that Localization defines; all values are 0 if
+  /// `how` is null. `row` is the index of the robot in the state tables of the world, and `slot` its index
+  /// in the tables of its type.
   Pose of(Row row, std::size_t slot) const;
 };
 

@@ -21,14 +21,15 @@ class World;
 class Measure {
  public:
   virtual ~Measure() = default;
-  /// Updates the memory with the present state. It is called once for every tick, in order. The first call is
-  /// for the state with which measuring begins.
+  /// Updates the memory with the present state. MeasureSet calls this once for every tick, in order. The
+  /// first call is for the state with which measuring begins. By default it does nothing.
   virtual void see(World& world) { static_cast<void>(world); }
-  /// The value for the present state, in the unit MeasureKind::unit. see() must have been called for this
-  /// state before. NaN if the measure has no value in this state.
+  /// The value for the present state, in the unit MeasureKind::unit; NaN if the measure has no value in this
+  /// state. see() was called for this state before. This function may be called any number of times per
+  /// tick.
   virtual double value(World& world) = 0;
-  /// The memory as bytes. A checkpoint saves these bytes, and a resumed run overwrites them. Their number
-  /// must never change.
+  /// The memory as bytes; by default there is none. A checkpoint saves these bytes, and a resumed run
+  /// overwrites them. The number of bytes must be the same in every call.
   virtual std::span<std::byte> memory() { return {}; }
 };
 
@@ -39,18 +40,19 @@ struct MeasureKind {
   std::string_view text;        ///< description in one line
   std::string_view definition;  ///< exact definition, and its source
   std::string_view formula;     ///< the definition as a formula, with n robots i at positions x_i
-  /// For an alias, the name of the original measure; otherwise empty. Aliases are omitted when all measures
-  /// without parameters are computed.
+  /// For an alias, the name of the original measure; otherwise empty. An alias is computed only if the user
+  /// chooses it (is_usual()).
   std::string_view same_as;
-  /// Whether code in another language, such as Python, computes the measure. Its values then need not have
-  /// the same bits in every run.
+  /// Whether code in another language, such as Python, computes the measure. The values of such a measure
+  /// need not have the same bits in every run, and MeasureSet passes on its exceptions unchanged.
   bool is_foreign = false;
   FieldTable params;  ///< fields of its parameters
-  /// Whether the measure is one of those that are computed if the user chooses none.
+  /// Whether the measure is computed if the user chooses no measures. It is if it is not an alias and all
+  /// its parameters have default values.
   bool is_usual() const { return same_as.empty() && std::ranges::all_of(params.defaults(), &Value::given); }
-  /// Makes a measure of the given robots, which are in order of ids; the list may be empty. Throws
-  /// std::length_error if the parameters need too much memory, and std::invalid_argument if they name
-  /// something that does not exist.
+  /// Makes a measure of the given robots, which are in order of ids; the list may be empty. The caller has
+  /// checked `params` against the table above. Throws std::length_error if the parameters need too much
+  /// memory, and std::invalid_argument if they name something that does not exist.
   std::unique_ptr<Measure> (*make)(const World& world, const Record& params, std::vector<Row> robots);
 };
 

@@ -9,9 +9,9 @@ namespace troupe::engine {
 
 /// A measure that is computed during a run (engine/measure_kind.hpp).
 struct MeasureSpec {
-  std::string kind;  ///< name of a kind of Registry::measures
+  std::string kind;  ///< name of a kind of Registry::measures or of a plug-in
   std::string name;  ///< name of its column, without the unit; empty: `kind`, or `kind:of` if `of` is set
-  std::string of;    ///< name of a type, a population or a robot; empty: all robots
+  std::string of;    ///< name of a type, a population or a robot: robots_of(); empty: all robots
   Record params;     ///< one value for each field of the kind's table
   Where where;       ///< position in the file, for messages
 };

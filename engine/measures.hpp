@@ -20,27 +20,34 @@ namespace troupe::engine {
 /// the worker threads of the world.
 class MeasureSet {
  public:
-  /// Begins to measure with the present state. Reports these errors to `diagnostics`, at the positions of the
-  /// specs in the file: unknown kinds or robots, two columns with the same name, and parameters that name
-  /// something unknown or need too much memory. World and registry must outlive the set.
+  /// Begins to measure with the present state. Reports these errors to `diagnostics`, at the positions of
+  /// the specs in the file: unknown kinds or robots, two columns with the same name, and any exception that
+  /// MeasureKind::make throws, for example because parameters name something unknown or need too much
+  /// memory. Measures with errors are left out. Exceptions of foreign measures (MeasureKind::is_foreign)
+  /// propagate, unless they are std::logic_error. World and registry must outlive the set.
   MeasureSet(World& world, const Registry& registry, std::span<const MeasureSpec> specs,
              Diagnostics& diagnostics);
 
   /// Names of the columns, with the SI unit as a suffix: `displacement_m`, `stalls:leaders`.
   std::span<const std::string> columns() const { return columns_; }
-  /// Updates the measures. Call this after every step. If the present tick does not follow that of the last
-  /// call, for example after a reset, all measures begin again.
+  /// Updates the measures. Call this after every step. Does nothing if the tick of the world is that of the
+  /// last call (or of the constructor). If the tick is any other than the next one, for example after a
+  /// reset, all measures begin again with the present state. If a measure throws, throws a
+  /// std::runtime_error that names the tick and the measure; exceptions of foreign measures propagate
+  /// unchanged. Throws std::logic_error if the last step threw (World::require_whole()).
   void see();
-  /// Values for the state of the last see(), one per column, in the SI units of the columns; NaN if a measure
-  /// has no value.
+  /// Values for the state of the last see(), one per column, in the SI units of the columns; NaN if a
+  /// measure has no value. The world must still be in that state. Exceptions are those of see().
   std::vector<double> values();
-  /// Value of one column, as in values(). Does not compute the other columns.
+  /// Value of the column with this index, as in values(). Does not compute the other columns.
   double value(std::size_t column);
 
-  /// Memory of all measures, for a checkpoint.
+  /// Memory of all measures (Measure::memory()), one after another, for a checkpoint.
   std::vector<std::byte> memory() const;
   /// Restores the result of memory(), which must come from a set with the same specs. The world must be in
-  /// the state in which the memory was saved. Returns false and changes nothing if the size is wrong.
+  /// the state in which the memory was saved, and the constructor or see() must have been called for that
+  /// state: otherwise the next see() discards the memory. Returns false and changes nothing if the size is
+  /// wrong.
   bool remember(std::span<const std::byte> memory);
 
  private:
@@ -58,19 +65,23 @@ class MeasureSet {
   std::uint64_t seen_ = 0;                          // tick of the last see()
 };
 
-/// Returns the robots that the name `of` stands for, in order of ids: all robots of the type with this name,
-/// and the robot with this name or alias. If no single robot has this name or alias, the robots of the
-/// population with this name are added: those whose name is `of` followed by digits. Returns all robots if
-/// `of` is empty, and no robots if there is no type, population or robot with this name.
+/// Returns the rows of the robots (bodies with a drive) that the name `of` stands for, in order of ids,
+/// unborn and dead robots included: all robots of the type with this name, and the robot with this name or
+/// alias. If no single robot has this name or alias, the robots of the population with this name are added,
+/// which are those whose name is `of` followed by digits. Returns all robots if `of` is empty, and no robots
+/// if there is no type, population or robot with this name.
 std::vector<Row> robots_of(const World& world, std::string_view of);
-/// Names of all types and populations of robots, sorted.
+/// Names of all types of robots and of all populations, sorted, each once. The population of a robot is its
+/// name without the digits at the end.
 std::vector<std::string> names_of_robots(const World& world);
 
-/// Returns the number of those rows whose bodies are in the world, not unborn or dead.
+/// Returns how many of the rows have bodies that are in the world, that is, neither unborn nor dead.
 std::size_t count_there(const World& world, std::span<const Row> rows);
 
-/// Returns term(0) + ... + term(count - 1), computed on the worker threads of the world and rounded once: the
-/// result depends on neither the number of threads nor the order of the terms.
+/// Returns the exact sum term(0) + ... + term(count - 1), rounded once to double, and 0 if `count` is 0. The
+/// result depends on neither the number of threads nor the order of the terms. The worker threads of the
+/// world call term(i), so it must be thread-safe. Call this between two steps, or in Measure::see() or
+/// value().
 template <class Term>
 double exact_sum(World& world, std::size_t count, Term&& term) {
   constexpr std::size_t k_block = 1024;

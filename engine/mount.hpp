@@ -4,7 +4,7 @@
 
 namespace troupe::engine {
 
-/// A frame relative to another frame. It is like a Pose, but contains the sine and cosine of the heading, so
+/// A frame relative to another frame. Unlike a Pose, a Mount contains the sine and cosine of the heading, so
 /// that chains of frames are cheap to compute.
 struct Mount {
   Transform transform;  ///< position, m, and rotation in the plane
@@ -17,8 +17,8 @@ struct Mount {
   /// The frame at a pose.
   explicit Mount(const Pose& pose) : Mount(Transform(pose), pose.z, pose.heading) {}
 
-  /// The frame as a pose, with the heading wrapped into [-pi, pi]. No member is -0, so equal poses have equal
-  /// bits.
+  /// The frame as a pose, with the heading wrapped into [-pi, pi]. No member of the result is -0, so poses
+  /// that compare equal have equal bits.
   Pose pose() const {
     return {transform.position.x() + 0.0, transform.position.y() + 0.0, z + 0.0, wrap_angle(heading) + 0.0};
   }
@@ -35,8 +35,8 @@ inline Mount compose(const Mount& a, const Mount& b) {
   return {Transform(a.transform * b.transform.position, both), a.z + b.z, a.heading + b.heading};
 }
 
-/// Returns pose_a_c from mount_a_b and pose_b_c; the heading is wrapped. For a mount that is made from a
-/// body's pose and transform, the result has the same bits as compose(pose, transform, pose_b_c).
+/// Returns pose_a_c from mount_a_b and pose_b_c, with the heading wrapped into [-pi, pi]. If `a` was made
+/// from a body's pose and its transform, the result has the same bits as compose(pose, transform, b).
 inline Pose compose(const Mount& a, const Pose& b) {
   const Vec2 p = a.transform * b.position();
   return {p.x(), p.y(), a.z + b.z, wrap_angle(a.heading + b.heading)};

@@ -25,7 +25,8 @@ class Movement {
   void build();
   /// Computes the odometry error of each robot, unborn ones too, from the seed (Localization::error_of()).
   void draw_odometry_errors();
-  /// Discards the motion and the FreeCircle of a row. Call this when the row's body gets another pose.
+  /// Discards the proposed motion of a row, and the cached circle free of static obstacles (FreeCircle,
+  /// engine/conflicts.hpp). Call this when code other than commit() sets the pose of the row's body.
   void rest(Row row);
   /// Counts the stalled bodies again. Call this after other code has written the component `stall`.
   void count_stalls();
@@ -35,18 +36,24 @@ class Movement {
   /// Overwrites the motions of the last tick with junk, which the next tick must not read.
   void forget_motions();
 
-  /// Computes the pose that each robot proposes from its velocity.
+  /// Computes the pose that each robot proposes from its velocity. Carried robots, and robots with velocity
+  /// 0, propose no motion.
   void propose();
-  /// Resolves the conflicts of all proposed motions. composites: rows of bodies whose shape can change.
+  /// Resolves the conflicts of all proposed motions: see Conflicts. composites: rows of bodies whose shape
+  /// can change (Links::composites()).
   void resolve(std::span<const std::uint32_t> composites);
-  /// Writes the new poses, including those of pushed bodies, and all data that are derived from poses, except
-  /// the spatial index.
+  /// Writes the poses of the bodies that moved or were pushed, their transforms and outlines, the component
+  /// `stall`, and the odometry estimates. The spatial index keeps the old poses, and carried bodies stay
+  /// until Links::carry().
   void commit();
 
-  std::uint64_t rounds() const { return conflicts_.rounds(); }  ///< number of rounds of the last resolution
-  double longest() const { return conflicts_.longest(); }       ///< longest motion, m: Conflicts::longest()
-  std::size_t stalled() const { return stalled_; }              ///< number of rows blocked or out of bounds
-  std::size_t out_of_bounds() const { return out_of_bounds_; }  ///< number of rows out of bounds
+  std::uint64_t rounds() const { return conflicts_.rounds(); }  ///< number of rounds of the last resolve()
+  /// Upper bound on the distance that any body moved in the last resolution, m: Conflicts::longest().
+  double longest() const { return conflicts_.longest(); }
+  /// Number of rows whose last motion was blocked or would have ended out of bounds.
+  std::size_t stalled() const { return stalled_; }
+  /// Number of rows whose last motion would have ended out of bounds.
+  std::size_t out_of_bounds() const { return out_of_bounds_; }
 
  private:
   /// Adds the motion of this tick to the odometry estimate of a robot. It is called only if the motion was

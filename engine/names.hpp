@@ -13,12 +13,13 @@
 
 namespace troupe::engine {
 
-/// A body's name in eight bytes: a word of a Names table, and a number that follows it. "r17" is word "r",
-/// number 17. Two names of one table are equal if and only if their texts are equal.
+/// A body's name in eight bytes: a word of a Names table, and a number that follows the word. "r17" is word
+/// "r" and number 17. The number has at most nine digits and no leading zeros: "r007" is word "r00" and
+/// number 7. Two names of one table are equal if and only if their texts are equal.
 struct Name {
   static constexpr std::uint32_t k_no_number = ~0u;  ///< no number follows the word
   std::uint32_t word = 0;                            ///< index into Names::words(); 0 is the empty text
-  std::uint32_t number = k_no_number;  ///< the number after the word, which has no leading zeros
+  std::uint32_t number = k_no_number;                ///< the number after the word; k_no_number: none
   friend bool operator==(Name, Name) = default;
 };
 
@@ -36,13 +37,16 @@ class Names {
   /// All words in the order in which they were added; the first is empty.
   std::span<const std::string> words() const { return words_; }
 
-  /// Returns the name with this text. If the table lacks the word of the name, adds that word.
+  /// Returns the name with this text, which may be empty. If the table lacks the word of the name, adds that
+  /// word.
   Name add(std::string_view text);
-  /// Returns the name with this text and number: add("r", 17) equals add("r17").
+  /// Returns the name whose text is `text` followed by the number: add("r", 17) equals add("r17"). If the
+  /// table lacks the word of the name, adds that word.
   Name add(std::string_view text, std::uint32_t number);
-  /// Returns the name with this text; std::nullopt if the table lacks its word.
+  /// Returns the name with this text; std::nullopt if the table lacks the word of that name.
   std::optional<Name> find(std::string_view text) const;
-  std::string text(Name name) const;  ///< the name as text: its word and its number
+  /// The name as text: its word and its number. The word must be in this table.
+  std::string text(Name name) const;
 
  private:
   std::uint32_t intern(std::string_view word);
@@ -54,19 +58,19 @@ class Names {
 /// A name and the body that has it.
 struct NamedBody {
   Name name;    ///< the name, in the table WorldSpec::names
-  BodyId body;  ///< the body; not valid(): none
+  BodyId body;  ///< the body; not valid() in a free slot of a NameMap
 };
 
-/// Bodies by name: a hash table with open addressing.
+/// A map from names to bodies: a hash table with open addressing. All names must be from one Names table.
 class NameMap {
  public:
   std::size_t size() const { return size_; }  ///< number of names
-  /// Allocates memory for a number of names.
+  /// Allocates memory for this number of names in total.
   void reserve(std::size_t names);
-  /// Gives the name to `body`, unless another body has it already. Returns the body that has the name after
-  /// the call.
+  /// Gives the name to `body`, which must be valid(), unless another body has the name already. Returns the
+  /// body that has the name after the call.
   BodyId add(Name name, BodyId body);
-  /// Gives the name to `body`, even if another body has it.
+  /// Gives the name to `body`, which must be valid(), even if another body has the name.
   void set(Name name, BodyId body);
   /// The body that has the name; not valid() if there is none.
   BodyId find(Name name) const;

@@ -29,15 +29,15 @@ enum class Order : std::uint8_t {
 /// Begins a message with its head: the order, and the number of the world that the order concerns.
 partition::MessageWriter begin_message(Order order, std::uint32_t world);
 
-/// A message of another rank that begin_message() began.
+/// A received message that the sender began with begin_message(). Its head has been read.
 struct ReceivedOrder {
-  Order order = Order::end;
+  Order order = Order::end;                           ///< the kind of the message
   std::uint32_t world = 0;                            ///< number of the world
   partition::MessageReader rest;                      ///< reads the message from the end of its head
-  std::shared_ptr<const partition::Message> message;  ///< the message, in which `rest` reads
+  std::shared_ptr<const partition::Message> message;  ///< the whole message, to which `rest` refers
 };
-/// Waits for the next message from a rank. Throws partition::RankError if that rank failed or cannot be
-/// reached.
+/// Waits for the next message from the rank `from`. Throws partition::RankError if that rank failed or
+/// cannot be reached, and std::logic_error if the message is shorter than a head.
 ReceivedOrder receive_order(partition::Transport& transport, unsigned from);
 
 }  // namespace troupe::engine

@@ -8,9 +8,9 @@ namespace troupe::engine {
 
 /// The phases of a tick, in their order.
 enum class Phase : std::uint8_t {
-  intervene,  ///< interventions and faults of the world's file, then changes by programs and users
-  sense,      ///< sensors whose period has passed read the state of the last tick
-  actuate,    ///< drives turn the commands of the last tick into velocities; devices execute theirs
+  intervene,  ///< interventions and faults of the world file, then the callback of World::before_tick()
+  sense,      ///< sensors that are due read the state of the last tick
+  actuate,    ///< drives turn the commands of the last tick into velocities; devices execute their commands
   decide,     ///< controllers compute new commands from readings, memory and random numbers
   move,       ///< bodies and joints move unless blocked; then effects, deaths and births are applied
   index,      ///< the spatial index of all bodies is rebuilt

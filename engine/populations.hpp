@@ -15,7 +15,7 @@
 
 namespace troupe::engine {
 
-/// A population: bodies NAME0, NAME1, ... of one type, placed by a rule.
+/// A population: bodies NAME0, NAME1, ... of one type, which place() places by a rule.
 struct PopulationSpec {
   std::string name;           ///< NAME of the bodies NAME0, NAME1, ...; also selects the random stream
   TypeId type;                ///< type of the bodies: index into WorldSpec::types
@@ -36,17 +36,19 @@ bool is_static(const TypeSpec& type);
 /// list of the other bodies that were placed so far.
 class Occupancy {
  public:
-  /// Makes the static scene from the first `fixed` bodies of the spec, the description of a world. The crowd
-  /// is empty. This object keeps a reference to the types of the spec, so no type may be added or changed
-  /// during its lifetime.
+  /// Makes the static scene from the obstacles among the first `fixed` bodies of the spec, the description
+  /// of a world. The crowd is empty. Both constructors keep a reference to the types of the spec: while the
+  /// object exists, the spec must exist too, and no type may be added or changed.
   Occupancy(const WorldSpec& spec, std::size_t fixed);
-  /// Makes the static scene from all static bodies of the spec, and the crowd from its other bodies at tick
-  /// 0. Throws std::length_error if an outline is too complex for convex_pieces().
+  /// Makes the static scene from all static bodies of the spec (is_static()), and the crowd from the other
+  /// bodies that are in the world at tick 0. Throws std::length_error if an outline is too complex for
+  /// convex_pieces().
   explicit Occupancy(const WorldSpec& spec);
 
   const partition::StaticScene& scene() const { return scene_; }  ///< the static solids that are obstacles
   Crowd& crowd() { return crowd_; }                               ///< the bodies that are not static
-  /// Obstacle shape of a type. Throws std::length_error if an outline is too complex for convex_pieces().
+  /// Obstacle shape of a type, computed at the first call; valid as long as this object. Throws
+  /// std::length_error if an outline is too complex for convex_pieces().
   const partition::ObstacleShape& shape(TypeId type);
 
  private:
@@ -64,23 +66,26 @@ struct PlaceOptions {
 
 /// Appends populations to a world in their order: for each population first its bodies, then its reserve.
 /// Each body is placed so that it overlaps neither the static scene nor the crowd of `occupancy`, and is then
-/// added to the crowd. The poses depend only on the spec and the populations, not on the number of threads.
-/// Too many bodies, a rule with too many cells, and a population without enough room are errors, reported at
-/// PopulationSpec::where or where_place. The world is then incomplete.
+/// added to the crowd. The poses depend only on the spec, `occupancy` and the populations, not on the number
+/// of threads. These errors are reported to `diagnostics`: too many bodies, an empty region, a rule with too
+/// many cells, a population without enough room, and a type with an outline that is too complex for
+/// convex_pieces(). After an error, some or all bodies are missing in the world.
 void place(std::span<const PopulationSpec> populations, WorldSpec& spec, Occupancy& occupancy,
            const PlaceOptions& options, Diagnostics& diagnostics);
-/// Like the function above. The obstacles are all bodies of the spec that are in the world at tick 0.
+/// Like the function above, with Occupancy(spec): the obstacles are all bodies of the spec that are in the
+/// world at tick 0. If one of these has an outline that is too complex, this is an error without a position.
 void place(std::span<const PopulationSpec> populations, WorldSpec& spec, Diagnostics& diagnostics,
            const PlaceOptions& options = {});
 
 /// Draws new poses and new random colours, from another seed, for the bodies that place() has appended.
 /// Bodies of a reserve have no pose yet: only their random colours change. A population without enough room
-/// is an error, reported at PopulationSpec::where_place. Thread-safe.
+/// is an error, reported at PopulationSpec::where_place; the bodies of that population and of later ones
+/// then keep their poses and colours. Several threads may call this at once with the same `occupancy`.
 ///
-/// bodies      the bodies of these populations and their reserves, in the order of place()
+/// bodies      the bodies of these populations and their reserves, in the order of place(); changed
 /// bounds      the bounds of the world (WorldSpec::bounds)
 /// occupancy   the object that place() used, which has all shapes; only its scene and shapes are read
-/// crowd       the crowd as it was before place()
+/// crowd       a copy of the crowd as it was before place()
 void place_again(std::span<const PopulationSpec> populations, std::span<BodySpec> bodies, std::uint64_t seed,
                  const std::optional<Box>& bounds, Occupancy& occupancy, Crowd crowd,
                  Diagnostics& diagnostics);

@@ -6,8 +6,8 @@
 
 namespace troupe::engine {
 
-/// Method by which rangers compute their ranges (docs/sensing.md). `grid` rasterises all outlines into a grid
-/// of cells, and follows each ray from cell to cell.
+/// Method by which rangers compute their ranges (docs/sensing.md). The method `grid` rasterises all outlines
+/// into a grid of square cells, and follows each ray from cell to cell.
 enum class RangingEngine : std::uint8_t {
   exact,  ///< exact distance to the first edge of an outline
   grid,   ///< distance to the first occupied cell, quantised to WorldSpec::resolution_m

@@ -10,7 +10,7 @@ namespace troupe::engine {
 struct RayHit {
   double range_m = 0;      ///< distance to the surface, m; the length of the ray if it hit nothing
   BodyId body;             ///< body of the surface; not valid(): the ray hit nothing
-  std::uint32_t part = 0;  ///< index of the part in the body's type; 0: the root part
+  std::uint32_t part = 0;  ///< index of the part in the body's type; no meaning if nothing was hit
 
   bool met() const { return body.valid(); }  ///< whether the ray hit a surface
 };

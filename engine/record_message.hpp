@@ -7,7 +7,8 @@ namespace troupe::engine {
 
 /// Appends a record with the types of its values to a message between ranks.
 void put_record(partition::MessageWriter& message, const Record& record);
-/// Reads a record that put_record() appended. Throws std::logic_error if the message is too short.
+/// Reads a record that put_record() appended, and returns it. Throws std::logic_error if the message ends
+/// before the record does.
 Record get_record(partition::MessageReader& message);
 
 }  // namespace troupe::engine

@@ -8,9 +8,10 @@ namespace troupe::engine {
 
 /// Returns a new world with the same state as `world`. Like a world that is restored from a checkpoint, the
 /// new world is made only from the spec, the tick, the counters, the fields of the tables and the
-/// subscriptions. A test that replaces the world in this way after every tick therefore detects state that is
-/// kept outside the tables. The registry must outlive the new world. Throws std::logic_error if the new world
-/// has another hash than `world`.
+/// subscriptions; callbacks are not copied. A test that replaces the world in this way after every tick
+/// therefore detects state that is kept outside the tables. `options` are those of the new world. The
+/// registry must outlive the new world. Throws std::logic_error if the new world has another hash than
+/// `world`.
 std::unique_ptr<World> remade_world(World& world, const Registry& registry, const WorldOptions& options);
 
 }  // namespace troupe::engine

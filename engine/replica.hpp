@@ -42,9 +42,10 @@ enum class Sharing : std::uint8_t {
 ///
 /// kept    The readings of sensors, because only the controllers of the sensor's own body read them. Also the
 ///         memories of controllers, and most commands.
-/// sent    The states of devices that act, because other bodies may read them. Also the readings and commands
-///         that a kind of device in the world declares to read (DeviceKind::reads), and the commands to
-///         devices with hooks in the phase move.
+/// sent    The velocities of drives, from which every rank computes the motions. The states of devices that
+///         act or set a colour, because other bodies may read them. Also the readings and commands that a
+///         kind of device in the world declares to read (DeviceKind::reads), and the commands to devices with
+///         hooks in the phase move.
 /// alike   All other tables.
 std::vector<Sharing> sharing_of(const World& world);
 
@@ -52,7 +53,8 @@ std::vector<Sharing> sharing_of(const World& world);
 /// cut[r + 1].
 using Cut = std::vector<std::uint32_t>;
 /// Returns a cut with which all ranks would take about the same time, on the assumption that all rows of a
-/// rank took equally long. times: the time that each rank took with `cut`, in any unit
+/// rank took equally long. Returns `cut` if all times are 0. times: the time that each rank took with `cut`,
+/// one per rank, in any unit
 Cut balanced_cut(const Cut& cut, std::span<const std::uint64_t> times);
 
 /// The data of a world that a Replica reads and writes.
@@ -63,11 +65,12 @@ struct ReplicaParts {
   std::uint64_t& beams;          ///< rays cast by all sensors since tick 0
 };
 
-/// Options of a Replica. They change no result.
+/// Options of a Replica. No option changes the results of a run.
 struct ReplicaOptions {
-  /// If set: the rows that each rank owns change at random in each tick, with this seed. For tests.
+  /// For tests. If set, each tick ends with a new random cut, whose random numbers follow from this seed.
   std::optional<std::uint64_t> cut_seed;
-  /// True: hashes() also compares the tables that all ranks compute alike, and throws if they differ.
+  /// True: hashes() also compares the tables that must be equal on all ranks (Sharing::alike and
+  /// Sharing::sent), and throws std::logic_error if a table differs.
   bool verify = false;
   /// True: the program may keep references to rows across steps. After the first time that the program reads
   /// the state, rank 0 gathers all rows after each tick. After the first time that the program changes the
@@ -99,37 +102,38 @@ class Replica {
   Replica(const Replica&) = delete;
   Replica& operator=(const Replica&) = delete;
 
-  std::uint32_t number() const { return number_; }  ///< number of the world
-  unsigned ranks() const { return transport_.ranks(); }
-  const partition::Transport& transport() const { return transport_; }
-  /// Sizes and times of the work of each rank in the last tick.
+  std::uint32_t number() const { return number_; }       ///< number of the world
+  unsigned ranks() const { return transport_.ranks(); }  ///< number of ranks that compute the world
+  const partition::Transport& transport() const { return transport_; }  ///< connects the ranks
+  /// Sizes and times of the work in the last tick, one entry per rank.
   std::span<const RankWork> work() const { return work_; }
-  /// How often rows were given to other ranks because the ranks took unequal times.
+  /// How often the cut was changed because the ranks took unequal times.
   std::uint64_t rebalanced() const { return rebalanced_; }
-  /// How often the other ranks were asked for a checkpoint (ReplicaOptions::requests).
+  /// How often users have requested a checkpoint from the other ranks (ReplicaOptions::requests).
   std::uint64_t requests() const;
 
-  /// Obeys an order of rank 0: one from Order::step to Order::gather. message: the rest of the message, after
-  /// its head (begin_message())
+  /// Obeys an order of rank 0: one from Order::step to Order::gather, or Order::failed, which is ignored.
+  /// Throws std::logic_error for any other order. A StepError of Order::step is not thrown here, because
+  /// rank 0 reports it. message: the rest of the message, after its head (begin_message())
   void follow(Order order, partition::MessageReader message);
 
   // ---- Called by World
   /// Computes a tick: work() must compute its phases, and call agree() and exchange(). If work() throws on
-  /// any rank, this function throws on all of them. has_callback: whether agree() will get a callback; used
-  /// on rank 0 only
+  /// any rank, this function throws on all ranks: a StepError, or on the failing rank its own exception if
+  /// that is not a StepError. has_callback: whether agree() will get a callback; used on rank 0 only
   void tick(bool has_callback, const std::function<void()>& work);
-  /// Called after the interventions and faults of a tick were applied. On rank 0, calls `callback`, which
-  /// World::before_tick() has set, unless it is empty. The other ranks then adopt the changes that the
-  /// callback has made.
+  /// Called after the interventions and faults of a tick were applied. On rank 0, calls `callback`, the
+  /// callback of World::before_tick(), unless it is empty. The other ranks then adopt the changes that the
+  /// callback has made. Throws StepError on the other ranks if the callback throws on rank 0.
   void agree(const std::function<void()>& callback);
-  /// Called at the end of the phase decide: calls work() on rank 0 alone, when that rank has the present rows
-  /// of all ranks. Afterwards, each rank receives the values that work() has written to the rows that the
-  /// rank owns.
+  /// Called at the end of the phase decide on all ranks: rank 0 receives the present rows of all ranks and
+  /// then calls work(), which the other ranks do not call. Afterwards, each rank receives the values that
+  /// work() has written to the rows that the rank owns.
   void on_rank_0(const std::function<void()>& work);
   /// Called after the phase decide: sends the rows that other ranks may read, the effects and the goals of
   /// joints to all ranks, and receives theirs.
   void exchange();
-  void begin(Phase phase);  ///< called when a phase begins; stores it for errors and starts its timing
+  void begin(Phase phase);  ///< called when a phase begins: stores the phase for errors, and the time
 
   RowRange own() const { return rows_of(transport_.rank()); }  ///< the rows that this rank owns
   /// Returns those rows of `order` that this rank owns, in that order. Valid until the next call.
@@ -138,19 +142,22 @@ class Replica {
   void gather();   ///< implements World::gather()
   void touch();    ///< called before the program changes the state: World::touch()
   void replace();  ///< called before the program replaces the whole state
-  void reset();    ///< called by World::reset(), which then resets its own world
-  void restart(std::uint64_t seed, std::span<const BodySpec> bodies);  ///< called by World::restart()
-  void set(const SettingSpec& setting);  ///< called by World::set(), which has changed its own world
-  /// The hashes of the state. Each rank computes those of its own rows, and rank 0 adds them up. std::nullopt
-  /// if this world can compute the hashes alone, because its tables are complete.
+  void reset();    ///< called by World::reset(): on rank 0, orders the other ranks to reset their worlds
+  /// Called by World::restart(): on rank 0, orders the other ranks to restart their worlds.
+  void restart(std::uint64_t seed, std::span<const BodySpec> bodies);
+  /// Called by World::set() after the change: on rank 0, orders the other ranks to make the same change.
+  void set(const SettingSpec& setting);
+  /// The hashes of the state: each rank computes the hashes of its own rows, and rank 0 adds them up.
+  /// std::nullopt on ranks other than 0, and if the tables of rank 0 are complete, so that its world can
+  /// compute the hashes alone.
   std::optional<Hashes> hashes();
 
  private:
   /// An error of a rank. If there are several errors, the one with the lowest (phase, robot) is reported.
   struct Failure {
-    std::uint32_t phase = 0;
-    std::uint32_t robot = 0;
-    std::string text;
+    std::uint32_t phase = 0;  ///< the Phase in which the error occurred
+    std::uint32_t robot = 0;  ///< 1 plus StepError::robot(); 0: the error has no robot
+    std::string text;         ///< the error message; empty: the rank failed because another rank had failed
   };
   /// Thrown if another rank fails while this rank waits for its message in a tick.
   struct OtherFailed {};

@@ -4,20 +4,21 @@
 
 namespace troupe::engine {
 
-/// Tells which rows of a state table have values. All rows have, except the readings of sensors that never
-/// run (World::senses()): the engine does not compute these readings, so their bytes mean nothing.
+/// Tells which rows of a state table have values. The only rows without values are the readings of sensors
+/// that never run, because no controller uses them and no program has subscribed to their body
+/// (World::senses()). The engine does not compute these readings, so their bytes mean nothing.
 class SensedRows {
  public:
   /// table: one of the tables of `world`. Both must outlive the object.
   SensedRows(const World& world, const StateTable& table);
 
-  /// Whether the values of a row of the table exist. row: its number in the table, below rows().
+  /// Whether a row of the table has values. row: index in the table, below StateTable::rows()
   bool exist(std::size_t row) const {
     return !sensor_ || world_.senses(world_.row(table_.ids()[row]), *sensor_);
   }
-  /// Whether the values of all rows exist.
+  /// Whether all rows of the table have values; true for a table without rows.
   bool all_exist() const;
-  /// Whether the table has rows, but the values of none of them exist.
+  /// Whether the table has rows, but no row has values.
   bool none_exists() const;
 
  private:

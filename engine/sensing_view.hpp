@@ -27,11 +27,12 @@ struct TickCounts {
 };
 
 /// The data of a world that devices may read: the constants, and the *public columns* of the rows. All other
-/// data of a row (readings, memories, odometry) are private: only the engine, and the devices and controllers
-/// of the row's own body, read them. The state table of a device is public if another kind reads it
-/// (DeviceKind::reads), as light sensors read the state of lights.
+/// data of a row (readings, memories, odometry) are private: only the engine, and the devices and
+/// controllers of the row's own body, read them. The state table of a device is public if another kind reads
+/// it (DeviceKind::reads), as light sensors read the state of lights.
 ///
-/// The spans have one element per row unless stated otherwise, and stay valid as long as the world exists.
+/// A row is the index of a body in the state tables; static bodies have none. The spans have one element per
+/// row unless stated otherwise, and stay valid as long as the world exists.
 struct PublicColumns {
   // Constants.
   const WorldSpec* spec = nullptr;                    ///< the spec of the world
@@ -52,20 +53,22 @@ struct PublicColumns {
   std::span<const Pose> poses;                   ///< pose of each row, world frame
   std::span<const Transform> transforms;         ///< `poses` as transforms
   std::span<const Vec2> outlines;                ///< vertices of the outlines of all rows, world frame, m
-  std::span<const double> radii;                 ///< bounding radius about the origin, m
-  std::span<const Mount> joint_mounts;           ///< displacements of the joints of all rows from rest
-  /// Row of the root of the tree of carried bodies that contains the row's body; empty: no body can carry
-  /// another.
+  std::span<const double> radii;                 ///< bounding radius about the origin, m; negative: absent
+  /// For all joints of all rows: transform of a point on the joint from its place with all joints at rest to
+  /// its present place, both in the body frame.
+  std::span<const Mount> joint_mounts;
+  /// Row of the body that carries the row's body, directly or through others, and is not carried itself; the
+  /// row itself if its body is not carried. Empty: no body of the world has joints or can carry another.
   std::span<const std::uint32_t> roots;
   std::span<const Carried> carriers;  ///< component `carrier`; empty: no body can carry another
   std::span<const Life> lives;        ///< component `life`; empty: no births and deaths
 
   // What the bodies do and show: committed at the end of a tick, but written again in `actuate` or `decide`.
-  std::span<const Velocity> velocities;   ///< velocities of the drives, body frame
+  std::span<const Velocity> velocities;   ///< velocities of the drives, body frame, m/s and rad/s
   std::span<const Command> commands;      ///< commands to the drives
   std::span<const Condition> conditions;  ///< component `condition`; empty: no faults
   std::span<const StateTable> tables;     ///< all state tables: states of devices, commands to devices
-  /// 1 if World::subscribe() was called for the body: all its sensors run.
+  /// 1 if World::subscribe() was called for the body, so that all its sensors run; otherwise 0.
   std::span<const std::uint8_t> subscribed;
 
   const TickCounts* now = nullptr;  ///< the tick, and counts of rows
@@ -80,7 +83,7 @@ struct PublicColumns {
 /// DeviceBatch has functions that return them.
 class SensingView {
  public:
-  SensingView() = default;  ///< a view of nothing, which must not be read
+  SensingView() = default;  ///< a view without a world; no function may be called
   explicit SensingView(const PublicColumns& columns) : columns_(columns) {}  ///< a view of a world
 
   // ---- constants
@@ -94,7 +97,7 @@ class SensingView {
   /// Number of rows: one for each body that can move, sense, decide, be gripped or be pushed.
   std::size_t rows() const { return columns_.bodies.size(); }
   BodyId body(Row row) const { return columns_.bodies[row.index()]; }  ///< body of a row
-  /// Row of a body. Static bodies have no row: for them the result is not valid().
+  /// Row of a body of the world. Static bodies have no row: for a static body the result is not valid().
   Row row(BodyId body) const { return columns_.rows[body.index()]; }
   /// Type of the row's body.
   const BodyType& type(Row row) const { return columns_.types[columns_.row_types[row.index()]]; }
@@ -102,8 +105,9 @@ class SensingView {
   std::size_t slot(Row row) const { return columns_.slots[row.index()]; }
 
   // ---- time
-  std::uint64_t tick() const { return columns_.now->tick; }  ///< number of the present tick
-  double tick_s() const { return columns_.spec->tick_s; }    ///< length of a tick, s
+  /// Number of the present tick; the first tick is 1. Between two steps: number of completed ticks.
+  std::uint64_t tick() const { return columns_.now->tick; }
+  double tick_s() const { return columns_.spec->tick_s; }  ///< length of a tick, s
   /// World time at the end of the present tick, s.
   double time_s() const { return static_cast<double>(tick()) * tick_s(); }
   /// Number of ticks that were completed when the body was born; 0 if it was present at tick 0. The periods
@@ -118,14 +122,15 @@ class SensingView {
   /// Cells through which the grid ray engine traces rays (RangingEngine::grid). Null if the world uses the
   /// exact ray engine.
   const partition::RayGrid* ray_grid() const { return columns_.ray_grid; }
-  /// Whether the row's body is unborn, dead or in the world.
+  /// Whether the row's body is in the world, unborn or dead.
   Presence presence(Row row) const {
     return columns_.lives.empty() ? Presence::there
                                   : static_cast<Presence>(columns_.lives[row.index()].presence);
   }
   /// Whether the row's body is in the world. The spatial index contains only such bodies.
   bool is_there(Row row) const { return columns_.now->absent == 0 || presence(row) == Presence::there; }
-  /// Pose of each row, world frame. All values of an unborn body are 0.
+  /// Pose of each row, m and rad, world frame. All values of an unborn body are 0; a dead body has the last
+  /// pose before its death.
   std::span<const Pose> poses() const { return columns_.poses; }
   /// Pose of any body, world frame. The pose of a static body is that of its spec, and the pose of a dead
   /// body is the last one before its death. For an unborn body all values are NaN, unlike in poses(), where
@@ -133,7 +138,8 @@ class SensingView {
   Pose pose(BodyId body) const;
   /// The row's pose as a transform. Equals Transform(pose) bit for bit.
   const Transform& transform(Row row) const { return columns_.transforms[row.index()]; }
-  /// Vertices of the outlines of a row's body, m, world frame, in the order of BodyType::outline_vertices.
+  /// Vertices of the outlines of a row's body at their present places, m, world frame, in the order of
+  /// BodyType::outline_vertices. The body must be in the world.
   std::span<const Vec2> outline(Row row) const {
     return {columns_.outlines.data() + columns_.outline_begins[row.index()],
             type(row).outline_vertices.size()};
@@ -142,17 +148,18 @@ class SensingView {
   /// are now, m. For a body that carries others and is not carried itself, it includes the obstacle shapes of
   /// the carried bodies. Negative if the body is not in the world.
   double radius(Row row) const { return columns_.radii[row.index()]; }
-  /// Transform from the body frame with the joint at rest to the world frame, for the parts and devices on
-  /// the joint: the row's pose, combined with the present displacement of the joint; for k_rigid, the row's
-  /// pose. compose(mount, p) is thus the present pose, in the world frame, of a part that has the pose p in
-  /// the body frame while the joint is at rest.
+  /// Transform from the body frame to the world frame for the parts and devices on a joint of the row's
+  /// body: the row's pose, combined with the present displacement of the joint from rest; for k_rigid, the
+  /// row's pose. If a part on the joint has the pose p in the body frame while the joint is at rest,
+  /// compose(mount(row, joint), p) is its present pose in the world frame. `joint` is an index into
+  /// BodyType::joints or k_rigid.
   Mount mount(Row row, std::int32_t joint) const {
     const Pose& pose = columns_.poses[row.index()];
     const Mount body(transform(row), pose.z, pose.heading);
     return joint == k_rigid ? body : compose(body, joint_mount(row, joint));
   }
-  /// Height by which a joint of the row's body has raised the parts on the joint above their rest position,
-  /// m; 0 for k_rigid.
+  /// Height by which a joint of the row's body and the joints that carry it have raised the parts on the
+  /// joint above their rest position, m; 0 for k_rigid. `joint` is as in mount().
   double lift(Row row, std::int32_t joint) const {
     return joint == k_rigid ? 0.0 : joint_mount(row, joint).z;
   }
@@ -162,7 +169,7 @@ class SensingView {
     return id == 0 ? std::optional<BodyId>() : BodyId(id - 1);
   }
   /// Whether two bodies move together: one carries the other, directly or through further bodies, or a third
-  /// body carries both.
+  /// body carries both. True if a and b are the same row.
   bool same_tree(Row a, Row b) const {
     return a == b || (columns_.now->carried > 0 && columns_.roots[a.index()] == columns_.roots[b.index()]);
   }
@@ -211,12 +218,12 @@ class CommittedView : public SensingView {
  public:
   using SensingView::SensingView;
 
-  /// State of a device of a type, one table row per slot.
+  /// State of a device, an element of BodyType::devices: one table row per slot of its type.
   using SensingView::percepts;
-  /// Commands to a device of a type, one table row per slot. The device must take commands.
+  /// Commands to a device: one table row per slot of its type. The device must take commands.
   using SensingView::commands;
-  /// Velocity that the drive of the row's body computed, body frame, m/s and rad/s. It does not become 0 when
-  /// an obstacle blocks the motion.
+  /// Velocity that the drive of the row's body computed, body frame, m/s and rad/s; 0 if the body has no
+  /// drive. It does not become 0 when an obstacle blocks the motion.
   using SensingView::velocity;
   /// Command to the drive of the row's body. The numbers have no meaning for rows without a drive.
   using SensingView::command;
@@ -225,14 +232,15 @@ class CommittedView : public SensingView {
   using SensingView::senses;
   /// Whether the row's device is switched on: no controller has switched it off.
   using SensingView::is_on;
-  /// Whether no fault has broken the row's device and its body is not disabled.
+  /// Whether no fault has broken the row's device, and its body is neither disabled nor dropped out.
   using SensingView::works;
   /// Whether a device of the row gets power: false if its power supply is empty. The second argument is the
-  /// index of that supply among the devices of the type; std::nullopt means that the device needs none, and
-  /// gives true.
+  /// index of that supply among the devices of the type (BodyType::Device::supply). If it is std::nullopt,
+  /// the device has no supply and the result is true.
   using SensingView::is_supplied;
   /// Whether the row's device runs in the ticks in which it is due, that is, once per
-  /// BodyType::Device::period. It runs if senses(), is_on(), works() and is_supplied() are true for it.
+  /// BodyType::Device::period. The device runs if senses(), is_on(), works() and is_supplied() are true for
+  /// it.
   using SensingView::runs;
 };
 

@@ -10,7 +10,7 @@ namespace troupe::engine {
 
 // Parameters of those sensors whose parameter structs the reader and the writer of Stage worlds also use.
 
-/// Parameters of a transducer of a ranger, which is a fan of beams that start at one place.
+/// Parameters of a transducer of a ranger. A transducer is a fan of beams that start at one place.
 struct TransducerParams {
   Pose pose;
   double range_min = 0;
@@ -61,7 +61,8 @@ struct TransducerParams {
         "of the reading");
   }
 
-  /// Angle of beam i from the transducer's heading, rad.
+  /// Angle of beam i from the transducer's heading, rad, counter-clockwise; i is below `samples`. A single
+  /// beam has the angle 0.
   double bearing(std::int64_t i) const {
     return samples == 1 ? 0.0 : -fov / 2 + static_cast<double>(i) * (fov / static_cast<double>(samples - 1));
   }

@@ -8,12 +8,12 @@
 
 namespace troupe::engine {
 
-/// An obstacle shape that is rebuilt often, from convex pieces. The buffer keeps its memory: it allocates
-/// only if a shape has more pieces, or a piece has more corners, than reserve() and all earlier shapes have
-/// made room for.
+/// An obstacle shape that is rebuilt often, from convex pieces: call begin(), then add() for each piece,
+/// then finish(). The buffer keeps its memory. It allocates only if a shape has more pieces, or a piece has
+/// more corners, than reserve() and all earlier shapes have made room for.
 class ShapeBuffer {
  public:
-  /// The shape that finish() completed; valid until the next call of begin().
+  /// The shape that the last finish() completed, empty before; valid until the next call of begin().
   const partition::ObstacleShape& shape() const { return shape_; }
 
   /// Allocates memory for a shape of `pieces` pieces, each with up to `corners` corners.
@@ -22,7 +22,7 @@ class ShapeBuffer {
   /// Adds a convex piece of a body. The piece is given in the body's frame; `mount` is the body's frame
   /// relative to the frame of the shape.
   void add(const ConvexPrism& piece, const Mount& mount);
-  /// Completes the shape. `thinnest` is the smallest width of any piece, m.
+  /// Completes the shape. thinnest: smallest width of any piece, m; infinity if there are no pieces
   void finish(double thinnest);
 
  private:

@@ -17,21 +17,24 @@ struct OutlineChain {
   ZInterval z;                     ///< height interval, world frame, m
   BodyId body;                     ///< the body that it belongs to
   std::uint32_t part = 0;          ///< the part that it belongs to: index in the body's type
-  std::uint32_t solid = 0;         ///< chains with equal `body` and `solid` bound one region (even-odd rule)
+  /// Number of the solid that the outline belongs to. The chains with equal `body` and `solid` together bound
+  /// one region (even-odd rule).
+  std::uint32_t solid = 0;
   /// A number that distinguishes the chains of one solid. Chains that rangers see and chains that they do not
   /// see are numbered separately.
   std::uint32_t piece = 0;
   float ranger_return = 1;  ///< intensity that rangers read; below 0: rays of rangers pass through the chain
 };
 
-/// Calls visit(begin, end) for each edge of the chain.
+/// Calls visit(begin, end) with the two ends (m, world frame) of each edge of the chain.
 template <class Visit>
 void for_each_edge(const OutlineChain& chain, Visit&& visit) {
   for (std::size_t i = 0; i + 1 < chain.vertices.size(); ++i) visit(chain.vertices[i], chain.vertices[i + 1]);
   if (chain.closed && !chain.vertices.empty()) visit(chain.vertices.back(), chain.vertices.front());
 }
 
-/// Returns piece number `piece` of `outlines`, which belong to the static scene, as a chain.
+/// Returns piece number `piece` of `outlines` as a chain. `outlines` must be scene.outlines() or
+/// scene.hidden_outlines().
 inline OutlineChain fixed_chain(const partition::StaticScene& scene, const partition::FixedOutlines& outlines,
                                 std::uint32_t piece) {
   const partition::FixedSolid& solid = scene.solids()[outlines.solid(piece)];
@@ -52,7 +55,8 @@ void for_each_fixed_chain(const SensingView& view, const Box& box, Wanted&& want
   }
 }
 
-/// Calls visit(chain) for each outline of a row's body, including those that rangers do not see.
+/// Calls visit(chain) for each outline of a row's body, including those that rangers do not see. The body
+/// must be in the world.
 template <class Visit>
 void for_each_chain_of(const SensingView& view, Row row, Visit&& visit) {
   const std::span<const Vec2> vertices = view.outline(row);
@@ -77,7 +81,7 @@ void for_each_body_chain(const SensingView& view, const Box& box, Row own, Wante
   });
 }
 
-/// A ray of a sensor that casts few rays.
+/// A horizontal ray, for first_met().
 struct SightRay {
   Vec2 origin = Vec2::Zero();      ///< start of the ray, world frame, m
   Vec2 direction = Vec2::UnitX();  ///< unit vector, world frame
@@ -94,10 +98,13 @@ inline const PartSpec& part_of(const SensingView& view, const RayHit& hit) {
   return view.spec().types[view.spec().bodies[hit.body.index()].type.index()].parts[hit.part];
 }
 
-/// Present colour of the part that a ray hit.
+/// Present colour of the part that a ray hit: the colour that a device gives the part (shown_color()),
+/// otherwise the colour of the part or, if it has none, of its body in the world file. Call this only if
+/// hit.met() is true.
 Color color_of(const CommittedView& view, const RayHit& hit);
 
-/// Finds the first surface along a ray, in double precision.
+/// Returns the first surface along a ray, in double precision. If the ray hits nothing, RayHit::range_m is
+/// the length of the ray and RayHit::met() is false.
 /// hits    A ray hits outlines whose closed z interval contains its height. It hits them from inside and from
 ///         outside the body. A ray that starts on an outline hits it at range 0.
 /// ties    If two surfaces are at the same range, the one with the lower (body id, part index) is returned.
@@ -106,18 +113,20 @@ Color color_of(const CommittedView& view, const RayHit& hit);
 ///         many beams at once, use the functions of partition/ranging.hpp.
 RayHit first_met(const SensingView& view, const SightRay& ray);
 
-/// The position of a vertex relative to a ray.
+/// The position of a vertex of an outline relative to a ray.
 struct SeenVertex {
   Vec2 to;      ///< vector from the ray's origin to the vertex, world frame, m
   double side;  ///< signed distance of the vertex from the ray's line, m; negative to the left of the ray
-  /// origin, direction: the ray; the direction has unit length. All arguments are in the world frame, m.
+  /// origin, direction: the ray; the direction has unit length. All arguments are in the world frame,
+  /// positions in m.
   SeenVertex(const Vec2& origin, const Vec2& direction, const Vec2& vertex)
       : to(vertex - origin), side(cross(to, direction)) {}
 };
 
-/// Range at which a ray with the unit vector `direction` hits the edge from a to b, m; negative if it does
-/// not hit the edge. The ends belong to the edge, so a ray never passes between two edges that share a
-/// vertex.
+/// Range at which a ray of unlimited length hits the edge from a to b, m; negative if the ray does not hit
+/// the edge. If the edge runs along the ray, the range to its nearer end, or 0 if the ray starts on the
+/// edge. The ends belong to the edge, so a ray never passes between two edges that share a vertex.
+/// `direction` is the unit vector with which `a` and `b` were made.
 inline double range_to_edge(const Vec2& direction, const SeenVertex& a, const SeenVertex& b) {
   constexpr double k_missed = -1;
   if (std::min(a.side, b.side) > 0 || std::max(a.side, b.side) < 0) return k_missed;
@@ -135,8 +144,10 @@ inline double range_to_edge(const Vec2& origin, const Vec2& direction, const Vec
   return range_to_edge(direction, SeenVertex(origin, direction, a), SeenVertex(origin, direction, b));
 }
 
-/// Tests a ray (origin and unit direction in the world frame, length in m) against the edges of a chain, and
-/// updates `nearest`, the nearest surface that the ray has hit so far. Ties are resolved as in first_met().
+/// Tests a ray (origin and unit direction in the world frame, length in m) against the edges of a chain, at
+/// any height, and updates `nearest`, the nearest surface that the ray has hit so far. Before the first
+/// chain, `nearest` must have the length of the ray as `range_m`, and no body. Ties are resolved as in
+/// first_met().
 inline void meet_chain(const OutlineChain& chain, const Vec2& origin, const Vec2& direction, double length,
                        RayHit& nearest) {
   if (chain.vertices.empty()) return;

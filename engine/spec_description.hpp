@@ -23,6 +23,6 @@ const FieldTable& setting_fields();     ///< fields of SettingSpec
 const FieldTable& experiment_fields();  ///< fields of ExperimentSpec
 const FieldTable& body_fields();        ///< fields of BodySpec
 const FieldTable& alias_fields();       ///< fields of NamedBody
-const FieldTable& place_fields();       ///< fields of Where
+const FieldTable& place_fields();       ///< fields of Where: a position in a file
 
 }  // namespace troupe::engine

@@ -54,8 +54,8 @@ struct StateField {
   std::uint32_t columns = 1;       ///< values per row
   std::string unit;                ///< unit of the values: "m", "rad/s"; empty: none
   std::string text;                ///< meaning, in one line, for `troupe describe` and recordings
-  /// Offset of the field within a row, bytes. The constructor of StateTable sets it, unless the rows are
-  /// structs.
+  /// Offset of the field within a row, bytes; only for tables with StateTable::Layout::rows. If the rows are
+  /// not structs, the constructor of StateTable sets the offset.
   std::uint32_t offset = 0;
   /// True: the field adds nothing to the hash of a row in which all its bytes are 0. When a new version of
   /// Troupe adds such a field, worlds that do not use it keep their hashes.
@@ -78,9 +78,10 @@ enum class HashGroup : std::uint8_t {
 inline constexpr std::size_t k_hash_groups = 4;     ///< number of hash groups
 std::string_view hash_group_name(HashGroup group);  ///< name of its column in a hash log
 
-/// The state of one component ("pose", "ranger/0", ...): a table with one row for each body that has the
-/// component. The table has a list of its fields, which allocation, hashing, and all code that stores or
-/// compares states use. Therefore no part of the state can be missing from the determinism tests.
+/// The state of one component ("pose", "ranger/eye", ...): a table with one row for each body that has the
+/// component, or for each body of one type that has it. Allocation, hashing, and all code that stores or
+/// compares states use the list of fields of the table. Therefore no part of the state can be missing from
+/// the determinism tests.
 ///
 /// There are two layouts: `columns` keeps each field contiguous, for loops that read one field of every
 /// robot; `rows` keeps each row contiguous, for sensor readings and controller memories.
@@ -93,12 +94,14 @@ class StateTable {
   };
 
   StateTable() = default;  ///< a table without rows
-  /// A table with one row for each of `ids`. With Layout::rows and row_bytes > 0, each row is a struct of
-  /// that size, and the fields have the offsets that `fields` gives. All bytes are 0.
+  /// A table with one row for each of `ids`. All bytes are 0. With Layout::rows and row_bytes > 0, each row
+  /// is a struct of that size, and the fields have the offsets that `fields` gives. With Layout::rows and
+  /// row_bytes 0, the constructor computes the offsets and the size of a row. Layout::columns uses neither
+  /// offsets nor row_bytes.
   StateTable(std::string component, HashGroup group, Layout layout, std::vector<StateField> fields,
              std::vector<BodyId> ids, std::size_t row_bytes = 0);
 
-  /// Name of the component: "pose", "ranger/0". Tables of different body types may have the same name.
+  /// Name of the component: "pose", "ranger/eye". Tables of different body types may have the same name.
   const std::string& component() const { return component_; }
   HashGroup group() const { return group_; }  ///< the group whose column of the hash log contains this table
   std::span<const StateField> fields() const { return fields_; }  ///< fields in declared order
@@ -106,7 +109,9 @@ class StateTable {
   std::size_t rows() const { return ids_.size(); }
   std::span<const BodyId> ids() const { return ids_; }  ///< body of each row
 
-  /// The values of a field in all rows, row after row; Layout::columns only.
+  /// The values of a field in all rows, row after row; Layout::columns only. Here and below, `field` is an
+  /// index into fields(), T must be the C++ type of the field's element (Element), and indices are not
+  /// checked.
   template <class T>
   std::span<T> column(std::size_t field) {
     return {reinterpret_cast<T*>(data_.data() + starts_[field]), rows() * fields_[field].columns};
@@ -116,7 +121,7 @@ class StateTable {
   std::span<const T> column(std::size_t field) const {
     return {reinterpret_cast<const T*>(data_.data() + starts_[field]), rows() * fields_[field].columns};
   }
-  /// The values of a field in one row; for both layouts.
+  /// The values of a field in one row, one per column; for both layouts.
   template <class T>
   std::span<T> cell(std::size_t row, std::size_t field) {
     return {reinterpret_cast<T*>(data_.data() + starts_[field] + row * strides_[field]),
@@ -158,7 +163,8 @@ class StateTable {
   std::span<std::byte> data() { return data_; }       ///< all rows, padding included
   /// Sets every byte to 0, as in a new table.
   void clear() { std::ranges::fill(data_, std::byte{0}); }
-  void clear_row(std::size_t row) { fill_row(row, std::byte{0}); }  ///< sets all bytes of the row to 0
+  /// Sets every byte of a row's fields to 0; bytes between the fields stay.
+  void clear_row(std::size_t row) { fill_row(row, std::byte{0}); }
   void fill_row(std::size_t row, std::byte value);  ///< sets every byte of a row's fields to `value`
   /// Copies the row of the same index from a table that has the same fields, layout and number of rows.
   void copy_row(std::size_t row, const StateTable& from);
@@ -193,10 +199,10 @@ class StateTable {
   std::vector<std::byte> data_;
 };
 
-/// Returns the name that the world file gives the device of a component: `ir` for `ranger/ir`, `lamp/command`
-/// for `led/lamp/command`, and `eye` for `sensors/minibot/eye`, which is a component of a recording. Returns
-/// the whole name of a component that does not belong to a device, such as `pose`, or `wander/0` of a
-/// controller.
+/// Returns the name that the world file gives the device or joint of a component: `ir` for `ranger/ir`,
+/// `lamp/command` for `led/lamp/command`, `arm` for `joint/arm`, and `eye` for `sensors/minibot/eye`, which
+/// is a component of a recording. Returns the whole name of a component without a slash, such as `pose`, and
+/// of a component whose second part is a number, such as `wander/0` of a controller.
 std::string_view given_name(std::string_view component);
 /// Whether `name` selects this component. It does if it equals the name of the component, its given_name(),
 /// or its kind, which is the part of the name before the first slash.

@@ -8,8 +8,9 @@
 namespace troupe::engine {
 
 /// Thrown when a step cannot be completed: the velocity of a robot or the goal of a joint is not a finite
-/// number, or a function of a kind (of a sensor, other device, drive or controller) threw an exception. The
-/// text names the tick and the robot.
+/// number, a function of a kind (of a sensor, other device, drive or controller) threw an exception, a check
+/// of World::hide_beyond_reach() failed, or another rank could not compute the tick (engine/replica.hpp).
+/// The text names the tick and the robot, as far as they are known.
 class StepError : public std::runtime_error {
  public:
   using std::runtime_error::runtime_error;

@@ -21,18 +21,22 @@ class StopConditions {
   StopConditions(World& world, const Registry& registry, std::span<const StopSpec> conditions,
                  Diagnostics& diagnostics);
 
-  /// Updates the measures and evaluates the conditions. Call this after every step.
+  /// Updates the measures (MeasureSet::see()) and evaluates the conditions. Call this after every step.
+  /// Throws the exceptions of MeasureSet::see().
   void see();
-  /// Evaluates the conditions for the state of the last see(), without updating the measures.
+  /// Evaluates the conditions for the state of the last see(), without updating the measures. The world must
+  /// still be in that state. Throws the exceptions of MeasureSet::see().
   void ask();
-  /// Begins measuring again with the present state, and forgets which condition was true. Call this after the
-  /// world was reset.
+  /// Forgets which condition was true, and updates the measures with MeasureSet::see(), which begins
+  /// measuring again unless the tick is that of the last see() or the next one. Call this after the world
+  /// was reset.
   void begin();
-  /// Index of the first condition that was true at the last evaluation; std::nullopt if none was.
+  /// Index of the first condition that was true at the last evaluation; std::nullopt if none was true or
+  /// there was no evaluation since construction or begin(). A condition is false if its measure is NaN.
   std::optional<std::size_t> holding() const { return holding_; }
 
-  /// Name under which a checkpoint stores the result of memory(). Different lists of conditions have
-  /// different names.
+  /// Name under which a checkpoint stores the result of memory(): `stop_when` and a hash of the texts of the
+  /// conditions, so that different lists of conditions have different names.
   std::string memory_name() const;
   /// memory() returns the memory of the measures, for a checkpoint. remember() restores it: see MeasureSet.
   ///@{

@@ -12,18 +12,21 @@ namespace troupe::engine {
 /// A ray from the origin of a VisibilityQuery.
 struct SightLine {
   Vec2 direction = Vec2::UnitX();  ///< direction, world frame, unit length
-  double length = 0;               ///< length, m; outlines at this distance or farther are not hit
+  /// Length, m; surfaces at this distance or farther are not hit. At most the argument `reach` of
+  /// VisibilityQuery::stand().
+  double length = 0;
 };
 
-/// Casts many rays from one origin. The results equal those of engine::first_met() bit for bit. first_met()
-/// walks along each ray through the grid. This class instead looks up the bodies near the origin once for all
-/// rays, tests each ray against the enclosing circles of these bodies, and intersects the remaining
-/// candidates from near to far. Not thread-safe. Keep one object per thread and reuse it: its arrays keep
-/// their memory.
+/// Casts many horizontal rays from one origin. The results equal those of engine::first_met(), with
+/// SightRay::stops null, bit for bit. engine::first_met() walks along each ray through the grid. This class
+/// instead looks up the bodies near the origin once for all rays, tests each ray against the enclosing
+/// circles of these bodies, and intersects the remaining candidates from near to far. Call stand() before
+/// all other functions. Not thread-safe. Keep one object per thread and reuse it: its arrays keep their
+/// memory.
 class VisibilityQuery {
  public:
-  /// Sets the origin (world frame, m) and looks up the bodies near it. The world must not change until the
-  /// last ray is cast.
+  /// Sets the origin (world frame, m) and looks up the bodies near it. Until the last ray is cast, the view
+  /// must exist and the world must not change.
   ///
   /// reach: the largest ray length, m
   /// own, z: as in SightRay; they hold for all rays
@@ -48,7 +51,8 @@ class VisibilityQuery {
       if (wanted(circles.x[i], circles.y[i], circles.radius[i])) visit_chains(circles.row[i], visit);
   }
 
-  /// Sets found[i] to the first surface that rays[i] hits. Both spans must have the same size.
+  /// Sets found[i] to the first surface that rays[i] hits. If the ray hits nothing, found[i].range_m is the
+  /// length of the ray, and found[i].met() is false. Both spans must have the same size.
   void first_met(std::span<const SightLine> rays, std::span<RayHit> found);
 
  private:

@@ -68,10 +68,10 @@ struct Hashes {
 class World {
  public:
   /// Builds the world in the state S(0). Throws InputError for errors that the loader of a world file cannot
-  /// find, such as a controller that needs a sensor which its robot does not have. If bodies overlap at tick
-  /// 0, one warning gives the number of overlapping pairs, counted up to 10,000. If `diagnostics` is
-  /// thorough, each of the first hundred pairs gets a warning of its own instead. The registry must outlive
-  /// the world.
+  /// find, such as a controller that needs a sensor which its robot does not have, and StepError if a hook
+  /// `start` of a kind throws. If bodies overlap at tick 0, one warning gives the number of overlapping
+  /// pairs, counted up to 10,000. If `diagnostics` is thorough, each of the first hundred pairs gets a
+  /// warning of its own instead. The registry must outlive the world.
   World(WorldSpec spec, const Registry& registry, const WorldOptions& options, Diagnostics& diagnostics);
   World(WorldSpec, Registry&&, const WorldOptions&, Diagnostics&) = delete;
   World(const World&) = delete;
@@ -80,26 +80,28 @@ class World {
   // ---- the tick: engine/step.cpp
   /// Computes one tick: from S(k) to S(k+1). Throws StepError if the velocity of a robot or the goal of a
   /// joint is not a finite number, or if a function of a kind throws. Exceptions of callbacks propagate
-  /// unchanged. After an exception the state is incomplete, see require_whole(). Apart from the first steps,
-  /// a step allocates no memory.
+  /// unchanged. After an exception the state is incomplete: see require_whole(). Apart from the first steps,
+  /// a step allocates no memory unless a kind or a callback does.
   void step();
-  /// Throws std::logic_error if a step threw and no reset(), restart() or restore() followed: some rows then
-  /// have the state of the new tick and others that of the old one. All functions that read or continue the
-  /// state as a whole call this first: step(), hashes(), tables(), frame(), spawn(), remove() and the set_
-  /// functions. Accessors of single rows do not.
+  /// Throws std::logic_error if a step or spawn() threw and no reset(), restart() or restore() followed:
+  /// after a step that threw, some rows have the state of the new tick and others that of the old tick. All
+  /// functions that read or change the state as a whole call this first, such as step(), hashes(), tables(),
+  /// frame(), spawn(), remove(), set() and the set_ functions. Accessors of single rows do not call it.
   void require_whole() const {
     if (is_half_made_) throw_half_made();
   }
-  /// Returns to S(0), the state at tick 0. The tables, the tick, the counters and all data derived from them
-  /// are then as after construction. Callbacks and subscriptions stay. This allocates no memory, and is
-  /// allowed after a step that threw.
+  /// Returns to S(0), the state at tick 0, and undoes the changes of set(). The tables, the tick, the
+  /// counters and all data derived from them are then as after construction, or as after the last restart().
+  /// Callbacks and subscriptions stay. This allocates no memory, and is allowed after a step that threw.
   void reset();
   /// Goes to S(0), the state at tick 0, with another seed and other poses of the bodies. The run then has the
   /// same results as a run of a new world whose spec has this seed and these bodies. Only the order of the
-  /// rows may differ. Callbacks and subscriptions stay. This is allowed after a step that threw.
+  /// rows may differ. The changes of set() are undone. Callbacks and subscriptions stay. This is allowed
+  /// after a step that threw.
   ///
-  /// bodies: one for each body of the spec, in the same order and with the same names and types. Poses and
-  /// colours may differ. If a static body has another pose, the static scene is rebuilt.
+  /// bodies: one for each body of the spec, in the same order and with the same names and types, which is
+  /// not checked. Poses and colours may differ. If a static body has another pose, the static scene is
+  /// rebuilt.
   /// registry: the registry that was passed to the constructor
   void restart(std::uint64_t seed, std::span<const BodySpec> bodies, const Registry& registry);
   /// Counts of work since tick 0. They are not part of the state.
@@ -130,14 +132,15 @@ class World {
   /// hashes of the run stay the same (docs/determinism.md). A step throws a StepError if an effect of a
   /// device changes the state of a body that is outside the scope which the kind of the device declares
   /// (DeviceKind::scope). The mode is slow: each call takes time proportional to the number of rows. Throws
-  /// std::invalid_argument unless the world has one thread and the exact ray engine.
+  /// std::invalid_argument if the mode is switched on in a world with several threads or the grid ray engine.
   void hide_beyond_reach(bool on);
   std::uint64_t tick() const { return state_.now.tick; }  ///< number of completed ticks
   double tick_s() const { return state_.spec.tick_s; }    ///< length of a tick, s
   /// World time, s: tick() * tick_s().
   double time_s() const { return static_cast<double>(state_.now.tick) * state_.spec.tick_s; }
-  /// Sets the callback that step() calls at the beginning of each phase and at the end of the tick. The
-  /// argument is the phase that begins, or std::nullopt at the end of the tick.
+  /// Replaces the callback that step() calls at the beginning of each phase and at the end of the tick. The
+  /// argument is the phase that begins, or std::nullopt at the end of the tick. An empty callback is not
+  /// called.
   void on_phase(std::function<void(std::optional<Phase>)> callback) { on_phase_ = std::move(callback); }
   /// Sets the callback that each step calls in the phase `intervene`, after it has applied the interventions
   /// and faults of the world file, and before any sensor runs. The callback may change the world in all ways
@@ -178,10 +181,13 @@ class World {
   void adopt(std::uint64_t tick, const Fill& fill, bool is_in_tick);
 
   // ---- constants and indices
-  const WorldSpec& spec() const { return state_.spec; }             ///< the spec that the world was made from
-  std::span<const BodyType> types() const { return state_.types; }  ///< compiled types, indexed by TypeId
+  /// The spec that the world was made from, with the seed and the bodies of the last restart() and the
+  /// settings of set().
+  const WorldSpec& spec() const { return state_.spec; }
+  std::span<const BodyType> types() const { return state_.types; }      ///< compiled types, indexed by TypeId
   const partition::StaticScene& scene() const { return state_.scene; }  ///< geometry of the static bodies
-  /// Spatial index of the bodies in the world that have rows, at their poses at the end of the last step.
+  /// Spatial index of the bodies in the world that have rows, at their present poses. During a step, until
+  /// the phase `index`, it has the poses before the motions of that step.
   const partition::BodyIndex& index() const { return state_.index; }
   /// Spatial index of the parts of static bodies that fiducial finders detect.
   const FixedTargets& fixed_targets() const { return state_.fixed_targets; }
@@ -222,7 +228,8 @@ class World {
   std::span<const Pose> poses() const { return state_.view.poses(); }
   /// Pose of any body, static ones included, in the world frame; NaN if the body is unborn.
   Pose pose(BodyId body) const { return state_.view.pose(body); }
-  /// The row's pose as a transform, computed once per tick. Equals Transform(pose) bit for bit.
+  /// The row's pose as a transform, which is stored and not computed here. Equals Transform(pose) bit for
+  /// bit.
   const Transform& transform(Row row) const { return state_.view.transform(row); }
   /// Velocity that the drive of each row computed, body frame, m/s and rad/s. It does not become 0 when an
   /// obstacle blocks the motion.
@@ -233,15 +240,20 @@ class World {
   bool stalled(Row row) const;
   /// Whether the row's last motion would have ended outside the bounds of the world (WorldSpec::bounds).
   bool is_out_of_bounds(Row row) const;
-  /// Estimated pose of a robot, m and rad. It is given in the frame that the Localization of its drive
-  /// defines: by default the world frame, or with odometry the frame of the robot's first pose.
+  /// Estimated pose of a robot, m and rad, in the frame that the Localization of its drive defines: by
+  /// default the world frame, or with odometry the frame of the robot's first pose. For a body without a
+  /// drive, the true pose in the world frame.
   Pose estimate(Row row) const { return estimates(type(row)).of(row, slot(row)); }
-  Estimates estimates(const BodyType& type) const;  ///< estimated poses of all robots of a type
-  /// Overwrites the odometry estimate of a robot with a pose in the frame of the estimate, m and rad; the z
-  /// of the pose is ignored. Throws std::logic_error if the robot has no odometry, and std::invalid_argument
-  /// if the pose is not finite.
+  /// Estimated poses of all bodies of a type, valid as long as the world exists. For a type without a drive
+  /// they are the true poses, world frame.
+  Estimates estimates(const BodyType& type) const;
+  /// Overwrites the odometry estimate of a robot with a pose in the frame of the estimate, m and rad. The z
+  /// of the pose is ignored, and the heading is wrapped. Throws std::logic_error if the robot has no
+  /// odometry, and std::invalid_argument if the pose is not finite.
   void set_estimate(Row row, const Pose& pose);
-  /// Overwrites the command to a robot's drive. Call this between steps.
+  /// Overwrites the command to a robot's drive, which the next step executes. Call this between steps. If a
+  /// number is not finite, the next step in which the drive runs throws a StepError. Throws std::logic_error
+  /// after a step that threw (require_whole()).
   void set_command(Row row, const Command& command) {
     require_whole();
     touch();
@@ -254,21 +266,23 @@ class World {
   double lift(Row row, std::int32_t joint) const {
     return state_.view.lift(row, joint);
   }  ///< see SensingView::lift()
-  /// Present pose of a joint relative to its rest pose, m and rad.
+  /// Present pose of a joint (an index into BodyType::joints) relative to its rest pose, m and rad.
   const Pose& joint_state(Row row, std::size_t joint) const { return state_.joint_state(row, joint); }
   /// The body that carries the row's body; std::nullopt if it is not carried.
   std::optional<BodyId> carrier(Row row) const { return state_.view.carrier(row); }
   /// Number of carried bodies.
   std::size_t carried_count() const { return state_.now.carried; }
   /// Whether two bodies move together: one carries the other, directly or through further bodies, or a third
-  /// body carries both.
+  /// body carries both. True if a and b are the same row.
   bool same_tree(Row a, Row b) const { return state_.view.same_tree(a, b); }
-  /// Attaches the body `cargo` to the body `carrier`. From now on the cargo keeps its present pose relative
-  /// to the joint with the index `joint` of the carrier or, if `joint` is k_rigid, relative to the carrier
-  /// itself. Returns false and changes nothing if the cargo is already carried, if it carries the carrier,
-  /// directly or through others, or if the carrier cannot carry bodies. Only DeviceKind::apply may call this.
+  /// Attaches the body `cargo` to the body `carrier`. The cargo then keeps its present pose relative to the
+  /// joint with the index `joint` of the carrier or, if `joint` is k_rigid, relative to the carrier itself.
+  /// Returns false and changes nothing if the cargo is already carried, if the cargo carries the carrier,
+  /// directly or through others, or if no device of the carrier can carry bodies (DeviceKind::carries). Only
+  /// DeviceKind::apply may call this.
   bool attach(Row cargo, Row carrier, std::int32_t joint) { return links_.attach(cargo, carrier, joint); }
-  /// Detaches a body from its carrier; its pose stays. Only DeviceKind::apply may call this.
+  /// Detaches a body from its carrier; its pose stays. Does nothing if the body is not carried. Only
+  /// DeviceKind::apply may call this.
   void release(Row cargo) { links_.release(cargo); }
 
   // ---- births and deaths: engine/lives.cpp
@@ -283,7 +297,8 @@ class World {
   bool is_there(Row row) const { return state_.view.is_there(row); }
   /// Number of rows whose bodies are unborn or dead.
   std::size_t absent_count() const { return state_.now.absent; }
-  /// Position of the row's body at its birth, or at tick 0 if it was present then; m, world frame.
+  /// Position of the row's body at its birth, or at tick 0 if it was present then; m, world frame. (0, 0)
+  /// for an unborn body.
   Vec2 origin(Row row) const;
   /// Number of ticks that were completed when the body was born; 0 if it was present at tick 0. The periods
   /// of its devices, drive and controllers count from that tick.
@@ -291,14 +306,15 @@ class World {
   /// Index in WorldSpec::reserves of the reserve of a population. `population` is the name of the population
   /// ("ant"), not of a body ("ant7"). std::nullopt if there is no such population, or if it has no reserve.
   std::optional<std::size_t> reserve(std::string_view population) const;
-  /// Number of bodies of a reserve that are not yet born.
+  /// Number of bodies of a reserve (an index into WorldSpec::reserves) that are not yet born.
   std::size_t unborn(std::size_t reserve) const {
     return state_.spec.reserves[reserve].count - next_born_[reserve];
   }
-  /// Spawns the next body of a reserve at a pose (world frame, m and rad). If the pose is not free or the
-  /// reserve is used up, no body is born, and Birth::status says which of the two is the case. Apart from its
-  /// pose, a new body has the state of a body at tick 0. Throws std::invalid_argument if the pose is not
-  /// finite. Each call rebuilds the spatial index of all bodies. Call this between steps.
+  /// Spawns the next body of a reserve (an index into WorldSpec::reserves, which must exist) at a pose, m
+  /// and rad, world frame. If the pose is not free (is_free()) or the reserve has no body left, no body is
+  /// born, and Birth::status gives the reason. Apart from its pose and the component `life`, a new body has
+  /// the state of a body at tick 0. Throws std::invalid_argument if the pose is not finite. Each birth
+  /// rebuilds the spatial index of all bodies. Call this between steps.
   Birth spawn(std::size_t reserve, const Pose& pose);
   /// Removes a body from the world; bodies that it carries stay where they are. Does nothing if the body is
   /// not in the world. Throws std::logic_error if has_lives() is false. Each call rebuilds the spatial index
@@ -306,18 +322,19 @@ class World {
   void remove(Row row);
 
   // ---- experiments: engine/experiment.cpp
-  /// Whether the row's body is disabled by an intervention, a program or a fault. Its devices, controllers
-  /// and drive then do not run. It does not move on its own, but still blocks motions and is visible to
-  /// sensors.
+  /// Whether the row's body is disabled by an intervention or a program, or dropped out by a fault. The
+  /// devices, controllers and drive of such a body do not run. The body does not move on its own, but still
+  /// blocks motions and is visible to sensors.
   bool is_disabled(Row row) const { return state_.now.impaired > 0 && state_.condition(row).out != 0; }
-  /// Whether no fault has broken the row's device and its body is not disabled.
+  /// Whether no fault has broken the row's device, and is_disabled() is false for the row.
   bool works(Row row, const BodyType::Device& device) const { return state_.view.works(row, device); }
   /// Whether bodies of this world may be disabled or fail. They may if the world has an intervention that
   /// disables or enables bodies, if it has faults, or if WorldSpec::mortal is set. In all other worlds the
   /// state has no component `condition`.
   bool has_conditions() const { return state_.condition_table.has_value(); }
   /// Disables or enables a body, as the intervention `disable` or `enable` of a world file does. Returns
-  /// false and changes nothing if the body is already in that condition or is not in the world. Throws
+  /// false and changes nothing if the body is already disabled or enabled, as requested, or is not in the
+  /// world. A drop-out by a fault is independent of this: enabling the body does not end it. Throws
   /// std::logic_error if has_conditions() is false. Call this between steps.
   bool set_disabled(Row row, bool disabled);
   /// Changes parameters of a type, for all its bodies, as the intervention `set` of a world file does. The
@@ -326,7 +343,8 @@ class World {
   /// world, all of them apply the change. `registry` must be that of the constructor. Call this between
   /// steps, or in the callback of before_tick().
   Result<> set(const SettingSpec& setting, const Registry& registry);
-  /// Number of interventions that set() has added at the end of ExperimentSpec::at.
+  /// Number of interventions that set() has added at the end of ExperimentSpec::at since construction,
+  /// reset() or restart().
   std::size_t settings_made() const { return experiment_.made; }
   /// The spec of a type with its present parameters, which settings may have changed.
   TypeSpec present_type(TypeId type) const;
@@ -346,15 +364,15 @@ class World {
   /// the spatial index of all bodies, so pass all poses in one call.
   void set_poses(std::span<const Placed> placed);
   /// The bodies that set_poses() placed between the last two steps, or in the phase `intervene` of the last
-  /// step, and all bodies that were carried at that time. Placed::pose is the pose that the body had before
-  /// the motions of the last step. Measures of the distance travelled use this list, so that jumps do not
-  /// count as travel. The list is not part of the state.
+  /// step, and all bodies that were carried during such a call. Each row occurs once. Placed::pose is the
+  /// pose that the body had before the motions of the last step. Measures of the distance travelled use this
+  /// list, so that jumps do not count as travel. The list is not part of the state.
   std::span<const Placed> placed_before_step() const { return placed_before_; }
   /// Whether the row's body could be at a pose (world frame, m and rad): it would be within the world's
   /// bounds, and would overlap neither the static scene nor another body that is an obstacle. False if the
   /// pose is not finite.
   bool is_free(Row row, const Pose& pose) const;
-  /// Readings of one sensor of a type, one table row per slot.
+  /// State of a device (for a sensor its readings), one table row per slot of its type.
   const StateTable& percepts(const BodyType::Device& sensor) const {
     gather();
     return state_.tables[sensor.table];
@@ -371,29 +389,30 @@ class World {
   /// body.
   bool senses(Row row, const BodyType::Device& sensor) const { return state_.view.senses(row, sensor); }
   /// Whether a device of the row gets power: false if its power supply is empty. `supply` is the index of
-  /// that supply among the devices of the type; std::nullopt means that the device needs none, and gives
-  /// true.
+  /// that supply among the devices of the type (BodyType::Device::supply). If it is std::nullopt, the device
+  /// has no supply and the result is true.
   bool is_supplied(Row row, std::optional<std::size_t> supply) const {
     return state_.view.is_supplied(row, supply);
   }
   /// Whether the row's device is switched on: no controller has switched it off.
   bool is_on(Row row, const BodyType::Device& device) const { return state_.view.is_on(row, device); }
   /// Whether the row's device runs in the ticks in which it is due, that is, once per
-  /// BodyType::Device::period. It runs if senses(), is_on(), works() and is_supplied() are true for it.
+  /// BodyType::Device::period. The device runs if senses(), is_on(), works() and is_supplied() are true for
+  /// it.
   bool runs(Row row, const BodyType::Device& device) const { return state_.view.runs(row, device); }
-  /// Commands to a device, one table row per slot. The device must take commands. The commands may be changed
-  /// between steps.
+  /// Commands to a device, one table row per slot of its type. The device must take commands. A program may
+  /// change the commands between steps.
   StateTable& asked_of(const BodyType::Device& device) {
     touch();
     return state_.tables[*device.command_table];
   }
-  /// State of a device, one table row per slot. DeviceKind::apply may change it, and so may a program between
-  /// steps.
+  /// State of a device, one table row per slot of its type, for code that changes it: DeviceKind::apply and
+  /// DeviceKind::born, and programs between steps.
   StateTable& state(const BodyType::Device& device) {
     touch();
     return state_.tables[device.table];
   }
-  /// Vertices of the outlines of a row's body, m, world frame, in the order of BodyType::outline_vertices.
+  /// Vertices of the outlines of a row's body at their present places: see SensingView::outline().
   std::span<const Vec2> outline(Row row) const { return state_.view.outline(row); }
   /// Hash of one table: the sum of the hashes of its rows, modulo 2^64. The hash of the state is the sum of
   /// these over all tables.
@@ -413,8 +432,11 @@ class World {
   double mean_displacement() const;
 
   // ---- for viewers
-  FrameScene frame_scene() const;  ///< the constant data for drawing the world
-  Frame frame() const;             ///< the data for drawing that change with each tick
+  /// The constant data for drawing the world. FrameScene::rangers is empty.
+  FrameScene frame_scene() const;
+  /// The data for drawing that change with each tick: Frame::time_s, `tick`, `mobile` and `types`. All other
+  /// members, which viewers request, are empty.
+  Frame frame() const;
 
  private:
   [[noreturn]] void throw_half_made() const;

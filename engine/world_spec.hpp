@@ -27,15 +27,15 @@ namespace troupe::engine {
 /// and also those of all static bodies together.
 inline constexpr std::size_t k_most_vertices = 50000000;
 
-/// How a model interacts with other bodies and with their sensors.
+/// How a part of a body interacts with other bodies and with their sensors.
 struct Returns {
-  bool obstacle = true;           ///< whether the part takes part in collisions
-  float ranger = 1;               ///< intensity that a ranger reads; below 0: its rays pass through
-  std::int32_t fiducial = 0;      ///< value that fiducial finders read; 0: they do not detect the model
-  std::int32_t fiducial_key = 0;  ///< only fiducial finders with the same key detect the model
-  bool gripper = false;           ///< grippers detect it and can grip it
+  bool obstacle = true;       ///< whether the part takes part in collisions
+  float ranger = 1;           ///< intensity that rangers read; below 0: rays of rangers pass through the part
+  std::int32_t fiducial = 0;  ///< value that fiducial finders read; 0: they do not detect the part
+  std::int32_t fiducial_key = 0;  ///< only fiducial finders with the same key detect the part
+  bool gripper = false;           ///< grippers detect the part and can grip its body
   bool pushable = false;          ///< robots can push the whole body: docs/pushing.md
-  bool blob = true;  ///< true: blob finders report its colour; false: it only hides other models from them
+  bool blob = true;  ///< true: blob finders report its colour; false: it only hides other parts from them
   friend bool operator==(const Returns&, const Returns&) = default;
 };
 
@@ -52,11 +52,12 @@ struct JointSpec {
   Pose pose_body_joint;
 };
 
-/// The image that a part's solids are made from. Only code that writes world files needs this struct: the
+/// The image that a part's solids are made from. Only code that writes world files uses this struct; the
 /// simulation uses the solids.
 struct ImageSpec {
-  std::string file;               ///< path of the image; for a ROS map, of its YAML file
-  bool keeps_margins = false;     ///< true: scales the whole image to the part's size; false: its solid area
+  std::string file;  ///< path of the image; for a ROS map, of its YAML file
+  /// True: the whole image is scaled to the part's size; false: the solid area of the image.
+  bool keeps_margins = false;
   bool unknown_is_solid = false;  ///< for ROS maps: whether unknown cells are solid
   bool boundary = false;          ///< true: adds four walls just inside the edges of the image
   Pose origin;                    ///< centre of the image, or frame of the map, in the part's frame
@@ -64,8 +65,8 @@ struct ImageSpec {
 };
 
 /// The blocks that a part's solids are made from, as in Stage. All blocks together are scaled to fill the
-/// part's size, centred in x and y, and placed at `origin`. Only code that writes world files needs this
-/// struct: the simulation uses the solids.
+/// part's size, centred in x and y, and placed at `origin`. Only code that writes world files uses this
+/// struct; the simulation uses the solids.
 struct FittedBlocks {
   std::vector<Solid> blocks;  ///< blocks before scaling, all in one frame and in any unit of length
   Pose origin;                ///< pose of the centre of the scaled blocks, in the part's frame
@@ -77,7 +78,7 @@ struct PartSpec {
   std::string alias;                    ///< the generated name, if the world file gives the part another name
   std::string kind;                     ///< model kind: "position", "ranger", ...
   std::uint32_t parent = 0;             ///< index of its parent part; the root's is 0
-  std::int32_t joint = k_rigid;         ///< index of the joint that it is mounted on
+  std::int32_t joint = k_rigid;         ///< index of the joint that it is mounted on; k_rigid: none
   Pose pose_body_part;                  ///< pose of the part's frame in the body frame
   Eigen::Vector3d size{0.4, 0.4, 1.0};  ///< declared size x, y, z, m (GetGeom() returns it in Stage)
   std::vector<Solid> solids;            ///< in the body frame with joints at rest, m, after all scaling
@@ -94,11 +95,11 @@ struct DeviceSpec {
   std::string name;              ///< the name of its part, unless the type gives the device another name
   std::string kind;              ///< name of a kind of Registry::devices
   std::uint32_t part = 0;        ///< index of the part that carries it
-  std::int32_t joint = k_rigid;  ///< index of the joint that it is mounted on
+  std::int32_t joint = k_rigid;  ///< index of the joint that it is mounted on; k_rigid: none
   /// Index of the first of the joints that it moves (DeviceKind::joints); k_rigid: it moves none.
   std::int32_t moves = k_rigid;
   Record params;          ///< one value for each field of the kind's table
-  Pose pose_body_device;  ///< frame in which the kind's parameters are given
+  Pose pose_body_device;  ///< frame in which the kind's parameters are given, with joints at rest
   double period_s = 0;    ///< time from one run to the next, s; 0: it runs in every tick
   bool active = true;     ///< true: it runs even if no controller and no program reads it
   Where where;            ///< position in the file, for messages
@@ -116,13 +117,14 @@ struct DriveSpec {
 /// A controller of the bodies of a type.
 struct ControllerSpec {
   std::string kind;  ///< name of a kind of Registry::controllers or of a plug-in
-  /// Index of the part that the controller is on. It may use the devices of this part and of the parts
-  /// mounted on this part.
+  /// Index of the part that the controller is on. The controller may use the devices of this part and of the
+  /// parts mounted on this part, except drives.
   std::uint32_t part = 0;
   /// One value for each field of the kind's table; FieldTable::defaults() makes such a record.
   Record params;
-  /// Time from one decision to the next, s; 0: every tick. Used only if the controller has neither a sensor
-  /// nor a drive: otherwise it decides when its first sensor, or its drive, runs.
+  /// Time from one decision to the next, s; 0: every tick. Used only if the controller uses no device and
+  /// the type has no drive. Otherwise the controller has the period of the first device that it uses or, if
+  /// it uses none, of the drive.
   double period_s = 0;
   Where where;  ///< position in the file, for messages
 };
@@ -142,7 +144,7 @@ struct TypeSpec {
 
 /// One body of the world.
 struct BodySpec {
-  Name name;             ///< made of the words of WorldSpec::names
+  Name name;             ///< name of the body, in the table WorldSpec::names
   TypeId type;           ///< type of the body: index into WorldSpec::types
   Pose pose_world_body;  ///< pose at tick 0, world frame
   Color color;           ///< colour of the parts that set none
@@ -173,8 +175,8 @@ struct PartName {
 struct RecordSpec {
   /// Path of the recording. Empty: a run is recorded only if the command line names a file.
   std::string file;
-  std::vector<std::string> fields;  ///< fields to record; empty: the default ones
-  std::optional<double> every_s;    ///< world time between two recorded ticks; not set: 0.1
+  std::vector<std::string> fields;  ///< fields to record; empty: the default fields (docs/recordings.md)
+  std::optional<double> every_s;    ///< world time between two recorded ticks, s; not set: 0.1 s
   Where where;                      ///< position in the file, for messages
   Where where_fields;               ///< position of `fields`, for messages
 };
@@ -182,21 +184,21 @@ struct RecordSpec {
 /// A whole world, from which engine::World is built. A program that fills it by hand calls add_ground()
 /// first.
 struct WorldSpec {
-  std::string title;                             ///< title of the world, for display
-  std::shared_ptr<SourceFiles> files;            ///< files that the `Where` values refer to; may be null
-  std::uint64_t seed = 1;                        ///< seed of all random numbers and of motion priorities
-  double tick_s = 0.1;                           ///< length of a tick; above 0
-  std::optional<double> quit_time_s;             ///< world time at which a run ends by default
-  std::optional<RecordSpec> record;              ///< the recording that the world asks for; not set: none
+  std::string title;                   ///< title of the world, for display
+  std::shared_ptr<SourceFiles> files;  ///< files that the `Where` values refer to; may be null
+  std::uint64_t seed = 1;              ///< seed of all random numbers and of motion priorities
+  double tick_s = 0.1;                 ///< length of a tick, s; above 0
+  std::optional<double> quit_time_s;   ///< world time at which a run ends by default, s; not set: none
+  std::optional<RecordSpec> record;    ///< the recording that the world asks for; not set: none
   RangingEngine ranging = RangingEngine::exact;  ///< how ranges are computed: docs/sensing.md
-  double resolution_m = k_resolution_m;          ///< edge of the cells of the grid ray engine
+  double resolution_m = k_resolution_m;          ///< edge of the cells of the grid ray engine, m
   Where resolution_where;                        ///< position of `resolution_m`, for messages
-  /// Box in which the origins of bodies must stay, m. A motion that would end outside is not made. If this is
-  /// not set, the box reaches from -100 km to 100 km in x and y.
+  /// Box in which the origins of bodies must stay, m, world frame. A body does not make a motion that would
+  /// end outside the box. If this member is not set, the box reaches from -100 km to 100 km in x and y.
   std::optional<Box> bounds;
-  std::vector<TypeSpec> types;  ///< TypeId is the position in this list
+  std::vector<TypeSpec> types;  ///< body types; TypeId is the position in this list
   Names names;                  ///< words of the bodies' names
-  /// BodyId is the position in this list. Body 0 is the ground: add_ground().
+  /// The bodies; BodyId is the position in this list. Body 0 is the ground: add_ground().
   std::vector<BodySpec> bodies;
   std::vector<ReserveSpec> reserves;  ///< reserves in ascending order of ids; they do not overlap
   /// True: a program may remove and disable bodies, even if the world file has no reserve, intervention or
@@ -205,8 +207,8 @@ struct WorldSpec {
   /// Further names of bodies; no name occurs twice. For example, a model of a Stage file with the key `name`
   /// can also be found under the name that Stage generates for it.
   std::vector<NamedBody> aliases;
-  /// Parts that have a name independent of their body's name. The key is that name (in Stage: `name "/x"` in
-  /// a child model).
+  /// Parts that have a name of their own in the world, independent of the name of their body. The key is
+  /// this name: `x` for a child model with `name "/x"` in a Stage file.
   std::unordered_map<std::string, PartName> part_aliases;
   /// Measures that a run takes, unless the options of the run choose others.
   std::vector<MeasureSpec> measures;
@@ -225,19 +227,22 @@ struct WorldSpec {
   }
 };
 
-/// Adds the ground, body 0 of every world: the body `_ground_model` of type `ground`, without solids.
+/// Appends the ground, which must be body 0 of every world: the type `ground` and its body `_ground_model`,
+/// without solids. Call this once, before any other body is added.
 void add_ground(WorldSpec& spec);
 
-/// Checks the members of a world against one another. Calls report(place in the file, message) for each
-/// inconsistency, such as a part whose parent comes later, a body whose type does not exist, or reserves that
-/// overlap. Each message begins with the path of the value: `types[0].parts[2].parent: ...`. Limits of single
-/// members are not checked here, but with the tables of spec_description.cpp.
+/// Checks the members of a world against one another. Calls report(place in the file, message) for the
+/// inconsistencies, such as a part whose parent comes later, a body whose type does not exist, or reserves
+/// that overlap. The report need not be complete: further inconsistencies may appear when these are mended.
+/// Each message begins with the path of the value: `types[0].parts[2].parent: ...`. The limits of single
+/// members are checked with the tables of engine/spec_description.hpp, not here.
 void check_rules(const WorldSpec& spec, const std::function<void(Where, const std::string&)>& report);
 
-/// Appends a reserve of `count` bodies for each population of robots that has no reserve. The new bodies get
-/// the next numbers. All their other members, except the pose, are copies of those of the population's first
-/// body. Here a population is the set of all robots (bodies with a drive) named NAME0, NAME1, .... It is
-/// skipped if its robots are of several types.
+/// Appends a reserve of `count` bodies (at least 1) for each population of robots that has no reserve. Here
+/// a population is the set of all robots (bodies with a drive) named NAME followed by a number; a population
+/// whose robots are of several types is skipped. The new bodies get the numbers after the highest number of
+/// the population. Their poses are 0, and all their other members are copies of those of the population's
+/// first body.
 void add_spare(WorldSpec& spec, std::uint32_t count);
 
 /// Value that fiducial finders read from a part of a body, including BodySpec::fiducial; 0: they do not

@@ -30,11 +30,12 @@ struct RowRange {
 };
 
 /// The state of a world, the constants that describe the world, and the places of bodies, which are derived
-/// from the state. World owns this object. The parts of World (Links, Movement) read all of it, and each of
-/// them writes its own columns.
+/// from the state. World owns this object. The parts of World (Links, Movement) read all members, and each
+/// part writes its own columns.
 ///
-/// Every vector has one element per row unless stated otherwise. Members that a comment calls public are also
-/// part of PublicColumns: devices of other bodies read them. All others are private to the engine.
+/// A row is the index of a body in the state tables; static bodies have none. Every vector has one element
+/// per row unless stated otherwise. Members that a comment calls public are also part of PublicColumns:
+/// devices of other bodies read them. All other members are private to the engine.
 struct WorldState {
   /// Indices into `tables` of the tables that every world has, named like their components.
   enum TableIndex : std::size_t {
@@ -62,7 +63,7 @@ struct WorldState {
   std::vector<Row> rows;                    ///< public: row of each body of the spec, by BodyId
   std::vector<std::uint32_t> row_types;     ///< public: TypeId of each row
   std::vector<std::uint32_t> slots;         ///< public: index of each row among the rows of its type
-  std::vector<std::uint32_t> ids;           ///< `bodies` as numbers
+  std::vector<std::uint32_t> ids;           ///< the ids of `bodies` as numbers (BodyId::value)
   std::vector<std::size_t> outline_begins;  ///< public: index of the row's first vertex in `outlines`
   /// Public: index of the row's first joint in `joint_mounts`; empty if no type has joints or can carry
   /// bodies.
@@ -82,11 +83,17 @@ struct WorldState {
   // Derived.
   std::vector<Transform> transforms;  ///< public: the poses as transforms
   std::vector<Vec2> outlines;         ///< public: vertices of the outlines of all rows, world frame, m
-  std::vector<double> radii;          ///< public: bounding radius about the origin, m
-  std::vector<Mount> joint_mounts;    ///< public: displacements of the joints of all rows from rest
-  /// Public: row of the root of the tree of carried bodies; like joint_begins, empty if there are no joints.
+  std::vector<double> radii;          ///< public: bounding radius about the origin, m; negative: absent
+  /// Public: for all joints of all rows, the transform of a point on the joint from its place with all
+  /// joints at rest to its present place, both in the body frame.
+  std::vector<Mount> joint_mounts;
+  /// Public: row of the body that carries the row's body, directly or through others, and is not carried
+  /// itself (the root); the row itself if its body is not carried. Empty, like joint_begins, if no type has
+  /// joints or can carry bodies.
   std::vector<std::uint32_t> roots;
-  std::vector<const partition::ObstacleShape*> shapes;  ///< obstacle shapes, for conflict resolution
+  /// Obstacle shapes, body frame, for conflict resolution: k_no_shape for absent and carried bodies, and for
+  /// the root of a tree the shape of the whole tree.
+  std::vector<const partition::ObstacleShape*> shapes;
   /// 1 if the grid ray engine does not draw the row's outlines. Empty unless bodies can be born or die and
   /// the world uses that engine.
   std::vector<std::uint8_t> not_drawn;
@@ -99,7 +106,7 @@ struct WorldState {
   WorldState(const WorldState&) = delete;
   WorldState& operator=(const WorldState&) = delete;
 
-  /// Updates `view` after the vectors were allocated.
+  /// Updates `view`. Call this after a vector or table was allocated again, or `ray_grid` was set.
   void bind_view();
 
   std::size_t row_count() const { return bodies.size(); }  ///< number of rows
@@ -126,7 +133,7 @@ struct WorldState {
   std::span<std::uint8_t> stalls() { return tables[k_stall].column<std::uint8_t>(0); }
   std::span<const std::uint8_t> stalls() const { return tables[k_stall].column<std::uint8_t>(0); }
   ///@}
-  /// Box in which motions must end, m, world frame.
+  /// Box in which motions must end, m, world frame: WorldSpec::bounds or its default.
   Box bounds() const;
   /// The component `carrier` of a row. The world must have this component.
   ///@{
@@ -140,7 +147,7 @@ struct WorldState {
   Condition& condition(Row row) { return tables[*condition_table].as<Condition>(row.index()); }
   const Condition& condition(Row row) const { return tables[*condition_table].as<Condition>(row.index()); }
   ///@}
-  /// Present pose of a joint relative to its rest pose, m and rad.
+  /// Present pose of a joint (an index into BodyType::joints) relative to its rest pose, m and rad.
   ///@{
   Pose& joint_state(Row row, std::size_t joint) {
     return tables[type(row).joints[joint].table].as<Pose>(slots[row.index()]);
@@ -159,18 +166,19 @@ struct WorldState {
   }
   ///@}
 
-  /// Sets the obstacle shape and radius of a row: those of its type, or empty ones if its body is unborn or
-  /// dead. For bodies that have joints, carry or are carried, Links::reshape() then computes the exact ones.
+  /// Sets the obstacle shape and radius of a row to those of its type or, if its body is unborn or dead, to
+  /// k_no_shape and the negative radius partition::k_not_there. Also updates `not_drawn`. If bodies can have
+  /// joints or carry others, Links::reshape() must then compute the exact shape and radius.
   void update_presence(Row row);
-  /// Updates the data that are derived from a row's pose: stores the transform, and computes the vertices of
-  /// the outlines in the world frame.
+  /// Updates the data that are derived from a row's pose and joints: stores the transform, and computes the
+  /// vertices of the outlines in the world frame. `type` is the type of the row, and `transform` its pose.
   void update_outlines(Row row, const BodyType& type, const Transform& transform) {
     transforms[row.index()] = transform;
     if (!type.joints.empty()) return update_jointed_outlines(row, type, transform);
     Vec2* out = outlines.data() + outline_begins[row.index()];
     for (const Vec2& v : type.outline_vertices) *out++ = transform * v;
   }
-  /// Sets every byte of the row's state to 0.
+  /// Sets every field of the row's state to 0, in all tables.
   void clear(Row row);
   /// Calls visit(t, i) for each state table t that has a row for the row's body; i is the index of that row.
   template <class Visit>
