@@ -19,10 +19,11 @@ struct ConvertedWorld {
 /// Reads the world file `from` and returns it as the text of a world file named `to`. Does not write this
 /// file. Both names must end in `.world` (Stage's syntax) or `.json`. The ending selects the format. Paths of
 /// images in the text are relative to the folder of `to`. Macros of a `.world` file and presets of a JSON
-/// world are expanded, and populations become one model per body. A run of the new world has the same hash
-/// log as a run of the old world. If the new format is `.world`, the function reports an error for everything
-/// in `from` that Stage's syntax cannot express, and a warning for each value that changes in its last bits.
-/// Do not use the result if `diagnostics` has errors.
+/// world are expanded, and populations become one model per body. The function reports an error for
+/// everything in `from` that the new format cannot express. If the new format is `.world`, it also reports a
+/// warning for each outline, size or pose that is rounded, for each heading that is wrapped, and for bounds
+/// that are lost. Without such a warning, a run of the new world has the same state hash at every tick as a
+/// run of the old world. Do not use the result if `diagnostics` has errors.
 ConvertedWorld convert_world(const std::filesystem::path& from, const std::filesystem::path& to,
                              const engine::Registry& registry, const LoadOptions& options,
                              Diagnostics& diagnostics);
