@@ -30,8 +30,8 @@ struct LoadOptions {
   std::vector<std::pair<std::string, std::size_t>> robots;
   /// Values that replace values of the world, or are added to it: pairs of a JSON pointer to the value in the
   /// JSON world and the new value as JSON text, such as {"/populations/0/count", "500"}. A new value that is
-  /// not JSON becomes a string. For a `.world` file, the pointers refer to the JSON world that `troupe
-  /// convert` would write for it.
+  /// not JSON becomes a string. For a `.world` file, the pointers refer to the JSON world that
+  /// write_json_world() makes of it.
   std::vector<std::pair<std::string, std::string>> set;
   /// Folders in which the loader looks for a world file, or for a file that a `.world` file includes, if
   /// there is no file at the given path. It looks for the last component of the path, in these folders in

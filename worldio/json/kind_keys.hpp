@@ -17,7 +17,8 @@ Result<> check_parameter_names(const engine::ControllerKind& kind);
 Result<> check_parameter_names(const engine::MeasureKind& kind);
 ///@}
 
-/// Checks the kinds of a registry with check_parameter_names(). The error names the kind.
+/// Checks all device, drive, controller and measure kinds of a registry with check_parameter_names(). The
+/// error is that of the first wrong kind, and names this kind.
 Result<> check_kinds(const engine::Registry& registry);
 
 }  // namespace troupe::worldio
