@@ -32,8 +32,8 @@ struct FloorImage {
   };
   std::optional<Place> place;  ///< set if the image is a ROS map
 
-  /// Returns the walls of the image as one solid that stands on z = 0. It is scaled so that the whole image,
-  /// margins included, fills `size` (m) and is centred on the origin in x and y.
+  /// Returns the walls of the image as one solid from z = 0 to z = size.z. The solid is scaled so that the
+  /// whole image, margins included, fills `size` (m) and is centred on the origin in x and y.
   Solid solid(const Eigen::Vector3d& size) const;
 };
 

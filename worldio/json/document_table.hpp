@@ -159,7 +159,7 @@ struct DocumentRule {
   How how = How::one_of;
   std::vector<std::string_view> keys = {};  ///< names of fields
   std::string none = {};                    ///< error if the object has none of the keys
-  std::string several = {};                 ///< error if it has more than one; empty: as `none`
+  std::string several = {};                 ///< error if it has more than one; empty: the text of `none`
   bool at_key = false;  ///< true: `several` is reported at every key after the first; false: once, at the
                         ///< object
 };

@@ -28,7 +28,8 @@ void expand_experiment(const ExperimentDocument& document, const DocumentPath& w
                        std::span<const std::string> type_keys, const engine::Registry& registry,
                        engine::WorldSpec& spec);
 
-/// The inverse of expand_experiment(): fills `document` from spec.experiment.
+/// The inverse of expand_experiment(): fills `document`, which must be empty, from spec.experiment.
+/// `type_keys` has, for each type in spec.types, its key in the document.
 void contract_experiment(const engine::WorldSpec& spec, std::span<const std::string> type_keys,
                          const engine::Registry& registry, ExperimentDocument& document);
 
@@ -47,11 +48,12 @@ std::string parameters_json(const engine::TypeSpec& type, const engine::Registry
 
 /// Reads the keys of an experiment (`stop_when`, `at`, `faults`) from `object`, the JSON object of a stored
 /// world (worldio/json/spec_json.hpp), and adds the experiment to spec.experiment with expand_experiment().
-/// Other keys of the object are neither read nor reported.
+/// Other keys of the object are neither read nor reported. `type_keys` has, for each type in spec.types, the
+/// text that names it in the object.
 void read_experiment(JsonObject& object, std::span<const std::string> type_keys,
                      const engine::Registry& registry, engine::WorldSpec& spec);
 /// The inverse of read_experiment(): adds the keys of spec.experiment to `object`. Adds nothing for a world
-/// without an experiment.
+/// without an experiment. `type_keys` must be that of read_experiment().
 void write_experiment(const engine::WorldSpec& spec, std::span<const std::string> type_keys,
                       const engine::Registry& registry, JsonNode::Object& object);
 

@@ -55,7 +55,8 @@ void write_field(const engine::Field& field, const engine::Value& value, JsonNod
 /// Adds to an object those fields of a record whose values differ in any bit from their defaults.
 void write_fields(const engine::Record& record, const engine::FieldTable& table, JsonNode::Object& object);
 
-/// Returns the node that read_color() reads as this colour.
+/// Returns the node that read_color() reads as this colour: an X11 name if the colour has one, else a list of
+/// numbers.
 JsonNode color_node(const Color& color);
 
 /// Returns the double with the fewest decimal digits that converts to exactly this float.

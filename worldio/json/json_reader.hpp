@@ -55,7 +55,8 @@ class JsonCursor : public DocumentPath {
   const JsonNode& node() const { return *node_; }
   /// The object or list that contains this value; null for the value at which reading began.
   const JsonCursor* parent() const { return parent_; }
-  /// Reports the error `expected WHAT, found ...` at this value. The message ends with the value itself.
+  /// Reports the error `expected WHAT, found ...` at this value, where WHAT is `what`. The message ends with
+  /// a description of the value (JsonNode::describe()).
   void expected(std::string_view what) const;
 
  private:

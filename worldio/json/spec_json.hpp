@@ -14,8 +14,8 @@
 namespace troupe::worldio {
 
 /// The bodies of a spec as columns, because there may be millions of bodies. Each column has one entry per
-/// body, in the order of the ids; `pose` and `color` have four entries per body. The aliases have columns of
-/// their own.
+/// body, in the order of the ids; `pose` and `color` have four entries per body. The aliases, which are
+/// second names of bodies, have columns of their own.
 struct BodyColumns {
   std::vector<std::uint32_t> word, number;  ///< the two members of engine::Name
   std::vector<std::uint32_t> type;          ///< index into WorldSpec::types
@@ -23,7 +23,7 @@ struct BodyColumns {
   std::vector<float> color;                 ///< red, green, blue, opacity
   std::vector<std::int32_t> fiducial;       ///< BodySpec::fiducial; empty if all are 0
   std::vector<std::uint32_t> file, line;    ///< BodySpec::where; `file` is a number in WorldSpec::files
-  /// Other names of bodies: the two members of each name, and the id of its body. One entry per name.
+  /// The aliases: the two members of engine::Name, and the id of the body. One entry per alias.
   std::vector<std::uint32_t> alias_word, alias_number, alias_body;
 };
 
