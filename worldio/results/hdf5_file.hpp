@@ -100,7 +100,8 @@ class Hdf5Dataset : public Hdf5Object {
   std::size_t values() const;
 
   /// Writes (write()) or reads (read()) all values. The span must have rows() * row_values() elements of the
-  /// type element(), else the function throws; bool is stored as uint8.
+  /// type element(); bool is stored as uint8. Throws for another element type and, in write(), for another
+  /// number of elements.
   template <class T>
   void write(std::span<const T> from) {
     write_rows(0, rows(), from.data(), from.size(), engine::element_of<T>());

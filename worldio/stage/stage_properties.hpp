@@ -13,7 +13,7 @@ enum class StageSupport {
   fixed,          ///< honoured, but not exactly as in Stage 4.3: the note says how it differs
   no_effect,      ///< accepted and ignored: the note says why
   window_camera,  ///< accepted; it affects only Stage's window and pictures with `--camera window`
-  window_only,    ///< accepted and ignored: it affects only Stage's window
+  window_only,    ///< accepted; it affects only Stage's window
   obsolete,       ///< accepted and ignored, as by Stage 4.3
 };
 
