@@ -27,8 +27,9 @@ struct BodyColumns {
   std::vector<std::uint32_t> alias_word, alias_number, alias_body;
 };
 
-/// A stored world: its whole expanded spec, which needs no other file. restore_spec() returns the same spec,
-/// to the last bit.
+/// A stored world: its whole expanded spec, which needs no other file. restore_spec() returns a spec that is
+/// equal in every bit in the sense of spec_difference(): the images and blocks from which solids were made,
+/// and places in files of the experiment, are not stored.
 struct StoredSpec {
   std::string json;    ///< from spec_to_json()
   BodyColumns bodies;  ///< the bodies, which are not in `json`
