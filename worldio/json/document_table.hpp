@@ -157,7 +157,7 @@ struct DocumentRule {
   /// (not_both).
   enum class How : std::uint8_t { one_of, any_of, not_both };
   How how = How::one_of;
-  std::vector<std::string_view> keys = {};  ///< names of fields
+  std::vector<std::string_view> keys = {};  ///< names of keys, as in DocumentKey::field
   std::string none = {};                    ///< error if the object has none of the keys
   std::string several = {};                 ///< error if it has more than one; empty: the text of `none`
   bool at_key = false;  ///< true: `several` is reported at every key after the first; false: once, at the
@@ -184,7 +184,8 @@ struct DocumentKinds {
   std::string_view page;  ///< documentation page of plug-ins with such kinds; empty: plug-ins cannot have any
   /// Returns all kinds of the registry, then all presets of these kinds.
   std::vector<DocumentKind> (*all)(const engine::Registry& registry);
-  std::vector<std::string_view> (*known)(const engine::Registry& registry);  ///< names, for messages, sorted
+  /// Returns the names of all kinds and presets, sorted, for messages.
+  std::vector<std::string_view> (*known)(const engine::Registry& registry);
   /// Returns the names that no kind of a plug-in may have. Null if `page` is empty.
   std::vector<std::string_view> (*named)(const engine::Registry& registry);
   /// Returns the kind or preset of this name. Loads the plug-in if the kind is in a plug-in. If there is no

@@ -48,7 +48,7 @@ struct ImageFolder {
 struct ExpandedImage {
   const FloorImage* image = nullptr;  ///< valid as long as ImageFolder::images
   engine::ImageSpec spec;             ///< path of the image, joined with the folder, and its options
-  Eigen::Vector3d size{0, 0, 0};      ///< m; for a ROS map, x and y follow from the map
+  Eigen::Vector3d size{0, 0, 0};      ///< size in x, y and z, m; for a ROS map, x and y follow from the map
 };
 /// Reads the image of a part or floor plan. `object` is this part or floor plan, and `at` is its path; both
 /// are used for errors. Returns nothing if the document has no image. If the image cannot be read or has no

@@ -41,7 +41,7 @@ struct Session {
   /// Tick at which the session ended. Empty: the program that wrote the session did not end it, for example
   /// because it was killed.
   std::optional<std::uint64_t> end;
-  std::vector<std::string> warnings;  ///< from reading the session, each with file and line
+  std::vector<std::string> warnings;  ///< warnings from reading the session, each with file and line
 };
 
 /// Return the header, the line of an act, and the last line of a session, without line ends. `tick` is the

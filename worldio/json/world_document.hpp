@@ -132,14 +132,14 @@ struct DeviceDocument : Placed {
   std::optional<JointName> joint;  ///< joint that moves the device; empty: the joint that moves its part
   bool active = true;              ///< false: the device runs only while a controller or a program reads it
   double period = 0;               ///< time between two readings, s; 0: every tick
-  engine::Record params;           ///< one value per field of the kind's table
+  engine::Record params;           ///< parameters, one value per field of the kind's table
   std::string on;                  ///< name of the device on which this one is mounted; empty: none
   // The members below describe the body of an entry of `devices` that has a joint. Other devices have no
   // body. The size and blocks of grippers follow from their parameters.
   std::optional<Color> color;           ///< colour of the device; empty: that of the robot's body
   engine::Returns returns;              ///< how other bodies collide with the device and sense it
   std::optional<Eigen::Vector3d> size;  ///< box, m, in the frame of the device
-  std::vector<BlockDocument> blocks;    ///< in addition to the box
+  std::vector<BlockDocument> blocks;    ///< solids in addition to the box
   static void describe(DocumentKeys<DeviceDocument>& d);  ///< adds the keys of this struct to `d`
 };
 /// An entry of `sensors`.
@@ -153,9 +153,9 @@ struct OwnDeviceDocument : DeviceDocument {
 
 /// The drive of a type.
 struct DriveDocument : Placed {
-  std::string kind;                                      ///< name of a kind in Registry::drives
-  double period = 0;                                     ///< time between two commands, s; 0: every tick
-  engine::Record params;                                 ///< one value per field of the kind's table
+  std::string kind;       ///< name of a kind in Registry::drives
+  double period = 0;      ///< time between two commands, s; 0: every tick
+  engine::Record params;  ///< parameters, one value per field of the kind's table
   static void describe(DocumentKeys<DriveDocument>& d);  ///< adds the keys of this struct to `d`
 };
 
@@ -165,7 +165,7 @@ struct ControllerDocument : Placed {
   /// Time between two calls, s; 0: every tick. It has no effect if the controller reads a sensor or the type
   /// has a drive.
   double period = 0;
-  engine::Record params;                                      ///< one value per field of the kind's table
+  engine::Record params;  ///< parameters, one value per field of the kind's table
   static void describe(DocumentKeys<ControllerDocument>& d);  ///< adds the keys of this struct to `d`
 };
 
@@ -197,7 +197,7 @@ struct PartDocument : Placed {
 
 /// A type: the properties that bodies of the same construction share.
 struct TypeDocument : PartDocument {
-  std::optional<DriveDocument> drive;                    ///< empty: the bodies do not move by themselves
+  std::optional<DriveDocument> drive;  ///< drive; empty: the bodies do not move by themselves
   std::optional<std::vector<std::string>> device_order;  ///< names of all devices in order; empty: file order
   static void describe(DocumentKeys<TypeDocument>& d);   ///< adds the keys of this struct to `d`
 };
@@ -291,7 +291,7 @@ struct MeasureDocument : Placed {
   std::string kind;       ///< name of a kind in Registry::measures
   std::string of;         ///< name of a type, a population or a robot; empty: all robots
   std::string name;       ///< name of the column of results; empty: KIND, or KIND:OF if `of` is given
-  engine::Record params;  ///< one value per field of the kind's table
+  engine::Record params;  ///< parameters, one value per field of the kind's table
   static void describe(DocumentKeys<MeasureDocument>& d);  ///< adds the keys of this struct to `d`
 };
 
@@ -364,7 +364,7 @@ struct FaultDocument : GroupDocument {
   /// A kind of fault that each body of the group may have, with its parameters.
   struct Impairment {
     std::string kind;       ///< name in Registry::faults
-    engine::Record params;  ///< one value per field of the kind's table
+    engine::Record params;  ///< parameters, one value per field of the kind's table
   };
   double from = 0;                      ///< earliest simulated time at which a fault occurs, s
   std::vector<Impairment> impairments;  ///< at least one

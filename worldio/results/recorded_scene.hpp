@@ -29,7 +29,7 @@ struct RecordedScene {
     std::size_t beams = 1;   ///< number of beams
   };
   struct Eye {                             ///< a ranger
-    std::string name;                      ///< name of its group <sensor> in /sensors/<type>/<sensor>
+    std::string name;                      ///< name of the ranger's group in /sensors/<type>
     std::vector<Fan> fans;                 ///< one per transducer of the ranger
     std::int32_t joint = engine::k_rigid;  ///< index in Type::joints of its joint; k_rigid: none
   };
@@ -43,11 +43,11 @@ struct RecordedScene {
   struct Type {                 ///< a body type
     std::string name;           ///< name of the type in the world; several types may have the same name
     engine::FrameType look;     ///< the shapes, with all joints at rest
-    std::vector<Eye> eyes;      ///< its rangers
-    std::vector<Joint> joints;  ///< its joints, each after its parent
+    std::vector<Eye> eyes;      ///< the rangers of the type
+    std::vector<Joint> joints;  ///< the joints of the type, each after its parent
     struct Device {
-      std::string name;        ///< its group in /sensors/<type>
-      std::uint32_t part = 0;  ///< index of the part on which it is mounted
+      std::string name;        ///< name of the device's group in /sensors/<type>
+      std::uint32_t part = 0;  ///< index of the part on which the device is mounted
     };
     std::vector<Device> devices;  ///< all sensors and other devices of the type
     /// The component whose field `shown_color` gives each body its colour (engine/shown_color.hpp), such as

@@ -46,10 +46,11 @@ class RecordingReader {
 
   /// All bodies of the world as it was loaded, walls included. Each column has one entry per body, by BodyId.
   struct Scene {
-    std::vector<std::uint32_t> word, number;  ///< name: index into `words` of /world, number (engine::Name)
-    std::vector<std::uint32_t> type;          ///< index into the types of /world
-    std::vector<double> pose;                 ///< x, y, z (m) and heading (rad), world frame
-    std::vector<float> color;                 ///< red, green, blue, opacity
+    /// The two members of engine::Name; `word` is an index into the list `words` of /world.
+    std::vector<std::uint32_t> word, number;
+    std::vector<std::uint32_t> type;  ///< index into the types of /world
+    std::vector<double> pose;         ///< x, y, z (m) and heading (rad), world frame
+    std::vector<float> color;         ///< red, green, blue, opacity
   };
   /// Returns the scene. Empty if the recording is so old that it has no scene.
   std::optional<Scene> scene() const;
@@ -66,7 +67,7 @@ class RecordingReader {
     std::string component;              ///< name: "pose", "wander/0", "sensors/minibot/ranger:0"
     engine::StateField field;           ///< name, element type, number of columns, unit and meaning
     std::string frame;                  ///< frame of the values: see RecordedComponent::frame
-    std::vector<std::uint32_t> bodies;  ///< per row: index into ids()
+    std::vector<std::uint32_t> bodies;  ///< for each row, the index of its body in ids()
     Hdf5Dataset dataset;                ///< the values: frames x rows x columns
     std::size_t row_bytes() const { return field.columns * engine::element_size(field.element); }
   };

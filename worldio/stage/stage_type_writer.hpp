@@ -28,7 +28,7 @@ struct StagePlaces {
 std::vector<bool> added_parts(const engine::TypeSpec& type, std::uint64_t seed,
                               const engine::Registry& registry);
 
-/// The macro that a type is written as.
+/// Describes the macro with which a type is written.
 struct StageMacro {
   std::string word;                    ///< name of the macro
   Color color;                         ///< colour of bodies whose own model has no colour
