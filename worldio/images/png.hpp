@@ -12,14 +12,14 @@ namespace troupe::worldio {
 struct Image {
   int width = 0;                   ///< pixels
   int height = 0;                  ///< pixels
-  std::vector<std::uint8_t> rgba;  ///< 4 x width x height values: red, green, blue, opacity
+  std::vector<std::uint8_t> rgba;  ///< red, green, blue and opacity of each pixel: 4 x width x height values
 };
 
 /// An image of 16-bit grey values, row by row from the top.
 struct DepthImage {
   int width = 0;                      ///< pixels
   int height = 0;                     ///< pixels
-  std::vector<std::uint16_t> values;  ///< width x height values
+  std::vector<std::uint16_t> values;  ///< the grey values, width x height of them
 };
 
 /// Write an image to `file` as a PNG, of 8 bits per channel or of 16-bit grey values. The functions write

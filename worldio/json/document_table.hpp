@@ -98,7 +98,7 @@ struct DocumentKey {
   std::size_t (*size)(const void* object) = nullptr;  ///< number of entries
   void* (*append)(void* object,
                   std::string_view name) = nullptr;  ///< adds an entry and returns it; name: its key in a map
-  const void* (*item)(const void* object, std::size_t index) = nullptr;  ///< an entry
+  const void* (*item)(const void* object, std::size_t index) = nullptr;  ///< the entry with this index
   const std::string* (*item_name)(const void* object,
                                   std::size_t) = nullptr;  ///< the key of an entry of a map
 

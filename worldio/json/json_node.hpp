@@ -16,11 +16,11 @@ struct JsonMember;
 /// One value of a JSON document, with the values inside it, and the place where it begins. A nlohmann::json
 /// tree would not keep line numbers.
 struct JsonNode {
-  using List = std::vector<JsonNode>;      ///< in file order
-  using Object = std::vector<JsonMember>;  ///< in file order; keys are unique after parse_json()
+  using List = std::vector<JsonNode>;      ///< entries in file order
+  using Object = std::vector<JsonMember>;  ///< members in file order; keys are unique after parse_json()
 
   std::variant<std::monostate, bool, std::int64_t, std::uint64_t, double, std::string, List, Object>
-      value;    ///< std::monostate is null
+      value;    ///< the value; std::monostate is null
   Where where;  ///< where the value begins
 
   /// Each function returns a pointer to the value if it is a list, an object or a text, respectively, else

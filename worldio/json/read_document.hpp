@@ -11,7 +11,7 @@ namespace troupe::worldio {
 /// registry must outlive it.
 struct DocumentReading {
   const engine::Registry& registry;
-  double most_bodies;  ///< LoadOptions::most_bodies
+  double most_bodies;  ///< greatest number of bodies, LoadOptions::most_bodies
 };
 
 /// Reads the JSON object at `at` into the struct at `object`, which must be default-constructed and of the

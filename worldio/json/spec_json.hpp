@@ -31,7 +31,7 @@ struct BodyColumns {
 /// equal in every bit in the sense of spec_difference(): the images and blocks from which solids were made,
 /// and places in files of the experiment, are not stored.
 struct StoredSpec {
-  std::string json;    ///< from spec_to_json()
+  std::string json;    ///< JSON text from spec_to_json()
   BodyColumns bodies;  ///< the bodies, which are not in `json`
 };
 /// Returns a spec as a stored world. Throws like spec_to_json().

@@ -59,7 +59,7 @@ struct Study {
     }  ///< number of values to combine; 0 if the values are random
   };
   std::vector<Choice> choices;         ///< one per parameter, in the order of `parameters`
-  std::vector<std::uint64_t> seeds;    ///< empty: the world's seed
+  std::vector<std::uint64_t> seeds;    ///< seeds of the runs; empty: only the world's seed
   std::optional<std::size_t> samples;  ///< number of samples, each of which selects every parameter at
                                        ///< random; empty: all combinations
   std::uint64_t random_seed = 1;       ///< seed of the samples

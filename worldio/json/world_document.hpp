@@ -60,7 +60,7 @@ struct Placed {
 
 /// The value of a key `joint`: the name of a joint, or null for no joint.
 struct JointName {
-  std::optional<std::string> name;  ///< empty: no joint
+  std::optional<std::string> name;  ///< name of the joint; empty: no joint
 };
 
 // ---- bodies
@@ -107,8 +107,8 @@ struct ImageDocument {
   };
   /// How unknown cells of a map are treated.
   enum class Unknown : std::uint8_t {
-    free,   ///< as floor
-    solid,  ///< as walls
+    free,   ///< unknown cells are floor
+    solid,  ///< unknown cells are walls
   };
   std::string bitmap;  ///< path, relative to the folder of the world file; empty: no image
   /// Size [x, y, z] to which the image is scaled, m. Empty for a map, which has a size of its own.
@@ -367,7 +367,7 @@ struct FaultDocument : GroupDocument {
     engine::Record params;  ///< parameters, one value per field of the kind's table
   };
   double from = 0;                      ///< earliest simulated time at which a fault occurs, s
-  std::vector<Impairment> impairments;  ///< at least one
+  std::vector<Impairment> impairments;  ///< kinds of faults, at least one
   static void describe(DocumentKeys<FaultDocument>& d);  ///< adds the keys of this struct to `d`
 };
 
@@ -421,7 +421,7 @@ struct WorldDocument : Placed {
   Check overlaps = Check::error;  ///< how a model that overlaps a body at the start is treated
   Check same_names = Check::error;                          ///< how bodies with the same name are treated
   std::vector<FloorplanDocument> floorplans;                ///< walls, as images or lines
-  std::optional<ArenaDocument> arena;                       ///< a rectangle with walls
+  std::optional<ArenaDocument> arena;                       ///< a rectangular floor, usually with walls
   std::vector<std::pair<std::string, TypeDocument>> types;  ///< types, each with its key
   std::vector<ModelDocument> models;                        ///< single bodies
   std::vector<PopulationDocument> populations;              ///< bodies placed by rules
