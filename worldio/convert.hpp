@@ -12,17 +12,19 @@ namespace troupe::worldio {
 /// The result of convert_world(): the text of a world file, and counts of what it contains.
 struct ConvertedWorld {
   std::string text;        ///< content of the new file
-  std::size_t bodies = 0;  ///< number of bodies, without the ground
+  std::size_t bodies = 0;  ///< number of bodies, without the ground (body 0)
   std::size_t types = 0;   ///< number of types that these bodies use
 };
 
 /// Reads the world file `from` and returns it as the text of a world file named `to`. Does not write this
 /// file. Both names must end in `.world` (Stage's syntax) or `.json`. The ending selects the format. Paths of
-/// images in the text are relative to the folder of `to`. Macros of a `.world` file and presets of a JSON
-/// world are expanded, and populations become one model per body. A run of the new world has the same hash
-/// log as a run of the old world. If the new format is `.world`, the function reports an error for everything
-/// in `from` that Stage's syntax cannot express, and a warning for each value that changes in its last bits.
-/// Do not use the result if `diagnostics` has errors.
+/// images in the text are relative to the folder of `to`. Macros of a `.world` file, and presets (named
+/// variants of controller kinds) of a JSON world, are expanded. Populations (groups of bodies that a rule
+/// places) become one model per body. The function reports an error for everything in `from` that the new
+/// format cannot express. If the new format is `.world`, it also reports a warning for each outline, size or
+/// pose that is rounded, for each heading that is wrapped, and for bounds of floor plans, which a `.world`
+/// file does not have. Without such a warning, a run of the new world has the same state hash at every tick
+/// as a run of the old world. Do not use the result if `diagnostics` has errors.
 ConvertedWorld convert_world(const std::filesystem::path& from, const std::filesystem::path& to,
                              const engine::Registry& registry, const LoadOptions& options,
                              Diagnostics& diagnostics);

@@ -14,42 +14,50 @@
 
 namespace troupe::worldio {
 
-/// A function that places the populations of a loaded world again, with another seed. The argument `bodies`
-/// is a copy of WorldSpec::bodies of this world. The function overwrites the poses and random colours of
-/// those bodies in it that belong to populations with the values that follow from `seed`. It throws
-/// InputError if a population does not fit into its region. Several threads may call it at the same time.
+/// A function that places the populations of a loaded world again, with another seed. A population is a group
+/// of bodies of one type that a rule places in a region; its reserve are bodies that are born later. The
+/// argument `bodies` must be a copy of WorldSpec::bodies of this world. For each body of a population, the
+/// function overwrites the pose and, if colours of the population are random, the colour in `bodies` by the
+/// values that follow from `seed`. Bodies of a reserve keep their poses. The function throws InputError if a
+/// population does not fit into its region; some of `bodies` are then already overwritten. Several threads
+/// may call it at the same time.
 using PlaceAgain = std::function<void(std::vector<engine::BodySpec>& bodies, std::uint64_t seed)>;
 
 /// Options of the functions that load a world, among them the changes that the command line makes to it.
 struct LoadOptions {
   std::optional<std::uint64_t> seed;  ///< replaces the seed of the world
   /// New numbers of bodies of populations: pairs of the name of a population and its number of bodies. An
-  /// empty name means the only population of the world.
+  /// empty name means the only population of the world. An unknown name is an error, as is any entry for a
+  /// world without populations, such as a `.world` file.
   std::vector<std::pair<std::string, std::size_t>> robots;
-  /// Values that replace those of a JSON world: pairs of a JSON pointer to the replaced value and the new
-  /// value as JSON text, such as {"/populations/0/count", "500"}. A new value that is not JSON becomes a
-  /// string.
+  /// Values that replace values of the world, or are added to it: pairs of a JSON pointer to the value in the
+  /// JSON world and the new value as JSON text, such as {"/populations/0/count", "500"}. A new value that is
+  /// not JSON becomes a string. For a `.world` file, the pointers refer to the JSON world that
+  /// write_json_world() makes of it.
   std::vector<std::pair<std::string, std::string>> set;
-  /// Folders in which the loader looks for a world file, or a file that it includes, that does not exist at
-  /// the given path. In these folders it looks for the file's name without the folders of the given path.
+  /// Folders in which the loader looks for a world file, or for a file that a `.world` file includes, if
+  /// there is no file at the given path. It looks for the last component of the path, in these folders in
+  /// their order. Files that a JSON world includes are not searched for in these folders.
   std::vector<std::filesystem::path> search_path;
   /// Number of threads that load the world; 0: one per available processor. The number changes no result and
   /// no message.
   unsigned threads = 0;
-  /// Greatest number of bodies in all populations of a world together; more are an error. Programs that read
-  /// untrusted files set it lower.
+  /// Greatest number of bodies of a JSON world; more are an error. The ground, floor plans and the reserves
+  /// of populations count. Programs that read untrusted files set it lower. It does not apply to `.world`
+  /// files.
   double most_bodies = 10000000;
   /// If not null: the object in which the loader stores a function that places the populations of this world
-  /// again. The object stays empty if the world has no populations.
+  /// again. The loader leaves the object unchanged if the world has no populations or has errors.
   PlaceAgain* place_again = nullptr;
-  /// If not null: the list to which the loader adds the names of all base types of a JSON world, that is, of
-  /// the types that other types extend.
+  /// If not null: the list to which the loader adds the keys of all base types of a JSON world, that is, of
+  /// the types that other types extend. A key is added once for each type that extends the base type.
   std::vector<std::string>* base_types = nullptr;
 };
 
 /// Reads a world file. It must have Stage's syntax if its name ends in `.world`, and be Troupe's JSON if its
-/// name ends in `.json`. Any other ending is an error. All errors and warnings are added to `diagnostics`. Do
-/// not use the result if there are errors. registry: the kinds that the world may use.
+/// name ends in `.json`. Any other ending is an error, as is a file that is missing or cannot be read. All
+/// errors and warnings are added to `diagnostics`. Do not use the result if there are errors. `registry` has
+/// the kinds that the world may use.
 engine::WorldSpec load_world(const std::filesystem::path& file, const engine::Registry& registry,
                              const LoadOptions& options, Diagnostics& diagnostics);
 
@@ -60,9 +68,9 @@ engine::WorldSpec load_world_text(const std::filesystem::path& file, std::string
                                   const engine::Registry& registry, const LoadOptions& options,
                                   Diagnostics& diagnostics);
 
-/// The readers of the two syntaxes, Stage's and JSON, which load_world_text() calls. `text` is the content of
-/// the world file. `file` is the path of this file in messages, and relative paths in the world are relative
-/// to its folder.
+/// The readers of the two syntaxes, Stage's and JSON, which load_world_text() calls. They do not check the
+/// ending of `file`. `text` is the content of the world file. `file` is the path of this file in messages,
+/// and relative paths in the world are relative to its folder.
 engine::WorldSpec load_stage_world(const std::filesystem::path& file, std::string text,
                                    const engine::Registry& registry, const LoadOptions& options,
                                    Diagnostics& diagnostics);

@@ -8,13 +8,14 @@
 namespace troupe::worldio {
 
 /// A file NAME that is written under a temporary name in the same folder and renamed when it is complete. The
-/// temporary name is `NAME.partial`, or `NAME.2.partial`, `NAME.3.partial` and so on if several writers write
-/// NAME at the same time. A writer holds a lock (flock) on its partial file until it renames or removes it. A
-/// partial file without a lock was left by a killed writer, and the next writer of NAME reuses it. On file
-/// systems without locks the temporary name contains the process id, and the partial file of a killed writer
-/// remains.
+/// temporary name is `NAME.partial`. If another writer uses this name, or the name cannot be used, it is
+/// `NAME.2.partial`, `NAME.3.partial` and so on, at most `NAME.1000.partial`. A writer holds a lock (flock)
+/// on its partial file until it renames or removes the file. A partial file without a lock was left by a
+/// killed writer, and the next writer of NAME overwrites it. On file systems without locks the temporary name
+/// also contains the process id, and the partial file of a killed writer remains.
 ///
-/// All functions throw std::system_error on failure. If NAME exists, it must be a regular file.
+/// The constructor, write(), sync() and commit() throw std::system_error on failure; the error has the
+/// reason, but no path. If NAME exists, it must be a regular file; otherwise the constructor throws.
 class PartialFile {
  public:
   /// Creates an empty partial file for the final name `file`. `ending`, such as ".mp4", is appended to the
@@ -26,19 +27,21 @@ class PartialFile {
   ~PartialFile();
 
   const std::filesystem::path& path() const { return partial_; }  ///< the temporary name
-  /// Descriptor of the partial file, open for writing. A process that inherits the descriptor shares the
-  /// lock.
+  /// Descriptor of the partial file, open for writing; -1 after commit(). A process that inherits the
+  /// descriptor shares the lock.
   int descriptor() const { return descriptor_; }
   /// Appends all bytes to the partial file.
   void write(std::span<const std::byte> bytes);
   /// Flushes the written bytes to the disk (fsync).
   void sync();
   /// Renames the partial file to its final name and closes it. Replaces an existing file of that name.
+  /// Afterwards, write(), sync() and commit() must not be called.
   void commit();
 
  private:
-  /// The result of take(). yes: the name is now that of the partial file. no: another writer or another file
-  /// has the name. no_locks: the file system has no locks.
+  /// The result of take(). yes: the partial file is open under this name, locked and empty. no: another
+  /// writer uses the name, or it belongs to something that cannot be overwritten. no_locks: the file system
+  /// has no locks.
   enum class Taken : char { yes, no, no_locks };
   Taken take(const std::filesystem::path& partial);
 

@@ -26,32 +26,35 @@ struct Bitmap {
   }
 };
 
-/// Greatest number of pixels of an image that is read. A file of a few kilobytes can claim any number of
-/// pixels, and memory use grows with it.
+/// Greatest number of pixels of an image that is read. A file of a few kilobytes can declare any number of
+/// pixels, and memory use grows with this number.
 inline constexpr double k_most_pixels = 100e6;
-/// Greatest number of corners that the outlines of an image may have together. Memory use grows with it, too.
+/// Greatest number of corners that all outlines of an image may have together. Memory use also grows with
+/// this number.
 inline constexpr std::size_t k_most_corners = 4000000;
 
 /// A function that decides whether a pixel is solid. The channels of the pixel, each 0 to 255, are (grey),
 /// (grey, opacity), (red, green, blue) or (red, green, blue, opacity).
 using PixelRule = std::function<bool(std::span<const std::uint8_t> channels)>;
-/// Stage's rule: a pixel is solid if its first channel is at most 127.
+/// Stage's rule: a pixel is solid if its first channel is at most 127. There must be at least one channel.
 bool is_dark(std::span<const std::uint8_t> channels);
 
-/// Reads a PNG, JPEG, BMP or PNM image. `is_solid` decides which pixels are solid. If the file is missing,
-/// not such an image, damaged or too large, returns nothing and adds an error at `where`, the place of the
-/// image's name in the world file.
+/// Reads a PNG, JPEG, BMP or PNM image. `is_solid` decides which pixels are solid. If the file is missing, is
+/// not such an image, is damaged, or exceeds a limit (2 GB, k_most_pixels, k_most_corners), returns nothing
+/// and adds an error at `where`, the place of the image's name in the world file.
 std::optional<Bitmap> read_bitmap(const std::filesystem::path& file, Where where, Diagnostics& diagnostics,
                                   const PixelRule& is_solid = is_dark);
 /// Like read_bitmap(), but reads the image from `bytes`, the content of a file. `name` is the name of the
-/// image in messages. An image of more than `most_pixels` pixels is an error.
+/// image in messages. The limit on pixels is `most_pixels`.
 std::optional<Bitmap> decode_bitmap(std::string_view bytes, std::string_view name, Where where,
                                     Diagnostics& diagnostics, double most_pixels = k_most_pixels,
                                     const PixelRule& is_solid = is_dark);
 
-/// Returns the outlines of the areas of solid pixels, and of the holes in these areas, as closed rings. Units
-/// are pixels, +y is up, and y is 0 at the top of the image and -height at the bottom. Collinear edges are
-/// merged into one edge, except, as in Stage, among the first three points of a ring (docs/stage-worlds.md).
+/// Returns the outlines of the areas of solid pixels, and of the holes in these areas, as closed rings. The
+/// last point of a ring does not repeat the first. Outer outlines are clockwise, those of holes
+/// counter-clockwise. Units are pixels, x is 0 at the left edge of the image, +y is up, and y is 0 at the top
+/// of the image and -height at the bottom. Collinear edges are merged into one edge, except, as in Stage,
+/// among the first three points of a ring (docs/stage-worlds.md). Empty if no pixel is solid.
 std::vector<Ring> bitmap_contours(const Bitmap& bitmap);
 
 /// Converts the outlines of an image of width x height pixels in place, from pixels (as bitmap_contours()
@@ -67,7 +70,8 @@ void add_boundary(const Eigen::Vector3d& size, std::vector<Solid>& solids);
 /// Scales and shifts several solids together. Afterwards, their common bounding box in x and y, enlarged to
 /// contain `frame` (in the units of the solids), fills `size` (m) and is centred on the origin. Heights are
 /// multiplied by size.z / (z_max - z_min), where z_min and z_max are the lowest and highest points of all
-/// solids, and are not shifted.
+/// solids, and are not shifted. An axis along which the extent is 0 is not scaled. Does nothing if the solids
+/// have no points and `frame` is empty.
 void normalise(std::vector<Solid>& solids, const Eigen::Vector3d& size, const Box& frame = {});
 
 }  // namespace troupe::worldio

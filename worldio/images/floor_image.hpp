@@ -15,7 +15,7 @@
 
 namespace troupe::worldio {
 
-/// The outlines of an image of walls. If the image belongs to a ROS map, also its size in m and its place in
+/// The outlines of an image of walls. For the image of a ROS map, there is also its size in m and its pose in
 /// the frame of the map.
 struct FloorImage {
   int width = 0;   ///< pixels
@@ -32,31 +32,35 @@ struct FloorImage {
   };
   std::optional<Place> place;  ///< set if the image is a ROS map
 
-  /// Returns the walls of the image as one solid that stands on z = 0. It is scaled so that the whole image,
-  /// margins included, fills `size` (m) and is centred on the origin in x and y.
+  /// Returns the walls of the image as one solid from z = 0 to z = size.z. The solid is scaled so that the
+  /// whole image, margins included, fills `size` (m) and is centred on the origin in x and y.
   Solid solid(const Eigen::Vector3d& size) const;
 };
 
 /// Returns the solids of a floor plan in its own frame, standing on z = 0. They are scaled so that the
 /// bounding box of the solid pixels, or the whole image if spec.keeps_margins is set, fills `size` (m) and is
-/// centred on the origin in x and y. With spec.boundary, four walls just inside the edges are added. A ROS
-/// map keeps its own place, and its own size in x and y, which is written to `size`.
+/// centred on the origin in x and y. With spec.boundary, four walls just inside the edges of `size` are
+/// added. The solids of a ROS map are not fitted to `size`: they have the pose and, in x and y, the size that
+/// the map gives them, and the frame is that of the map. The function then writes this size to x and y of
+/// `size`; its z is the height of the walls.
 std::vector<Solid> floor_plan_body(const FloorImage& image, const engine::ImageSpec& spec,
                                    Eigen::Vector3d& size);
-/// Like floor_plan_body(), but for a model that is not a floor plan. As in Stage, the solids, boundary
-/// included, are then scaled to `size` once more, which may change the last bits of their coordinates. A ROS
-/// map is not scaled.
+/// Like floor_plan_body(), but for a model that is not a floor plan. As in Stage, all solids, including those
+/// of the boundary, are scaled to `size` a second time, which may change the last bits of their coordinates.
+/// The solids of a ROS map are not scaled a second time.
 std::vector<Solid> image_body(const FloorImage& image, const engine::ImageSpec& spec, Eigen::Vector3d& size);
 
-/// Reads the images of one world. It reads each file only once.
+/// Reads the images of one world. It reads each file only once for each value of `unknown_is_solid`.
 class FloorImages {
  public:
   explicit FloorImages(Diagnostics& diagnostics) : diagnostics_(diagnostics) {}
 
-  /// Reads an image, or a ROS map if `file` is a YAML file. `unknown_is_solid` says whether the unknown cells
-  /// of a map are solid. Returns null if the file cannot be read. The first call that fails for a file adds
-  /// an error at `where`, the place of the file's name in the world file, or at a line of the YAML file. An
-  /// image without solid pixels is not an error. The result is valid as long as this object.
+  /// Reads an image, or a ROS map if the name of `file` ends in `.yaml` or `.yml`. `unknown_is_solid` says
+  /// whether the unknown cells of a map are solid; for other images it has no effect. Returns null if the
+  /// file cannot be read. The first of several calls with the same arguments that fail adds an error at
+  /// `where`, the place of the file's name in the world file, or at a line of the YAML file. An image without
+  /// solid pixels is not an error: its `contours` are empty. The result is valid until this object is
+  /// destroyed.
   const FloorImage* read(const std::filesystem::path& file, bool unknown_is_solid, Where where);
 
  private:

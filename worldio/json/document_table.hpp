@@ -27,7 +27,8 @@ namespace troupe::worldio {
 
 struct DocumentTable;
 
-/// The form that a value has in a file. Each comment begins with the C++ type of the member that stores it.
+/// The form that a value has in a file. Each comment begins with the C++ type of the struct member that
+/// stores the value, followed by the JSON value.
 enum class Form : std::uint8_t {
   value,            ///< a type that engine::Field can describe: its JSON form follows from DocumentKey::field
   choice,           ///< an enum of one byte: a text, one of Field::choices, in the order of the enum
@@ -52,7 +53,8 @@ enum class Form : std::uint8_t {
            ///< a fault in Registry::faults
   object,  ///< a struct with a DocumentTable
   list,    ///< std::vector of structs with a DocumentTable
-  map,     ///< like `list`, but of pairs of a name and a struct: an object whose keys are the names
+  map,     ///< std::vector of pairs of a name and a struct with a DocumentTable: an object whose keys are the
+           ///< names
 };
 
 /// One key of a struct with a DocumentTable.
@@ -61,23 +63,25 @@ struct DocumentKey {
   Form form = Form::value;     ///< form of its value
   bool required = false;       ///< an object without the key is an error
   std::string_view hint = {};  ///< text after `missing "key": ` in errors; empty: see missing_hint()
-  std::string_view expects = {};  ///< if the value is a text: what follows `expected ` in errors
+  std::string_view expects = {};  ///< if the value is a text: what follows `expected ` in errors. For
+                                  ///< Form::kept: a key that the schema requires in the object; empty: none
   /// What an absent key means, if the default of the member does not say it, such as "the bounds of the
   /// world".
   std::string_view by_default = {};
-  std::size_t least = 0;  ///< minimum number of entries of a list, or of points of an outline
+  std::size_t least = 0;  ///< minimum number of entries of Form::names, or of points of an outline
   std::size_t most = std::numeric_limits<std::size_t>::max();  ///< maximum number of points of an outline
   bool always = false;         ///< true: the writer also writes default values, except a z of 0 in a pose
   bool counts_bodies = false;  ///< the maximum of the value is LoadOptions::most_bodies
-  std::optional<engine::Field>
-      other;  ///< used in place of `field` if the kind of the object has a parameter of the same name
+  /// Used in place of `field` if the kind of the object has a parameter with the name of `field`.
+  std::optional<engine::Field> other;
   std::uint32_t variants = ~0u;               ///< bit i is 1 if an object may have this key when its key
                                               ///< DocumentTable::variant has the i-th of its choices
   const DocumentTable& (*table)() = nullptr;  ///< Form::object, list and map: table of the struct
   const engine::FieldTable* block = nullptr;  ///< Form::block: the fields of the object
-  /// Returns whether a JSON object may have this key, given its other keys. Null: it always may.
+  /// Returns whether a JSON object may have this key, given its other keys. Null: every object may.
   bool (*is_there)(const JsonNode& object) = nullptr;
-  /// Returns whether objects of a kind may have the key. `kind` is DocumentKind::kind. Null: all objects may.
+  /// Returns whether objects of a kind may have the key. `kind` is DocumentKind::kind of the object, which
+  /// can be null. A null function: objects of all kinds may.
   bool (*is_of)(const void* kind) = nullptr;
 
   /// The key has no member, because the loader replaces the key before the object is read: `include` and
@@ -86,18 +90,20 @@ struct DocumentKey {
   bool is_optional = false;  ///< the member is a std::optional
   bool is_float = false;     ///< the value is a float: written with only as many digits as a float needs
 
-  // Access to the member, for every form except `value`. `object` is the struct for make() and find(). For
-  // the other functions it is the list or the map that make() or find() returned.
+  // Functions that access the member, for every form except `value`; null if the key has no member. make()
+  // and find() get the struct as `object`. The other functions exist only for lists and maps, and get the
+  // list or the map that make() or find() returned.
   void* (*make)(void* object) = nullptr;              ///< the member; an empty std::optional gets a value
   const void* (*find)(const void* object) = nullptr;  ///< the member; null if it is an empty std::optional
   std::size_t (*size)(const void* object) = nullptr;  ///< number of entries
   void* (*append)(void* object,
                   std::string_view name) = nullptr;  ///< adds an entry and returns it; name: its key in a map
-  const void* (*item)(const void* object, std::size_t index) = nullptr;  ///< an entry
+  const void* (*item)(const void* object, std::size_t index) = nullptr;  ///< the entry with this index
   const std::string* (*item_name)(const void* object,
                                   std::size_t) = nullptr;  ///< the key of an entry of a map
 
-  /// Text that follows `missing "key": ` in errors: `hint`, else the meaning of the key, else `expects`.
+  /// Text that follows `missing "key": ` in errors: `hint`, or if that is empty the meaning of the key, or if
+  /// that is also empty `expects`.
   std::string_view missing_hint() const {
     return !hint.empty() ? hint : !field.text.empty() ? field.text : expects;
   }
@@ -124,8 +130,8 @@ struct DocumentKey {
     most = at_most;
     return *this;
   }
-  /// Sets another name for the key. The key has this name in objects whose kind has a parameter that is
-  /// called like the key, so that the names do not clash.
+  /// Sets another name for the key. The key has this name in objects whose kind has a parameter with the
+  /// usual name of the key, because the parameters are keys of the same object.
   DocumentKey& or_named(std::string_view name) {
     other = field;
     other->name = name;
@@ -151,20 +157,22 @@ struct DocumentRule {
   /// (not_both).
   enum class How : std::uint8_t { one_of, any_of, not_both };
   How how = How::one_of;
-  std::vector<std::string_view> keys = {};  ///< names of fields
+  std::vector<std::string_view> keys = {};  ///< names of keys, as in DocumentKey::field
   std::string none = {};                    ///< error if the object has none of the keys
-  std::string several = {};                 ///< error if it has more than one; empty: as `none`
+  std::string several = {};                 ///< error if it has more than one; empty: the text of `none`
   bool at_key = false;  ///< true: `several` is reported at every key after the first; false: once, at the
                         ///< object
 };
 
-/// A kind that objects with a key `kind` can have: a drive kind, a device kind, ...
+/// A kind that objects with a key `kind` can have: a drive kind, a device kind, ... It refers to data of the
+/// engine::Registry, which must outlive it.
 struct DocumentKind {
-  std::string_view name;
-  std::string_view text;
-  const engine::FieldTable* params = nullptr;
-  /// Defaults that replace those in `params`, for a preset: a named variant of a controller kind. In the
-  /// result of DocumentKinds::all(), `name` is then the name of the preset and `preset_of` that of the kind.
+  std::string_view name;                       ///< value of the key `kind`
+  std::string_view text;                       ///< meaning of the kind
+  const engine::FieldTable* params = nullptr;  ///< its parameters, which are keys of the same object
+  /// For a preset, which is a named variant of a controller kind: defaults that replace those in `params`.
+  /// For a preset, DocumentKinds::all() returns the name of the preset in `name` and that of its kind in
+  /// `preset_of`; DocumentKinds::find() returns the name of the kind in `name` and an empty `preset_of`.
   std::span<const std::pair<std::string_view, engine::Value>> presets = {};
   std::string_view preset_of = {};
   const void* kind = nullptr;  ///< argument of DocumentKey::is_of: engine::DeviceKind of a device, else null
@@ -172,14 +180,16 @@ struct DocumentKind {
 
 /// The kinds that objects of one struct can have.
 struct DocumentKinds {
-  std::string_view what;  ///< word for such a kind in messages: "drive"
+  std::string_view what;  ///< word for a kind in messages: "drive"
   std::string_view page;  ///< documentation page of plug-ins with such kinds; empty: plug-ins cannot have any
+  /// Returns all kinds of the registry, then all presets of these kinds.
   std::vector<DocumentKind> (*all)(const engine::Registry& registry);
-  std::vector<std::string_view> (*known)(const engine::Registry& registry);  ///< names, for messages, sorted
-  std::vector<std::string_view> (*named)(
-      const engine::Registry& registry);  ///< names that no kind of a plug-in may have
-  /// Returns the kind of this name. Loads the plug-in if the kind is in a plug-in. If there is no such kind,
-  /// returns an error whose text is the message for the user.
+  /// Returns the names of all kinds and presets, sorted, for messages.
+  std::vector<std::string_view> (*known)(const engine::Registry& registry);
+  /// Returns the names that no kind of a plug-in may have. Null if `page` is empty.
+  std::vector<std::string_view> (*named)(const engine::Registry& registry);
+  /// Returns the kind or preset of this name. Loads the plug-in if the kind is in a plug-in. If there is no
+  /// kind of this name, returns an error whose text is the message for the user.
   Result<DocumentKind> (*find)(const engine::Registry& registry, const std::string& name);
   /// Returns the kind that an object without the key `kind` has because of the enclosing object `around`;
   /// empty if `around` implies no kind. Null: every object must have the key `kind`.
@@ -191,9 +201,10 @@ struct DocumentKinds {
 /// A text that may be given in place of an object, such as "stalls" in place of {"kind": "stalls"}.
 struct DocumentShorthand {
   std::string_view expects;  ///< what follows `expected ` in errors
-  /// Fills the object from the text, or reports errors.
+  /// Fills the default-constructed struct at `object` from the text. If the text is wrong, reports errors at
+  /// `at`; the struct is then incomplete.
   void (*read)(const JsonCursor& at, const std::string& text, const engine::Registry& registry, void* object);
-  /// Returns the text for an object; empty if no text can express the object.
+  /// Returns the text for the struct at `object`; empty if no text can express the struct.
   std::optional<std::string> (*write)(const void* object, const engine::Registry& registry);
   /// Returns the JSON schemas of the texts: a text is valid if it fits one of them.
   std::vector<JsonNode> (*schemas)(const engine::Registry& registry);
@@ -202,32 +213,34 @@ struct DocumentShorthand {
 
 /// The description of a struct: its keys, and rules for them.
 struct DocumentTable {
-  std::string_view definition;  ///< name under "definitions" in the schema; empty: written at every use
-  std::vector<DocumentKey> keys;
-  std::vector<DocumentRule> rules;
-  const DocumentKinds* kinds = nullptr;
-  const DocumentShorthand* shorthand = nullptr;
-  /// Name of the key whose choice determines which other keys are valid, such as `rule` of a population's
-  /// place. Empty if the same keys are valid in all objects.
+  std::string_view definition;      ///< name under "definitions" in the schema; empty: written at every use
+  std::vector<DocumentKey> keys;    ///< in the order in which the writer writes them
+  std::vector<DocumentRule> rules;  ///< checked in this order
+  const DocumentKinds* kinds = nullptr;          ///< null: the objects have no key `kind`
+  const DocumentShorthand* shorthand = nullptr;  ///< null: no text may be given in place of an object
+  /// Name of the key, of Form::choice, whose value determines which other keys are valid, such as `rule` of a
+  /// population's place. Empty if the same keys are valid in all objects.
   std::string_view variant;
   /// Checks the object after all keys are read, and reports errors. Null: no check.
   void (*check)(const void* object, const JsonCursor& at) = nullptr;
   Placed& (*placed)(void* object) = nullptr;  ///< returns the struct as its base class Placed
   const void* usual = nullptr;                ///< a struct whose members have their default values
-  /// Names of the structs that have members without a key, other than those given to DocumentKeys::no_key().
-  /// Always empty; a test checks it.
+  /// Names of the structs that have members for which describe() called neither a function that adds a key
+  /// nor DocumentKeys::no_key(). It must be empty; a test checks this.
   std::vector<std::string> incomplete;
   /// Returns whether the writer omits the key `kind` of this object, because the reader finds its kind by
   /// DocumentKinds::implied. Null: the writer always writes the key.
   bool (*is_kind_implied)(const void* object) = nullptr;
 
+  /// Returns the key whose DocumentKey::field has this name; null if there is none.
   const DocumentKey* find(std::string_view name) const;
 };
 
-/// Reads `text`, which is all or part of the value at `at`, as a comparison such as `>= 0.9`. If the text is
-/// not a comparison, reports an error at `at` and returns nothing.
+/// Reads `text`, which is all or part of the value at `at`, as a comparison with a finite number, such as
+/// `>= 0.9`. Spaces around the operator and the number are allowed. If the text is not such a comparison,
+/// reports an error at `at` and returns nothing.
 std::optional<ComparisonDocument> read_comparison(const JsonCursor& at, std::string_view text);
-/// Returns the regular expression that comparisons match, for the schema.
+/// Returns the regular expression that every text that read_comparison() accepts matches, for the schema.
 std::string comparison_pattern();
 
 /// Returns the table of a struct. The first call fills the table with T::describe().
@@ -238,8 +251,8 @@ const DocumentTable& document_table();
 /// `heading` of a pose.
 const engine::Field& heading_field();
 /// Returns the field that describes a key of an object. `params` are the parameters of the object's kind;
-/// null if the object has no kind. The result is DocumentKey::other if this is set and one of the parameters
-/// has the usual name of the key, else DocumentKey::field.
+/// null if the object has no kind. The result is DocumentKey::other if that member is set and one of the
+/// parameters has the name of DocumentKey::field; otherwise the result is DocumentKey::field.
 const engine::Field& field_of(const DocumentKey& key, const engine::FieldTable* params);
 
 namespace detail {
@@ -259,9 +272,9 @@ struct InnerOf<std::optional<T>> {
 template <class T>
 using Inner = typename InnerOf<T>::Type;
 
-/// Converts to any type of a member of a document, for engine::detail::member_count(): to any type except
-/// vectors of Eigen. The constructors of std::optional would otherwise try to make such a vector from it,
-/// which does not compile.
+/// Converts to any type except Eigen's vectors, so that engine::detail::member_count() can initialise every
+/// member of a document with it. If it converted to Eigen's vectors, the constructors of std::optional would
+/// try to make such a vector from it, which does not compile.
 struct AnyMember {
   template <class T>
   requires(!requires { T::RowsAtCompileTime; }) operator T() const;
@@ -275,9 +288,10 @@ class DocumentKeys {
  public:
   explicit DocumentKeys(DocumentTable& table) : table_(table) { noted<T>(); }
 
-  /// Adds a key for a member that engine::Description accepts: a number, a bool, an enum, a pose, ... Path:
-  /// the pointer to the member, or a chain of pointers to a member of a member. `facts` are the unit, the
-  /// limits and the meaning of the key (engine::facts).
+  /// Adds a key of Form::value, for a member that engine::Description accepts: a number, a bool, an enum, a
+  /// pose, ... Path: the pointer to the member, or a chain of pointers to a member of a member. `facts` are
+  /// the unit, the limits and the meaning of the key (engine::facts). This function and those below return
+  /// the new key; the reference is valid until another key is added.
   template <auto... Path, class... Facts>
   DocumentKey& value(std::string_view name, Facts... facts) {
     static const T example{};
@@ -294,7 +308,8 @@ class DocumentKeys {
     return key;
   }
 
-  /// Adds a key for an enum of one byte. `names` are in the order of its values.
+  /// Adds a key of Form::choice, for an enum of one byte with the values 0, 1, 2, ... `names` are in the
+  /// order of these values. `text` is the meaning of the key.
   template <auto... Path>
   DocumentKey& choice(std::string_view name, std::span<const std::string_view> names,
                       std::string_view text = {}) {
@@ -305,8 +320,8 @@ class DocumentKeys {
     return key;
   }
 
-  /// Adds a key for a member of any other form. `text` is the meaning of the key. `expects` is
-  /// DocumentKey::expects.
+  /// Adds a key for a member of any other form. An empty Path adds a key without a member. `text` is the
+  /// meaning of the key. `expects` is DocumentKey::expects.
   template <auto... Path>
   DocumentKey& other(Form form, std::string_view name, std::string_view text = {},
                      std::string_view expects = {}) {
@@ -381,7 +396,7 @@ class DocumentKeys {
     return key;
   }
 
-  /// Says that members have no key.
+  /// States that members of T have no key, so that incomplete() does not list T because of them.
   template <auto... Members>
   void no_key() {
     note<Members...>();
@@ -395,7 +410,9 @@ class DocumentKeys {
     return found;
   }
 
+  /// Adds a rule to DocumentTable::rules.
   void rule(DocumentRule rule) { table_.rules.push_back(std::move(rule)); }
+  /// Sets DocumentTable::check.
   template <void (*Check)(const T& object, const JsonCursor& at)>
   void check() {
     table_.check = [](const void* object, const JsonCursor& at) {
@@ -422,7 +439,7 @@ class DocumentKeys {
     return below<Path...>(*static_cast<T*>(object));
   }
 
-  /// The members of a struct that have a key, or none because of no_key().
+  /// The members of a struct that were given to a function that adds a key, or to no_key().
   struct Noted {
     std::string_view name;                  ///< a text that contains the name of the struct
     std::size_t count = 0;                  ///< number of its members

@@ -12,43 +12,48 @@
 
 namespace troupe::worldio {
 
-/// Returns the spec of the measure that a document describes.
+/// Returns the spec of the measure that a document describes. It copies the values and checks nothing.
 engine::MeasureSpec expand_measure(const MeasureDocument& document);
 /// Returns the document from which expand_measure() makes this measure.
 MeasureDocument contract_measure(const engine::MeasureSpec& measure);
 
-/// Sets the stop conditions, interventions and faults (docs/experiments.md) of `spec`, whose types must be
-/// set already.
+/// Adds the stop conditions, interventions and faults (docs/experiments.md) of a document to spec.experiment.
+/// The types of `spec` must be set already.
 /// world      path of the object that has the keys, for errors
 /// where_at   place of the key `at`, the list of interventions, for errors
 /// type_keys  for each type in spec.types, its key in the document; empty for a type without a key
-/// Names of populations and models are resolved later, when the world is built.
+/// Reports an error for an intervention `set` of an unknown type, and for parameters that the type does not
+/// have. Names of populations and models are resolved later, when the world is built.
 void expand_experiment(const ExperimentDocument& document, const DocumentPath& world, Where where_at,
                        std::span<const std::string> type_keys, const engine::Registry& registry,
                        engine::WorldSpec& spec);
 
-/// The inverse of expand_experiment(): fills `document` from spec.experiment.
+/// The inverse of expand_experiment(): fills `document`, which must be empty, from spec.experiment.
+/// `type_keys` has, for each type in spec.types, its key in the document.
 void contract_experiment(const engine::WorldSpec& spec, std::span<const std::string> type_keys,
                          const engine::Registry& registry, ExperimentDocument& document);
 
 /// Reads new parameters of a type from JSON: {"drive": {...}}, {"device": {"name": ..., ...}} or
 /// {"controller": {"kind": ..., ...}}, as in the intervention `set` of a world file. type: TypeSpec::name of
-/// a type of `spec`. If the JSON is wrong or the type does not have these parameters, returns nothing and
-/// reports errors, which name no file.
+/// a type of `spec`; of several types with this name, the first is used. If the JSON is wrong, there is no
+/// such type, or the type does not have these parameters, returns nothing and reports errors, which name no
+/// file.
 std::optional<engine::SettingSpec> read_setting(std::string_view type, std::string_view json,
                                                 const engine::Registry& registry,
                                                 const engine::WorldSpec& spec, Diagnostics& diagnostics);
-/// Returns the parameters of a type as JSON: a list of the objects that read_setting() reads, one for each
-/// drive, device and controller that has parameters. Infinite values and lists of records are left out.
+/// Returns the parameters of a type as JSON on one line: a list of the objects that read_setting() reads, one
+/// for the drive and for each device and controller whose kind has parameters. Values that are not finite,
+/// and parameters that are blocks (FieldType::record and records), are left out. Throws like json_text().
 std::string parameters_json(const engine::TypeSpec& type, const engine::Registry& registry);
 
 /// Reads the keys of an experiment (`stop_when`, `at`, `faults`) from `object`, the JSON object of a stored
-/// world (worldio/json/spec_json.hpp), and sets spec.experiment. The object has other keys too, which are
-/// left unread.
+/// world (worldio/json/spec_json.hpp), and adds the experiment to spec.experiment with expand_experiment().
+/// Other keys of the object are neither read nor reported. `type_keys` has, for each type in spec.types, the
+/// text that names it in the object.
 void read_experiment(JsonObject& object, std::span<const std::string> type_keys,
                      const engine::Registry& registry, engine::WorldSpec& spec);
 /// The inverse of read_experiment(): adds the keys of spec.experiment to `object`. Adds nothing for a world
-/// without an experiment.
+/// without an experiment. `type_keys` must be that of read_experiment().
 void write_experiment(const engine::WorldSpec& spec, std::span<const std::string> type_keys,
                       const engine::Registry& registry, JsonNode::Object& object);
 

@@ -14,15 +14,16 @@
 namespace troupe::worldio {
 
 /// Reads one field of an object and returns its value in SI units. The key ends in the unit (`fov_rad`,
-/// `fov_deg`). The result has no value (given() is false) if the object lacks the field. If the value is
-/// of the wrong type or outside the limits of the field, reports an error and returns a result without a
-/// value.
+/// `fov_deg`). The result has no value (given() is false) if the object lacks the field. If the value is of
+/// the wrong type or outside the limits of the field, or if the key lacks its unit, reports an error and
+/// returns a result without a value. A field that is given in two units is also an error; the value is then
+/// that of one of them.
 engine::Value read_field(JsonObject& object, const engine::Field& field);
 
 /// The value of a field in an object, and the place of this value in the file.
 struct FoundField {
   engine::Value value;         ///< without a value if the field is absent or wrong
-  std::optional<Where> where;  ///< empty if the field is absent
+  std::optional<Where> where;  ///< empty if the object lacks the field
 };
 /// Like read_field(), but also returns the place of the value.
 FoundField find_field(JsonObject& object, const engine::Field& field);
@@ -33,8 +34,9 @@ FoundField find_field(JsonObject& object, const engine::Field& field);
 engine::Value read_value(const JsonCursor& at, const engine::Field& field);
 
 /// Reads all fields of a table from an object. A field that the object lacks takes its value from `presets`,
-/// which are pairs of a field name and a value, or else its default. A field that has neither is an error,
-/// unless the field is optional: the record then has no value for it. Unknown keys are not reported;
+/// which are pairs of a field name and a value, or else its default. A field that is missing and has neither
+/// is an error, unless the field is optional: the record then has no value for the field. A field with a
+/// wrong value is an error, and also takes its preset or default. Unknown keys are not reported;
 /// JsonObject::finish() reports them.
 engine::Record read_fields(JsonObject& object, const engine::FieldTable& table,
                            std::span<const std::pair<std::string_view, engine::Value>> presets = {});
@@ -43,37 +45,39 @@ engine::Record read_fields(JsonObject& object, const engine::FieldTable& table,
 /// of these, reports an error and returns nothing.
 std::optional<Color> read_color(const JsonCursor& at);
 
-// Every written value reads back as the same bits. An angle is therefore written in degrees only if the
-// degrees convert back to exactly the same radians.
+// The functions below write values so that each value reads back as the same bits. An angle is therefore
+// written in degrees only if the degrees convert back to exactly the same radians.
 
-/// Adds a value to an object. The key is the name of the field followed by the unit, such as `fov_deg`. Adds
-/// nothing if the value is not given.
+/// Adds a value, in SI units, to an object. The value must have the type of the field. The key is the name of
+/// the field followed by the unit, such as `fov_deg`. Adds nothing if the value is not given.
 void write_field(const engine::Field& field, const engine::Value& value, JsonNode::Object& object);
 
-/// Adds to an object those fields of a record whose values differ from their defaults.
+/// Adds to an object those fields of a record whose values differ in any bit from their defaults.
 void write_fields(const engine::Record& record, const engine::FieldTable& table, JsonNode::Object& object);
 
-/// Returns the node that read_color() reads as this colour.
+/// Returns the node that read_color() reads as this colour: an X11 name if the colour has one, else a list of
+/// numbers.
 JsonNode color_node(const Color& color);
 
 /// Returns the double with the fewest decimal digits that converts to exactly this float.
 double short_number(float x);
 
-/// Whether two values are equal bit by bit: 0 and -0 differ.
+/// Whether two values have the same type and are equal bit by bit: 0 and -0 differ, and NaN equals NaN.
 bool same_bits(const engine::Value& a, const engine::Value& b);
 bool same_bits(double a, double b);
 bool same_bits(const Pose& a, const Pose& b);
 
-/// Reads the object under `key` with read_fields(). Every key that is not a field of `table` is an error.
-/// Empty if `key` is absent.
+/// Reads the object that is the value of `key` with read_fields(). Every key in that object that is not a
+/// field of `table` is an error. Empty if `key` is absent. If the value is not an object, reports an error
+/// and returns the defaults.
 std::optional<engine::Record> read_block(JsonObject& object, std::string_view key,
                                          const engine::FieldTable& table);
 
 /// Returns the possible keys of a field, one for each unit, for messages: `"fov_rad" or "fov_deg"`.
 std::string quoted_keys(const engine::Field& field);
 
-/// Returns the limits of a field in the unit `suffix`, for messages: `from 0 to 360 deg`, `above 0 m`, ...
-/// Empty if the field has no limits.
+/// Returns the limits of a field, converted to the unit `suffix`, for messages, such as `from 0 to 360 deg`
+/// or `above 0 m`. Empty if the field has no limits.
 std::string limits_text(const engine::Field& field, const engine::UnitSuffix& suffix);
 
 }  // namespace troupe::worldio

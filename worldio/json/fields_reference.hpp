@@ -8,15 +8,17 @@
 
 namespace troupe::worldio {
 
-/// Returns the generated part of docs/world-format.md as Markdown. It has a table for poses, for the objects
-/// `watch` and `window` of a world, and for the parameters of each drive, sensor, other device, controller,
-/// fault and controller preset. A table lists keys with their units, values with their limits, defaults and
-/// meanings.
+/// Returns the generated last part of docs/world-format.md as Markdown. It has a table for poses, one for
+/// each of the objects `watch` and `window` of a world, and one for the parameters of each kind of drive,
+/// sensor, other device, controller and fault in `registry`. These tables list keys with their units, values
+/// with their limits, defaults and meanings. A table for each controller preset lists only the defaults that
+/// differ from those of its kind.
 std::string world_format_reference(const engine::Registry& registry);
 
 /// A table of docs/world-format.md with the keys of one kind of object of JSON worlds.
 struct KeyTable {
-  std::string_view heading;  ///< the heading line that the table is below; several tables can share it
+  std::string_view heading;  ///< the line, with its "#" characters, of the heading above the table; several
+                             ///< tables can share it
   std::string markdown;      ///< the lines of the table
 };
 
@@ -25,13 +27,14 @@ struct KeyTable {
 /// another table describes in the same way share one row, which refers to that table.
 std::vector<KeyTable> document_key_tables(const engine::Registry& registry);
 
-/// Returns the text of a Markdown page in which the tables replace those that the page has at their places:
-/// below each heading, the first table of the page is replaced by the first of `tables` with this heading,
-/// and so on. Throws std::runtime_error if the page has no such heading or no such table.
+/// Returns the text of a Markdown page with its tables of keys replaced by `tables`. Below each heading, the
+/// first table of keys on the page is replaced by the first of `tables` with this heading, the second by the
+/// second, and so on. `tables` with the same heading must follow one another. Throws std::runtime_error if
+/// the page lacks a heading, or has too few tables below it.
 std::string with_key_tables(const std::string& page, const std::vector<KeyTable>& tables);
 
-/// Returns the generated part of docs/measures.md as Markdown. It lists all measures, each with the name of
-/// its column, its definition and its parameters.
+/// Returns the generated part of docs/measures.md as Markdown. It lists all measures of `registry`, each with
+/// the name of its column, its definition, its formula if it has one, and its parameters.
 std::string measures_reference(const engine::Registry& registry);
 
 }  // namespace troupe::worldio

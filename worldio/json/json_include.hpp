@@ -10,24 +10,28 @@
 namespace troupe::worldio {
 
 /// Removes the key `include` of a world, which lists files, and adds the types of these files in front of the
-/// types of the world. An included file is an object with the keys `types`, `include`, `troupe` and
-/// `$schema`. Its path is relative to the file that includes it; paths of images in it are relative to its
-/// own folder. A file that is included several times counts once. `file` is the file of the world. Each node
-/// keeps its file and line. Reports files that cannot be read, files that include each other in a circle,
-/// keys that an included file must not have, and two types of one name.
+/// types of the world. An included file is a JSON object that can have the keys `types`, `include`, `troupe`
+/// and `$schema`. Its path is relative to the file that includes it. Paths of images in it are relative to
+/// its own folder, and are changed to be relative to the folder of the world. A file that is included several
+/// times counts once. `file` is the path of the world file. Each node keeps its file and line. Reports an
+/// error for a file that cannot be read, for files that include each other in a circle, for a key that an
+/// included file must not have, and for two types with the same key. Does nothing if the world has no key
+/// `include`.
 void resolve_includes(JsonNode& world, const std::filesystem::path& file, Diagnostics& diagnostics);
 
-/// Replaces the key `extends` of each type of a world, which names another type, by the keys of that base
-/// type:
-/// - A key that the type has itself replaces the key of the base type. A key that is null is removed, except
-///   `joint`, where null means that there is no joint.
+/// Replaces the key `extends` of each type of a world by keys of the base type, the type that `extends`
+/// names:
+/// - A key that the type has itself replaces the key of the base type. After merging, a key whose value is
+///   null is removed, except `joint`, where null means that there is no joint.
 /// - If both values of a key are objects, they are merged key by key, unless both have a `kind` and the kinds
-///   differ.
+///   differ. Nothing of the base object is inherited in that case. The same applies to two types whose own
+///   keys `kind` differ.
 /// - In the lists `sensors`, `devices` and `parts`, entries of the same name are merged; others are appended.
-/// - A quantity in one unit replaces the same quantity in another unit. `controller` replaces `controllers`,
-///   and the reverse; `name` is not inherited.
-/// Each node keeps its file and line. Reports unknown types, and types that extend each other in a circle.
-/// bases: if not null, the list to which the names of all base types are added.
+/// - A key of the type replaces an inherited key of the same quantity in another unit. `controller` replaces
+///   an inherited `controllers`, and `controllers` an inherited `controller`. `name` is not inherited.
+/// Each node keeps its file and line. Reports an error for an unknown base type, and for types that extend
+/// each other in a circle. bases: if not null, the list to which the keys of all base types are added, each
+/// once for every type that extends the base type.
 void resolve_extends(JsonNode& world, Diagnostics& diagnostics, std::vector<std::string>* bases = nullptr);
 
 }  // namespace troupe::worldio

@@ -13,14 +13,14 @@ namespace troupe::worldio {
 
 struct JsonMember;
 
-/// One value of a JSON document and the place where it begins. A nlohmann::json tree would not keep line
-/// numbers.
+/// One value of a JSON document, with the values inside it, and the place where it begins. A nlohmann::json
+/// tree would not keep line numbers.
 struct JsonNode {
-  using List = std::vector<JsonNode>;      ///< in file order
-  using Object = std::vector<JsonMember>;  ///< in file order, keys unique
+  using List = std::vector<JsonNode>;      ///< entries in file order
+  using Object = std::vector<JsonMember>;  ///< members in file order; keys are unique after parse_json()
 
   std::variant<std::monostate, bool, std::int64_t, std::uint64_t, double, std::string, List, Object>
-      value;    ///< std::monostate is null
+      value;    ///< the value; std::monostate is null
   Where where;  ///< where the value begins
 
   /// Each function returns a pointer to the value if it is a list, an object or a text, respectively, else
@@ -30,7 +30,7 @@ struct JsonNode {
   const Object* object() const { return std::get_if<Object>(&value); }
   const std::string* text() const { return std::get_if<std::string>(&value); }
   ///@}
-  /// Returns the value of a key. Null if there is no such key or if this node is not an object.
+  /// Returns the value of a key, or a null pointer if there is no such key or if this node is not an object.
   ///@{
   const JsonNode* find(std::string_view key) const;
   JsonNode* find(std::string_view key) { return const_cast<JsonNode*>(std::as_const(*this).find(key)); }

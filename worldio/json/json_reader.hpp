@@ -10,7 +10,8 @@
 namespace troupe::worldio {
 
 /// Path to a value of a document, for error messages. A path is an object on the stack that points at the
-/// path of the enclosing value, so that the JSON pointer is formatted only if there is an error.
+/// path of the enclosing value, so that the JSON pointer is formatted only if there is an error. The
+/// enclosing path, the text of the key, and the diagnostics must outlive the path.
 class DocumentPath {
  public:
   /// The path of the whole document.
@@ -26,7 +27,7 @@ class DocumentPath {
   std::string pointer() const;
   /// Reports an error at this value: `/types/r/drive: message`.
   void error(const std::string& message) const { error_at(where_, message); }
-  /// Like error(), but with another place in a file, such as that of a key.
+  /// Like error(), but reports the error at another place in a file, such as that of a key.
   void error_at(Where where, const std::string& message) const;
 
  private:
@@ -37,7 +38,7 @@ class DocumentPath {
   Diagnostics* diagnostics_;
 };
 
-/// A value that is being read, and the path to it.
+/// A value that is being read, and the path to it. The value must also outlive the cursor.
 class JsonCursor : public DocumentPath {
  public:
   JsonCursor(const JsonNode& root, Diagnostics& diagnostics)
@@ -46,14 +47,16 @@ class JsonCursor : public DocumentPath {
       : DocumentPath(parent, key, node.where), parent_(&parent), node_(&node) {}
   JsonCursor(const JsonCursor& parent, std::size_t index, const JsonNode& node)
       : DocumentPath(parent, index, node.where), parent_(&parent), node_(&node) {}
-  /// For a node that a WorldDocument stores as unread JSON. `parent` is only a path: parent() returns null.
+  /// For a node that a WorldDocument stores as unread JSON. `parent` is the path of the enclosing value,
+  /// whose node is not known: parent() of this cursor returns null.
   JsonCursor(const DocumentPath& parent, std::string_view key, const JsonNode& node)
       : DocumentPath(parent, key, node.where), node_(&node) {}
 
   const JsonNode& node() const { return *node_; }
-  /// The object or list that contains this value; null for the root of what is being read.
+  /// The object or list that contains this value; null for the value at which reading began.
   const JsonCursor* parent() const { return parent_; }
-  /// Reports the error `expected WHAT, found ...` at this value. The message ends with the value itself.
+  /// Reports the error `expected WHAT, found ...` at this value, where WHAT is `what`. The message ends with
+  /// a description of the value (JsonNode::describe()).
   void expected(std::string_view what) const;
 
  private:
@@ -62,10 +65,10 @@ class JsonCursor : public DocumentPath {
 };
 
 /// Reads an object key by key. It remembers the keys that the caller asks for, so that finish() can report
-/// every other key as unknown.
+/// every other key as unknown. It keeps a reference to the cursor, which must outlive it.
 class JsonObject {
  public:
-  /// Reports an error if the value is not an object. Every find() then returns null.
+  /// Reports an error if the value at the cursor is not an object. Every find() then returns null.
   explicit JsonObject(const JsonCursor& at);
 
   const JsonCursor& at() const { return at_; }
@@ -74,8 +77,8 @@ class JsonObject {
   const JsonNode* find(std::string_view key);
   /// Like find(), but reports the error `missing "key": hint` if the object lacks the key.
   const JsonNode* require(std::string_view key, std::string_view hint);
-  /// Reports a missing key. Does nothing if the value is not an object, because the constructor has reported
-  /// that.
+  /// Reports the error `missing "key": hint`. Does nothing if the value is not an object, because the
+  /// constructor has reported that error.
   void missing(std::string_view key, std::string_view hint) const;
   /// Reports an error for every key of the object that the caller did not ask for.
   void finish() const;

@@ -6,14 +6,15 @@
 
 namespace troupe::worldio {
 
-/// Whether an entry of a list has the key `ring` (RingDocument) and therefore stands for several entries.
+/// Whether an entry of a list has the key `ring` (RingDocument), which replaces the entry by several copies.
 inline bool has_ring(const JsonNode& entry) { return entry.find("ring") != nullptr; }
 
-/// Returns the entries that an entry with a `ring` stands for: its copies, without `ring`. Copy i of n,
-/// counted from 0, is on the circle with the ring's `radius` around the pose of the entry, in the direction
-/// `start` + i/n of a turn from the heading of this pose, and heads away from the centre. The number i is
-/// appended to the name of the copy and to the names of its own sensors, devices and parts. Empty, with
-/// errors, if the ring or the pose is wrong.
+/// Returns the copies of the list entry at `at`, which must have the key `ring`. The copies do not have this
+/// key. Copy i of n, counted from 0, is on the circle with the ring's `radius` around the position of the
+/// entry. Seen from this centre, the copy is in the direction `start` + i/n of a turn, counter-clockwise from
+/// the heading of the entry. The copy heads away from the centre and has the height of the entry. The number
+/// i is appended to the name of the copy and to the names of its own sensors, devices and parts, also of
+/// those inside parts. Empty, with errors, if the ring or the pose is wrong.
 std::vector<JsonNode> expand_ring(const JsonCursor& at);
 
 }  // namespace troupe::worldio

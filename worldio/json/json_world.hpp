@@ -15,8 +15,8 @@ namespace troupe::worldio {
 /// paths are relative to the folder of `file` (worldio/json/json_include.hpp). Then it applies the changes of
 /// the command line: the values of LoadOptions::set (`--set POINTER=VALUE`) and the numbers of bodies of
 /// LoadOptions::robots (`--robots NAME=COUNT`). Last, it merges each type with the type that it extends, so
-/// that a changed type also changes the types that extend it. Reports an error for a value that cannot be set
-/// and for an unknown population.
+/// that a changed type also changes the types that extend it. Reports an error for each file that cannot be
+/// included, value that cannot be set, unknown population, and base type that is unknown or part of a circle.
 void change_json_world(JsonNode& document, const std::filesystem::path& file, const LoadOptions& options,
                        Diagnostics& diagnostics);
 
@@ -26,16 +26,16 @@ WorldDocument read_json_document(const JsonNode& document, const engine::Registr
                                  const LoadOptions& options, Diagnostics& diagnostics);
 
 /// Parses `text`, applies the changes in `options` with change_json_world(), and reads the result with
-/// read_json_document(). `file` is the name of the world in error messages. If the text is not JSON, reports
-/// errors and returns nothing.
+/// read_json_document(). `file` is the path of the world in error messages; included files are relative to
+/// its folder. If the text is not JSON, reports errors and returns nothing.
 std::optional<WorldDocument> load_json_document(const std::filesystem::path& file, const std::string& text,
                                                 const engine::Registry& registry, const LoadOptions& options,
                                                 Diagnostics& diagnostics);
 
 /// Returns the world that a document describes. Reads the images of the document and places its bodies.
-/// `file` is the file of the document; relative paths are relative to its folder. Reports all errors that it
-/// finds, even if reading the document has already reported some. Places the bodies only if there is no error
-/// at all.
+/// `file` is the file of the document; relative paths are relative to its folder. Of `options`, `seed`,
+/// `threads`, `most_bodies` and `place_again` are used. Reports all errors that it finds, even if reading the
+/// document has already reported some. Places the bodies only if `diagnostics` has no errors at all.
 engine::WorldSpec expand(const WorldDocument& document, const std::filesystem::path& file,
                          const engine::Registry& registry, const LoadOptions& options,
                          Diagnostics& diagnostics);
@@ -57,9 +57,10 @@ engine::WorldSpec read_json_world(const std::filesystem::path& file, const JsonN
                                   const engine::Registry& registry, const LoadOptions& options,
                                   Diagnostics& diagnostics);
 
-/// Returns a document from which, as the content of `file`, the loader makes this world again, to the last
-/// bit. The function loads the document to check this. If JSON cannot express the world, it reports errors
-/// and returns nothing.
+/// Returns the root node of a document that describes this world: if the document is the content of `file`,
+/// loading it gives a world that is equal in every bit in the sense of spec_difference(). The function loads
+/// the document to check this. If JSON cannot express the world, the function reports errors and returns
+/// nothing.
 /// - The bodies of populations are written one by one, as entries of `models`.
 /// - An angle is written in degrees if the degrees convert back to the same radians.
 /// - An image is written with a path relative to the folder of `file` if it still gives the same solids;

@@ -8,8 +8,8 @@ namespace troupe::worldio {
 // The parameters of a kind are keys of the same JSON object as `name`, `pose` and the other keys that all
 // objects of such kinds have. The functions below check that no parameter has the name of one of these keys.
 
-/// Returns success if the kind can be used in JSON worlds. The error continues a sentence about the kind:
-/// `has a parameter "name", but ...`.
+/// Return success if no parameter of the kind has such a name: only then can JSON worlds use the kind. The
+/// error continues a sentence about the kind: `has a parameter "name", but ...`.
 ///@{
 Result<> check_parameter_names(const engine::DeviceKind& kind);
 Result<> check_parameter_names(const engine::DriveKind& kind);
@@ -17,7 +17,8 @@ Result<> check_parameter_names(const engine::ControllerKind& kind);
 Result<> check_parameter_names(const engine::MeasureKind& kind);
 ///@}
 
-/// Checks the kinds of a registry with check_parameter_names(). The error names the kind.
+/// Checks all device, drive, controller and measure kinds of a registry with check_parameter_names(). The
+/// error is that of the first wrong kind, and names this kind.
 Result<> check_kinds(const engine::Registry& registry);
 
 }  // namespace troupe::worldio

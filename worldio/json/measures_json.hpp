@@ -10,13 +10,15 @@
 
 namespace troupe::worldio {
 
-/// Reads an entry of the list `measures` of a world. It is `"stalls"`, or `"stalls:leaders"` to measure only
-/// the type, population or robot named "leaders", or an object {`kind`, `name`, `of`, parameters}. Empty,
-/// with errors, if it is none of these or names an unknown measure.
+/// Reads an entry of the list `measures` of a world. The entry is a text such as `"stalls"`, or
+/// `"stalls:leaders"` to measure only the type, population or robot named "leaders", or an object {`kind`,
+/// `name`, `of`, parameters}. Empty, with errors, if the entry is none of these or names an unknown measure.
+/// Whether "leaders" exists is checked later, when the world is built.
 std::optional<engine::MeasureSpec> read_measure(const JsonCursor& at, const engine::Registry& registry);
 
-/// Reads a measure from `text`, an argument of the command line: the name of a measure without quotes, or a
-/// JSON object. `source` is the place that errors name, such as "--measure".
+/// Like read_measure(), but reads the measure from `text`, an argument of the command line: `stalls` or
+/// `stalls:leaders` without quotes, or a JSON object, which begins with `{`. `source` is the place that
+/// errors name, such as "--measure".
 std::optional<engine::MeasureSpec> parse_measure(const std::string& text, const std::string& source,
                                                  const engine::Registry& registry, Diagnostics& diagnostics);
 

@@ -11,17 +11,18 @@ namespace troupe::worldio {
 /// registry must outlive it.
 struct DocumentReading {
   const engine::Registry& registry;
-  double most_bodies;  ///< LoadOptions::most_bodies
+  double most_bodies;  ///< greatest number of bodies, LoadOptions::most_bodies
 };
 
 /// Reads the JSON object at `at` into the struct at `object`, which must be default-constructed and of the
 /// type that `table` describes. If the table has a shorthand, a text is accepted in place of the JSON object.
-/// Reports all errors, each at its line, and treats a wrong value as absent.
+/// Reports all errors, each at its line, and treats a wrong value as absent. If the kind of the object is
+/// missing or unknown, no other key is read.
 void read_described(const JsonCursor& at, const DocumentTable& table, const DocumentReading& reading,
                     void* object);
 
-/// Like read_described(), for a JSON object that has keys of other structs too. Does not report unknown keys
-/// and does not apply the rules and checks of the table.
+/// Like read_described(), for a JSON object that also has keys of other structs. Does not report unknown keys
+/// and does not apply the rules and checks of the table. The table must not have kinds or variants.
 void read_described_keys(JsonObject& keys, const DocumentTable& table, const DocumentReading& reading,
                          void* object);
 

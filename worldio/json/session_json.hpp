@@ -11,11 +11,11 @@
 #include <utility>
 #include <vector>
 
-/// A session is a file in the format JSON Lines that lists what was done to a running world (docs/live.md).
-/// An *act* is one such action: a body was moved, a command was given, ...
+/// A session is a file in the format JSON Lines that lists the actions that users performed on a running
+/// world (docs/live.md). An *act* is one such action: a body was moved, a command was given, ...
 namespace troupe::worldio {
 
-inline constexpr int k_session_format = 1;
+inline constexpr int k_session_format = 1;  ///< the only version of the format
 
 /// The first line of a session.
 struct SessionHeader {
@@ -26,27 +26,29 @@ struct SessionHeader {
   std::vector<std::pair<std::string, std::string>> options;
 };
 
-/// An act, and the tick after which it was done.
+/// An act, and the time at which it was performed.
 struct LoggedAct {
-  std::uint64_t tick = 0;  ///< number of ticks that were completed when the act was done
+  std::uint64_t tick = 0;  ///< number of ticks that were completed when the act was performed
   std::uint64_t n = 0;     ///< number of the act in the session, from 1
-  engine::Act act;
-  Where where;  ///< line of the act in the file
+  engine::Act act;         ///< the act
+  Where where;             ///< line of the act in the file
 };
 
 /// A whole session.
 struct Session {
-  SessionHeader header;
+  SessionHeader header;         ///< the first line
   std::vector<LoggedAct> acts;  ///< ordered by tick and n
-  std::optional<std::uint64_t>
-      end;  ///< tick at which the session ended; empty: the program that wrote it was killed
-  std::vector<std::string> warnings;  ///< from reading the session, each with file and line
+  /// Tick at which the session ended. Empty: the program that wrote the session did not end it, for example
+  /// because it was killed.
+  std::optional<std::uint64_t> end;
+  std::vector<std::string> warnings;  ///< warnings from reading the session, each with file and line
 };
 
 /// Return the header, the line of an act, and the last line of a session, without line ends. `tick` is the
-/// number of ticks that were completed when the act was done or the session ended. `n` is the number of the
-/// line; the first line after the header has number 1. The functions throw std::invalid_argument for text
-/// that is not UTF-8.
+/// number of ticks that were completed when the act was performed or the session ended. `n` is the number of
+/// the line; the first line after the header has number 1. The functions throw std::invalid_argument for text
+/// that is not UTF-8. Numbers of the act must be finite, and Act::setting must be valid JSON if the act is of
+/// kind `set`.
 ///@{
 std::string header_line(const SessionHeader& header);
 std::string act_line(std::uint64_t tick, std::uint64_t n, const engine::Act& act);
@@ -54,12 +56,14 @@ std::string end_line(std::uint64_t tick, std::uint64_t n);
 ///@}
 
 /// Reads an act: `{"do": "move", "robot": "r0", "pose": [1, 2, 0, 0.5]}`. The keys in `also` are allowed and
-/// ignored. If `json` is not an act, reports errors at `where` and returns nothing.
+/// ignored. If `json` is not an act, reports errors at `where` and returns nothing. Does not check whether
+/// the world has the bodies, devices and parameters that the act names.
 std::optional<engine::Act> read_act(std::string_view json, const std::vector<std::string_view>& also,
                                     Where where, Diagnostics& diagnostics);
 
-/// Reads a session. An incomplete last line, left by a killed writer, is skipped with a warning. Throws
-/// InputError with all errors and their lines.
+/// Reads a session. An incomplete last line after the header, left by a killed writer, is skipped with a
+/// warning. If the file cannot be read or has errors, throws InputError with all errors and their lines;
+/// after an error in the header, the other lines are not read.
 Session load_session(const std::filesystem::path& file);
 
 }  // namespace troupe::worldio

@@ -6,12 +6,11 @@
 
 namespace troupe::worldio {
 
-/// Reports all values of a spec that no world can have: values beyond the limits in
-/// engine/spec_description.cpp, parameters that do not match their kind, unknown kinds, and all
-/// errors of engine::check_rules(). A message begins with the path of the value, as in
-/// `types[0].parts[2].size: must be from -1000000 to 1000000 m, found nan`. If the spec has a place in a file
-/// for the value (a Where), the error has this place. The kinds check their own parameters later, in the
-/// constructor of World.
+/// Reports an error for each value of a spec that no world can have: values beyond the limits in
+/// engine/spec_description.cpp, parameters that do not match their kind, unknown kinds, and all errors of
+/// engine::check_rules(). A message begins with the path of the value, such as `types[0].parts[2].size`. The
+/// error is reported at the place in a file (Where) of the innermost struct that contains the value and has a
+/// place. The kinds check their own parameters later, in the constructor of World.
 void check_spec(const engine::WorldSpec& spec, const engine::Registry& registry, Diagnostics& diagnostics);
 
 }  // namespace troupe::worldio

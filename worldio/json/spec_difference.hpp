@@ -6,26 +6,26 @@
 
 namespace troupe::worldio {
 
-/// Whether spec_difference() compares the places in files (Where) that values come from, by file name and
-/// line.
+/// Whether spec_difference() compares the places in files (Where) that values come from. Two places are equal
+/// if they have the same file name and line.
 enum class Places {
-  ignored,
+  ignored,   ///< no places
   compared,  ///< all places, except those of WorldSpec::experiment, which stored worlds do not keep
 };
 
 /// Returns the path of the first value that differs in any bit between two worlds, such as
-/// `types[3].parts[1].solids` or `bodies[7].name`. Empty if the worlds are equal. Two things are not
-/// compared: the images and blocks from which the solids of parts were made, and the title if `a` has none.
-/// Names are compared as texts, because a name is stored as the index of a word and a number, and two worlds
-/// may have different indices for the same word.
+/// `types[3].parts[1].solids` or `bodies[7].name`. Empty if the worlds are equal. Three things are not
+/// compared: the images and blocks from which the solids of parts were made, the title if `a` has none, and
+/// the list of files. Names are compared as texts, because a name is stored as the index of a word and a
+/// number, and two worlds may have different indices for the same word.
 std::string spec_difference(const engine::WorldSpec& a, const engine::WorldSpec& b,
                             Places places = Places::ignored);
 
-/// Whether two parts of a type are equal in the sense of spec_difference().
+/// Whether two parts of a type are equal in the sense of spec_difference() with Places::ignored.
 bool same_part(const engine::PartSpec& a, const engine::PartSpec& b);
 
-/// Returns all values of a type that spec_difference() compares, as one byte string: two types have equal
-/// strings if and only if they are equal.
+/// Returns all values of a type that spec_difference() compares with Places::ignored, as one byte string. Two
+/// types have equal strings if and only if all these values are equal in every bit.
 std::string compared_bytes(const engine::TypeSpec& type);
 
 }  // namespace troupe::worldio

@@ -15,11 +15,11 @@
 namespace troupe::worldio {
 
 /// Path to a value of a spec: a chain of elements on the stack, each of which points to the element of the
-/// enclosing struct. A path is formatted only for an error.
+/// enclosing struct or list, which must outlive it. The text of a path is made only for an error.
 struct SpecPath {
-  const SpecPath* parent = nullptr;
-  std::string_view name = {};  ///< name of the member; empty for an entry of a list
-  std::size_t index = 0;       ///< index of the entry of a list
+  const SpecPath* parent = nullptr;  ///< path of the enclosing struct or list; null for the spec itself
+  std::string_view name = {};        ///< name of the member; empty for a list's entry
+  std::size_t index = 0;             ///< index of a list's entry, from 0
 
   std::string text() const;  ///< the whole path: `types[0].parts[2].size`
 };
@@ -27,7 +27,7 @@ struct SpecPath {
 /// Returns the key of a field in a stored world: its name and its SI unit, as in "period_s".
 std::string key_of(const engine::Field& field);
 
-/// Whether a number is finite and within a field's limits.
+/// Whether a number, in SI units, is finite and within a field's limits.
 inline bool is_within(const engine::Field& field, double x) {
   return std::isfinite(x) && x >= field.min && x <= field.max && !(field.above_min && x == field.min);
 }
@@ -35,7 +35,8 @@ inline bool is_within(const engine::Field& field, double x) {
 /// Whether the struct that `table` describes consists only of numbers, as a pose does. In a stored world,
 /// such a struct is a list of numbers.
 bool is_listed(const engine::FieldTable& table);
-/// For a struct that consists only of numbers: returns how many it has, including those of nested structs.
+/// Returns how many numbers a struct has, including those of nested structs. The struct must consist only of
+/// numbers, as is_listed() says.
 std::size_t numbers_in(const engine::FieldTable& table);
 
 /// Returns the address of the member that `field` describes in the struct at `object`.
@@ -47,15 +48,16 @@ inline void* member_of(const engine::Field& field, void* object) {
   return static_cast<char*>(object) + field.offset;
 }
 ///@}
-/// Returns the i-th struct of a member that is a struct or a list of structs; read-only.
+/// Returns the address of the struct that a member is (i = 0), or of the i-th entry of a member that is a
+/// list. `type` describes the member and `member` is its address. The caller must not change the result.
 inline const void* block_of(const engine::MemberType& type, const void* member, std::size_t i) {
   return type.block(const_cast<void*>(member), i);
 }
 
-/// Returns the table of the parameters of a struct of a spec, such as an engine::DeviceSpec. `table`
-/// describes the struct and `object` points to it. The parameters are those of the kind that the member
-/// `kind` names or, for a WorldSpec, those of the window. If the kind is unknown, returns an error that lists
-/// the known kinds.
+/// Returns the table of the parameters that a struct of a spec stores as an engine::Record, such as
+/// DeviceSpec::params. `table` describes the struct and `object` points to it. The parameters are those of
+/// the kind that the member `kind` of the struct names or, for a WorldSpec, those of the window. If the kind
+/// is unknown, returns an error that lists the known kinds.
 Result<const engine::FieldTable*> parameters_of(const engine::FieldTable& table, const void* object,
                                                 const engine::Registry& registry);
 

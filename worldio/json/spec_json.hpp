@@ -14,32 +14,35 @@
 namespace troupe::worldio {
 
 /// The bodies of a spec as columns, because there may be millions of bodies. Each column has one entry per
-/// body, in the order of the ids; `pose` and `color` have four.
+/// body, in the order of the ids; `pose` and `color` have four entries per body. The aliases, which are
+/// second names of bodies, have columns of their own.
 struct BodyColumns {
   std::vector<std::uint32_t> word, number;  ///< the two members of engine::Name
   std::vector<std::uint32_t> type;          ///< index into WorldSpec::types
   std::vector<double> pose;                 ///< x, y, z (m) and heading (rad), world frame
   std::vector<float> color;                 ///< red, green, blue, opacity
   std::vector<std::int32_t> fiducial;       ///< BodySpec::fiducial; empty if all are 0
-  std::vector<std::uint32_t> file, line;    ///< BodySpec::where
-  /// Other names of bodies: the two members of each name, and the id of its body. One entry per name.
+  std::vector<std::uint32_t> file, line;    ///< BodySpec::where; `file` is a number in WorldSpec::files
+  /// The aliases: the two members of engine::Name, and the id of the body. One entry per alias.
   std::vector<std::uint32_t> alias_word, alias_number, alias_body;
 };
 
-/// A stored world: its whole expanded spec, which needs no other file. restore_spec() returns the same spec,
-/// to the last bit.
+/// A stored world: its whole expanded spec, which needs no other file. restore_spec() returns a spec that is
+/// equal in every bit in the sense of spec_difference(): the images and blocks from which solids were made,
+/// and places in files of the experiment, are not stored.
 struct StoredSpec {
-  std::string json;  ///< from spec_to_json()
-  BodyColumns bodies;
+  std::string json;    ///< JSON text from spec_to_json()
+  BodyColumns bodies;  ///< the bodies, which are not in `json`
 };
 /// Returns a spec as a stored world. Throws like spec_to_json().
 StoredSpec store_spec(const engine::WorldSpec& spec, const engine::Registry& registry);
 
 /// Returns a spec without its bodies as JSON: settings, types with their solids and parameters, the words
-/// that names consist of, names of parts, and a list of file names. In a place `where`, [file, line], `file`
-/// is an index into this list. Parameters have the names and SI units of their field tables. Throws
-/// std::runtime_error for a number that is not finite and for a parameter that is not UTF-8, because JSON
-/// cannot represent these. Throws it also for a kind that is not registered.
+/// that names consist of, names of parts, the experiment, and a list of file names. In a place `where`,
+/// [file, line], `file` is an index into this list. Parameters have the names and SI units of their field
+/// tables. Names and paths that are not UTF-8 are stored as {"latin1": ...}. Throws std::runtime_error for a
+/// number that is not finite and for a parameter that is not UTF-8, because JSON cannot represent these.
+/// Throws the same exception for a kind that is not registered.
 std::string spec_to_json(const engine::WorldSpec& spec, const engine::Registry& registry);
 
 /// Returns the keys that the types of a world have in a stored world: their indices "0", "1", ...
@@ -53,9 +56,9 @@ inline constexpr std::string_view k_changeable =
     "/sensors/N/active, /sensors/N/period_s, /sensors/N/params/..., /controllers/N/params/...";
 
 /// Restores a spec from a stored world. `changes` are pairs of a JSON pointer into StoredSpec::json and a new
-/// value, as in --set; a pointer that is not in k_changeable is an error. Errors about the stored world are
-/// reported at `where`, its file; errors about a change, at `--set POINTER`. Do not use the result if there
-/// are errors.
+/// value as JSON text, as in --set; a pointer that is not in k_changeable is an error. Errors about the
+/// stored world are reported at `where`, which is the file that it was read from; errors about a change, at
+/// `--set POINTER`. Do not use the result if there are errors.
 engine::WorldSpec restore_spec(const StoredSpec& stored, const engine::Registry& registry,
                                std::span<const std::pair<std::string, std::string>> changes, Where where,
                                Diagnostics& diagnostics);

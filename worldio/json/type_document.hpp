@@ -12,21 +12,23 @@
 
 namespace troupe::worldio {
 
-/// Returns the type that a document describes. `key` is its key in the object `types`, and `at` its path. Do
-/// not use the result if errors are reported.
+/// Returns the type that a document describes. `key` is its key in the object `types` and its name, unless
+/// the document has a name; `at` is the path of the document, for errors. Do not use the result if errors are
+/// reported.
 engine::TypeSpec expand_type(const TypeDocument& document, const std::string& key, const DocumentPath& at,
                              const engine::Registry& registry, ImageFolder& images);
 
 /// The inverse of expand_type(): returns the document that describes this type under `key`, without the
-/// values that expand_type() assumes by default. `color` becomes the colour of the type; if it is empty, the
-/// document has none. Paths of images become relative to `folder`; if it is null, images are written as
-/// outlines. Throws std::runtime_error for kinds that are not registered.
+/// values that expand_type() assumes by default. `color` becomes the colour of the type; if `color` is empty,
+/// the document has no colour. Paths of images become relative to `folder`; if `folder` is null, images are
+/// written as outlines. Throws std::runtime_error if the kind of a device is not registered.
 TypeDocument contract_type(const engine::TypeSpec& type, const std::string& key,
                            const std::optional<Color>& color, const engine::Registry& registry,
                            const std::filesystem::path* folder);
 
-/// Whether a part that is itself a device of this kind is moved by the joint of the device. True for
-/// actuators. False for grippers, because only their paddles move, and for devices without a joint.
+/// Whether the joint of a device of this kind moves the part that is itself the device
+/// (PartDocument::device). True for actuators. False for grippers, because only their paddles move, and for
+/// devices without a joint.
 inline bool moves_itself(const engine::DeviceKind& kind) { return !kind.joints.empty() && !kind.body; }
 
 }  // namespace troupe::worldio

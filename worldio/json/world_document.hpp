@@ -24,10 +24,11 @@
 #include <variant>
 #include <vector>
 
-/// The content of a JSON world as plain data: types, images, populations, all in SI units, with the place of
-/// each value in its file. expand() converts a document to an engine::WorldSpec; write_json_world() does the
-/// reverse. The keys, their units, limits and meanings are in world_document.cpp and in
-/// docs/world-format.md.
+/// The content of a JSON world as plain data: types, paths of images, populations, all in SI units, with the
+/// place of each value in its file. expand() converts a document to an engine::WorldSpec; write_json_world()
+/// does the reverse. The keys, their units, limits and meanings are in world_document.cpp and in
+/// docs/world-format.md. "Required" in the comments below means that the reader reports an error if the key
+/// is missing; the member is then empty.
 namespace troupe::worldio {
 
 /// Collects the JSON keys of T, one of the structs below: T::describe() adds one key per member. Defined in
@@ -36,62 +37,65 @@ template <class T>
 class DocumentKeys;
 
 inline constexpr std::int64_t k_format_version = 1;      ///< the only version of the format
-inline constexpr double k_max_size_m = k_world_reach_m;  ///< maximum of sizes and of absolute coordinates
+inline constexpr double k_max_size_m = k_world_reach_m;  ///< maximum of sizes and absolute coordinates, m
 inline constexpr std::size_t k_most_block_points =
-    1000;  ///< maximum per outline; the time of check_outline() grows with the square of this number
+    1000;  ///< greatest number of points of an outline; the time of check_outline() grows with its square
 
-/// The place of an object in its file, and the places of the values of its keys, for error messages.
+/// The place of an object in its file, and the places of the values of its keys, for error messages. The
+/// parameters of a kind have no places of their own.
 struct Placed {
   /// A key that the object has, even if its value is wrong.
   struct Key {
-    std::string_view name;  ///< without its unit
-    Where where;            ///< place of the value
+    /// Name of the key in its DocumentTable: "period" for the key `period_s`, "points_m" for `points_m`.
+    std::string_view name;
+    Where where;  ///< place of the value
   };
-  Where where;            ///< where the object begins
+  Where where;            ///< where the object begins in its file
   std::vector<Key> keys;  ///< in the order in which describe() adds them
 
-  bool says(std::string_view key) const;  ///< whether the object has the key
-  /// The place of a key's value; that of the object if it has no such key.
+  bool says(std::string_view key) const;  ///< whether `keys` has a Key of this name
+  /// The place of a key's value; that of the object if `keys` has no Key of this name.
   Where where_of(std::string_view key) const;
 };
 
 /// The value of a key `joint`: the name of a joint, or null for no joint.
 struct JointName {
-  std::optional<std::string> name;  ///< empty: no joint
+  std::optional<std::string> name;  ///< name of the joint; empty: no joint
 };
 
 // ---- bodies
 
-/// An upright prism of a type or part.
+/// An upright prism: a solid of a type, a part or a device.
 struct BlockDocument : Placed {
   /// The frame of the points.
   enum class Frame : std::uint8_t {
-    part,  ///< the frame of the part that has the block
+    part,  ///< the frame of the part or device that has the block
     body,  ///< the frame of the body
   };
-  std::optional<Ring> points;                 ///< the outline, m; required unless `contours` is given
-  std::optional<std::vector<Ring>> contours;  ///< outlines, m; points inside an odd number of them are solid
-  std::optional<std::array<double, 2>> z;     ///< heights of bottom and top, m; required
-  Frame frame = Frame::part;                  ///< frame of the points
-  static void describe(DocumentKeys<BlockDocument>& d);  ///< adds its keys to `d`
+  std::optional<Ring> points;  ///< the outline, m; required unless `contours` is given
+  /// Instead of `points`: outlines, m. A point inside an odd number of them is solid.
+  std::optional<std::vector<Ring>> contours;
+  std::optional<std::array<double, 2>> z;                ///< heights of bottom and top, m; required
+  Frame frame = Frame::part;                             ///< frame of the points
+  static void describe(DocumentKeys<BlockDocument>& d);  ///< adds the keys of this struct to `d`
 };
 
-/// The value of the key `ring` of an object with a pose: the object stands for several copies of itself, at
-/// equal angles on a circle. The reader replaces such an object by its copies (worldio/json/json_ring.hpp),
-/// so that the other structs have no member for a ring.
+/// The value of the key `ring` of an object with a pose: several copies of the object replace it, at equal
+/// angles on a circle around its position. The reader replaces the object before it is read into a struct
+/// (worldio/json/json_ring.hpp), so that the other structs have no member for a ring.
 struct RingDocument : Placed {
   std::int64_t count = 0;  ///< number of copies; required
-  double radius = 0;       ///< distance of the copies from the pose of the object, m
-  double start = 0;        ///< direction of the first copy, rad, from the heading of the pose
-  static void describe(DocumentKeys<RingDocument>& d);  ///< adds its keys to `d`
+  double radius = 0;       ///< radius of the circle, m
+  double start = 0;        ///< direction of the first copy, rad, relative to the heading of the object
+  static void describe(DocumentKeys<RingDocument>& d);  ///< adds the keys of this struct to `d`
 };
 
-/// An upright cylinder, as a prism whose base is a regular polygon.
+/// An upright cylinder that stands on z = 0, as a prism whose base is a regular polygon.
 struct DiscDocument : Placed {
   std::optional<double> radius;  ///< distance of the corners from the axis, m; required
-  std::optional<double> height;  ///< m; required
-  std::int64_t corners = 16;     ///< number of corners
-  static void describe(DocumentKeys<DiscDocument>& d);  ///< adds its keys to `d`
+  std::optional<double> height;  ///< height, m; required
+  std::int64_t corners = 16;     ///< number of corners; the first is on the x axis
+  static void describe(DocumentKeys<DiscDocument>& d);  ///< adds the keys of this struct to `d`
 };
 
 /// An image, or a ROS map, that gives a body its shape.
@@ -103,125 +107,137 @@ struct ImageDocument {
   };
   /// How unknown cells of a map are treated.
   enum class Unknown : std::uint8_t {
-    free,   ///< as floor
-    solid,  ///< as walls
+    free,   ///< unknown cells are floor
+    solid,  ///< unknown cells are walls
   };
-  std::string bitmap;                   ///< path, relative to the folder of the world file; empty: no image
-  std::optional<Eigen::Vector3d> size;  ///< m; a map has a size of its own
-  std::optional<double> height;         ///< height of the walls of a map or of lines, m; empty: 1
-  Unknown unknown = Unknown::free;      ///< how unknown cells of a map are treated
-  Margins margins = Margins::trim;      ///< the part of the image that is scaled to `size`
-  bool boundary = false;                ///< true: adds four walls just inside the edges of the image
+  std::string bitmap;  ///< path, relative to the folder of the world file; empty: no image
+  /// Size [x, y, z] to which the image is scaled, m. Empty for a map, which has a size of its own.
+  std::optional<Eigen::Vector3d> size;
+  std::optional<double> height;     ///< height of the walls of a map or of lines, m; empty: 1
+  Unknown unknown = Unknown::free;  ///< how unknown cells of a map are treated
+  Margins margins = Margins::trim;  ///< the part of the image that is scaled to `size`
+  bool boundary = false;            ///< true: adds four walls just inside the edges of the image
 };
 
 /// A device of a type or part: a sensor or another device.
 struct DeviceDocument : Placed {
-  std::string name;                ///< empty: generated from the kind, as in "ranger:0"
-  std::string kind;                ///< name in Registry::devices
-  bool is_kind_implied = false;    ///< true: the writer omits `kind`, which follows from that of the part
-  std::optional<Pose> pose;        ///< in the frame of the body or, if `on` names a device, in its frame
-  std::optional<JointName> joint;  ///< joint that moves the device; empty: that of its part
-  bool active = true;              ///< false: runs only while a controller or a program reads it
+  /// Name of the device. Empty: made from the kind, as in "ranger:0"; for the `device` of a part, the name of
+  /// the part.
+  std::string name;
+  std::string kind;              ///< name of a kind in Registry::devices
+  bool is_kind_implied = false;  ///< true: the writer omits `kind`, which follows from that of the part
+  /// Pose in the frame of the body or, with `on`, of the device that `on` names. Empty: at the origin of this
+  /// frame; for the `device` of a part, the pose of the part.
+  std::optional<Pose> pose;
+  std::optional<JointName> joint;  ///< joint that moves the device; empty: the joint that moves its part
+  bool active = true;              ///< false: the device runs only while a controller or a program reads it
   double period = 0;               ///< time between two readings, s; 0: every tick
-  engine::Record params;           ///< one value per field of the kind's table
+  engine::Record params;           ///< parameters, one value per field of the kind's table
   std::string on;                  ///< name of the device on which this one is mounted; empty: none
-  // The members below describe the body of a device that has a joint. Other devices have no body.
-  std::optional<Color> color;                             ///< colour of its body
-  engine::Returns returns;                                ///< how other bodies collide with it and sense it
-  std::optional<Eigen::Vector3d> size;                    ///< a box of this size, m
-  std::vector<BlockDocument> blocks;                      ///< in addition to the box
-  static void describe(DocumentKeys<DeviceDocument>& d);  ///< adds its keys to `d`
+  // The members below describe the body of an entry of `devices` that has a joint. Other devices have no
+  // body. The size and blocks of grippers follow from their parameters.
+  std::optional<Color> color;           ///< colour of the device; empty: that of the robot's body
+  engine::Returns returns;              ///< how other bodies collide with the device and sense it
+  std::optional<Eigen::Vector3d> size;  ///< box, m, in the frame of the device
+  std::vector<BlockDocument> blocks;    ///< solids in addition to the box
+  static void describe(DocumentKeys<DeviceDocument>& d);  ///< adds the keys of this struct to `d`
 };
 /// An entry of `sensors`.
 struct SensorDocument : DeviceDocument {
-  static void describe(DocumentKeys<SensorDocument>& d);  ///< adds its keys to `d`
+  static void describe(DocumentKeys<SensorDocument>& d);  ///< adds the keys of this struct to `d`
 };
 /// The `device` of a part: the part itself is this device.
 struct OwnDeviceDocument : DeviceDocument {
-  static void describe(DocumentKeys<OwnDeviceDocument>& d);  ///< adds its keys to `d`
+  static void describe(DocumentKeys<OwnDeviceDocument>& d);  ///< adds the keys of this struct to `d`
 };
 
 /// The drive of a type.
 struct DriveDocument : Placed {
-  std::string kind;                                      ///< name in Registry::drives
-  double period = 0;                                     ///< time between two commands, s; 0: every tick
-  engine::Record params;                                 ///< one value per field of the kind's table
-  static void describe(DocumentKeys<DriveDocument>& d);  ///< adds its keys to `d`
+  std::string kind;       ///< name of a kind in Registry::drives
+  double period = 0;      ///< time between two commands, s; 0: every tick
+  engine::Record params;  ///< parameters, one value per field of the kind's table
+  static void describe(DocumentKeys<DriveDocument>& d);  ///< adds the keys of this struct to `d`
 };
 
 /// A controller of a type or part.
 struct ControllerDocument : Placed {
-  std::string kind;                                           ///< name in Registry::controllers
-  double period = 0;                                          ///< time between two calls, s; 0: every tick
-  engine::Record params;                                      ///< one value per field of the kind's table
-  static void describe(DocumentKeys<ControllerDocument>& d);  ///< adds its keys to `d`
+  std::string kind;  ///< name of a kind in Registry::controllers
+  /// Time between two calls, s; 0: every tick. It has no effect if the controller reads a sensor or the type
+  /// has a drive.
+  double period = 0;
+  engine::Record params;  ///< parameters, one value per field of the kind's table
+  static void describe(DocumentKeys<ControllerDocument>& d);  ///< adds the keys of this struct to `d`
 };
 
 /// A part, or the root of a type's tree of parts.
 struct PartDocument : Placed {
-  std::string name;                ///< name of the part or type; empty for a type that is named like its key
-  std::string alias;               ///< another name; empty: none
-  std::string kind;                ///< type of the Stage model; empty: "position" with a drive, else "model"
-  std::optional<Pose> pose;        ///< in the frame of the body
-  std::optional<JointName> joint;  ///< joint that moves the part; empty: that of the enclosing part
-  ImageDocument image;             ///< without a bitmap: only the `size` of the box or of the fitted blocks
-  bool fit = false;                ///< true: the blocks together are scaled to image.size
-  std::optional<Pose> origin;      ///< pose of the centre of the image or of the fitted blocks, part frame
-  std::optional<DiscDocument> disc;  ///< a cylinder about the origin, in addition to the blocks
+  std::string name;   ///< name of the part or type; empty for a type that is named like its key
+  std::string alias;  ///< another name; empty: none
+  std::string kind;   ///< name in Registry::models; empty: "position" for a type with a drive, else "model"
+  std::optional<Pose> pose;          ///< pose in the frame of the body; empty: at its origin
+  std::optional<JointName> joint;    ///< joint that moves the part; empty: that of the enclosing part
+  ImageDocument image;               ///< without a bitmap: only the `size` of the box or of the fitted blocks
+  bool fit = false;                  ///< true: the blocks together are scaled to image.size
+  std::optional<Pose> origin;        ///< pose of the centre of the image or of the fitted blocks, part frame
+  std::optional<DiscDocument> disc;  ///< a cylinder about the origin of the part, in addition to the blocks
   std::optional<std::vector<BlockDocument>> blocks;  ///< upright prisms
-  std::optional<bool> floor_plan;           ///< whether the shape is a floor plan; empty: true with an image
-  std::optional<Eigen::Vector3d> extent;    ///< declared size, m, if it differs from the shape's
-  std::optional<Color> color;               ///< colour of the part; empty: that of the body
-  engine::Returns returns;                  ///< how other bodies collide with it and sense it
-  std::optional<OwnDeviceDocument> device;  ///< the device that the part itself is
-  std::vector<SensorDocument> sensors;      ///< devices that only observe the world
-  std::vector<DeviceDocument> devices;      ///< all other devices
-  std::optional<ControllerDocument> controller;         ///< the only controller; excludes `controllers`
-  std::vector<ControllerDocument> controllers;          ///< several controllers; excludes `controller`
-  std::vector<PartDocument> parts;                      ///< parts mounted on this part
-  static void describe(DocumentKeys<PartDocument>& d);  ///< adds its keys to `d`
+  std::optional<bool> floor_plan;  ///< whether the shape is a floor plan; empty: true with an image
+  /// Size that fiducial finders report and controllers read, m; empty: that of the shape.
+  std::optional<Eigen::Vector3d> extent;
+  std::optional<Color> color;                    ///< colour of the part; empty: that of the body
+  engine::Returns returns;                       ///< how other bodies collide with the part and sense it
+  std::optional<OwnDeviceDocument> device;       ///< the device that the part itself is
+  std::vector<SensorDocument> sensors;           ///< devices that only observe the world
+  std::vector<DeviceDocument> devices;           ///< all other devices
+  std::optional<ControllerDocument> controller;  ///< the only controller; excludes `controllers`
+  std::vector<ControllerDocument> controllers;   ///< several controllers, in order; excludes `controller`
+  std::vector<PartDocument> parts;               ///< parts mounted on this part
+  static void describe(DocumentKeys<PartDocument>& d);  ///< adds the keys of this struct to `d`
 };
 
 /// A type: the properties that bodies of the same construction share.
 struct TypeDocument : PartDocument {
-  std::optional<DriveDocument> drive;                    ///< empty: the bodies do not move by themselves
-  std::optional<std::vector<std::string>> device_order;  ///< names of the devices in order; empty: file order
-  static void describe(DocumentKeys<TypeDocument>& d);   ///< adds its keys to `d`
+  std::optional<DriveDocument> drive;  ///< drive; empty: the bodies do not move by themselves
+  std::optional<std::vector<std::string>> device_order;  ///< names of all devices in order; empty: file order
+  static void describe(DocumentKeys<TypeDocument>& d);   ///< adds the keys of this struct to `d`
 };
 
 /// Walls, given as an image or as lines: a body with a type of its own.
 struct FloorplanDocument : Placed {
-  std::string name;            ///< name of the body and of its type
-  ImageDocument image;         ///< image of the walls; without a bitmap, only its height is used
-  std::optional<Ring> walls;   ///< line along the middle of the walls, m; excludes an image
-  double thickness = 0.1;      ///< of the walls along the line, m
-  Pose pose;                   ///< pose of the image centre, or of a map's frame, in the world
-  std::optional<Color> color;  ///< colour of the walls; empty: gray30
-  engine::Returns returns;     ///< how other bodies collide with it and sense it
-  static void describe(DocumentKeys<FloorplanDocument>& d);  ///< adds its keys to `d`
+  std::string name;     ///< name of the body and of its type
+  ImageDocument image;  ///< image of the walls; without a bitmap, only its height is used
+  /// Line along the middle of the walls, m, in the frame of `pose`; excludes an image.
+  std::optional<Ring> walls;
+  double thickness = 0.1;  ///< thickness of the walls along the line, m
+  Pose pose;               ///< pose of the image centre, or of the frame of a map or of `walls`, in the world
+  std::optional<Color> color;  ///< colour of the walls; empty: dark grey, (0.3, 0.3, 0.3)
+  engine::Returns returns;     ///< how other bodies collide with the walls and sense them
+  static void describe(DocumentKeys<FloorplanDocument>& d);  ///< adds the keys of this struct to `d`
 };
 
-/// A rectangular arena about the origin of the world: bounds, and a body `arena` that is the four walls.
+/// A rectangular arena about the origin of the world: it extends the bounds of the world, and has a body
+/// `arena` that consists of the four walls.
 struct ArenaDocument : Placed {
   std::optional<std::array<double, 2>> size;  ///< free floor along x and y, m; required
-  bool walls = true;                          ///< false: only bounds
-  double height = 0.5;                        ///< of the walls, m
-  double thickness = 0.1;                     ///< of the walls, which stand outside the free floor, m
-  std::optional<Color> color;                 ///< colour of the walls; empty: gray30
-  static void describe(DocumentKeys<ArenaDocument>& d);  ///< adds its keys to `d`
+  bool walls = true;                          ///< false: no walls, only bounds
+  double height = 0.5;                        ///< height of the walls, m
+  double thickness = 0.1;      ///< thickness of the walls, which stand outside the free floor, m
+  std::optional<Color> color;  ///< colour of the walls; empty: dark grey, (0.3, 0.3, 0.3)
+  static void describe(DocumentKeys<ArenaDocument>& d);  ///< adds the keys of this struct to `d`
 };
 
 /// A single body.
 struct ModelDocument : Placed {
-  std::string name;            ///< unique in the world
-  std::string alias;           ///< another name; empty: none
-  std::string type;            ///< a key of WorldDocument::types
-  std::string reserve_of;      ///< population to whose reserve it belongs; empty: it exists from the start
-  Pose pose;                   ///< in the world frame
-  std::optional<Color> color;  ///< colour of the body; empty: that of its type
+  std::string name;        ///< unique in the world, unless WorldDocument::same_names allows repeated names
+  std::string alias;       ///< another name; empty: none
+  std::string type;        ///< a key of WorldDocument::types
+  std::string reserve_of;  ///< population to whose reserve it belongs; empty: it exists from the start
+  Pose pose;               ///< pose in the world frame
+  std::optional<Color> color;                   ///< colour of the body; empty: that of its type
   std::optional<std::int32_t> fiducial_return;  ///< number that fiducial finders read; empty: the type's
-  std::vector<std::string> global_parts;        ///< names of parts that can be found without the body's name
-  static void describe(DocumentKeys<ModelDocument>& d);  ///< adds its keys to `d`
+  /// Names of parts of this body that programs can look up without the body's name.
+  std::vector<std::string> global_parts;
+  static void describe(DocumentKeys<ModelDocument>& d);  ///< adds the keys of this struct to `d`
 };
 
 /// The heading of a population's bodies.
@@ -239,41 +255,44 @@ struct ColorDocument {
 /// The rule by which the bodies of a population are placed, and its parameters.
 struct PlaceDocument : Placed {
   std::optional<engine::PlacementRule::Kind> rule;  ///< the rule: grid, uniform, ...; required
-  std::optional<Box> region;                        ///< region of the origins, m
-  std::optional<Ring> polygon;                      ///< polygon that contains the origins, m
-  std::optional<Box> spill;                   ///< grid: region for bodies that do not fit in `region`, m
-  std::optional<double> pitch;                ///< grid: distance between neighbouring cells, m; required
-  double jitter = 0;                          ///< grid: maximum random displacement of each coordinate, m
-  std::optional<std::array<double, 2>> mean;  ///< gaussian: mean of the origins, m; required
+  std::optional<Box> region;  ///< region of the origins, m; empty: that of `polygon`, else the world's bounds
+  std::optional<Ring> polygon;  ///< polygon that contains the origins, m; empty: the whole region
+  std::optional<Box> spill;     ///< grid: region for bodies that do not fit in `region`, m
+  std::optional<double> pitch;  ///< grid: distance between neighbouring cells, m; required
+  double jitter = 0;            ///< grid: maximum random displacement of each coordinate, m
+  std::optional<std::array<double, 2>> mean;       ///< gaussian: mean of the origins, m; required
   std::optional<std::array<double, 2>> deviation;  ///< gaussian: standard deviations, m; required
-  std::optional<double> distance;             ///< poisson_disc: minimum distance of two origins, m; required
-  std::optional<std::array<double, 2>> from;  ///< free_floor: point from which the floor is reachable, m
-  std::optional<double> cell;                 ///< free_floor: cell size of the search, m
-  std::optional<HeadingDocument> heading;     ///< empty: 0 on a grid, else random
-  double z = 0;                               ///< height of the origins, m
-  static void describe(DocumentKeys<PlaceDocument>& d);  ///< adds its keys to `d`
+  std::optional<double> distance;  ///< poisson_disc: minimum distance of two origins, m; required
+  /// free_floor: point from which the floor must be reachable, m; empty: a point of the largest connected
+  /// floor.
+  std::optional<std::array<double, 2>> from;
+  /// free_floor: cell size of the search, m; empty: half the radius of a body, at least 0.02.
+  std::optional<double> cell;
+  std::optional<HeadingDocument> heading;  ///< heading of the bodies; empty: 0 on a grid, else random
+  double z = 0;                            ///< height of the origins, m
+  static void describe(DocumentKeys<PlaceDocument>& d);  ///< adds the keys of this struct to `d`
 };
 
 /// Bodies of one type, placed by a rule.
 struct PopulationDocument : Placed {
-  std::string name;                                           ///< bodies are called NAME0, NAME1, ...
-  std::string type;                                           ///< a key of WorldDocument::types
-  std::optional<std::int64_t> count;                          ///< number of bodies; required
-  std::int64_t reserve = 0;                                   ///< number of bodies that may be born later
-  std::optional<ColorDocument> color;                         ///< colours; empty: the type's colour
-  std::optional<PlaceDocument> place;                         ///< how the bodies are placed; required
-  static void describe(DocumentKeys<PopulationDocument>& d);  ///< adds its keys to `d`
+  std::string name;                    ///< bodies are called NAME0, NAME1, ...
+  std::string type;                    ///< a key of WorldDocument::types
+  std::optional<std::int64_t> count;   ///< number of bodies; required
+  std::int64_t reserve = 0;            ///< number of further bodies, which may be born later
+  std::optional<ColorDocument> color;  ///< colours; empty: the type's colour
+  std::optional<PlaceDocument> place;  ///< how the bodies are placed; required
+  static void describe(DocumentKeys<PopulationDocument>& d);  ///< adds the keys of this struct to `d`
 };
 
 // ---- measures and experiments
 
 /// A measure that a run computes.
 struct MeasureDocument : Placed {
-  std::string kind;       ///< name in Registry::measures
+  std::string kind;       ///< name of a kind in Registry::measures
   std::string of;         ///< name of a type, a population or a robot; empty: all robots
-  std::string name;       ///< name of the column; empty: KIND or KIND:OF
-  engine::Record params;  ///< one value per field of the kind's table
-  static void describe(DocumentKeys<MeasureDocument>& d);  ///< adds its keys to `d`
+  std::string name;       ///< name of the column of results; empty: KIND, or KIND:OF if `of` is given
+  engine::Record params;  ///< parameters, one value per field of the kind's table
+  static void describe(DocumentKeys<MeasureDocument>& d);  ///< adds the keys of this struct to `d`
 };
 
 /// A comparison with a number, such as `>= 0.9`.
@@ -286,69 +305,70 @@ struct ComparisonDocument {
 struct ConditionDocument : Placed {
   std::optional<MeasureDocument> measure;                    ///< what is compared; required
   std::optional<ComparisonDocument> is;                      ///< the comparison that must hold; required
-  static void describe(DocumentKeys<ConditionDocument>& d);  ///< adds its keys to `d`
+  static void describe(DocumentKeys<ConditionDocument>& d);  ///< adds the keys of this struct to `d`
 };
 
 /// A group of bodies: all bodies of a population, all bodies of a type or one model, or a random selection of
-/// these bodies. Exactly one of `population`, `type` and `model` is given.
+/// these bodies. Exactly one of `population`, `type` and `model` is given, and at most one of `count` and
+/// `share`.
 struct GroupDocument : Placed {
   std::optional<std::string> population;  ///< name of a population
   std::optional<std::string> type;        ///< a key of WorldDocument::types
   std::optional<std::string> model;       ///< the name of one body
-  std::optional<std::int64_t> count;      ///< number of bodies, selected at random
-  std::optional<double> share;            ///< fraction of the bodies, 0 to 1, selected at random
-  static void describe(DocumentKeys<GroupDocument>& d);  ///< adds its keys to `d`
+  std::optional<std::int64_t> count;      ///< number of bodies to select at random; all if there are fewer
+  std::optional<double> share;            ///< fraction of the bodies to select at random, 0 to 1
+  static void describe(DocumentKeys<GroupDocument>& d);  ///< adds the keys of this struct to `d`
 };
 
 /// Births of bodies from the reserve of a population.
 struct AddDocument : Placed {
-  std::string population;                              ///< a population with a reserve
-  std::optional<std::int64_t> count;                   ///< number of births; empty: all that remain
-  std::optional<Pose> pose;                            ///< pose of each new body, world frame; empty: random
-  std::optional<Box> region;                           ///< region of random poses, m; empty: the bounds
-  static void describe(DocumentKeys<AddDocument>& d);  ///< adds its keys to `d`
+  std::string population;             ///< a population with a reserve
+  std::optional<std::int64_t> count;  ///< number of births; empty: all bodies of the reserve
+  std::optional<Pose> pose;           ///< pose of each new body, world frame; empty: random
+  std::optional<Box> region;          ///< region of random poses, m; empty: the world's bounds
+  static void describe(DocumentKeys<AddDocument>& d);  ///< adds the keys of this struct to `d`
 };
 
 /// A change of a model's pose.
 struct MoveDocument : Placed {
   std::string model;                                    ///< name of the body
   std::optional<Pose> pose;                             ///< new pose, in the world frame; required
-  static void describe(DocumentKeys<MoveDocument>& d);  ///< adds its keys to `d`
+  static void describe(DocumentKeys<MoveDocument>& d);  ///< adds the keys of this struct to `d`
 };
 
 /// New parameters of the drive, a device or a controller, for all bodies of a type. Exactly one of `drive`,
-/// `device` and `controller` is given. It is stored as uninterpreted JSON, because the type determines which
-/// parameters are valid.
+/// `device` and `controller` is given. This value is stored as uninterpreted JSON, because the type
+/// determines which parameters are valid.
 struct SettingDocument : Placed {
   std::string type;                                        ///< a key of WorldDocument::types
   std::optional<JsonNode> drive;                           ///< new parameters of the drive
   std::optional<JsonNode> device;                          ///< `name` of a device, and its new parameters
   std::optional<JsonNode> controller;                      ///< `kind` of a controller, and its new parameters
-  static void describe(DocumentKeys<SettingDocument>& d);  ///< adds its keys to `d`
+  static void describe(DocumentKeys<SettingDocument>& d);  ///< adds the keys of this struct to `d`
 };
 
 /// An intervention: a time and exactly one action.
 struct InterventionDocument : Placed {
-  std::optional<double> time;                                   ///< simulated time, s; required
-  std::optional<GroupDocument> remove;                          ///< bodies to remove
-  std::optional<AddDocument> add;                               ///< bodies to be born
-  std::optional<GroupDocument> disable;                         ///< bodies to disable
-  std::optional<GroupDocument> enable;                          ///< disabled bodies to enable again
-  std::optional<MoveDocument> move;                             ///< a body and its new pose
-  std::optional<SettingDocument> set;                           ///< new parameters of a type
-  static void describe(DocumentKeys<InterventionDocument>& d);  ///< adds its keys to `d`
+  std::optional<double> time;            ///< simulated time, s, rounded up to the end of a tick; required
+  std::optional<GroupDocument> remove;   ///< bodies to remove
+  std::optional<AddDocument> add;        ///< bodies to be born
+  std::optional<GroupDocument> disable;  ///< bodies to disable
+  std::optional<GroupDocument> enable;   ///< disabled bodies to enable again
+  std::optional<MoveDocument> move;      ///< a body and its new pose
+  std::optional<SettingDocument> set;    ///< new parameters of a type
+  static void describe(DocumentKeys<InterventionDocument>& d);  ///< adds the keys of this struct to `d`
 };
 
 /// Faults of a group of bodies.
 struct FaultDocument : GroupDocument {
-  /// One fault of the group.
+  /// A kind of fault that each body of the group may have, with its parameters.
   struct Impairment {
     std::string kind;       ///< name in Registry::faults
-    engine::Record params;  ///< one value per field of the kind's table
+    engine::Record params;  ///< parameters, one value per field of the kind's table
   };
-  double from = 0;                                       ///< simulated time at which the faults begin, s
-  std::vector<Impairment> impairments;                   ///< at least one
-  static void describe(DocumentKeys<FaultDocument>& d);  ///< adds its keys to `d`
+  double from = 0;                      ///< earliest simulated time at which a fault occurs, s
+  std::vector<Impairment> impairments;  ///< kinds of faults, at least one
+  static void describe(DocumentKeys<FaultDocument>& d);  ///< adds the keys of this struct to `d`
 };
 
 /// Stop conditions, interventions and faults.
@@ -356,57 +376,58 @@ struct ExperimentDocument : Placed {
   std::vector<ConditionDocument> stop_when;                   ///< the run ends when any of these holds
   std::vector<InterventionDocument> at;                       ///< interventions, in any order
   std::vector<FaultDocument> faults;                          ///< faults of bodies that exist at the start
-  static void describe(DocumentKeys<ExperimentDocument>& d);  ///< adds its keys to `d`
+  static void describe(DocumentKeys<ExperimentDocument>& d);  ///< adds the keys of this struct to `d`
 };
 
 // ---- the world
 
 /// What a run records.
 struct RecordDocument : Placed {
-  std::string file;             ///< name of the recording; empty: a run records only if its caller names one
-  std::optional<double> every;  ///< simulated time between frames, s; empty: 0.1
-  std::vector<std::string> fields;  ///< names of fields of the state to record; empty: the default fields
-  static void describe(DocumentKeys<RecordDocument>& d);  ///< adds its keys to `d`
+  std::string file;  ///< path of the recording; empty: a run records only if the caller names a file
+  std::optional<double> every;      ///< simulated time between frames, s; empty: 0.1
+  std::vector<std::string> fields;  ///< names of fields of the state to record; empty: only the poses
+  static void describe(DocumentKeys<RecordDocument>& d);  ///< adds the keys of this struct to `d`
 };
 
-/// Properties of the ground.
+/// Properties of the ground, which is body 0 of every world.
 struct GroundDocument : Placed {
   std::string alias;                                      ///< another name of the ground
-  static void describe(DocumentKeys<GroundDocument>& d);  ///< adds its keys to `d`
+  static void describe(DocumentKeys<GroundDocument>& d);  ///< adds the keys of this struct to `d`
 };
 
 /// A whole world.
 struct WorldDocument : Placed {
-  /// How the reader treats bodies that overlap or that have the same name.
+  /// How expand() and the constructor of World treat bodies that overlap or that have the same name.
   enum class Check : std::uint8_t {
-    error,  ///< as an error
-    warn,   ///< as a warning
+    error,  ///< an overlap or a repeated name is an error
+    warn,   ///< an overlap or a repeated name is a warning
   };
   std::shared_ptr<SourceFiles> files;  ///< the files to which the places (Where) refer; null: none
-  std::string schema;                  ///< `$schema`, for editors
-  std::string title;                   ///< empty: the file's name without its ending
+  std::string schema;                  ///< value of the key `$schema`, for editors
+  std::string title;                   ///< title; empty: the file's name without its ending
   std::uint64_t seed = 1;              ///< seed of all random numbers
-  double tick = 0.1;                   ///< length of a tick, s
-  std::optional<double> quit_time;     ///< time at which a run ends, s
+  double tick = 0.1;                   ///< simulated time of a tick, s
+  std::optional<double> quit_time;     ///< simulated time at which a run ends, s; empty: no end
   double measure_every = 1;            ///< interval between measurements, s; 0: every tick
   engine::RangingEngine ranging = engine::RangingEngine::exact;  ///< engine that computes ranges
   double resolution = engine::k_resolution_m;  ///< edge length of the cells of the grid engine, m
-  std::optional<Box> bounds;  ///< where robots may be, m; empty: the box around floor plans and arena
-  std::optional<GroundDocument> ground;       ///< properties of the ground
-  std::optional<RecordDocument> record;       ///< what a run records
-  std::optional<engine::Record> watch;        ///< display of the time, and pace: engine::watch_fields()
-  std::optional<engine::Record> window;       ///< a view of the world: window_fields()
-  bool mortal = false;                        ///< programs may always remove and disable bodies
-  Check overlaps = Check::error;              ///< how a model that overlaps something at the start is treated
-  Check same_names = Check::error;            ///< how bodies with the same name are treated
-  std::vector<FloorplanDocument> floorplans;  ///< walls, as images or lines
-  std::optional<ArenaDocument> arena;         ///< a rectangle with walls
+  /// Where robots may be, m; empty: the bounding box of the floor plans and the arena.
+  std::optional<Box> bounds;
+  std::optional<GroundDocument> ground;  ///< properties of the ground
+  std::optional<RecordDocument> record;  ///< what a run records
+  std::optional<engine::Record> watch;   ///< display of the time, and pace: engine::watch_fields()
+  std::optional<engine::Record> window;  ///< a view of the world: window_fields()
+  bool mortal = false;            ///< true: programs may remove and disable bodies, even if nothing else does
+  Check overlaps = Check::error;  ///< how a model that overlaps a body at the start is treated
+  Check same_names = Check::error;                          ///< how bodies with the same name are treated
+  std::vector<FloorplanDocument> floorplans;                ///< walls, as images or lines
+  std::optional<ArenaDocument> arena;                       ///< a rectangular floor, usually with walls
   std::vector<std::pair<std::string, TypeDocument>> types;  ///< types, each with its key
   std::vector<ModelDocument> models;                        ///< single bodies
   std::vector<PopulationDocument> populations;              ///< bodies placed by rules
   std::vector<MeasureDocument> measures;                    ///< what a run measures
-  ExperimentDocument experiment;                            ///< its keys are keys of the world itself
-  static void describe(DocumentKeys<WorldDocument>& d);     ///< adds its keys to `d`
+  ExperimentDocument experiment;  ///< the keys of this struct are keys of the world itself
+  static void describe(DocumentKeys<WorldDocument>& d);  ///< adds the keys of this struct to `d`
 };
 
 }  // namespace troupe::worldio

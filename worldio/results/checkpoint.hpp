@@ -15,10 +15,12 @@
 
 namespace troupe::worldio {
 
-/// A checkpoint: everything that is needed to continue a run, in one HDF5 file with a hash that detects
-/// damage (worldio/results/sealed_file.hpp).
+/// The kind and the layout of the seal of a checkpoint, see write_sealed(). A checkpoint is everything that
+/// is needed to continue a run, in one HDF5 file with a hash that detects damage
+/// (worldio/results/sealed_file.hpp). The groups and datasets of the file are:
 ///
-/// `/meta`        attributes: layout, tick, time_s, state_hash, counters, and the header given by the caller
+/// `/meta`        attributes: layout, tick, time_s, state_hash, counters, and the FileHeader given by the
+///                caller
 /// `/world`       the spec as JSON (worldio/json/spec_json.hpp), without its bodies and aliases
 /// `/bodies`      the bodies of the spec, one column per field
 /// `/aliases`     the other names of the bodies
@@ -30,22 +32,24 @@ inline constexpr std::string_view k_checkpoint_kind = "checkpoint";
 inline constexpr unsigned k_checkpoint_layout = 1;
 
 /// What observers, such as measures, remember of earlier ticks. The key is the name of an observer. The bytes
-/// are in a format that only this observer reads, and they are not part of the state of the world.
+/// are in a format that only this observer reads, and they are not part of the state of the world. A
+/// checkpoint does not store an entry without bytes.
 using Memories = std::map<std::string, std::vector<std::byte>>;
 
 /// What a result file says about the run that wrote it, as keys and values: version, world, seed, effective
 /// options.
 using FileHeader = std::vector<std::pair<std::string, std::string>>;
 
-/// Saves the state that `world` has after its last tick. `header` is added to /meta. Throws
-/// std::runtime_error, with the name of the file, if the file cannot be written or if the world cannot be
-/// stored. An existing checkpoint of this name is then unchanged.
+/// Saves the state that `world` has after its last tick. `header` is added to /meta; of a repeated key, the
+/// last value is stored. No key of `header` may be the name of another attribute of /meta, such as "tick".
+/// Throws std::runtime_error, with the name of the file, if the file cannot be written or if the world cannot
+/// be stored. An existing checkpoint of this name is then unchanged.
 void write_checkpoint(const std::filesystem::path& file, engine::World& world,
                       const engine::Registry& registry, const FileHeader& header,
                       const Memories& memories = {});
 
-/// A checkpoint file that is open for reading. All functions throw InputError with a message
-/// `run.h5: error: ...` if the file is not a valid checkpoint.
+/// A checkpoint file that is open for reading. The constructor, spec(), memories() and restore() throw
+/// InputError with a message `run.h5: error: ...` if the file is not a valid checkpoint.
 class Checkpoint {
  public:
   /// Opens a file and checks, by the hash of its bytes, that it is an undamaged checkpoint.
@@ -56,19 +60,21 @@ class Checkpoint {
   std::uint64_t tick() const { return tick_; }
   double time_s() const { return time_s_; }
   std::uint64_t state_hash() const { return state_hash_; }
-  /// The texts of /meta, which include the header.
+  /// The attributes of /meta that are texts: the FileHeader of the file, and `state_hash`.
   const std::map<std::string, std::string>& header() const { return header_; }
   /// Returns the text of one key of header(); empty if there is no such key.
   std::string header(const std::string& key) const;
 
-  /// Returns the spec of the world of the run, with `changes` applied as by --set: see restore_spec().
+  /// Returns the spec of the world of the run, with `changes` applied as by --set: see restore_spec(). Errors
+  /// in the spec or in the changes are added to `diagnostics`; do not use the result if there are errors.
   engine::WorldSpec spec(const engine::Registry& registry,
                          std::span<const std::pair<std::string, std::string>> changes,
                          Diagnostics& diagnostics) const;
   /// Returns the bytes that observers remembered when the state was saved.
   Memories memories() const;
-  /// Sets the state of `world`, which must have been built from spec(), to that of the checkpoint. Throws if
-  /// the restored state does not have the hash that is stored in the file.
+  /// Sets the state of `world`, which must have been built from spec(), to that of the checkpoint. Throws
+  /// InputError if the tables of the world differ from those in the file, or if the restored state does not
+  /// have the hash that is stored in the file. The world is then in its initial state.
   void restore(engine::World& world) const;
 
  private:
@@ -83,7 +89,8 @@ class Checkpoint {
   std::map<std::string, std::string> header_;
 };
 
-/// Whether the first bytes of a file are those of a checkpoint. False if the file cannot be read.
+/// Whether the first line of a file is that of a checkpoint; does not check whether the rest is damaged.
+/// False if the file cannot be read.
 bool is_checkpoint(const std::filesystem::path& file);
 
 }  // namespace troupe::worldio

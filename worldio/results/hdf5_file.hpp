@@ -32,7 +32,7 @@ class Hdf5Id {
   Hdf5Id& operator=(Hdf5Id&& other) noexcept;
   std::int64_t get() const { return id_; }
   bool valid() const { return id_ >= 0; }
-  /// Closes the id. Returns false if closing failed.
+  /// Closes the id. Returns false if closing failed; true if there is no open id.
   bool reset() noexcept;
   /// Gives up the id without closing it: the library keeps it open until the process ends.
   void release() noexcept { id_ = -1; }
@@ -42,24 +42,25 @@ class Hdf5Id {
   Close close_ = nullptr;
 };
 
-/// A group or a dataset, with its attributes. The name of an attribute may contain any character, even "/".
-/// On failure, all functions throw Hdf5Error; the message names the file, the object and the attribute.
+/// A group or a dataset, with its attributes. The name of an attribute may contain any character except NUL,
+/// even "/". On failure, all functions throw Hdf5Error; the message names the file and the object.
 class Hdf5Object {
  public:
   /// The path of the object in the file, such as "/state/pose".
   const std::string& path() const { return path_; }
   const std::filesystem::path& file_name() const { return file_; }
 
-  /// Adds an attribute. Texts are UTF-8 and stored with a fixed length in the header of the object, which a
-  /// checksum protects; h5py reads them as bytes. Texts of more than 60,000 bytes are stored with variable
-  /// length outside that header.
+  /// Add an attribute; the object must not have an attribute of this name. Texts are UTF-8 and stored with a
+  /// fixed length in the header of the object, which a checksum protects; h5py reads them as bytes. Texts of
+  /// more than 60,000 bytes are stored with variable length outside that header, without a checksum.
   void set_text(const std::string& name, std::string_view value);
   void set_integer(const std::string& name, std::int64_t value);
   void set_number(const std::string& name, double value);
-  /// The names of the attributes, in alphabetical order.
+  /// The names of the attributes, sorted by their bytes.
   std::vector<std::string> attributes() const;
   bool has_attribute(const std::string& name) const;
-  /// Returns the value of an attribute. Throws if the attribute does not exist or has another type.
+  /// Return the value of an attribute. They throw if the attribute does not exist or has another type. NUL
+  /// characters at the end of a text are lost.
   std::string text(const std::string& name) const;
   std::int64_t integer(const std::string& name) const;
   double number(const std::string& name) const;
@@ -83,8 +84,8 @@ class Hdf5Object {
   std::string path_;
 };
 
-/// An array of one element type. Its first dimension counts the rows. Values are read and written in
-/// row-major order.
+/// An array of one element type. Its first dimension counts the rows; an array without dimensions is one row
+/// with a single value. Values are read and written in row-major order.
 class Hdf5Dataset : public Hdf5Object {
  public:
   Hdf5Dataset() = default;  ///< refers to no dataset
@@ -94,12 +95,13 @@ class Hdf5Dataset : public Hdf5Object {
   std::size_t rows() const { return extent_.empty() ? 1 : extent_.front(); }
   /// The number of values in a row.
   std::size_t row_values() const;
-  /// The number of all values: rows() * row_values(). Throws if the file is too small for this number, so
-  /// that a damaged file cannot make the caller allocate terabytes.
+  /// The number of all values: rows() * row_values(). Throws if this many values take more bytes than the
+  /// file has, so that a damaged file cannot make the caller allocate terabytes.
   std::size_t values() const;
 
-  /// Writes (write()) or reads (read()) all values. The span must have values() elements of the type
-  /// element(); bool is stored as uint8.
+  /// Writes (write()) or reads (read()) all values. The span must have rows() * row_values() elements of the
+  /// type element(); bool is stored as uint8. Throws for another element type and, in write(), for another
+  /// number of elements.
   template <class T>
   void write(std::span<const T> from) {
     write_rows(0, rows(), from.data(), from.size(), engine::element_of<T>());
@@ -114,7 +116,8 @@ class Hdf5Dataset : public Hdf5Object {
     read(std::span<T>(into));
     return into;
   }
-  /// Reads rows from the row `first` on, as many as the span can hold.
+  /// Reads as many rows as the span can hold, from the row with index `first` on. The size of the span must
+  /// be a multiple of row_values(). Throws if the dataset does not have all these rows.
   template <class T>
   void read_rows(std::size_t first, std::span<T> into) const {
     read_rows(first, into.data(), into.size(), engine::element_of<T>());
@@ -124,13 +127,15 @@ class Hdf5Dataset : public Hdf5Object {
   void write_bytes(std::span<const std::byte> from);
   void read_bytes(std::size_t first, std::span<std::byte> into) const;
 
-  /// Adds rows after the last one. The dataset must be extendible.
+  /// Adds rows after the last one. The dataset must be extendible (Hdf5Group::create_extendible()), and the
+  /// number of values a multiple of row_values().
   template <class T>
   void append(std::span<const T> from) {
     append(from.data(), from.size(), engine::element_of<T>());
   }
   void append_bytes(std::span<const std::byte> from);
-  /// Sets the number of rows: removes the last rows, or adds rows that have the fill value.
+  /// Sets the number of rows of an extendible dataset: removes the last rows, or adds rows whose values are
+  /// Hdf5Chunks::fill.
   void resize(std::size_t rows);
   /// Hands the written data to the operating system. From then on, the data survives if the process is
   /// killed, and readers in SWMR mode (Hdf5File::start_swmr()) see it.
@@ -158,19 +163,20 @@ struct Hdf5Chunks {
 /// A group: it contains other groups and datasets, as a folder contains folders and files.
 class Hdf5Group : public Hdf5Object {
  public:
-  /// Creates a group in this group. The name must be new and must not contain "/": see hdf5_name().
+  /// Creates a group in this group. The name of a new group or dataset must not exist in this group and must
+  /// not contain "/": see hdf5_name().
   Hdf5Group create_group(const std::string& name);
   Hdf5Group group(const std::string& name) const;
   bool has(const std::string& name) const;
   bool has_group(const std::string& name) const;
-  /// The names of the groups and datasets in this group, in alphabetical order.
+  /// The names of the groups and datasets in this group, sorted by their bytes.
   std::vector<std::string> names() const;
 
   /// Creates a dataset of fixed size, which write() fills.
   Hdf5Dataset create_dataset(const std::string& name, engine::Element element,
                              const std::vector<std::size_t>& extent);
   /// Creates a dataset without rows, to which append() adds rows. `row` is the extent of a row along each
-  /// dimension after the first.
+  /// dimension after the first. `chunks.extent` must have one entry for each dimension, the first included.
   Hdf5Dataset create_extendible(const std::string& name, engine::Element element,
                                 const std::vector<std::size_t>& row, const Hdf5Chunks& chunks);
   Hdf5Dataset dataset(const std::string& name) const;
@@ -180,8 +186,9 @@ class Hdf5Group : public Hdf5Object {
     create_dataset(name, engine::element_of<T>(), {values.size()}).write(values);
   }
 
-  /// Write and read a dataset that is one text or a list of texts. Texts are UTF-8 and padded to the length
-  /// of the longest.
+  /// Write and read a dataset that is one text or a list of texts. Texts are UTF-8. They are padded with NUL
+  /// to the length of the longest; the readers remove NUL characters at the end. read_text() throws if the
+  /// dataset does not have exactly one text.
   void write_text(const std::string& name, std::string_view text);
   std::string read_text(const std::string& name) const;
   void write_texts(const std::string& name, std::span<const std::string> texts);
@@ -204,21 +211,22 @@ class Hdf5File : public Hdf5Group {
   /// (0, or a power of two, at least 512) belong to the caller: HDF5 does not touch them.
   static Hdf5File create(const std::filesystem::path& file, std::size_t user_block = 0);
   /// Creates a file in memory, where errors of the disk cannot damage it. image() returns its bytes. No file
-  /// on the disk is created: error messages use the name `file`.
+  /// on the disk is created: `file` is only the name in error messages.
   static Hdf5File create_in_memory(const std::filesystem::path& file, std::size_t user_block = 0);
-  /// Opens a closed file for reading.
+  /// Opens a file for reading. Throws if the file is not closed, because a program is writing it or because
+  /// its writer was killed.
   static Hdf5File open(const std::filesystem::path& file);
   /// Opens a file for reading that a program is writing in SWMR mode, or whose writer was killed in that
   /// mode.
   static Hdf5File open_swmr(const std::filesystem::path& file);
-  /// Opens a closed file for reading and writing.
+  /// Opens a closed file for reading and writing. Throws like open().
   static Hdf5File open_to_write(const std::filesystem::path& file);
 
   /// Starts SWMR mode ("single writer, multiple readers"): other programs can read the file while it is being
   /// written, and flushed data survives if the writer is killed. From then on, no group, dataset or attribute
   /// can be created.
   void start_swmr();
-  /// Hands all written data to the operating system.
+  /// Hands all data written to the file to the operating system.
   void flush();
   /// Returns the present bytes of a file in memory. They begin with the user block, which is zero.
   std::vector<std::byte> image();

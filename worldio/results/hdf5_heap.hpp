@@ -17,8 +17,8 @@ inline constexpr std::size_t k_heap_reference_bytes = 16;
 /// Reads a text of variable length from the file without the HDF5 library. The library is not used because no
 /// checksum protects the global heap: one flipped bit in it makes HDF5 1.10 write and read beyond its
 /// buffers. `reference` is the reference to the text, as the file stores it. The address in it counts from
-/// `base`, the size of the user block, bytes. Empty if the reference is not valid, because the file is
-/// damaged.
+/// `base`, the size of the user block, bytes. Empty if the file cannot be read, or if the reference is not
+/// valid because the file is damaged.
 std::optional<std::string> read_heap_text(const std::filesystem::path& file, std::uint64_t base,
                                           std::span<const std::uint8_t, k_heap_reference_bytes> reference);
 

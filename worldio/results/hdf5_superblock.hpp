@@ -23,14 +23,15 @@ struct Hdf5Superblock {
   bool swmr_writing() const { return (flags & k_swmr_writing) != 0; }
 };
 
-/// Reads the superblock of a file. Empty if the file does not begin with a complete superblock of these
-/// versions. HDF5 writes the superblock with the first flush.
+/// Reads the superblock of a file. Empty if the file cannot be read, or does not begin with a complete
+/// superblock of version 2 or 3 with a correct checksum. HDF5 writes the superblock with the first flush.
 std::optional<Hdf5Superblock> read_superblock(const std::filesystem::path& file);
 
 /// Marks a file whose writer was killed as closed, so that ordinary HDF5 tools open it. If the file is
-/// shorter than the size in its superblock, the file is extended; if it is longer, the superblock gets the
-/// real size. The superblock is written as a whole (48 bytes) in a single write, so that it is never half
-/// changed. On failure, throws std::runtime_error with the name of the file and the reason.
+/// shorter than the size in its superblock, the file is extended to this size with zeros; if it is longer,
+/// the superblock gets the real size. The superblock is written as a whole (48 bytes) in a single write, so
+/// that it is never half changed. On failure, throws std::runtime_error with the name of the file and the
+/// reason.
 void close_superblock(const std::filesystem::path& file);
 
 }  // namespace troupe::worldio

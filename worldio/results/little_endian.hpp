@@ -6,7 +6,7 @@
 
 namespace troupe::worldio {
 
-/// Reads a little-endian number of up to 8 bytes.
+/// Reads an unsigned little-endian number of at most 8 bytes; 0 if `bytes` is empty.
 inline std::uint64_t little_endian(std::span<const std::uint8_t> bytes) {
   std::uint64_t value = 0;
   for (std::size_t i = bytes.size(); i-- > 0;) value = value << 8 | bytes[i];

@@ -20,54 +20,55 @@ namespace troupe::worldio {
 /// The appearance of a recorded world, for drawing its frames. It is read from the recording alone: neither
 /// the world file nor the kinds and plug-ins of the run are needed.
 struct RecordedScene {
-  /// Beams of a ranger that start at one point, spread over an angle.
+  /// Beams of a ranger that start at one point and are spread evenly over an angle, symmetric to the heading
+  /// of the pose.
   struct Fan {
-    Pose pose_body_fan;
-    double range_max_m = 0;
-    double fov_rad = 0;
-    std::size_t beams = 1;
+    Pose pose_body_fan;      ///< start and middle direction of the beams, with all joints at rest
+    double range_max_m = 0;  ///< length of a beam that hits nothing
+    double fov_rad = 0;      ///< angle between the first and the last beam
+    std::size_t beams = 1;   ///< number of beams
   };
-  struct Eye {         ///< a ranger
-    std::string name;  ///< name of its group <sensor> in /sensors/<type>/<sensor>
-    std::vector<Fan> fans;
-    std::int32_t joint = engine::k_rigid;  ///< index of the joint that moves it; k_rigid: none
+  struct Eye {                             ///< a ranger
+    std::string name;                      ///< name of the ranger's group in /sensors/<type>
+    std::vector<Fan> fans;                 ///< one per transducer of the ranger
+    std::int32_t joint = engine::k_rigid;  ///< index in Type::joints of its joint; k_rigid: none
   };
-  struct Joint {
+  struct Joint {  ///< a joint that moves parts and devices of a body
     std::string
         component;  ///< group in /state with the joint's displacement from rest, in the joint's frame at rest
     std::int32_t parent =
         engine::k_rigid;   ///< index of the joint that carries this one, below its own index; k_rigid: none
     Pose pose_body_joint;  ///< pose of the joint at rest, in the frame of the body
   };
-  struct Type {
-    std::string name;
-    engine::FrameType look;  ///< the shapes, with all joints at rest
-    std::vector<Eye> eyes;
-    std::vector<Joint> joints;
+  struct Type {                 ///< a body type
+    std::string name;           ///< name of the type in the world; several types may have the same name
+    engine::FrameType look;     ///< the shapes, with all joints at rest
+    std::vector<Eye> eyes;      ///< the rangers of the type
+    std::vector<Joint> joints;  ///< the joints of the type, each after its parent
     struct Device {
-      std::string name;        ///< its group in /sensors/<type>
-      std::uint32_t part = 0;  ///< index of the part on which it is mounted
+      std::string name;        ///< name of the device's group in /sensors/<type>
+      std::uint32_t part = 0;  ///< index of the part on which the device is mounted
     };
-    std::vector<Device> devices;
+    std::vector<Device> devices;  ///< all sensors and other devices of the type
     /// The component whose field `shown_color` gives each body its colour (engine/shown_color.hpp), such as
     /// "sensors/robot/lamp". Empty if no such field was recorded.
     std::string shown_color;
-    std::vector<std::int32_t> shape_joints;  ///< for each shape of `look`: its joint; k_rigid: none
+    std::vector<std::int32_t> shape_joints;  ///< for each shape of `look`: index of its joint; k_rigid: none
     std::vector<std::uint32_t> shape_parts;  ///< for each shape of `look`: index of its part
     /// For each part, the component whose field `shown_color` gives the shapes of this part their colour;
     /// empty if there is none, and for the first part, whose colour is that of the body (`shown_color`).
     std::vector<std::string> part_colors;
   };
-  struct Body {
-    std::string name;
-    std::uint32_t type = 0;
-    Pose pose_world_body;  ///< pose at the start of the run
-    Color color;
+  struct Body {              ///< a body of the world, walls included
+    std::string name;        ///< name of the body
+    std::uint32_t type = 0;  ///< index into RecordedScene::types
+    Pose pose_world_body;    ///< pose at the start of the run
+    Color color;             ///< colour in the world file
   };
-  std::string title;
+  std::string title;          ///< title of the world
   std::optional<Box> limits;  ///< the region in which robots may be, m; empty: unlimited
-  std::vector<Type> types;
-  std::vector<Body> bodies;  ///< indexed by BodyId
+  std::vector<Type> types;    ///< indexed by TypeId
+  std::vector<Body> bodies;   ///< indexed by BodyId
 };
 
 /// Returns the columns of the group /scene of a recording: all bodies of a world, walls included, as the spec
@@ -75,15 +76,16 @@ struct RecordedScene {
 RecordingReader::Scene scene_columns(const engine::WorldSpec& spec);
 
 /// Returns the colour of a body in a frame. `parts` is the recorded value of its field `shown_color`: red,
-/// green and blue, each from 0 to 1; the result is opaque. They are NaN if the body was absent or showed no
-/// colour: the result is then `of_the_world`, the colour of the body in the world file.
+/// green and blue, each from 0 to 1; the result is opaque. These three numbers are NaN if the body was absent
+/// or showed no colour: the result is then `of_the_world`, the colour of the body in the world file.
 Color shown_color(std::span<const double> parts, const Color& of_the_world);
 
 /// Reads the scene of a recording. Throws Hdf5Error with the file's name if the recording is damaged, or so
 /// old that it has no /scene.
 RecordedScene recorded_scene(const RecordingReader& recording);
 
-/// Returns the scene of a running world, without recorded colours.
+/// Returns the scene of a world that is not read from a recording: in all types, `shown_color` and the
+/// texts in `part_colors` are empty. Throws like spec_to_json().
 RecordedScene recorded_scene(const engine::WorldSpec& spec, const engine::Registry& registry);
 
 /// Returns the window settings of the recorded world (worldio/window_fields.hpp). Empty if the world has

@@ -12,19 +12,20 @@
 
 namespace troupe::worldio {
 
-/// A component of the state as a recording stores it, such as /state/pose or /sensors/minibot/eye. Its rows
-/// are bodies in the order of their ids, whatever the order of the rows in memory. In memory, a component of
-/// /state may consist of several tables: the memory of a controller, for example, has a table for each type
-/// with this controller. `sources` lists these tables.
+/// A component of the state as a recording stores it, such as /state/pose or /sensors/minibot/eye. Each row
+/// belongs to a body. The bodies are in the order of their ids, whatever the order of the rows in memory: a
+/// component in /state has a row for each of recorded_bodies(), and one in /sensors for each body of its
+/// type. In memory, a component of /state may consist of several tables: the memory of a controller, for
+/// example, has a table for each type with this controller. `sources` lists these tables.
 struct RecordedComponent {
   std::vector<std::string> path;  ///< steps from the root: {"state", "pose"}
   std::string name;               ///< name of the component in the state: "pose", "ranger/eye"
   std::string frame;              ///< frame of the values: "world", "body", "sensor", "joint" (at rest) or
                                   ///< "carrier"; empty: none
-  std::size_t rows = 0;
-  bool everywhere = true;  ///< whether the bodies of all rows have the component
-  std::vector<engine::StateField> fields;
-  std::vector<std::size_t> columns;  ///< for each field, its index in the fields of the tables
+  std::size_t rows = 0;           ///< number of rows
+  bool everywhere = true;         ///< whether the bodies of all rows have the component
+  std::vector<engine::StateField> fields;  ///< the recorded fields of the component
+  std::vector<std::size_t> columns;        ///< for each field, its index in the fields of the tables
   /// One table of the state from which the component is copied.
   struct Source {
     std::size_t table;                    ///< index into World::tables()
@@ -32,22 +33,24 @@ struct RecordedComponent {
     /// The sensor whose readings the table stores; null for other tables.
     const engine::BodyType::Device* sensor = nullptr;
   };
-  std::vector<Source> sources;
+  std::vector<Source> sources;  ///< the tables, in the order of World::tables()
 
   /// Returns the size, bytes, of the field with this index in one frame: in all rows together.
   std::size_t bytes(std::size_t field) const;
 };
 
-/// Returns the bodies that can move, sense or decide, in the order of their ids. They are the rows of /state.
+/// Returns the bodies that have a row in the state tables (World::rows()), in the order of their ids: those
+/// that can move, sense, decide, be gripped or be pushed. They are the rows of /state.
 std::vector<BodyId> recorded_bodies(const engine::World& world);
 
 /// Returns the name that each type has in a recording, by TypeId. It is one step of a path; if several types
 /// have the same name, the second is called "NAME~2".
 std::vector<std::string> recorded_type_names(const engine::World& world);
 
-/// Returns the names that `--record-fields` accepts in this world, each once: "all", components that every
-/// robot has (pose), fields of sensors (ranges), kinds of controllers and devices (wander), and single
-/// components (ranger/eye).
+/// Returns the names that messages list as known for `--record-fields` in this world, each once: "all",
+/// components that every robot has (pose), fields of devices (ranges), kinds of controllers and devices
+/// (wander, ranger), single controllers (wander/0) and names of devices (eye). `--record-fields` also accepts
+/// names of components (ranger/eye) and COMPONENT.FIELD (eye.ranges).
 std::vector<std::string> recordable_names(const engine::World& world);
 
 /// Returns the name that --record-fields and --color-by accept for a device, or for one of its fields, if
@@ -55,21 +58,22 @@ std::vector<std::string> recordable_names(const engine::World& world);
 /// "sensors/minibot/eye.ranges". Empty for all other names.
 std::optional<std::string> name_for_path(const engine::World& world, std::string_view name);
 
-/// Returns the components that the names choose, each once: first those in /state, in the order of the tables
-/// of the state, then those in /sensors, by type. The names are those of recordable_names(). Throws
-/// std::invalid_argument for an unknown name, with a message such as `unknown field "posse"; known: pose,
-/// velocity, ... (did you mean "pose"?)`. For a path, the message has the right name (name_for_path()).
+/// Returns the components that the names select, each once: first those in /state, in the order of the tables
+/// of the state, then those in /sensors, by type. recordable_names() describes the names. Throws
+/// std::invalid_argument for an unknown name, with a message such as `unknown field "posse"` and the known
+/// names. For a path, the message has the right name (name_for_path()).
 std::vector<RecordedComponent> recorded_components(const engine::World& world,
                                                    std::span<const std::string> names);
 
-/// Returns the value of each byte of a field in rows that have no value: 0xff for floats, which gives NaN,
-/// else 0.
+/// Returns the byte with which all bytes of a row without a value are filled: 0xff for floating-point fields,
+/// which gives NaN, else 0.
 std::byte absent(const engine::StateField& field);
 
-/// Copies one component of the state of the world into buffers: `fields` has one buffer, in row-major order,
-/// for each field. Rows of bodies that lack the component are not written. Rows of bodies that are not in the
-/// world at present are filled with absent(), except in the component `life`, which itself says that a body
-/// is absent.
+/// Copies one component of the state of the world into buffers. `fields` has one buffer, in row-major order,
+/// for each of component.fields; its size must be component.bytes(). Rows of bodies that lack the component
+/// are not written. Rows of bodies that are not in the world at present are filled with absent(), except in
+/// the component `life`, which itself says that a body is absent. Rows of sensors that do not run because
+/// they are inactive and not read (World::senses()) are also filled with absent().
 void gather(const engine::World& world, const RecordedComponent& component,
             std::span<const std::span<std::byte>> fields);
 

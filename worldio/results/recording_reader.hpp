@@ -20,7 +20,8 @@ namespace troupe::worldio {
 /// file.
 class RecordingReader {
  public:
-  /// Opens a recording and reads everything except the frames.
+  /// Opens a recording and reads everything except the values of the arrays. Frames that a running writer
+  /// adds later are not seen.
   explicit RecordingReader(const std::filesystem::path& file);
 
   /// Returns the group /meta of an HDF5 file. Throws if the file is not a recording or has another layout.
@@ -37,23 +38,25 @@ class RecordingReader {
   /// Reads /world: the spec of the world as JSON, from spec_to_json().
   std::string world_json() const { return hdf5_.read_text("world"); }
 
-  /// The bodies of the recording, one for each row of /state, in the order of their ids: id, name of the
-  /// type, and name.
+  /// The recorded bodies, one for each row of /state, in the order of their ids. ids() are their BodyIds,
+  /// types() the names of their types in the recording, and names() their names.
   std::span<const std::uint32_t> ids() const { return ids_; }
   std::span<const std::string> types() const { return types_; }
   std::span<const std::string> names() const { return names_; }
 
   /// All bodies of the world as it was loaded, walls included. Each column has one entry per body, by BodyId.
   struct Scene {
-    std::vector<std::uint32_t> word, number;  ///< name: index into `words` of /world, number (engine::Name)
-    std::vector<std::uint32_t> type;          ///< index into the types of /world
-    std::vector<double> pose;                 ///< x, y, z (m) and heading (rad), world frame
-    std::vector<float> color;                 ///< red, green, blue, opacity
+    /// The two members of engine::Name; `word` is an index into the list `words` of /world.
+    std::vector<std::uint32_t> word, number;
+    std::vector<std::uint32_t> type;  ///< index into the types of /world
+    std::vector<double> pose;         ///< x, y, z (m) and heading (rad), world frame
+    std::vector<float> color;         ///< red, green, blue, opacity
   };
   /// Returns the scene. Empty if the recording is so old that it has no scene.
   std::optional<Scene> scene() const;
 
-  /// The number of complete frames, and the tick, time and state hash of each.
+  /// The number of complete frames, and the tick, simulated time and state hash of each. Ticks increase from
+  /// frame to frame.
   std::size_t frames() const { return ticks_.size(); }
   std::span<const std::uint64_t> ticks() const { return ticks_; }
   std::span<const double> times_s() const { return times_s_; }
@@ -61,21 +64,23 @@ class RecordingReader {
 
   /// One array of the state.
   struct Array {
-    std::string component;  ///< name: "pose", "wander/0", "sensors/minibot/ranger:0"
-    engine::StateField field;
+    std::string component;              ///< name: "pose", "wander/0", "sensors/minibot/ranger:0"
+    engine::StateField field;           ///< name, element type, number of columns, unit and meaning
     std::string frame;                  ///< frame of the values: see RecordedComponent::frame
-    std::vector<std::uint32_t> bodies;  ///< per row: index into ids()
-    Hdf5Dataset dataset;
+    std::vector<std::uint32_t> bodies;  ///< for each row, the index of its body in ids()
+    Hdf5Dataset dataset;                ///< the values: frames x rows x columns
     std::size_t row_bytes() const { return field.columns * engine::element_size(field.element); }
   };
   /// All arrays, in the order in which a tick computes them: sensors, memories, velocities, poses.
   std::span<const Array> arrays() const { return arrays_; }
-  /// Returns, for each row of an array, 1 if its body has the component, else 0. A row without the component
-  /// holds NaN, or 0 if the array has integers.
+  /// Returns, for each row of an array, 1 if its body has the component, else 0. The row of a body without
+  /// the component holds NaN in all frames, or 0 if the array has integers.
   std::vector<std::uint8_t> has(const Array& array) const;
-  /// Returns, for each body in ids(), 1 if it is in the world at this frame, else 0.
+  /// Returns, for each body in ids(), 1 if it is in the world in the frame with this index, else 0. All are 1
+  /// if the recording does not store this.
   std::vector<std::uint8_t> alive(std::size_t frame) const;
-  /// Reads one frame of an array in row-major order. `into` must have row_bytes() bytes for each row.
+  /// Reads the frame with this index, below frames(), of an array in row-major order. `into` must have
+  /// row_bytes() bytes for each row of the array.
   void read(const Array& array, std::size_t frame, std::span<std::byte> into) const;
 
  private:
@@ -101,13 +106,14 @@ class RecordingReader {
 /// KIND/NAME and TYPE/NAME select a device: `led/lamp` and `minibot/lamp` select `sensors/minibot/lamp`.
 /// Recordings do not store kinds, so KIND may be any word that is not the name of another type.
 bool selects(std::string_view name, const RecordingReader::Array& array, const RecordingReader& recording);
-/// Returns the present name of fields that `name` selects by a spelling of earlier versions, with the path of
-/// a sensor or with a slash before the field: "eye.ranges" for "sensors/minibot/eye.ranges" and "eye/ranges".
-/// If devices of several types have the name, the result has the type: "minibot/eye.ranges". Empty for all
-/// other names.
+/// Converts a name of a component or field from the spelling of earlier versions, which had the path of a
+/// sensor or a slash before the field. Returns "eye.ranges" for "sensors/minibot/eye.ranges" and
+/// "eye/ranges", and "eye" for "sensors/minibot/eye". If devices of several types have the name "eye", the
+/// result has the type: "minibot/eye.ranges". Empty if `name` is not such a spelling of something in the
+/// recording.
 std::optional<std::string> present_name(std::string_view name, const RecordingReader& recording);
-/// Returns the name of a component for people: `lamp (minibot)` for `sensors/minibot/lamp`, and
-/// engine::given_name() for components of /state.
+/// Returns the name under which user interfaces show a component: `lamp (minibot)` for
+/// `sensors/minibot/lamp`, and engine::given_name() for components of /state.
 std::string shown_name(std::string_view component);
 
 }  // namespace troupe::worldio

@@ -13,11 +13,12 @@ struct Repair {
 };
 
 /// Makes a recording that was cut off readable for ordinary HDF5 tools: marks it as closed and cuts every
-/// array to the complete frames. It works on a copy next to the file and renames the copy when it is
-/// complete, so that the file is always either the old one or the new one. A closed recording without
+/// array to the complete frames. The function works on a copy next to the file and renames the copy when it
+/// is complete, so that the file is always either the old one or the new one. A closed recording without
 /// incomplete frames is not changed. Throws Hdf5Error or std::runtime_error, with the name of the file, if
 /// the file is not a recording, if nothing was ever flushed to it, if there is no room for the copy, or if a
-/// program is still writing the file.
+/// process is still writing the file. A process on another machine, or one that this user may not inspect, is
+/// not detected.
 Repair repair_recording(const std::filesystem::path& file);
 
 }  // namespace troupe::worldio

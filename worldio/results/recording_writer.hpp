@@ -26,7 +26,7 @@ struct RecordingHead {
       meta;                         ///< attributes of /meta, as keys and values: version, world, seed, ...
   std::string world_json;           ///< the content of /world: the spec of the world as JSON
   std::uint64_t every_ticks = 1;    ///< number of ticks from one frame to the next
-  std::vector<std::string> fields;  ///< names of fields, as the user gave them
+  std::vector<std::string> fields;  ///< names of the recorded fields, as the user gave them
 };
 
 /// Writes a recording (docs/recordings.md) frame by frame, in the SWMR mode of HDF5 (single writer, multiple
@@ -37,15 +37,16 @@ struct RecordingHead {
 /// before its ticks are written, so a frame whose tick can be read is complete.
 ///
 /// With `in_background`, a thread of the writer writes a batch while the caller gathers the next one. The
-/// caller waits only if batches come faster than they can be written. The bytes of the file are the same as
-/// without it.
+/// caller waits only if batches come faster than they can be written. The bytes of the file do not depend on
+/// `in_background`.
 ///
 /// On failure, all functions throw Hdf5Error. An error in the background thread is thrown by the next call.
 /// After an error, the file stays as it was last flushed and is marked as closed, and every further call does
 /// nothing.
 class RecordingWriter {
  public:
-  /// Creates a file without frames, replacing an existing file of the same name.
+  /// Creates a file without frames, replacing an existing file of the same name. `components` are the arrays
+  /// to record, from recorded_components().
   RecordingWriter(const std::filesystem::path& file, const engine::World& world,
                   std::vector<RecordedComponent> components, const RecordingHead& head,
                   bool in_background = false);
@@ -59,13 +60,14 @@ class RecordingWriter {
   /// Like close(), but ignores errors.
   ~RecordingWriter();
 
-  /// Whether a frame of this tick is due (every `every_ticks` ticks) and not recorded yet.
+  /// Whether a frame of this tick is due (every `every_ticks` ticks) and not recorded yet. False after
+  /// close() and after an error.
   bool due(std::uint64_t tick) const;
   /// Adds the present state of the world as a frame, with its hash. due(world.tick()) must be true.
   void record(const engine::World& world, std::uint64_t state_hash);
   /// Writes and flushes all frames that are not in the file yet.
   void flush();
-  /// Like flush(), but with `in_background` it may return before the frames are in the file.
+  /// Like flush(), but with `in_background` the function may return before the frames are in the file.
   void start_flush();
   /// Flushes all frames and closes the file, so that ordinary HDF5 tools can open it. Every further call of
   /// any function does nothing.

@@ -10,7 +10,7 @@
 /// The encoding of numbers in a replay page (docs/replay.md); apps/replay_page/src/series.js decodes it.
 namespace troupe::worldio {
 
-/// The number that stands for "no value": the body is absent, or the number is not finite.
+/// The value in a series that means "no value": the body is absent, or its number is not finite.
 inline constexpr std::int32_t k_absent = std::numeric_limits<std::int32_t>::min();
 /// The largest absolute value in a series. With this limit, every number that append_series() stores fits in
 /// 31 bits, with either value of Expected.
@@ -23,13 +23,15 @@ enum class Expected : std::uint8_t {
   line,  ///< continues the line through the previous two values; as `same` where only one is known
 };
 
-/// Appends a series to `out`. Each value is stored as an unsigned number, 7 bits per byte, low bits first.
-/// The number is 0 if the value is absent; else it is 1 + 2 d if d >= 0, or -2 d if d < 0, where d is the
-/// value minus its prediction. The prediction of the first value is 0. After absent values, the prediction is
-/// the last value before them.
+/// Appends a series to `out`. The values must be k_absent, or from -k_most_in_series to k_most_in_series.
+/// Each value is stored as an unsigned number, 7 bits per byte, low bits first; bit 7 is set in every byte
+/// except the last of a number. The number is 0 if the value is k_absent; else it is 1 + 2 d if d >= 0, or -2
+/// d if d < 0, where d is the value minus its prediction. The prediction of the first value is 0. After
+/// absent values, the prediction is the last value before them.
 void append_series(std::span<const std::int32_t> values, Expected expected, std::string& out);
 
-/// Compresses bytes in the format of zlib (RFC 1950), which browsers call "deflate".
+/// Compresses bytes in the format of zlib (RFC 1950), which browsers call "deflate". Throws
+/// std::runtime_error if zlib has not enough memory.
 std::string deflated(std::string_view bytes);
 /// Encodes bytes as base64 (RFC 4648, section 4), with padding.
 std::string base64(std::string_view bytes);

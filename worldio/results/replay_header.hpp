@@ -24,13 +24,13 @@ struct ReplayBlocks {
   std::vector<std::vector<std::size_t>> bytes;  ///< for each block, the size of each of its streams
 };
 
-/// Returns, as JSON, everything that does not change from frame to frame: shapes, names, colours, times, and
-/// descriptions of the fields (docs/replay.md). `frames` are the indices of the recorded frames that the page
-/// has.
+/// Returns, as JSON text, everything that does not change from frame to frame: shapes, names, colours, times,
+/// and descriptions of the fields (docs/replay.md). `plan` is the result of plan_replay() for this recording.
+/// `frames` are the indices of the recorded frames that the page has, in ascending order.
 std::string replay_header(const RecordingReader& recording, const ReplayPlan& plan,
                           std::span<const std::size_t> frames, const ReplayBlocks& blocks);
 
-/// A part of which devices set the colour, on consecutive robots of a page, which are of one type.
+/// A part whose colour is set by devices, on all robots of one type. These robots are consecutive on a page.
 struct ShownPart {
   std::size_t first = 0;   ///< index of the first of these robots in the order of the page
   std::size_t count = 0;   ///< number of these robots
@@ -42,10 +42,11 @@ struct LivePage {
   std::string header;                ///< like replay_header(), without the keys that only recordings have
   std::vector<std::uint32_t> order;  ///< BodyId of each robot of the page, sorted by type, then by id
   bool has_z = false;                ///< whether heights may change; if not, `header` contains them
-  /// In the order of the robots and then of the parts: all parts in the lists `shown_parts` of `header`.
+  /// All parts in the lists `shown_parts` of `header`, sorted by the first robot and then by the part.
   std::vector<ShownPart> shown_parts;
 };
-/// Returns the data for a page that shows this world while it runs.
+/// Returns the data for a page that shows this world while it runs. `registry` must have the kinds of the
+/// world.
 LivePage live_page(const engine::World& world, const engine::Registry& registry);
 
 }  // namespace troupe::worldio

@@ -14,41 +14,44 @@
 namespace troupe::worldio {
 
 /// Consecutive rows of a page: first, ..., first + count - 1. A page is an HTML file that shows a recording
-/// (docs/replay.md). It has one row per recorded body.
+/// (docs/replay.md). It has one row for each body in RecordingReader::ids().
 struct ReplayRun {
   std::uint32_t first = 0;
   std::uint32_t count = 0;
 };
 
-/// An array of the state that a page shows in addition to poses. Its values are rounded to min + k * step,
-/// with whole numbers k from 0 to `steps`.
+/// An array of the state that a page shows in addition to poses. A page rounds its values to min + k * step,
+/// with whole numbers k from 0 to `steps`. `min`, `max` and `step` have the unit of the array. If the array
+/// has no finite number in any frame, `min`, `max` and `steps` are 0.
 struct ReplayField {
   const RecordingReader::Array* array = nullptr;
-  std::vector<std::uint32_t> rows;  ///< rows of the array, in the order of the page
-  std::vector<ReplayRun> runs;      ///< rows of the page that have the field
-  double min = 0;           ///< smallest finite number in all frames, rounded down to a multiple of `step`
-  double max = 0;           ///< largest finite number in all frames
+  std::vector<std::uint32_t> rows;  ///< the array's rows that have the field, in the order of the page
+  std::vector<ReplayRun> runs;      ///< the page's rows that have the field
+  /// Smallest finite number in all frames, or the multiple of `step` just below that number.
+  double min = 0;
+  double max = 0;           ///< largest finite number in all frames, not rounded
   double step = 1;          ///< difference of neighbouring rounded values
   std::uint32_t steps = 0;  ///< the largest k
 };
 
 /// What a page shows of a recording, and in which order.
 struct ReplayPlan {
-  RecordedScene scene;
+  RecordedScene scene;  ///< shapes, names and colours of the bodies
   std::vector<std::uint32_t>
       order;  ///< for each row of the page, its row in the recording; sorted by type, then by id
   /// The arrays of x, y, heading and z. The last is null if no body ever changes its height, or if heights
   /// were not recorded.
   std::array<const RecordingReader::Array*, 4> pose{};
-  std::vector<double> heights;  ///< if z is null: the height of each row of the page, m
-  Box bounds;                   ///< box around everything that is visible in any frame, m
-  std::vector<ReplayField> fields;
-  bool at_rest = false;  ///< whether there are moving parts whose poses were not recorded
+  std::vector<double> heights;      ///< the height of each row of the page, m; used if the array of z is null
+  Box bounds;                       ///< box around everything that is visible in any frame, m
+  std::vector<ReplayField> fields;  ///< the arrays that the page shows in addition to poses
+  bool at_rest = false;             ///< whether robots have joints whose displacements were not recorded
 };
 
-/// Reads frames of arrays as numbers. read() resizes `into` and fills it in row-major order. A number is NaN
-/// if the body has no value or is absent in the frame, and if a double is larger than 1e150 in absolute
-/// value.
+/// Reads frames of arrays as doubles. read() resizes `into` and fills it with the numbers of one frame in
+/// row-major order. All numbers of a body that is absent in the frame are NaN. Numbers of type f64 above
+/// 1e150 in absolute value become NaN. A body without the component has NaN, or 0 if the array has integers
+/// (RecordingReader::has()). The recording must outlive this object.
 class FrameReader {
  public:
   explicit FrameReader(const RecordingReader& recording)
@@ -62,11 +65,12 @@ class FrameReader {
   std::size_t alive_frame_;  // the frame that alive_ is from; recording_.frames() if there is none yet
 };
 
-/// Plans a page. Reads every frame once to find the ranges of the numbers. Each entry of `fields` names a
-/// component ("stall"), a field of any component ("ranges") or a field of one component ("stall/stalled"); if
-/// `fields` is empty, the page shows all recorded fields. The poses of joints and the shown colours are
-/// always included. Throws InputError if the recording has no poses, frames or bodies, or if nothing recorded
-/// has a name in `fields`. Throws Hdf5Error if it cannot be read.
+/// Plans a page. Reads all frames to find the ranges of the numbers. Each entry of `fields` is "all", or
+/// names a component ("stall"), a field of any component ("ranges") or a field of one component
+/// ("stall.stalled"); if `fields` is empty, the page shows all recorded fields. The displacements of joints
+/// and the shown colours are always included. Throws InputError if the recording has no poses, no complete
+/// frame or no recorded body, or if an entry of `fields` selects nothing recorded. Throws Hdf5Error if the
+/// recording cannot be read. The plan points to arrays of the recording, which must outlive it.
 ReplayPlan plan_replay(const RecordingReader& recording, std::span<const std::string> fields);
 
 }  // namespace troupe::worldio

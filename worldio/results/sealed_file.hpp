@@ -7,8 +7,8 @@
 
 namespace troupe::worldio {
 
-/// A sealed file either exists completely or not at all, and a change of any of its bytes is detected. Its
-/// first 512 bytes, the head, are text:
+/// Size of the head of a sealed file, bytes. A sealed file either exists completely or not at all, and
+/// check_seal() detects a change of any of its bytes. Its first 512 bytes, the head, are text:
 ///
 ///     troupe checkpoint
 ///     layout 1
@@ -20,11 +20,11 @@ namespace troupe::worldio {
 /// and h5py can open the file.
 inline constexpr std::size_t k_seal_bytes = 512;
 
-/// Writes `bytes` as a sealed file. `kind` is the word in the first line, and `layout` the number in the
-/// second. The head replaces the first 512 bytes (k_seal_bytes) of `bytes`. The function writes to another
-/// name in the same folder (worldio/partial_file.hpp), syncs that file to the disk and renames it to `file`.
-/// If that fails, throws std::runtime_error `run.h5: error: ...`; no partial file remains, and `file` is
-/// unchanged.
+/// Writes `bytes` as a sealed file. `kind` is the second word of the first line, and `layout` the number in
+/// the second line. The head replaces the first k_seal_bytes bytes of `bytes`, which must have at least this
+/// size. The function writes to another name in the same folder (worldio/partial_file.hpp), syncs that file
+/// to the disk and renames it to `file`. If that fails, or if `file` exists and is not a regular file, throws
+/// std::runtime_error `run.h5: error: ...`; no partial file remains, and `file` is unchanged.
 void write_sealed(const std::filesystem::path& file, std::string_view kind, unsigned layout,
                   std::span<const std::byte> bytes);
 
@@ -33,7 +33,7 @@ void write_sealed(const std::filesystem::path& file, std::string_view kind, unsi
 /// the case.
 void check_seal(const std::filesystem::path& file, std::string_view kind, unsigned layout);
 
-/// Whether the first line of a file is that of a sealed file of this kind.
+/// Whether the first line of a file is that of a sealed file of this kind. False if the file cannot be read.
 bool has_seal(const std::filesystem::path& file, std::string_view kind);
 
 }  // namespace troupe::worldio

@@ -15,14 +15,16 @@
 
 namespace troupe::worldio {
 
-/// The solids of a Stage model, and their source.
+/// The solids of a Stage model, in the frame of the model, and their source.
 struct StageBody {
-  std::vector<Solid> solids;
+  std::vector<Solid> solids;               ///< the solids, scaled; empty: the model has no body
   std::optional<engine::ImageSpec> image;  ///< the image, if all solids come from one image
-  std::vector<Solid> blocks;               ///< the blocks before scaling, if all solids come from blocks
+  /// The blocks, or the default box, before scaling, if all solids come from them; else empty.
+  std::vector<Solid> blocks;
 };
 
 /// Makes the solids of Stage models from their default bodies, bitmaps, boundaries and blocks.
+/// `world_directory` is the folder of the world file.
 class StageBodies {
  public:
   StageBodies(const StageDocument& document, std::filesystem::path world_directory, StageValues& values,
@@ -32,10 +34,11 @@ class StageBodies {
         values_(values),
         images_(diagnostics) {}
 
-  /// Returns the body of a model in the frame of the model, before `origin` is applied. The body is stretched
-  /// to `size`, m, and centred in x and y; z is scaled and not shifted. `blocks` are the block children of
-  /// the model, with their macros applied. A ROS map is not stretched: it keeps its own place and its own
-  /// extent in x and y, which this function stores in `size`.
+  /// Returns the body of a model in the frame of the model, before `origin` is applied. The body is scaled
+  /// along each axis to `size`, m, and centred in x and y; z is not shifted. `blocks` are the block children
+  /// of the model, with their macros applied. A ROS map is not scaled: it keeps its own place and its own
+  /// extent in x and y, which this function stores in `size`. Errors in the properties are reported; the
+  /// parts of the body that have errors are then missing.
   StageBody make(const StageModel& model, const engine::ModelKind& kind, Eigen::Vector3d& size,
                  const std::vector<StageModel>& blocks);
 

@@ -6,9 +6,10 @@
 
 #include <string>
 
-/// Functions that write devices, drives and controllers as properties of Stage models, in metres and radians.
-/// They are the inverse of StageKinds (worldio/stage/stage_kinds.hpp), which reads these properties. A
-/// parameter for which Stage has no property is omitted; check_stage_round_trip() reports it later.
+/// Functions that write devices, drives and controllers as properties of Stage models, for a file whose units
+/// are metres and radians. They are the inverse of StageKinds (worldio/stage/stage_kinds.hpp), which reads
+/// these properties. A parameter for which Stage has no property is omitted; check_stage_round_trip() reports
+/// it later.
 namespace troupe::worldio {
 
 /// Writes the properties of a device into the model that is open in `text`.
@@ -16,11 +17,12 @@ void write_stage_device(const engine::DeviceSpec& device, const engine::DeviceKi
 /// Writes the properties of a drive into the position model that is open in `text`.
 void write_stage_drive(const engine::DriveSpec& drive, const engine::DriveKind& kind, StageText& text);
 /// Writes the drive of a position model that is inside another model. In a spec, this drive is a device of
-/// kind "wheels". `period_s` is the period, s, of the controllers of the position model.
+/// kind "wheels". `period_s` is the period, s, of the controllers of the position model. Writes nothing if
+/// the kind of the drive is not registered.
 void write_stage_wheels(const engine::DeviceSpec& wheels, double period_s, const engine::Registry& registry,
                         StageText& text);
 /// Returns the value of `ctrl` for a controller, such as `script law=wave`: its name, and the parameters that
-/// differ from their defaults.
+/// differ from their defaults, in SI units. Parameters that this syntax cannot express are omitted.
 std::string stage_call(const engine::ControllerSpec& controller, const engine::ControllerKind& kind);
 /// Returns the value of `update_interval`, ms, that is read back as exactly this period, s, or as nearly as
 /// possible.

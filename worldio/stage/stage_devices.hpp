@@ -6,17 +6,17 @@
 
 namespace troupe::worldio {
 
-/// The unit of a number in a `.world` file. `length` and `angle` follow `unit_length` and `unit_angle` of
-/// the file; the other units are the same in all files.
+/// The unit of a number in a `.world` file. The units `length` and `angle` are those that the properties
+/// `unit_length` and `unit_angle` of the file select; the other units are the same in all files.
 enum class StageUnit : std::uint8_t { plain, length, angle, degrees, milliseconds };
 
 /// A property of a Stage model that maps directly to one parameter of the model's device. StageKinds has code
 /// for every other property.
 struct StageParameter {
-  std::string_view model;     ///< type of the model: "fiducial"
-  std::string_view property;  ///< name of the property in the file
-  std::string_view field;     ///< name of the parameter, in the field table of the device kind
-  StageUnit unit = StageUnit::plain;
+  std::string_view model;             ///< type of the model: "fiducial"
+  std::string_view property;          ///< name of the property in the file
+  std::string_view field;             ///< name of the parameter, in the field table of the device kind
+  StageUnit unit = StageUnit::plain;  ///< unit of the property in the file
   int column = -1;  ///< index of the parameter in a tuple [a b]; -1: the whole property is the parameter
 };
 /// Returns all properties that map directly to one parameter of a device.
@@ -26,11 +26,12 @@ std::span<const StageParameter> stage_parameters();
 struct StageRadioLaw {
   std::string_view model;  ///< name of the law in the file
   std::string_view law;    ///< parameter `law` of the radio
-  std::string_view walls;  ///< parameter `walls` of the radio, unless the file gives it
+  std::string_view walls;  ///< default of the parameter `walls` of the radio
 };
-/// Returns all propagation laws that the property `model` of a radio can name.
+/// Returns all propagation laws that the property `model` of a radio can name; the first is the default.
 std::span<const StageRadioLaw> stage_radio_laws();
-/// Default of the range of a radio, m, for every law but "disc", which has another default.
+/// Default of the range of a radio in a `.world` file, m, for every law but "disc". With "disc", the default
+/// is that of the radio's parameter `range`.
 inline constexpr double k_stage_radio_range = 1000;
 
 }  // namespace troupe::worldio

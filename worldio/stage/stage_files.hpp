@@ -6,13 +6,15 @@
 
 namespace troupe::worldio {
 
-/// Finds a file that a world names. Returns `path` if that file exists; else the file with the same base name
-/// in the first folder of the search path that has one. Only regular files count. Empty if there is none.
+/// Finds a file that a world names. Returns `path` if that file exists; else the path of the file that has
+/// the last component of `path` as its name, in the first folder of `search_path` that has such a file. Only
+/// regular files, and links to them, count. Empty if there is no such file.
 std::optional<std::filesystem::path> find_stage_file(const std::filesystem::path& path,
                                                      std::span<const std::filesystem::path> search_path);
 
-/// Removes "." and ".." from a path. Returns `path` unchanged if the shorter path would name another file: if
-/// x is a link to a folder, "x/.." is the parent of the linked folder, not the folder that contains x.
+/// Removes "." and ".." from a path. Returns `path` unchanged if the shorter path would name another file.
+/// That happens if x is a link to a folder: "x/.." is then the parent of the linked folder, not the folder
+/// that contains x.
 std::filesystem::path tidied(const std::filesystem::path& path);
 
 }  // namespace troupe::worldio

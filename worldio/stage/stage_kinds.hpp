@@ -12,30 +12,35 @@
 
 namespace troupe::worldio {
 
-/// Converts the properties of Stage models to Troupe's devices, drives and controllers. A property is ignored
-/// if the kind of the device or drive has no parameter for it. If a property is wrong, the functions report
-/// an error; those that return a std::optional then return an empty one.
+/// Converts the properties of Stage models to Troupe's devices, drives and controllers. A property of a drive
+/// is ignored if the kind of the drive has no parameter for it. If a property is wrong, the functions report
+/// an error; those that return a std::optional then return an empty one. The caller must set the name, the
+/// part, the joint and the pose of a returned device, and the part of a returned controller.
 class StageKinds {
  public:
   StageKinds(const StageDocument& document, const engine::Registry& registry, StageValues& values)
       : document_(document), registry_(registry), values_(values) {}
 
-  /// Returns the time between two updates of a model, s; 0: every tick.
+  /// Returns the time between two updates of a model (`update_interval`), s; 0: every tick. It is 0.1 if the
+  /// model does not have the property.
   double period_s(const StageModel& model);
 
-  /// Reads a ranger and its `sensor` children. If there are no sensors, warns and returns nothing.
+  /// Reads a ranger and its `sensor` children. A laser or sonar without such children is its own sensor; any
+  /// other ranger without them returns nothing, with a warning.
   std::optional<engine::DeviceSpec> ranger(const StageModel& model, const std::vector<StageModel>& sensors);
-  /// Reads a model that is a device of this kind.
+  /// Reads a model that is a device of this kind, which must be neither a ranger nor a gripper.
   std::optional<engine::DeviceSpec> device(const StageModel& model, const engine::DeviceKind& kind);
   /// Like device(), for a gripper. `size` is the size of its model, m.
   std::optional<engine::DeviceSpec> gripper(const StageModel& model, const engine::DeviceKind& kind,
                                             const Eigen::Vector3d& size);
-  /// Reads the drive of a position model.
+  /// Reads the drive of a position model; "diff" if the model does not have the property `drive`.
   std::optional<engine::DriveSpec> drive(const StageModel& model);
-  /// Reads the drive of a position model inside another model, as a device.
+  /// Reads the drive of a position model inside another model, as a device of kind "wheels", which is `kind`.
   std::optional<engine::DeviceSpec> wheels(const StageModel& model, const engine::DeviceKind& kind);
-  /// Reads the property `ctrl`, one or more strings "name arguments". Arguments are in the order of the
-  /// parameters of the controller, or are written as parameter=value. The result omits wrong strings.
+  /// Reads the property `ctrl`, one or more strings "name arguments". Arguments are in SI units and in the
+  /// order of the parameters of the controller, or are written as parameter=value, where the name of the
+  /// parameter may end in a unit: `turn_degps=30`. A wrong string is reported, and omitted from the result.
+  /// Empty if the model does not have the property.
   std::vector<engine::ControllerSpec> controllers(const StageModel& model);
 
  private:

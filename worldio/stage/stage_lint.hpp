@@ -13,8 +13,9 @@ namespace troupe::worldio {
 
 /// Warns of every property of a world file that has no effect, so that nothing is dropped silently. It looks
 /// each property up in the table of all properties (stage_rows()). As in Stage, macros that no model uses are
-/// not checked. With thorough diagnostics (`troupe lint`), each place is reported separately, and also every
-/// property that another property of the model overrides.
+/// not checked. With thorough diagnostics (`troupe lint`), each place is reported separately. Then StageLint
+/// also reports every property that another property of the model overrides, or that has no effect in a model
+/// of its type.
 class StageLint {
  public:
   StageLint(const StageDocument& document, StageMacros& macros, StageValues& values)
@@ -24,7 +25,8 @@ class StageLint {
   void check_world();
   /// Checks an entity, its macros and its children. The body of a macro is checked only at its first use.
   void check(const StageEntity& entity) { check(entity, 0); }
-  /// Reports one warning for each group of properties (Summary). Call it last.
+  /// Reports one warning for each group of properties (Summary) of which the file has some. Must be called
+  /// last.
   void finish();
 
  private:

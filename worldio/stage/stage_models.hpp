@@ -16,42 +16,44 @@ namespace troupe::worldio {
 /// to those of earlier layers.
 struct StageModel {
   struct Child {
-    const StageEntity* entity;
-    const StageEntity* layer;  ///< the layer whose body contains it
+    const StageEntity* entity;  ///< the child, whose macros are not applied yet
+    const StageEntity* layer;   ///< the layer whose body contains it
   };
 
   std::string_view type;  ///< a model type, "block", "sensor" or "window"
-  /// The name in the file, if that is an older name of the type: "laser" or "sonar" for a ranger, "wifi" for
-  /// a radio. Else empty. A laser or sonar that contains no sensor is its own sensor.
+  /// An older name of the type, if the file uses one: "laser" or "sonar" for a ranger, "wifi" for a radio.
+  /// Else empty. A laser or sonar that contains no sensor is its own sensor.
   std::string_view alias;
   std::vector<std::string_view>
       names;  ///< the word in the file, then the bases of the macros, and last the type
   std::vector<const StageEntity*> layers;  ///< the innermost base first, the entity itself last
-  Where where;
+  Where where;                             ///< place of the entity's first word
 
-  /// Returns the last property of this name, which is the one that counts. Null if there is none.
+  /// Returns the property of this name that counts: the last one in the last layer that has the name. Null if
+  /// there is none.
   const StageProperty* find(const StageDocument& document, std::string_view key) const;
   /// Returns the children of all layers: those of the innermost base first, in the order of the file.
   std::vector<Child> children(const StageDocument& document) const;
 };
 
-/// The macros defined so far in a file.
+/// The macros defined so far in a world file and the files that it includes.
 class StageMacros {
  public:
   StageMacros(const StageDocument& document, const engine::Registry& registry, StageValues& values);
 
-  /// Adds a macro. The first definition of a name is used; a later one is ignored with a warning.
+  /// Adds a macro: `item` must be a `define`. The first definition of a name is used; a later one is ignored
+  /// with a warning, or without one if both are the same line of a file that is included twice.
   void define(const StageItem& item);
   /// Applies the macros of an entity: follows the chain of their bases, then replaces an older name of a
-  /// type, such as "laser", by the present name. If the chain of bases is a cycle or does not end at a type,
-  /// reports an error and returns nothing.
+  /// type, such as "laser", by the present name. Does not apply the macros of the children. If the chain of
+  /// bases is a cycle or does not end at a type, reports an error and returns nothing.
   std::optional<StageModel> resolve(const StageEntity& entity);
-  /// Whether models of this type have a device: a ranger, a gripper, ...
+  /// Whether a model of this type is a device that the registry has: a ranger, a gripper, ...
   bool is_device(std::string_view type) const;
-  /// Whether models of this type have a device in Stage, but the registry does not have that device.
+  /// Whether a model of this type is a device in Stage, but the registry does not have such a device.
   bool is_only_a_body(std::string_view type) const;
-  /// Warns of macros of the world file itself that resolve() never used, and of included files of which
-  /// nothing was used. A single unused macro of an included file is no mistake, because such a file is a
+  /// Warns of macros of the world file itself that resolve() never used, and of included files that define
+  /// only unused macros. A single unused macro of an included file is no mistake, because such a file is a
   /// library.
   void report_unused();
 

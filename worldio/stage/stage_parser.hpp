@@ -15,13 +15,13 @@ namespace troupe::worldio {
 // The syntax of Stage's world files: tokens, properties, entities and macros. Their meaning is not checked
 // here.
 
-/// A token. The lexer inserts the tokens of an included file in place of the `include`, so each token has its
-/// own file and line.
+/// A token of a world file. The lexer inserts the tokens of an included file in place of the `include`, so
+/// each token has its own file and line.
 struct StageToken {
   enum class Kind : std::uint8_t { word, number, string, open, close, tuple_open, tuple_close, end };
-  Kind kind = Kind::end;
-  std::uint32_t file = Where::k_no_file;
-  std::uint32_t line = 0;
+  Kind kind = Kind::end;                  ///< `end`: the end of the document
+  std::uint32_t file = Where::k_no_file;  ///< number of the file in SourceFiles
+  std::uint32_t line = 0;                 ///< line in the file, from 1
   std::string_view text;  ///< points into a source of the document; strings without their quotes
 
   Where where() const { return {file, line}; }
@@ -30,8 +30,8 @@ struct StageToken {
 /// A property: `key value` or, with a tuple, `key [value ...]`.
 struct StageProperty {
   std::uint32_t key = 0;    ///< index into StageDocument::tokens
-  std::uint32_t count = 0;  ///< number of values
-  bool tuple = false;
+  std::uint32_t count = 0;  ///< number of values; 1 unless it is a tuple
+  bool tuple = false;       ///< whether the values are written as a tuple, in [ ]
 
   std::uint32_t first() const {
     return key + (tuple ? 2 : 1);
@@ -52,9 +52,9 @@ struct StageEntity {
 
 /// A macro or an entity at the top level of a file: `define word base body`, or `word body`.
 struct StageItem {
-  bool is_define = false;
+  bool is_define = false;  ///< true: a macro
   std::uint32_t base = 0;  ///< base of a macro; index into StageDocument::tokens
-  StageEntity entity;
+  StageEntity entity;      ///< the entity; for a macro, `word` and `body` of the `define`
 };
 
 /// A parsed world file, with the files that it includes. To save memory (a world has about a dozen tokens per
@@ -78,10 +78,11 @@ struct StageDocument {
   std::vector<StageEntity> all_children;
   std::vector<StageProperty> world;  ///< properties at the top level, in order
   std::vector<StageItem> items;      ///< defines and entities, in order
-  /// The folder that relative paths are relative to: that of the world file or, once a file was found through
-  /// the search path, the folder of the last such file.
+  /// The folder to which relative paths in the document are relative: that of the world file or, once an
+  /// included file was found through the search path, the folder of the last such file.
   std::filesystem::path base_directory;
-  /// False if parentheses do not match: then it is unknown which property belongs to which entity.
+  /// False if parentheses do not match, or if parsing stopped early: then it is unknown which property
+  /// belongs to which entity.
   bool well_nested = true;
 
   StageToken token(std::uint32_t position) const {
@@ -109,8 +110,9 @@ struct StageDocument {
   }
 };
 
-/// Parses the text of the world `file` and of the files that it includes.
-/// file         used in messages; relative paths are relative to its folder
+/// Parses the text of a world file and of the files that it includes.
+/// file         path of the world file in messages; relative paths, also those in included files, are
+///              relative to its folder
 /// search_path  folders in which a missing included file is searched by its base name
 /// Reports every violation of the grammar at its file and line, with the correct form. Parsing continues
 /// after an error, up to 50 errors. Nesting deeper than 200 levels, more than 1,000 inclusions and more than

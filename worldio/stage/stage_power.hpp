@@ -11,25 +11,27 @@ namespace troupe::worldio {
 
 /// Turns the energy properties of Stage models (joules, watts, give_watts, ...) into Troupe's devices: a
 /// power pack on each part that stores energy, and a power contact on each part that gives or takes energy.
-/// It handles one type at a time.
+/// One type must be read and finished before the next.
 class StagePower {
  public:
   StagePower(const StageDocument& document, const engine::Registry& registry, StageValues& values)
       : document_(document), registry_(registry), values_(values) {}
 
-  /// Reads the model of one `part` and adds its devices to `type`. Call it for every part, in order.
+  /// Reads the energy properties of the model of one part and adds the devices to `type`. `part` is the index
+  /// of the part. Must be called for every part of a type, in their order, beginning with part 0. Wrong
+  /// values are reported.
   void read(const StageModel& model, std::uint32_t part, engine::TypeSpec& type);
-  /// Call it after the last part of a type. It adds the power that each part draws to the power pack that
-  /// supplies the part: its own pack, or that of the nearest enclosing part with a pack. It removes power
-  /// contacts without a pack, with a warning.
+  /// Must be called after read() of the last part of a type. Adds the power that each part draws to the power
+  /// pack that supplies the part: its own pack, or that of the nearest enclosing part with a pack. Gives the
+  /// pack of a body with a drive the mass of the body. Removes power contacts without a pack, with a warning.
   void finish(engine::TypeSpec& type);
 
  private:
   /// The constant power that the model of a part draws (`watts`).
   struct Draw {
-    std::uint32_t part;
-    double watts;
-    bool runs;  ///< whether the model of the part always runs: it has `alwayson 1` or a controller
+    std::uint32_t part;  ///< index of the part
+    double watts;        ///< the power, W
+    bool runs;           ///< whether the model of the part always runs: it has `alwayson 1` or a controller
   };
 
   void read_pack(const StageModel& model, std::uint32_t part, engine::TypeSpec& type);

@@ -9,11 +9,11 @@ namespace troupe::worldio {
 
 /// How Troupe treats a property of Stage's world files.
 enum class StageSupport {
-  honoured,
+  honoured,       ///< read, with the meaning that it has in Stage 4.3
   fixed,          ///< honoured, but not exactly as in Stage 4.3: the note says how it differs
   no_effect,      ///< accepted and ignored: the note says why
-  window_camera,  ///< accepted; it only affects Stage's window and pictures with `--camera window`
-  window_only,    ///< accepted; it only affects Stage's window
+  window_camera,  ///< accepted; it affects only Stage's window and pictures with `--camera window`
+  window_only,    ///< accepted; it affects only Stage's window
   obsolete,       ///< accepted and ignored, as by Stage 4.3
 };
 
@@ -21,7 +21,7 @@ enum class StageSupport {
 struct StageRow {
   std::string_view type;  ///< "world", "block", "sensor", "window" or a model type; "model": every model type
   std::string_view name;  ///< name of the property; a number in brackets is written [k], as in `point[k]`
-  StageSupport support;
+  StageSupport support;   ///< how Troupe treats the property
   std::string_view note;  ///< meaning of the property, or difference from Stage, as Markdown; may be empty
 };
 
@@ -31,12 +31,12 @@ std::span<const StageRow> stage_rows();
 
 /// Returns the row of a property in an entity of this type: a row of that type or, for a model type without
 /// such a row, a row of "model". `type` may also be an older name of a type: for "laser" and "sonar", rows of
-/// "ranger" and "sensor" count too. Null if there is no row. `name` is the name in the file, with its
+/// "ranger" and "sensor" are also searched. Null if there is no row. `name` is the name in the file, with its
 /// numbers: "point[3]".
 const StageRow* find_stage_row(std::string_view type, std::string_view name);
 
-/// Whether a property of this name has no effect in any entity. Bodies that differ only in such a property
-/// can have the same type. False for an unknown property. `name` is the name in the file.
+/// Whether a property of this name has no effect on a run in any entity. Bodies that differ only in such a
+/// property can have the same type. False for an unknown property. `name` is the name in the file.
 bool is_without_effect(std::string_view name);
 
 /// Returns the names of the properties that an entity of this type can have, without obsolete ones. They are

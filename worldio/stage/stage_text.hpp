@@ -12,8 +12,9 @@
 
 namespace troupe::worldio {
 
-/// Returns a number x for which read(x) == value to the last bit. The function tries `guess` and the seven
-/// nearest doubles above and below it. If none of them fits, it returns `guess`.
+/// Returns a number x for which read(x) == value to the last bit. The function tries `guess`, the seven
+/// nearest doubles above it and the seven nearest below it. If none of them fits, the function returns
+/// `guess`.
 template <class Read>
 double solved(double value, double guess, Read read) {
   constexpr int k_neighbours = 8;
@@ -40,8 +41,8 @@ class StageText {
  public:
   explicit StageText(Diagnostics& diagnostics) : diagnostics_(diagnostics) {}
 
-  /// Sets the place of the errors that later calls report, for texts and numbers that Stage's syntax cannot
-  /// express.
+  /// Sets the place at which later calls report errors. They report an error for a text with a double quote
+  /// or a line end, and for a number that is not finite or above 2^53 in absolute value.
   void at(Where where) { where_ = where; }
   /// Writes a line `# text`.
   void comment(std::string_view text);
@@ -50,8 +51,8 @@ class StageText {
   void define(std::string_view word, std::string_view base);
   void close();
 
-  /// Each of these writes one property. A flag is written as 1 or 0; numbers(), pose() and texts() write
-  /// tuples.
+  /// Each of these functions writes one property on a line of its own. A flag is written as 1 or 0;
+  /// numbers(), pose() and texts() write tuples. Lengths and angles are written as given, in m and rad.
   ///@{
   void number(std::string_view key, double value);
   void flag(std::string_view key, bool value) { number(key, value ? 1 : 0); }

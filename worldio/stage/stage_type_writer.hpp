@@ -18,27 +18,27 @@ namespace troupe::worldio {
 /// objects must outlive it.
 struct StagePlaces {
   const std::filesystem::path& folder;  ///< folder of the .world file
-  const engine::Registry& registry;
-  FloorImages& images;
-  Diagnostics& diagnostics;
+  const engine::Registry& registry;     ///< the kinds of the world
+  FloorImages& images;                  ///< reads the images of bodies again, to compare them with the solids
+  Diagnostics& diagnostics;             ///< receives an error for each value that Stage cannot express
 };
 
-/// Returns, for each part of a type, whether it must be omitted from the file: a controller adds such a part
-/// each time a `.world` file is read (worldio/stage/stage_demos.hpp).
+/// Returns, for each part of a type, whether the part must be omitted from the file, because a controller
+/// adds it each time the file is read (worldio/stage/stage_demos.hpp). `seed` is that of the world.
 std::vector<bool> added_parts(const engine::TypeSpec& type, std::uint64_t seed,
                               const engine::Registry& registry);
 
-/// The macro that a type is written as.
+/// Describes the macro with which a type is written.
 struct StageMacro {
   std::string word;                    ///< name of the macro
-  Color color;                         ///< colour of the bodies that do not have a colour of their own
+  Color color;                         ///< colour of bodies whose own model has no colour
   bool has_many_colors = false;        ///< the bodies differ in colour: `color` is then written as color_rgba
-  std::vector<bool> added;             ///< for each part: whether it is omitted, from added_parts()
-  std::set<std::string> global_parts;  ///< names of the parts that can be found without the body's name
+  std::vector<bool> added;             ///< result of added_parts() for the type
+  std::set<std::string> global_parts;  ///< names of parts that programs can look up without the body's name
 };
 
-/// Writes a type as a macro. The body of the macro is the root part of the type. Inside it are a model for
-/// each other part, and a model for each device that is mounted on a part but is not the part itself.
+/// Writes a type as a macro. The body of the macro is the root part of the type. The macro contains a model
+/// for each other part, and a model for each device that is mounted on a part but is not the part itself.
 void write_stage_type(const engine::TypeSpec& type, const StageMacro& macro, const StagePlaces& places,
                       StageText& text);
 

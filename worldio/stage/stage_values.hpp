@@ -17,18 +17,19 @@
 
 namespace troupe::worldio {
 
-/// Reads the values of properties. If a value is wrong, the function reports an error and returns an empty
-/// optional. A message is reported once per place in a file, even if many instances of a macro share that
-/// place. Poses and sizes are returned in m and rad; number(), integer(), tuple() and column() return numbers
-/// as in the file, without conversion.
+/// Reads the values of properties. If a value is wrong, the function that reads it reports an error and
+/// returns an empty optional. A message is reported once per place in a file, even if many instances of a
+/// macro share that place. Poses and sizes are returned in m and rad; number(), integer(), tuple() and
+/// column() return numbers as in the file, without conversion.
 class StageValues {
  public:
   StageValues(const StageDocument& document, Diagnostics& diagnostics)
       : document_(document), diagnostics_(diagnostics) {}
 
   /// Sets the units of the file: the factors that convert its lengths to metres and its angles to radians.
+  /// Before the call, lengths are in metres and angles in degrees.
   void set_units(double length, double angle) { length_ = length, angle_ = angle; }
-  void set_wraps_headings(bool wraps) { wraps_headings_ = wraps; }  ///< for pose_in_device()
+  void set_wraps_headings(bool wraps) { wraps_headings_ = wraps; }  ///< see pose_in_device(); default: true
   double length_unit() const { return length_; }
   double angle_unit() const { return angle_; }
 
@@ -46,13 +47,13 @@ class StageValues {
 
   /// Returns a single value as text, with or without quotes in the file.
   std::optional<std::string_view> text(const StageProperty& property);
-  /// Like text(), for names. For the names "" and "/", warns and returns nothing.
+  /// Like text(), for names. If the name is "" or "/", warns and returns nothing.
   std::optional<std::string_view> name(const StageProperty& property);
   /// Returns the single value, or all values of a tuple, as texts.
   std::vector<std::string_view> texts(const StageProperty& property);
   /// Returns a single number as in the file, from -2^53 to 2^53.
   std::optional<double> number(const StageProperty& property);
-  /// Returns a whole number from -2^53 to 2^53.
+  /// Returns a single whole number from -2^53 to 2^53.
   std::optional<std::int64_t> integer(const StageProperty& property);
   /// Returns a switch, which the file writes as a whole number: true unless the number is 0.
   std::optional<bool> flag(const StageProperty& property);
@@ -77,7 +78,8 @@ class StageValues {
   /// Reads a size [x y z], or the older form [x y], which takes the default height, m. Each extent must be
   /// from 0 to 200 km; the caller checks whether 0 is allowed.
   std::optional<Eigen::Vector3d> size(const StageProperty& property, double default_height);
-  /// Reads a colour by its X11 name. Returns red, with a warning, for an unknown name. Empty for "random".
+  /// Reads a colour by its X11 name. Returns red, with a warning, for an unknown name. Empty, without an
+  /// error, for "random".
   std::optional<Color> color(const StageProperty& property);
   /// Reads a colour [red green blue opacity] with numbers from 0 to 1.
   std::optional<Color> color_rgba(const StageProperty& property);

@@ -8,17 +8,19 @@
 
 namespace troupe::worldio {
 
-/// Reads the properties of the world that say how a run is watched: `show_clock`, `show_clock_interval`,
-/// `speedup`, `paused`.
+/// Reads the properties of the world that set the clock and the pace of a run: `show_clock`,
+/// `show_clock_interval`, `speedup`, `paused`. Missing or wrong properties have their defaults, and wrong
+/// ones are reported. A `speedup` beyond the limits of WatchSpec::rate is replaced by the nearest limit.
 engine::WatchSpec read_stage_watch(const StageDocument& document, StageValues& values);
 /// Writes the properties that read_stage_watch() reads, if they differ from their defaults.
 void write_stage_watch(const engine::WatchSpec& watch, StageText& text);
 
-/// Reads a `window` into a record of window_fields(). It ignores all other properties; StageLint warns of
-/// them.
+/// Reads a `window` into a record of window_fields(). Missing or wrong properties have their defaults; wrong
+/// ones are reported. Properties that are not in window_fields() are ignored; StageLint warns of them.
 engine::Record read_stage_window(const StageModel& window, const StageDocument& document,
                                  StageValues& values);
-/// Writes a `window`, for a file whose unit of length is the metre.
+/// Writes a `window` with the properties that differ from their defaults, for a file whose unit of length is
+/// the metre.
 void write_stage_window(const engine::Record& window, StageText& text);
 
 }  // namespace troupe::worldio
