@@ -21,8 +21,8 @@ struct BatchEnv::Impl {
   /// Number of commands of a drive: forward, left, turn.
   static constexpr std::size_t k_drive = 3;
 
-  /// How the columns of one part of an array are computed. plan() creates it at the start, so that no step
-  /// has to look up names.
+  /// How the columns of one part of an array are computed. plan() creates this object in the constructor, so
+  /// that no step has to look up names.
   struct Part {
     const BatchPart* spec = nullptr;
     std::size_t columns = 0;
