@@ -27,7 +27,8 @@ struct JsonNode;
 class Setting {
  public:
   /// Converts a C++ value to a value of the world file. The conversions are implicit, so that values can be
-  /// written directly in Settings. Integers of all types keep their exact values. {
+  /// written directly in Settings. Integers of all types keep their exact values.
+  ///@{
   Setting(bool value);
   Setting(double value);  ///< throws std::invalid_argument if it is not finite
   Setting(std::int64_t value);
@@ -68,8 +69,8 @@ class Settings {
     Setting value;         ///< value in the unit that the key states
   };
   Settings() = default;
-  Settings(
-      std::initializer_list<Entry> entries);  ///< calls set() for each entry; the last of equal keys counts
+  /// Calls set() for each entry; of entries with the same key the last one counts.
+  Settings(std::initializer_list<Entry> entries);
   /// Sets the value of a key; replaces an earlier value of the same key.
   Settings& set(std::string_view key, const Setting& value);
   Settings& set(const Settings& values);  ///< sets each key of `values` to its value there
@@ -100,8 +101,8 @@ class Settings {
 /// `world.json:7: error: /types/bot/drive/kind: unknown drive ...`, with the line numbers of json().
 class WorldBuilder {
  public:
-  /// A type of bodies, made by WorldBuilder::type(). The WorldBuilder owns the type, which is valid as long
-  /// as the WorldBuilder exists and is not moved. All functions return *this.
+  /// A type of bodies, made by WorldBuilder::type(). It belongs to the WorldBuilder and is valid as
+  /// long as the WorldBuilder exists. All functions return *this.
   class Type {
     struct Key {
       explicit Key() = default;
@@ -117,8 +118,8 @@ class WorldBuilder {
     Type& size(double x, double y, double z);
     /// Sets the colour: a name, "SteelBlue", or {red, green, blue}, each from 0 to 1.
     Type& color(const Setting& color);
-    /// Sets the drive, in place of an earlier one. kind: "diff", "omni" or "car"; parameters: the parameters
-    /// of this kind of drive.
+    /// Sets the drive, in place of an earlier one. kind: "diff", "omni", "car", ...; parameters: the
+    /// parameters of this kind of drive.
     Type& drive(std::string_view kind, const Settings& parameters = {});
     /// Adds a sensor. name: its name, unique in the type; kind: "ranger", "bumper", ...; parameters: those of
     /// this kind of sensor; pose: pose of the sensor in the body frame, m and rad.
