@@ -19,9 +19,9 @@ std::optional<double> nearest_in_cone(const Vec2& right, const Vec2& left, const
 /// was measured along the middle of the beam. The result is exact, not sampled with rays.
 ///
 /// own          the row (index in the state tables) of the body that carries the ranger
-/// mount        the frame in which the ranger's beams are given, relative to the world extras the transducer;
-///              its beam_width must be above 0 ranges the readings of the transducer along the middle of its
-///              beams, m, which are updated
+/// mount        the frame in which the ranger's beams are given, relative to the world
+/// extras       the transducer; its beam_width must be above 0
+/// ranges       the readings of the transducer along the middle of its beams, m, which are updated
 /// intensities  the intensities of the transducer, updated with the ranges; empty if it has none
 void cast_cones(const engine::SensingView& view, Row own, const engine::Mount& mount,
                 const TransducerExtras& extras, std::span<float> ranges, std::span<float> intensities);
