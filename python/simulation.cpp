@@ -366,18 +366,18 @@ SimulationClass bind_simulation(py::module_& module) {
           "Loads a world from the text of a world file. `name` is used in place of a file name: its ending, "
           ".world or\n.json, selects the syntax, and relative paths are resolved from its folder. The other "
           "parameters are those of\nSimulation(). Raises InputError if the world is invalid.")
-      .def_static(
-          "resume", &resume, py::arg("checkpoint"), py::kw_only(), py::arg("threads") = 0,
-          py::arg("set") = py::none(), py::arg("across_versions") = false,
-          py::arg("plugin_path") = py::tuple(), py::arg("controllers") = py::list(),
-          py::arg("across_plugins") = false, py::arg("tile_size_m") = 0.0, py::arg("ranks") = 1,
-          "Resumes a run from a checkpoint of save(), with the same results, bit for bit, as if it had never "
-          "stopped. set: a dict\nfrom JSON pointers to new values, for values of the world that may change "
-          "in a resumed run (docs/checkpoints.md).\nplugin_path, controllers: as in Simulation(); they must "
-          "contain all plug-ins and scripts that the run used. threads,\ntile_size_m, ranks: as in "
-          "Simulation(). across_versions: whether a checkpoint of another version of Troupe is "
-          "accepted.\nacross_plugins: whether a checkpoint is accepted that was written with other builds of "
-          "its plug-ins. Raises InputError\nif the file is not a usable checkpoint.")
+      .def_static("resume", &resume, py::arg("checkpoint"), py::kw_only(), py::arg("threads") = 0,
+                  py::arg("set") = py::none(), py::arg("across_versions") = false,
+                  py::arg("plugin_path") = py::tuple(), py::arg("controllers") = py::list(),
+                  py::arg("across_plugins") = false, py::arg("tile_size_m") = 0.0, py::arg("ranks") = 1,
+                  "Resumes a run from a checkpoint of save(), with the same results, bit for bit, as if it "
+                  "had never stopped. set: a dict\nfrom JSON pointers to new values, for values of the world "
+                  "that may change in a resumed run (docs/checkpoints.md).\nplugin_path, controllers: as in "
+                  "Simulation(); they must contain all plug-ins and scripts that the run used. "
+                  "threads,\ntile_size_m, ranks: as in Simulation(). across_versions: whether a checkpoint "
+                  "of another version of Troupe is accepted.\nacross_plugins: whether a checkpoint is "
+                  "accepted that was written with other builds of its plug-ins. Raises InputError\nif the "
+                  "file is not a usable checkpoint, or if a plug-in or script of the run is missing.")
       .def("__repr__",
            [](const Holder& held) {
              Simulation& s = held->use();
@@ -495,9 +495,9 @@ SimulationClass bind_simulation(py::module_& module) {
            "Casts a ray and returns the first surface that it meets, computed by exact intersection. start: "
            "start and direction of\nthe ray, m and rad, in the world frame; the ray stays at the height "
            "start.z. range_max: length of the ray, m. without: a\nmodel whose body the ray passes through, "
-           "as well as the bodies that this body carries. The ray meets surfaces that\nrangers detect, "
-           "nearer than range_max. Raises ValueError if a number is not finite, or if range_max is negative "
-           "or above\n300 km.")
+           "as well as all bodies that move with this body because one carries the other or\nthe same body "
+           "carries both. The ray meets surfaces that rangers detect, nearer than range_max. Raises "
+           "ValueError if a\nnumber is not finite, or if range_max is negative or above 300 km.")
       .def("cast_many", &cast_many, py::arg("starts").none(false), py::arg("range_max"), py::kw_only(),
            py::arg("without") = py::none(),
            "Casts n rays. starts: n x 4, x, y, z (m) and heading (rad) of each ray in the world frame; "

@@ -15,8 +15,8 @@ enum BumperField : std::size_t {
 /// Returns the sensor kind `bumper`: contact strips. Each strip is a horizontal line segment, centred on the
 /// position of its pose (parameter `bumpers`) and perpendicular to the heading of this pose. A strip detects
 /// any wall or body whose outline comes within `thickness` (m) of the segment; the heights of the strip and
-/// of the body make no difference. A strip ignores its own robot, and bodies that carry the robot or that the
-/// robot carries.
+/// of the body make no difference. A strip ignores its own robot and all bodies that move with this robot
+/// (one carries the other, or a third body carries both).
 /// ties    If several bodies touch a strip, the nearest is reported; at equal distances, the one with the
 ///         lower id.
 /// source  Stage's bumper model, whose strips are as thick as its cells, 0.02 m. A strip without thickness

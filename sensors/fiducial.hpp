@@ -22,7 +22,8 @@ enum FiducialField : std::size_t {
 
 /// Returns the sensor kind `fiducial`: a finder that reports marked models in sight (bodies and parts with a
 /// fiducial_return other than 0) and their poses.
-/// finds   It finds a model of another body if the model has the finder's `key` as fiducial_key and its
+/// finds   It finds a model of another body, unless this body moves with the finder's body (one carries the
+///         other, or a third body carries both), if the model has the finder's `key` as fiducial_key and its
 ///         origin is nearer than range_max and within fov. With apply_range_min, the origin must also be at
 ///         least range_min away. The model must be in sight: a ray from the finder towards the model's
 ///         origin, at the height of the finder, must meet the model first. Walls and all other bodies stop

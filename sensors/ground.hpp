@@ -22,8 +22,8 @@ enum GroundField : std::size_t {
 /// The ground at a point is a part of another body that contains the point, seen from above, and whose top is
 /// not above `height`. If there are several, the one with the highest top counts; at equal tops, the part of
 /// the body with the lower id, and within one body the part with the lower number. If there is no such part,
-/// the ground is the floor, whose colour is the parameter `floor`. The robot itself and bodies that carry the
-/// robot or that the robot carries are ignored.
+/// the ground is the floor, whose colour is the parameter `floor`. The robot itself and all bodies that move
+/// with it (one carries the other, or a third body carries both) are ignored.
 ///
 /// zones  Coloured zones on the ground are models with `"obstacle": false`, `"ranger_return": -1` and a size
 ///        of some millimetres in z. A zone with an LED has the colour of the LED.
@@ -66,9 +66,9 @@ class Ground {
   /// the first call of below() or shown_below().
   void collect(const engine::WorldSpec& world);
   /// Returns the ground at a point (world frame, m) for a device on the body with the row (index in the
-  /// state tables) `own`. This body, and all bodies that it carries or that carry it, are ignored. If no part
-  /// covers the point, the body of the result is not valid, its top is 0, and its colour is that of the
-  /// floor. Colours are those of the world file.
+  /// state tables) `own`. This body, and all bodies that move with it (SensingView::same_tree()), are
+  /// ignored. If no part covers the point, the body of the result is not valid, its top is 0, and its colour
+  /// is that of the floor. Colours are those of the world file.
   Zone below(const engine::SensingView& view, Row own, const Vec2& point) const;
   /// Like below(), but parts have the colours that devices such as LEDs show.
   Zone shown_below(const engine::CommittedView& view, Row own, const Vec2& point) const;

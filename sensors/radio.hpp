@@ -142,8 +142,8 @@ class RadioPort {
 ///           arrives if all of the following conditions hold. The horizontal distance is at most the sender's
 ///           `range` and at most the listener's `hears` (the listener's `range` if `hears` is 0). The
 ///           strength is at least the listener's `sensitivity_dBm`. Nothing hides the sender. The sender's
-///           body is neither the listener's body nor a body that carries the listener's body or that the
-///           listener's body carries.
+///           body is neither the listener's body nor a body that moves with it (one carries the other, or a
+///           third body carries both).
 /// hides     An outline hides the sender if the straight line between the two radios crosses the outline at a
 ///           height where the outline is, and if rangers see it. The listener's `walls` says whether static
 ///           geometry hides senders, its `bodies` whether other bodies do. The bodies of the two radios never

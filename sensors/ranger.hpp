@@ -17,8 +17,9 @@ namespace troupe::sensors {
 /// noise   The parameters of the transducers define two sorts of noise (ranger_noise.hpp): on readings below
 ///         range_max, and on the headings of beams. A reading of exactly range_max gets no noise.
 /// hits    A beam can hit surfaces with ranger_return >= 0 whose z interval, ends included, contains the
-///         height of the beam. Both sides of a surface count. The beam passes through the robot of the
-///         ranger, and through bodies that carry the robot or that the robot carries.
+///         height of the beam. Both sides of a surface count. The beam passes through the robot of the ranger
+///         and through all bodies that move with this robot (one carries the other, or a third body carries
+///         both).
 /// ties    Of two surfaces at one distance, the larger intensity is reported.
 /// source  The exact engine projects edges on beams by inverse depth (partition/ranging.hpp). In worlds with
 ///         the grid engine, rays walk through the cells of a grid (partition/ray_grid.hpp).

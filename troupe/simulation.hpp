@@ -152,7 +152,7 @@ struct Statistics {
   double time_s = 0;                  ///< world time, s
   std::uint64_t beams = 0;            ///< rays that sensors have cast
   std::size_t stalled = 0;            ///< robots whose last motion was blocked or would have left the bounds
-  std::size_t held_at_bounds = 0;     ///< those of them whose motion would have left the bounds of the world
+  std::size_t held_at_bounds = 0;     ///< robots whose last motion would have left the bounds of the world
   double mean_displacement_m = 0;     ///< mean straight-line distance of robots from their start or birth, m
   std::uint64_t conflict_rounds = 0;  ///< rounds in which conflicting motions were resolved, since tick 0
   std::size_t state_bytes = 0;        ///< memory of all state tables, bytes
@@ -198,7 +198,7 @@ class Model {
   /// Pose in the world frame, m and rad. The pose of a part on a joint includes the motion of the joint. A
   /// body that was removed keeps its last pose; the pose of a body that is not yet born is NaN.
   Pose pose() const;
-  /// Size along x, y and z as declared in the world file, m.
+  /// Size of the body or part along its x, y and z axes as declared in the world file, m.
   Eigen::Vector3d size() const;
   /// Commands speeds in the body frame: forward and left in m/s, turn in rad/s (for a car drive: the steering
   /// angle, rad). They apply from the next tick on, within the limits of the drive, until another command
@@ -210,7 +210,7 @@ class Model {
   void set_speed(double forward, double turn) { set_speed(forward, 0, turn); }  ///< as above, left = 0
   /// Commands accelerations in the body frame: forward and left in m/s^2, turn in rad/s^2 (for a car drive:
   /// the steering angle, rad). They apply from the next tick on, within the drive's limits of acceleration
-  /// and speed, until another command replaces them.
+  /// and speed, until another command replaces them. Throws as set_speed() does.
   void accelerate(double forward, double left, double turn);
   void accelerate(double forward, double turn) { accelerate(forward, 0, turn); }  ///< as above, left = 0
   /// Commands a goal pose, m and rad, in the frame of the robot's estimated pose (estimate()). The robot
@@ -305,11 +305,12 @@ class Model {
   /// and units. Throws std::out_of_range, with the known names, if there is no such device.
   std::span<const engine::StateField> fields(std::string_view device) const;
   /// Returns a reference to the command of a device, which a program may write between two steps. The command
-  /// applies from the next step on. `Command` is the command struct of the kind of device
-  /// (models::GripperCommand, models::LedCommand, ...). An empty `device` means the first device that takes
-  /// this struct. If a controller of the robot uses the device, the controller overrides the command. Throws
-  /// std::out_of_range, with the known names, if there is no such device, and std::invalid_argument if the
-  /// device takes another struct, with other field names or another size.
+  /// applies from the next step on. The reference is valid while the simulation lives. `Command` is the
+  /// command struct of the kind of device (models::GripperCommand, models::LedCommand, ...). An empty
+  /// `device` means the first device that takes this struct. If a controller of the robot uses the device,
+  /// the controller overrides the command. Throws std::out_of_range, with the known names, if there is no
+  /// such device, and std::invalid_argument if the device takes another struct, with other field names or
+  /// another size.
   template <class Command>
   Command& command(std::string_view device = {}) {
     static const std::vector<engine::StateField> fields = engine::memory_fields<Command>();
@@ -410,7 +411,8 @@ class Simulation {
   /// Resumes a run from a checkpoint that save() or `troupe run --checkpoint` wrote. The run then has the
   /// same bits as if it had never stopped, on any number of threads. The files that the world was loaded from
   /// are not needed. Throws InputError, `run.h5: error: ...`, if the file is not a checkpoint, is truncated
-  /// or damaged, or was written by a newer version.
+  /// or damaged, or was written by another version of Troupe (unless ResumeOptions::across_versions is true),
+  /// if a plug-in or script of the run is missing, and if a value of ResumeOptions::set is invalid.
   static Simulation resume(const std::filesystem::path& checkpoint, const ResumeOptions& options = {});
   /// Resumes a run whose world was loaded with a registry of the program. `registry` must have the same kinds
   /// as that registry.
@@ -501,11 +503,11 @@ class Simulation {
   /// Each save() calls `memory` and stores the returned bytes under `name`; after resume(), saved_memory()
   /// returns them. A null callback removes the callback of this name.
   void on_save(const std::string& name, std::function<std::vector<std::byte>()> memory);
-  /// The bytes that on_save() stored under `name` in the checkpoint that the run was resumed from; empty if
-  /// there are none.
+  /// The bytes that save() stored under `name` in the checkpoint that the run was resumed from (see
+  /// on_save()); std::nullopt if there are none or the run was not resumed.
   std::optional<std::vector<std::byte>> saved_memory(const std::string& name) const;
 
-  /// The tick of the checkpoint that the run was resumed from; empty if it was not resumed.
+  /// The tick of the checkpoint that the run was resumed from; std::nullopt if the run was not resumed.
   std::optional<std::uint64_t> resumed_at_tick() const;
 
   double time_s() const;       ///< world time, s
@@ -532,8 +534,9 @@ class Simulation {
   /// from       start of the ray, m, and its direction, rad, in the world frame; the ray stays at the height
   ///            from.z
   /// range_max  length of the ray, m; the ray does not meet surfaces at this distance or farther
-  /// without    a body that the ray ignores, together with the bodies that it carries; for rays that start
-  ///            within a robot
+  /// without    a body that the ray ignores, for rays that start within a robot; the ray also ignores all
+  ///            bodies that move with this body, because one carries the other or a third body carries both.
+  ///            Null, or static geometry: the ray ignores no body
   /// meets      surfaces that rangers detect (ranger_return >= 0) and whose z interval, including both ends,
   ///            contains from.z; both sides of a surface count. The distance is computed in double precision,
   ///            so it may differ from the float32 reading of a ranger in its last bits
