@@ -38,7 +38,7 @@ struct BatchEnv::Impl {
 
     std::size_t row_bytes() const { return columns * engine::element_size(element); }
   };
-  /// A BatchColumn whose names have been looked up: indices instead of names.
+  /// A BatchColumn whose names have been replaced by indices.
   struct Column {
     std::size_t array = 0;
     std::size_t column = 0;

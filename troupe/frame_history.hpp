@@ -10,9 +10,9 @@
 
 namespace troupe {
 
-/// Positions of bodies during the last k_seconds seconds, or the last 50 ticks if that is longer, for the
-/// picture layer `trails`. Pass frames to see() in the order of their ticks; a frame with an earlier tick
-/// than the last stored one clears the history.
+/// Positions of bodies during about the last k_seconds seconds (or the last 50 ticks, if ticks are longer
+/// than 0.4 s), for the picture layer `trails`. Pass frames to see() in the order of their ticks; a frame
+/// with an earlier tick than the last stored one clears the history.
 class Trails {
  public:
   static constexpr double k_seconds = 20;  ///< length of the trails, s

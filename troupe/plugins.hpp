@@ -16,8 +16,8 @@ namespace troupe {
 
 /// Loads controllers, devices and measures by name from plug-ins, which are shared libraries
 /// (docs/controllers.md). The name "dancer" refers to the kind "dancer" in dancer.so, and "swarm:leader" to
-/// the kind "leader" in swarm.so. Scripts whose kinds were added with add() count as libraries, too. If
-/// several of the searched folders have a file of the name, the file in the first of these folders is used.
+/// the kind "leader" in swarm.so. Scripts that add() has added count as libraries, too. If several of the
+/// searched folders have a file dancer.so, the one in the first of these folders is used.
 ///
 /// A library stays loaded until the process ends. After each load, the floating-point environment of the
 /// calling thread is restored, because a library that was linked with -ffast-math switches denormal numbers
@@ -31,8 +31,8 @@ class Plugins {
     std::uint64_t contents = 0;  ///< hash of the file's bytes
   };
 
-  /// path: the folders to search, in this order. registry: the kinds that the program already has; a plug-in
-  /// cannot replace a kind of the same name.
+  /// path: the folders to search, in this order. registry: the kinds that the program already has. A plug-in
+  /// with a kind that has the name of one of these kinds cannot be used.
   Plugins(std::vector<std::filesystem::path> path, const engine::Registry& registry);
   ~Plugins();
   Plugins(const Plugins&) = delete;
@@ -61,7 +61,7 @@ class Plugins {
   /// Libraries whose loading failed are not in the list.
   std::vector<Library> libraries() const;
   /// Warnings about side effects of loading a library, such as a changed floating-point environment:
-  /// `dancer.so: warning: ...`.
+  /// `plugins/dancer.so: warning: ...`.
   const std::vector<std::string>& warnings() const { return warnings_; }
 
  private:

@@ -61,11 +61,11 @@ class SessionReplay {
   SessionReplay& operator=(const SessionReplay&) = delete;
 
   /// Applies the acts of the current tick of the simulation, and nothing if the session has none for this
-  /// tick. Must be called in every tick, because acts of a tick without a call are never applied. Throws
-  /// InputError, with file and line, if an act is impossible.
+  /// tick. Must be called in every tick: the acts of a tick without a call, and all later acts, are never
+  /// applied. Throws InputError, with file and line, if an act is impossible.
   void act(Simulation& simulation);
-  /// The tick at which the session ended. Empty if the file does not state it, because the process died
-  /// before SessionLog::end().
+  /// The tick at which the session ended. std::nullopt if the file does not state this tick, because the
+  /// process died before SessionLog::end().
   std::optional<std::uint64_t> end_tick() const;
   /// Number of acts of the session that act() has not applied yet.
   std::size_t left() const;

@@ -23,7 +23,7 @@ namespace worldio {
 struct JsonNode;
 }
 
-/// A value of the world file: a number, a text, a truth value, a list, or named values.
+/// A value of the world file: a number, a text, a truth value, a list, or named values (an object in JSON).
 class Setting {
  public:
   /// Converts a C++ value to a value of the world file. The conversions are implicit, so that values can be
@@ -121,8 +121,9 @@ class WorldBuilder {
     /// Sets the drive, in place of an earlier one. kind: "diff", "omni", "car", ...; parameters: the
     /// parameters of this kind of drive.
     Type& drive(std::string_view kind, const Settings& parameters = {});
-    /// Adds a sensor. name: its name, unique in the type; kind: "ranger", "bumper", ...; parameters: those of
-    /// this kind of sensor; pose: pose of the sensor in the body frame, m and rad.
+    /// Adds a sensor. name: name of the sensor, unique in the type; kind: "ranger", "bumper", ...;
+    /// parameters: the parameters of this kind of sensor; pose: pose of the sensor in the body frame, m and
+    /// rad.
     Type& sensor(std::string_view name, std::string_view kind, const Settings& parameters = {},
                  const Pose& pose = {});
     /// Adds a device that is not a sensor (light, gripper, power pack, ...). The parameters are as in
@@ -143,18 +144,19 @@ class WorldBuilder {
     std::vector<Setting> sensors_, devices_;
   };
 
-  /// name: used in place of a file name: errors begin with it, its stem is the title of the world, and
+  /// name: used in place of a file name: errors begin with the name, its stem is the title of the world, and
   /// relative paths of bitmaps are resolved from its folder. `.json` is appended if the name has another
   /// ending.
   explicit WorldBuilder(std::filesystem::path name = "world.json");
 
-  /// Sets a key of the top level of the world file: "seed", "tick_s", "bounds_m", "stop_when", ...
+  /// Sets a key of the top level of the world file, in place of an earlier value: "seed", "tick_s",
+  /// "bounds_m", "stop_when", ...
   WorldBuilder& set(std::string_view key, const Setting& value);
   /// Returns the type of this name; the first call with this name creates it. The reference stays valid when
   /// further types are created.
   Type& type(std::string_view name);
-  /// Adds a body of a type, at a pose in the world frame, m and rad. more: further keys that a model has in
-  /// the world file.
+  /// Adds a body named `name` of a type, at a pose in the world frame, m and rad. more: further keys that a
+  /// model can have in the world file.
   WorldBuilder& add(std::string_view name, std::string_view type, const Pose& pose,
                     const Settings& more = {});
   /// Adds `count` bodies of a type with the names NAME0, NAME1, ... (NAME is `name`). place: the placement
@@ -172,9 +174,11 @@ class WorldBuilder {
   WorldBuilder& floorplan(std::string_view name, const std::filesystem::path& bitmap, double x, double y,
                           double height = 0.5, const Settings& more = {});
 
-  const std::filesystem::path& name() const { return name_; }  ///< name given to the constructor
+  /// The name given to the constructor, with the ending `.json`.
+  const std::filesystem::path& name() const { return name_; }
   /// The text of the JSON world file, which `troupe run` can load, with one line per body or sensor. Throws
-  /// std::runtime_error if a text in it is not UTF-8; the constructor of Simulation does so as well.
+  /// std::runtime_error if a text in the world is not valid UTF-8. The constructor of Simulation throws the
+  /// same error.
   std::string json() const;
 
  private:
