@@ -27,8 +27,8 @@ inline constexpr double k_most_rate = 1e6;  ///< largest speed that a viewer may
 ///     view.run();
 ///
 /// Instead of calling run(), the program can step the simulation itself. Each step then waits while a user
-/// has paused the run and to keep the limit of the speed (Options::rate), and applies the commands of the
-/// users. The simulation never waits until a browser has drawn a picture.
+/// has paused the run, waits as long as the limit of the speed (Options::rate) requires, and applies the
+/// commands of the users. The simulation never waits until a browser has drawn a picture.
 ///
 /// The view replaces the callback of Simulation::before_tick(), and its destructor removes that callback. The
 /// simulation must outlive the view. Not thread-safe: use a view on the thread that steps the simulation. The

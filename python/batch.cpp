@@ -256,9 +256,9 @@ void bind_batch(py::module_& module) {
   py::class_<HeldBatch, BatchHolder>(
       module, "BatchEnv",
       "Many copies of one world that step together, each with its own seed: a vectorised environment for "
-      "reinforcement\nlearning. A team is a group of robots that learn one policy; the parameter `team` of a "
-      "function is the index of a team\nin the spec. The arrays that functions return refer to the memory of "
-      "the batch: their content changes with each\nstep and reset.")
+      "reinforcement learning\n(docs/learning.md). A team is a group of robots that learn one policy; the "
+      "parameter `team` of a function is the index\nof a team in the spec. The arrays that functions return "
+      "refer to the memory of the batch: their content changes with\neach step and reset.")
       .def(py::init(&make_batch), py::arg("world"), py::arg("spec"),
            "world: a Simulation, which is copied and not changed. spec: a dict that docs/learning.md "
            "describes. Raises ValueError,\nTypeError, LookupError or InputError for an invalid spec, and "
@@ -423,7 +423,8 @@ void bind_batch(py::module_& module) {
             return out;
           },
           py::arg("copy") = 0, py::arg("width") = 480, py::arg("height") = 480,
-          "A picture of a copy from above: height x width x 3, uint8, RGB, row 0 on top.")
+          "Returns a picture of a copy from above: height x width x 3, uint8, RGB, row 0 on top. Raises "
+          "LookupError if there is no\nsuch copy, and RuntimeError if the library OSMesa is missing.")
       .def("__repr__",
            [](const BatchHolder& b) { return fmt::format("<BatchEnv of {} copies>", b->use().copies()); });
 }

@@ -99,7 +99,9 @@ void bind_models(py::module_& module) {
       .def_property_readonly("id", [](const HeldModel& m) { return m.model.id().value; })
       .def("__repr__", [](const HeldModel& m) { return fmt::format("<Model {}>", m.model.name()); })
       .def(
-          "pose", [](HeldModel& m) { return m.use().pose(); }, "Pose in the world frame, m and rad.")
+          "pose", [](HeldModel& m) { return m.use().pose(); },
+          "Pose in the world frame, m and rad. A body that was removed keeps its last pose; all numbers are "
+          "NaN for a body that is\nnot yet born.")
       .def(
           "size",
           [](HeldModel& m) {

@@ -422,9 +422,9 @@ SimulationClass bind_simulation(py::module_& module) {
           "resumed_at_tick", [](const Holder& held) { return held->use().resumed_at_tick(); },
           "Tick of the checkpoint from which the run was resumed, or None.")
       .def("step", &step, py::arg("ticks") = 1,
-           "Advances the simulation by this many ticks. Stop conditions do not end it. Other Python threads "
-           "can run meanwhile,\nbecause the interpreter's lock is released. Raises StepError if a tick "
-           "fails, and RuntimeError in a callback of\non_tick().")
+           "Advances the simulation by this many ticks. Stop conditions of the world do not end the call. "
+           "Other Python threads can\nrun meanwhile, because the interpreter's lock is released. Raises "
+           "StepError if a tick fails, and RuntimeError in a\ncallback of on_tick().")
       .def("run_for", &run_for, py::arg("seconds"), py::arg("on_tick") = py::none(),
            "Steps until `seconds` more of world time have passed, or until a condition of `stop_when` in the "
            "world file ends the\nrun. If the callback on_tick is given, it is called as on_tick(simulation) "
@@ -468,12 +468,12 @@ SimulationClass bind_simulation(py::module_& module) {
            "Returns a dict with the hash of the whole state (\"state\") and the hashes of four groups of it: "
            "\"pose\",\n\"velocity\", \"sensor\" and \"memory\" (docs/determinism.md).")
       .def("statistics", &statistics_of,
-           "Returns a dict of numbers that describe the run: robots in the world, completed ticks, time_s "
-           "(world time, s), beams\n(rays cast since tick 0), stalled (robots whose last motion was blocked "
-           "or would have left the bounds), held_at_bounds\n(those that would have left the bounds), "
-           "mean_displacement_m (mean distance of the robots from their start, m),\nconflict_rounds (rounds "
-           "in which conflicting motions were resolved, since tick 0) and state_bytes (memory of the "
-           "state,\nbytes).")
+           "Returns a dict of numbers that describe the run: robots (number in the world now), ticks "
+           "(completed), time_s (world\ntime, s), beams (rays cast since tick 0), stalled (robots whose last "
+           "motion was blocked or would have left the bounds),\nheld_at_bounds (those that would have left "
+           "the bounds), mean_displacement_m (mean distance of the robots from their\nstart, m), "
+           "conflict_rounds (rounds in which conflicting motions were resolved, since tick 0) and "
+           "state_bytes (memory of\nthe state, bytes).")
       .def(
           "find",
           [](const Holder& held, const std::string& name) {
@@ -530,13 +530,16 @@ SimulationClass bind_simulation(py::module_& module) {
           "under \"record\" is used. replace: whether\nan existing file is replaced.")
       .def(
           "stop_recording", [](const Holder& held) { held->use().stop_recording(); },
-          "Closes the recording that record() started. Does nothing if no recording is running.")
+          "Closes the recording that record() started; all HDF5 tools can then read the file. Does nothing "
+          "if no recording is\nrunning. Raises RuntimeError if the file cannot be written.")
       .def(
           "hash_log_header", [](const Holder& held) { return held->use().hash_log_header(); },
-          "The first lines of a hash log, which state version and options of the run.")
+          "Returns the first lines of a hash log, `# key: value`, which state the version of Troupe and the "
+          "options of the run.")
       .def(
           "hash_log_line", [](const Holder& held) { return held->use().hash_log_line(); },
-          "The line of a hash log for the current tick: the tick and its state hashes.")
+          "Returns the line of a hash log for the current tick: the tick and its state hashes, `TICK STATE "
+          "pose=... velocity=...\nsensor=... memory=...`, with hashes as 16 hexadecimal digits.")
       .def_property_readonly(
           "robot_names", [](const Holder& held) { return held->use().robot_names(); },
           "Names of all robots in the world, in the order of their ids.")

@@ -140,7 +140,8 @@ void bind_swarm(py::module_& module, SimulationClass& simulation) {
           "of the world.")
       .def(
           "poses", [](HeldSwarm& s) { return rows_of(s, 4, &Swarm::poses); },
-          "Poses in the world frame, n x 4: x, y, z (m), heading (rad).")
+          "Poses in the world frame, n x 4: x, y, z (m), heading (rad). Robots that were removed keep their "
+          "last poses; all numbers\nare NaN for robots that are not yet born.")
       .def(
           "estimates", [](HeldSwarm& s) { return rows_of(s, 4, &Swarm::estimates); },
           "Estimated poses, n x 4: x, y, z (m), heading (rad). With the localization `gps` they are the true "
@@ -187,8 +188,8 @@ void bind_swarm(py::module_& module, SimulationClass& simulation) {
       .def("set_speeds", &command<&Swarm::set_speeds>, py::arg("forward").none(false),
            py::arg("turn").none(false), py::kw_only(), py::arg("left").none(false) = 0.0,
            py::arg("where") = py::none(),
-           "Commands speeds in the body frame: forward and left in m/s, turn in rad/s. They apply from the "
-           "next tick on,\nuntil another command replaces them.")
+           "Commands speeds in the body frame: forward and left in m/s, turn in rad/s (for a car drive: the "
+           "steering angle, rad).\nThey apply from the next tick on, until another command replaces them.")
       .def("accelerate", &command<&Swarm::accelerate>, py::arg("forward").none(false),
            py::arg("turn").none(false), py::kw_only(), py::arg("left").none(false) = 0.0,
            py::arg("where") = py::none(),

@@ -58,7 +58,8 @@ class Ground {
     bool is_above(const Zone& other) const;
   };
 
-  /// floor: the colour of the floor where no part of a body covers it
+  /// params: how high the tops of parts may be. floor: the colour of the floor where no part of a body covers
+  /// it.
   explicit Ground(const GroundParams& params, const Color& floor = {})
       : height_(params.height), floor_(floor) {}
 

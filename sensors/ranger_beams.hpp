@@ -37,7 +37,7 @@ struct BeamGroup {
 struct TransducerExtras {
   std::size_t first = 0;      ///< column of its first reading
   std::size_t count = 0;      ///< number of its readings
-  double range_max = 0;       ///< largest reading, m; readings with noise are clamped to 0 to range_max
+  double range_max = 0;       ///< largest reading, m; readings with noise are limited to 0 to range_max
   double noise_stddev = 0;    ///< standard deviation of a normally distributed error of a reading, m
   double noise_relative = 0;  ///< standard deviation of a second normal error, as a fraction of the reading
   double noise_proportional = 0;  ///< bound of a uniform error, as a fraction of the reading

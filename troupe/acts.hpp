@@ -44,7 +44,7 @@ class Holds {
   /// once before every tick. Robots that are no longer in the world are released.
   void apply(Simulation& simulation);
 
-  /// The held robots and their speeds as bytes, for a checkpoint.
+  /// Returns the held robots and their speeds as bytes, for a checkpoint.
   std::vector<std::byte> memory() const;
   /// Restores the held robots and speeds from the bytes that memory() returned. bodies: number of bodies in
   /// the world. If the bytes are invalid (a wrong length, a number of a body that does not exist, a speed

@@ -191,11 +191,11 @@ class BatchEnv {
     std::size_t columns = 0;                         ///< number of elements per robot
     std::span<std::byte> bytes;                      ///< copies x robots x columns elements
   };
-  /// Returns the array of this name. Throws std::out_of_range, with the names of the arrays of the team, if
-  /// there is no such array.
+  /// Returns the array of this name of a team. Throws std::out_of_range, with the names of the arrays of the
+  /// team, if the team has no such array.
   Array array(std::size_t team, std::string_view name) const;
-  /// Returns the elements of the array of this name, which must be float32. Throws as array() does, and
-  /// std::invalid_argument for another element type.
+  /// Returns the elements of the array of this name of a team: copies x robots x columns, row-major. Throws
+  /// as array() does, and std::invalid_argument if the elements are not float32.
   std::span<const float> floats(std::size_t team, std::string_view name) const;
   /// Copies x robots x actions, row-major: the caller writes the numbers for the next step. A step does not
   /// change them.

@@ -47,7 +47,8 @@ struct Model::Place {
       if (owns(device) && wanted(device)) return &device;
     return nullptr;
   }
-  /// Throws std::out_of_range, `"r0" has no sensor "eye"; it has: ...`. The text lists the devices that
+  /// Throws std::out_of_range for a device `wanted` that this model does not have: `"r0" has no sensor "eye";
+  /// it has: ...`. what: what was searched, such as "sensor". The text lists the devices of this model that
   /// satisfy `counted`.
   template <class Counted>
   [[noreturn]] void throw_unknown(std::string_view what, std::string_view wanted, Counted&& counted) const;

@@ -24,7 +24,7 @@ struct ChosenValue {
 /// The members of engine::Frame that a caller requests from a PictureSource, in addition to the poses of
 /// bodies.
 struct FrameWishes {
-  bool scans = false;                ///< scans of rangers: Frame::scans and ranges
+  bool scans = false;                ///< scans of rangers: Frame::scans and Frame::ranges
   bool sights = false;               ///< lines to detected fiducials: Frame::sights
   bool blobs = false;                ///< detected blobs: Frame::blobs
   bool grips = false;                ///< light beams and held bodies of grippers: Frame::grips

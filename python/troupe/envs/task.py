@@ -105,7 +105,8 @@ class Task:
 
 
 def action_space(team: Team) -> "spaces.Space[Any]":
-    """Returns the action space of one robot of a team."""
+    """Returns the action space of one robot of a team: Discrete if the team has choices, MultiDiscrete if it has
+    levels, else a Box with one number per action."""
     if team.choices is not None:
         return spaces.Discrete(len(team.choices))
     if team.levels is not None:

@@ -204,7 +204,7 @@ class Dispersion(Task):
         ]
 
     def baseline(self, observations: Any, team: int = 0) -> Floats:
-        """Drives away from everything in range, as the controller `expand` does."""
+        """Drives away from everything in range of the lidar, as the controller `expand` does."""
         rows = np.asarray(observations, np.float64)
         zero = np.zeros(rows.shape[:-1])
         x, y = away_from_walls(rows, zero, zero, near=1.0)
