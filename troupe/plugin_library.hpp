@@ -68,9 +68,9 @@ struct Library {
 inline constexpr const char* k_symbol = "troupe_plugin";
 using Symbol = const Library* (*)();
 
-/// Whether a text can be the name of a kind or a plug-in: one word without the characters / : = " \ and white
-/// space, which does not begin with a dot, so that it cannot be mistaken for a path or for the parameters of
-/// a controller.
+/// Whether a text can be the name of a kind or a plug-in: one word without slash, colon, equals sign,
+/// quotation mark, backslash and white space, which does not begin with a dot. Such a word cannot be mistaken
+/// for a path or for the parameters of a controller.
 constexpr bool is_name(std::string_view name) {
   return !name.empty() && name.find_first_of("/:=\"\\ \t\n") == std::string_view::npos && name.front() != '.';
 }

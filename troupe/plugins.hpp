@@ -16,7 +16,7 @@ namespace troupe {
 
 /// Loads controllers, devices and measures by name from plug-ins, which are shared libraries
 /// (docs/controllers.md). The name "dancer" refers to the kind "dancer" in dancer.so, and "swarm:leader" to
-/// the kind "leader" in swarm.so. Scripts that add() has added count as libraries, too. If several of the
+/// the kind "leader" in swarm.so. Scripts that add() has added also count as libraries. If several of the
 /// searched folders have a file dancer.so, the one in the first of these folders is used.
 ///
 /// A library stays loaded until the process ends. After each load, the floating-point environment of the

@@ -19,7 +19,7 @@ CONTROLLERS = 0.1
 
 
 def options_of(check):
-    """Returns the options that `troupe check` needs for this check, besides those for threads and tile sizes."""
+    """Returns the options that `troupe check` needs for this check, in addition to those for threads and tile sizes."""
     options = [OPTIONS[check["check"]]] if check["check"] in OPTIONS else []
     if check["check"] == "ranks":
         options += ["--ranks", ",".join(map(str, check["ranks"])), "--rank-seed", str(check["seed"])]
@@ -67,8 +67,8 @@ def plan_of_ranks(seed, index, *_):
 
 def difference(expected, got, whole=True):
     """Returns the first difference between two hash logs, (tick, text), or None if there is none. The logs are lists of lines
-    "TICK STATE group=... group=..."; `got` may begin at a later tick. whole: whether a different number of lines is a
-    difference, too."""
+    "TICK STATE group=... group=..."; `got` may begin at a later tick. whole: whether a different number of lines also is a
+    difference."""
     start = 0
     if got and expected:
         first = int(got[0].split()[0])
