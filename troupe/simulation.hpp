@@ -69,8 +69,8 @@ struct SimulationOptions {
   /// Replaces the ranging engine of the world file.
   std::optional<RangingEngine> ranging;
   /// New numbers of robots of populations: pairs of the name of a population and its number of robots. An
-  /// empty name means the only population of the world. A name that matches no population, and an empty name
-  /// if the world has several, are errors of the world (InputError).
+  /// empty name means the only population of the world. A name of no population, and an empty name if the
+  /// world has several populations or none, are reported as an error in the world (InputError).
   std::vector<std::pair<std::string, std::size_t>> robots;
   /// Values of the world file to replace: pairs of a JSON pointer (a path in the file, RFC 6901) and a JSON
   /// value, such as {"/populations/0/count", "500"}.

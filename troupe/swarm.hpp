@@ -122,10 +122,11 @@ class Swarm {
   /// the first of these robots.
   void for_each(const std::function<void(std::size_t i, Model& robot)>& visit);
 
-  /// Commands the speeds of each robot, as Model::set_speed() does. For a car drive, `turn` is the steering
-  /// angle, rad.
+  /// Commands the speeds of each robot in its body frame, m/s and rad/s, as Model::set_speed() does. For a
+  /// car drive, `turn` is the steering angle, rad.
   void set_speeds(std::span<const Model::Speed> speeds, std::span<const std::uint8_t> where = {});
-  /// Commands the accelerations of each robot, m/s^2 and rad/s^2, as Model::accelerate() does.
+  /// Commands the accelerations of each robot in its body frame, m/s^2 and rad/s^2, as Model::accelerate()
+  /// does. For a car drive, `turn` is the steering angle, rad.
   void accelerate(std::span<const Model::Speed> accelerations, std::span<const std::uint8_t> where = {});
   /// Commands the goal pose of each robot, m and rad, as Model::go_to() does; the z of a goal is ignored.
   void go_to(std::span<const Pose> goals, std::span<const std::uint8_t> where = {});
