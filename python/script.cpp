@@ -546,20 +546,23 @@ void bind_script(py::module_& module) {
           [](RobotBatch& robots) {
             return robots.drawn<double>([](Random& random) { return random.normal(); });
           },
-          "One normally distributed number with mean 0 and standard deviation 1 per robot.")
+          "One normally distributed number with mean 0 and standard deviation 1 per robot, from the streams "
+          "of uniform().")
       .def(
           "exponential",
           [](RobotBatch& robots) {
             return robots.drawn<double>([](Random& random) { return random.exponential(); });
           },
-          "One exponentially distributed number with mean 1 per robot.")
+          "One exponentially distributed number with mean 1 per robot, from the streams of uniform().")
       .def(
           "below",
           [](RobotBatch& robots, std::uint32_t n) {
             if (n == 0) throw py::value_error("below(0): n must be 1 or more");
             return robots.drawn<std::uint32_t>([n](Random& random) { return random.below(n); });
           },
-          py::arg("n"), "One uniformly distributed integer from 0 to n - 1 per robot.");
+          py::arg("n"),
+          "One uniformly distributed integer from 0 to n - 1 per robot, from the streams of uniform(). "
+          "Raises ValueError if n is 0.");
 
   py::class_<Film>(
       module, "_Film",

@@ -526,8 +526,10 @@ SimulationClass bind_simulation(py::module_& module) {
           py::arg("replace") = false,
           "Starts to record the run in an HDF5 file (docs/recordings.md), until stop_recording(), reset() or "
           "the end of the\nsimulation. fields: names of components or sensor fields; every_s: simulated time "
-          "between two frames, s.\nWithout fields, or without every_s, the value that the world file sets "
-          "under \"record\" is used. replace: whether\nan existing file is replaced.")
+          "between two frames, s. Without fields,\nor without every_s, the value that the world file sets "
+          "under \"record\" is used. replace: whether an existing file is\nreplaced. Raises InputError for "
+          "an unknown field, for an existing file without `replace`, and if the file cannot be\nwritten, and "
+          "RuntimeError if a recording is already running.")
       .def(
           "stop_recording", [](const Holder& held) { held->use().stop_recording(); },
           "Closes the recording that record() started; all HDF5 tools can then read the file. Does nothing "
