@@ -11,13 +11,13 @@
 
 namespace troupe::live {
 
-/// The part of the state of a running world that the pages of viewers show. The thread that steps the world
-/// fills it, and the thread of the server encodes it.
+/// The part of the state of a running world, after one tick, that the pages of viewers show. The thread that
+/// steps the world fills it, and the thread of the server encodes it.
 struct Picture {
   std::uint64_t number = 0;  ///< number of the picture, from 1
-  std::string state;         ///< members of the JSON object that every client receives with the picture
-  /// Further members of this object that only one client receives, by client: for example, the state of the
-  /// robot that the client inspects.
+  std::string state;         ///< members of the JSON object (docs/live.md) that every client receives
+  /// Further members of this object that only one client receives, by number of the client: for example, the
+  /// state of the robot that the client inspects.
   std::map<std::uint64_t, std::string> own;
   /// The poses of the robots that the page shows, world frame, in the order of the robots that take() was
   /// given: first x of all robots, then y of all, then the heading of all, then, if heights can change, z of
@@ -25,8 +25,9 @@ struct Picture {
   /// from 0 to worldio::k_replay_turn - 1, in units of 1 / k_replay_turn of a turn. A robot that is not in
   /// the world has the heading k_gone; its other values are 0.
   std::vector<std::int32_t> poses;
-  /// Red, green, blue of each robot, then of each part whose colour devices set, in the order of
-  /// LivePage::shown_parts and of its robots. Empty if no body shows colours.
+  /// Red, green and blue, each from 0 to 255, of each robot, and then of each part whose colour devices set,
+  /// in the order of worldio::LivePage::shown_parts and, within one of these entries, of its robots. Empty if
+  /// take() was called without `has_colors`.
   std::vector<std::uint8_t> colors;
   /// For each client that colours robots by a value: one byte per robot, see take_shades().
   std::map<std::uint64_t, std::vector<std::uint8_t>> shades;
@@ -34,15 +35,16 @@ struct Picture {
 /// Heading of robots that are not in the world.
 inline constexpr std::int32_t k_gone = -1;
 
-/// Fills the poses and colours of a picture. order: the ids of the robots that the page shows, in the order
-/// of the page; has_z: whether heights can change; parts: the parts whose colour devices set (all three are
-/// members of worldio::LivePage). has_colors: whether robots or their parts show colours that change.
+/// Fills the poses and colours of a picture with the current state of the world. order: the ids of the robots
+/// that the page shows, in the order of the page; has_z: whether heights can change; parts: the parts whose
+/// colour devices set (all three are members of worldio::LivePage). has_colors: whether robots or their parts
+/// show colours that change.
 void take(const engine::World& world, std::span<const std::uint32_t> order, bool has_z, bool has_colors,
           std::span<const worldio::ShownPart> parts, Picture& picture);
 
 /// The content of the last picture that was sent to a client; empty if none was sent.
 struct SentPicture {
-  std::uint64_t number = 0;
+  std::uint64_t number = 0;  ///< Picture::number; 0 if no picture was sent
   std::vector<std::int32_t> poses;
   std::vector<std::uint8_t> colors;
   std::vector<std::uint8_t> shades;
@@ -50,6 +52,7 @@ struct SentPicture {
 
 /// Returns the binary frame of a picture for a client (docs/live.md), which contains only the differences
 /// from `sent`. Sets `sent` to the content of this picture. robots: number of robots that the page shows.
+/// client: number of the client, which selects its Picture::shades.
 std::string encode(const Picture& picture, std::size_t robots, std::uint64_t client, SentPicture& sent);
 
 }  // namespace troupe::live

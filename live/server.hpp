@@ -16,9 +16,9 @@ struct ViewFrames {
   std::string poses;  ///< binary frame: see encode() in live/picture.hpp
 };
 
-/// Receives the events of a ViewServer, which calls all functions on its own thread. client: number that
-/// identifies a connection. may_steer: true if the token of the connection grants full control, false if it
-/// grants read access only.
+/// Receives the events of a ViewServer, which calls all functions on its own thread, one at a time. client:
+/// number that identifies a connection. may_steer: true if the token of the connection grants full control,
+/// false if it grants read access only.
 class ViewBackend {
  public:
   virtual ~ViewBackend() = default;
@@ -26,7 +26,7 @@ class ViewBackend {
   virtual std::string opened(std::uint64_t client, bool may_steer) = 0;
   /// Called when a client has sent a text.
   virtual void received(std::uint64_t client, bool may_steer, std::string_view text) = 0;
-  /// Called when a client has disconnected.
+  /// Called when a client has disconnected. No function is called for this client afterwards.
   virtual void closed(std::uint64_t client) = 0;
   /// Returns the newest picture, encoded for this client; nothing if it was already sent to the client.
   virtual std::optional<ViewFrames> picture(std::uint64_t client) = 0;
@@ -42,10 +42,10 @@ class ViewServer {
     std::uint16_t port = 0;  ///< TCP port; 0: any free port
     /// IP address on which the server listens. Empty: 127.0.0.1, and ::1 if the machine has it.
     std::string bind;
-    /// Names of proxies. The server accepts only requests whose header `Host` names this machine or one of
-    /// these proxies.
+    /// Host names of proxies through which browsers reach the server. The server accepts only requests whose
+    /// header `Host` names this machine or one of these proxies.
     std::vector<std::string> hosts;
-    std::string page;        ///< HTML of the page
+    std::string page;        ///< HTML text of the page
     std::string token;       ///< token for full control
     std::string look_token;  ///< token for read-only access
   };
@@ -58,12 +58,13 @@ class ViewServer {
 
   /// Accepts connections, and calls the backend from a thread of its own, until stop().
   void start();
-  /// Closes every connection; the backend is not called any more when this returns.
+  /// Closes every connection and ends the thread. When stop() returns, the backend is not called any more.
+  /// The destructor also stops the server.
   void stop();
   /// Host and port under which programs on this machine reach the server, as in a URL: "127.0.0.1:34567".
   std::string authority() const;
-  /// Sends a text to a client; does nothing if the client has disconnected. May be called on any thread. A
-  /// client that does not read its texts is disconnected when too many of them are queued.
+  /// Sends a text frame to a client; does nothing if the client has disconnected. May be called on any
+  /// thread. A client that does not read its texts is disconnected when too many of them are queued.
   void send(std::uint64_t client, std::string text);
   /// Announces a new picture. The server then calls ViewBackend::picture() for each client that can receive
   /// one. May be called on any thread.

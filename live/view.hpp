@@ -27,10 +27,12 @@ inline constexpr double k_most_rate = 1e6;  ///< largest speed that a viewer may
 ///     view.run();
 ///
 /// Instead of calling run(), the program can step the simulation itself. Each step then waits while a user
-/// has paused the run, and applies the commands of the users. The simulation never waits for a browser.
+/// has paused the run, waits as long as the limit of the speed (Options::rate) requires, and applies the
+/// commands of the users. The simulation never waits until a browser has drawn a picture.
 ///
-/// The view replaces the callback of Simulation::before_tick(). The simulation must outlive the view. Not
-/// thread-safe, but it serves the page on a thread of its own.
+/// The view replaces the callback of Simulation::before_tick(), and its destructor removes that callback. The
+/// simulation must outlive the view. Not thread-safe: use a view on the thread that steps the simulation. The
+/// view serves the page on a thread of its own.
 class View {
  public:
   /// Options of a view. All have a default.
@@ -41,10 +43,13 @@ class View {
     /// connection is not encrypted.
     std::string bind;
     std::vector<std::string> hosts;  ///< names of proxies through which browsers reach the page
-    double rate = 1;                 ///< limit of the speed, times real time; 0: no limit
-    std::filesystem::path folder;    ///< folder for the session file, and for files that viewers request
-    /// Returns true to end run(), and to end the wait of a step while the run is paused. Called at least
-    /// every 50 ms, on the thread that steps. Null: the same as a function that returns false.
+    double rate = 1;                 ///< limit of the speed as a multiple of real time, above 0; 0: no limit
+    /// Folder for the session file, and for the recordings and checkpoints that viewers request. It must
+    /// exist; empty: the current folder.
+    std::filesystem::path folder;
+    /// The function returns true to end run(), and to end the wait of a step while the run is paused. It is
+    /// called at least every 50 ms while the view waits, on the thread that steps. Null: the same as a
+    /// function that returns false.
     std::function<bool()> is_over;
     /// Called with one line of text when a request is refused (once for each reason), and when a recording
     /// ends early. May be called on the thread of the server. Null: such texts are dropped.
@@ -53,7 +58,7 @@ class View {
   /// Starts the server and creates the session file. Throws std::runtime_error if the address or the port is
   /// not available, if the file cannot be written, and in builds without TROUPE_VIEW.
   View(Simulation& simulation, const Options& options);
-  explicit View(Simulation& simulation);  ///< with default options
+  explicit View(Simulation& simulation);  ///< as above, with the default options
   /// Ends the session and disconnects all viewers.
   ~View();
   View(const View&) = delete;
@@ -61,9 +66,9 @@ class View {
 
   /// The address of the page for full control: `http://HOST:PORT/#TOKEN`.
   std::string address() const;
-  /// The address of the page for read-only access, with another token.
+  /// The address of the page for read-only access: the same page, with another token.
   std::string look_address() const;
-  /// Path of the session file. A restart begins a new file.
+  /// Path of the current session file. A restart of the run by a viewer begins a new file.
   std::filesystem::path session() const;
 
   /// Waits for the first viewer with full control, and then steps, pauses and changes the simulation as

@@ -20,8 +20,9 @@ namespace troupe::live {
 /// Returns the state of a body as JSON: name, pose, the fields of all its components, the ranges of its
 /// rangers, and the commands to its devices. Each component has the members component (its name in the
 /// state), name (engine::given_name()), runs (false for a sensor that does not run, whose values are NaN) and
-/// fields. For static geometry, such as a wall, which has no row in the
-/// state tables, returns only the name and whether the body is alive.
+/// fields. Of a field, at most 2048 columns are listed; of commands, only fields of at most 4 columns. For
+/// static geometry, such as a wall, which has no row in the state tables, returns only the name and that the
+/// body is alive. Throws std::out_of_range if there is no body with this id.
 nlohmann::ordered_json inspection(Simulation& simulation, BodyId id);
 
 /// A value of the state by which a viewer colours robots.
@@ -29,26 +30,30 @@ struct ColorValue {
   std::string component;                ///< a name that selects components (engine::selects())
   std::string field;                    ///< name of a field of the component
   std::optional<std::uint32_t> column;  ///< column of the field; not set: the minimum of all columns
-  /// The least and the largest value of any robot since the viewer chose this value.
+  /// The least and the largest value that take_shades() has found for any robot since the viewer chose this
+  /// value; infinity and -infinity before its first call.
   double least = std::numeric_limits<double>::infinity();
   double most = -std::numeric_limits<double>::infinity();
 };
 /// Returns the fields by which robots can be coloured, as a JSON list of objects with the members component,
-/// field, unit, text (a description) and columns. `columns` is 0 if the field has too many columns to list.
+/// field, unit, text (a description) and columns. `columns` is the number of columns, or 0 if the field has
+/// more than 4.
 nlohmann::ordered_json color_values(const engine::World& world);
 /// Whether the state has the component, field and column that `color` names.
 bool has_value(const engine::World& world, const ColorValue& color);
-/// Fills `shades` with one byte per robot of the page: 1 for the least value, 255 for the largest, and 0 for
-/// robots that do not have the value or are not in the world. Updates `least` and `most` of `color`. places:
-/// for each body id the index of the robot on the page, or an index of at least `robots` if the page does not
-/// show the body.
+/// Updates `least` and `most` of `color` with the present values, and then fills `shades` with one byte per
+/// robot of the page: 1 for a value of `least`, 255 for a value of `most`, linear in between (1 for all if
+/// `least` equals `most`), and 0 for robots that do not have the value, whose value is not finite, or that
+/// are not in the world. places: for each body id the index of the robot on the page, or an index of at least
+/// `robots` if the page does not show the body.
 void take_shades(const engine::World& world, std::span<const std::uint32_t> places, std::size_t robots,
                  ColorValue& color, std::vector<std::uint8_t>& shades);
 
 /// Returns the names of the layers of lines that this world can have: "radio", "sights", "grips", "carries".
 std::vector<std::string_view> layers_of(const engine::World& world);
 /// Returns the lines of some layers as JSON: {layer: [x, y, z, x, y, z, ...]}, two points per line, world
-/// frame, m. A line of `radio` goes from a sender to a robot that heard its message.
+/// frame, m, rounded to 1 mm; at most 20,000 lines per layer. A line of `radio` goes from a sender to a robot
+/// that heard its message. An unknown layer gets an empty list.
 nlohmann::ordered_json lines_of(const engine::World& world, std::span<const std::string> layers);
 
 }  // namespace troupe::live

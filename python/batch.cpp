@@ -243,8 +243,9 @@ std::vector<std::uint8_t> marks_of(const std::optional<py::array>& given, const 
 void bind_batch(py::module_& module) {
   using Marks = std::optional<py::array>;
   using Seeds = std::vector<std::optional<std::uint64_t>>;
-  py::class_<HeldBatchView>(module, "BatchView",
-                            "A copy of a BatchEnv in a browser (docs/live.md), made by BatchEnv.view().")
+  py::class_<HeldBatchView>(
+      module, "BatchView",
+      "A copy of the world of a BatchEnv, shown in a browser (docs/live.md); made by BatchEnv.view().")
       .def_property_readonly(
           "address", [](const HeldBatchView& v) { return v.open().address(); },
           "Address of the page for full control.")
@@ -255,12 +256,13 @@ void bind_batch(py::module_& module) {
   py::class_<HeldBatch, BatchHolder>(
       module, "BatchEnv",
       "Many copies of one world that step together, each with its own seed: a vectorised environment for "
-      "reinforcement\nlearning. A team is a group of robots that learn one policy; the parameter `team` of a "
-      "function is the index of a team\nin the spec. The arrays that functions return refer to the memory of "
-      "the batch: their content changes with each\nstep and reset.")
+      "reinforcement learning\n(docs/learning.md). A team is a group of robots that learn one policy; the "
+      "parameter `team` of a function is the index\nof a team in the spec. The arrays that functions return "
+      "refer to the memory of the batch: their content changes with\neach step and reset.")
       .def(py::init(&make_batch), py::arg("world"), py::arg("spec"),
            "world: a Simulation, which is copied and not changed. spec: a dict that docs/learning.md "
-           "describes.")
+           "describes. Raises ValueError,\nTypeError, LookupError or InputError for an invalid spec, and "
+           "RuntimeError for a simulation that was resumed from a\ncheckpoint.")
       .def(
           "view",
           [](const BatchHolder& b, std::size_t copy, std::uint16_t port, double rate,
@@ -276,11 +278,10 @@ void bind_batch(py::module_& module) {
           },
           py::arg("copy") = 0, py::kw_only(), py::arg("port") = 0, py::arg("rate") = 1.0,
           py::arg("out") = std::filesystem::path(),
-          "Shows a copy in a browser and returns a BatchView with the address of the page. From then on, "
-          "steps of the batch wait\nwhile a user has paused the copy. `rate` limits the speed to a multiple "
-          "of "
-          "real time; 0 is no limit. Each episode\nwrites a session file into the folder `out`. port: TCP "
-          "port; 0: any free port (docs/live.md).")
+          "Shows the copy with the index `copy` in a browser and returns a BatchView with the address of the "
+          "page. From then on,\nsteps of the batch wait while a user has paused the copy. `rate` limits the "
+          "speed to a multiple of real time; 0 is no\nlimit. Each episode writes a session file into the "
+          "folder `out`. port: TCP port; 0: any free port (docs/live.md).")
       .def_property_readonly(
           "copies", [](const BatchHolder& b) { return b->use().copies(); }, "Number of copies of the world.")
       .def_property_readonly(
@@ -288,7 +289,8 @@ void bind_batch(py::module_& module) {
           "Number of threads that step the copies.")
       .def(
           "robots", [](const BatchHolder& b, std::size_t team) { return b->use().robots(team); },
-          py::arg("team") = 0, "Number of robots of a team per copy.")
+          py::arg("team") = 0,
+          "Number of robots of a team in each copy, also those that are not in the world.")
       .def(
           "names", [](const BatchHolder& b, std::size_t team) { return b->use().names(team); },
           py::arg("team") = 0, "Names of the robots of a team, in the order of their ids.")
@@ -303,7 +305,8 @@ void bind_batch(py::module_& module) {
           },
           py::arg("name"), py::arg("team") = 0,
           "Returns the array that the spec of a team calls `name`: the values after the last step, copies x "
-          "robots x columns,\nread-only.")
+          "robots x columns,\nread-only. The columns of a robot that is not in the world are 0. Raises "
+          "LookupError if the team has no such array.")
       .def(
           "actions",
           [](const BatchHolder& b, std::size_t team) {
@@ -317,7 +320,8 @@ void bind_batch(py::module_& module) {
           },
           py::arg("team") = 0,
           "Returns the array into which the caller writes the actions of the next step: copies x robots x "
-          "actions, numbers\nfrom -1 to 1.")
+          "actions, numbers from -1\nto 1. Numbers outside this range are clipped; a number that is not "
+          "finite makes step() raise ValueError.")
       .def(
           "rewards",
           [](const BatchHolder& b, std::size_t team) {
@@ -325,7 +329,7 @@ void bind_batch(py::module_& module) {
             return shown(py::dtype::of<double>(), {extent(batch.copies()), extent(batch.robots(team))},
                          batch.rewards(team), b, true);
           },
-          py::arg("team") = 0, "The rewards of the last step: copies x robots.")
+          py::arg("team") = 0, "The rewards of the last step: copies x robots. The caller may change them.")
       .def(
           "terminated",
           [](const BatchHolder& b, std::size_t team) {
@@ -334,8 +338,8 @@ void bind_batch(py::module_& module) {
                          batch.terminated(team), b, true);
           },
           py::arg("team") = 0,
-          "copies x robots, bool: whether the robot is finished, so that its episode has ended. The caller "
-          "may set elements\nto True between two steps, to end episodes.")
+          "copies x robots, bool: True for robots that are finished, that is, whose episode has ended. The "
+          "caller may set elements\nto True between two steps, to end the episodes of further robots.")
       .def(
           "alive",
           [](const BatchHolder& b, std::size_t team) {
@@ -344,7 +348,8 @@ void bind_batch(py::module_& module) {
                          batch.alive(team), b, false);
           },
           py::arg("team") = 0,
-          "copies x robots, bool: whether the robot is in the world (born, and not dead).")
+          "copies x robots, bool: True for robots that are in the world (born, and not dead) after the last "
+          "step.")
       .def_property_readonly(
           "truncated",
           [](const BatchHolder& b) {
@@ -358,8 +363,8 @@ void bind_batch(py::module_& module) {
             BatchEnv& batch = b->use();
             return shown(py::dtype::of<bool>(), {extent(batch.copies())}, batch.over(), b, false);
           },
-          "One bool per copy: whether its episode is over, that is, truncated, or finished for all robots of "
-          "all teams.")
+          "One bool per copy: whether its episode is over, that is, truncated, or at least one robot of the "
+          "teams is finished and\nno robot of the teams that is in the world is unfinished.")
       .def_property_readonly(
           "measure_columns", [](const BatchHolder& b) { return b->use().measure_columns(); },
           "Names of the columns of the array `measures`, with their units.")
@@ -371,7 +376,7 @@ void bind_batch(py::module_& module) {
                          {extent(batch.copies()), extent(batch.measure_columns().size())}, batch.measures(),
                          b, false);
           },
-          "The measures after the last step: copies x columns.")
+          "The measures of each copy after the last step: copies x columns, read-only.")
       .def_property_readonly(
           "seeds",
           [](const BatchHolder& b) {
@@ -387,8 +392,10 @@ void bind_batch(py::module_& module) {
           },
           py::arg("which") = py::none(), py::arg("seeds") = py::tuple(),
           "Begins an episode in some copies. which: one bool per copy; None: all copies. seeds: one seed per "
-          "copy. A copy\nwithout a seed (None, or an empty list) begins its next episode, whose seed is "
-          "derived from the seed that the copy was\ngiven last.")
+          "copy. A copy without a\nseed (None, or an empty list) begins its next episode, whose seed is "
+          "derived from the last seed that reset() got for\nthis copy (or, if it never got one, from the "
+          "seed of the world plus the index of the copy). Raises RuntimeError if\n`which` leaves out a copy "
+          "that has not begun an episode.")
       .def(
           "step",
           [](const BatchHolder& b, const Marks& begins) {
@@ -397,14 +404,16 @@ void bind_batch(py::module_& module) {
           },
           py::arg("begins") = py::none(),
           "Advances all copies by one step. begins: one bool per copy; copies with True begin their next "
-          "episode instead of\nmaking a step. None: all copies make a step.")
+          "episode instead of making\na step. None: all copies make a step. Raises RuntimeError before the "
+          "first reset(), and StepError if the step of a copy\nfails.")
       .def(
           "tick", [](const BatchHolder& b, std::size_t copy) { return b->use().simulation(copy).tick(); },
           py::arg("copy") = 0, "Number of completed ticks of a copy in its current episode.")
       .def(
           "state_hash",
           [](const BatchHolder& b, std::size_t copy) { return b->use().simulation(copy).state_hash(); },
-          py::arg("copy") = 0, "Hash of the state of a copy.")
+          py::arg("copy") = 0,
+          "Hash of the state of a copy, an integer of 64 bits, as Simulation.state_hash().")
       .def(
           "picture",
           [](const BatchHolder& b, std::size_t copy, int width, int height) {
@@ -414,7 +423,8 @@ void bind_batch(py::module_& module) {
             return out;
           },
           py::arg("copy") = 0, py::arg("width") = 480, py::arg("height") = 480,
-          "A picture of a copy from above: height x width x 3, uint8, RGB, row 0 on top.")
+          "Returns a picture of a copy from above: height x width x 3, uint8, RGB, row 0 on top. Raises "
+          "LookupError if there is no\nsuch copy, and RuntimeError if the library OSMesa is missing.")
       .def("__repr__",
            [](const BatchHolder& b) { return fmt::format("<BatchEnv of {} copies>", b->use().copies()); });
 }

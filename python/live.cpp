@@ -69,10 +69,12 @@ void bind_live(py::module_& module, SimulationClass& simulation) {
                              "Address of the page for read-only access.")
       .def_property_readonly("session", &HeldView::session, "Path of the session file.")
       .def("run", &HeldView::run, py::arg("for_s") = py::none(),
-           "Waits until the first user connects, and then steps the simulation as users command, until "
-           "`for_s` seconds of world\ntime have passed (None: no limit) or a stop condition of the world "
-           "holds. Ctrl-C ends the run with KeyboardInterrupt.")
-      .def("close", &HeldView::close, "Ends the session and disconnects all users.");
+           "Waits until the first user with full control connects, and then steps the simulation as users "
+           "command, until `for_s`\nseconds of world time have passed (None: no limit) or a stop condition "
+           "of the world holds. Ctrl-C ends the run with\nKeyboardInterrupt.")
+      .def("close", &HeldView::close,
+           "Ends the session and disconnects all users. Further calls of other functions of the view raise "
+           "RuntimeError.");
   simulation.def(
       "view",
       [](const Holder& held, std::uint16_t port, double rate, const fs::path& out, const std::string& bind,
@@ -90,8 +92,9 @@ void bind_live(py::module_& module, SimulationClass& simulation) {
       "Shows the simulation in a browser and returns a View with the address of the page. Either View.run() "
       "steps the\nsimulation, or the program calls step(), which waits while a user has paused the run. "
       "`rate` limits the speed to a\nmultiple of real time; 0 is no limit. The session file is created in "
-      "the folder `out`. Users can remove and disable robots\nonly in a world with \"mortal\": true. port, "
-      "bind and hosts are the options --port, --bind and --allow-host of\n`troupe view` (docs/live.md).");
+      "the folder `out`; an empty path is the current\nfolder. Users can remove and disable robots only in a "
+      "world with \"mortal\": true. port, bind and hosts are the options\n--port, --bind and --allow-host of "
+      "`troupe view` (docs/live.md).");
 }
 
 }  // namespace troupe::python

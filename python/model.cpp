@@ -91,21 +91,24 @@ py::dict dict_of(const Model::Energy& energy) {
 
 void bind_models(py::module_& module) {
   bind_random(module);
-  py::class_<HeldModel>(module, "Model",
-                        "A model of a simulation: a body, or a part that is mounted on a body, such as a "
-                        "sensor. Poses are in m and rad.")
+  py::class_<HeldModel>(
+      module, "Model",
+      "A model of a simulation: a body, or a part that is mounted on a body, such as a sensor. It keeps its "
+      "simulation alive\nand stays valid after reset(). Poses are in m and rad.")
       .def_property_readonly("name", [](const HeldModel& m) { return m.model.name(); })
       .def_property_readonly("id", [](const HeldModel& m) { return m.model.id().value; })
       .def("__repr__", [](const HeldModel& m) { return fmt::format("<Model {}>", m.model.name()); })
       .def(
-          "pose", [](HeldModel& m) { return m.use().pose(); }, "Pose in the world frame, m and rad.")
+          "pose", [](HeldModel& m) { return m.use().pose(); },
+          "Pose in the world frame, m and rad. A body that was removed keeps its last pose; all numbers are "
+          "NaN for a body that is\nnot yet born.")
       .def(
           "size",
           [](HeldModel& m) {
             const Eigen::Vector3d size = m.use().size();
             return py::make_tuple(size.x(), size.y(), size.z());
           },
-          "(x, y, z): size as declared in the world file, m.")
+          "The tuple (x, y, z): size as declared in the world file, m.")
       .def(
           "set_speed",
           [](HeldModel& m, double forward, double turn, double left) {
@@ -113,9 +116,10 @@ void bind_models(py::module_& module) {
           },
           py::arg("forward"), py::arg("turn"), py::kw_only(), py::arg("left") = 0.0,
           "Commands speeds in the body frame: forward and left in m/s, turn in rad/s (for a car drive: the "
-          "steering angle,\nrad).\nThey apply from the next tick on, until another command replaces them. If "
-          "the robot has a controller, the\ncommands of the controller replace them. Raises RuntimeError if "
-          "the model has no drive or is not in the world.")
+          "steering angle, rad).\nThey apply from the next tick on, until another command replaces them. If "
+          "the robot has a controller, the commands of\nthe controller replace them. Raises RuntimeError if "
+          "the model has no drive or its body is not in the world. A number\nthat is not finite makes the "
+          "next step raise StepError.")
       .def(
           "accelerate",
           [](HeldModel& m, double forward, double turn, double left) {
@@ -123,18 +127,20 @@ void bind_models(py::module_& module) {
           },
           py::arg("forward"), py::arg("turn"), py::kw_only(), py::arg("left") = 0.0,
           "Commands accelerations in the body frame: forward and left in m/s^2, turn in rad/s^2 (for a car "
-          "drive: the\nsteering angle, rad). As with set_speed(), they apply from the next tick on, until "
-          "another command replaces them.")
+          "drive: the steering\nangle, rad). As with set_speed(), they apply from the next tick on, until "
+          "another command replaces them. Raises as\nset_speed() does.")
       .def(
           "go_to", [](HeldModel& m, const Pose& goal) { m.use().go_to(goal); }, py::arg("goal"),
           "Commands a goal pose in the frame of estimate(), m and rad: the robot drives there and stays "
-          "until another\ncommand replaces this one.")
+          "until another command\nreplaces this one; goal.z is ignored. Raises as set_speed() does.")
       .def(
           "speed", [](HeldModel& m) { return m.use().speed(); },
-          "Velocity during the last tick, in the body frame.")
+          "Velocity that the drive of this model computed in the last tick, in the body frame. It is not 0 "
+          "while an obstacle blocks\nthe motion, see stalled().")
       .def(
           "is_alive", [](HeldModel& m) { return m.use().is_alive(); },
-          "Whether the body is in the world: spawned or present from the start, and not removed.")
+          "Whether the body is in the world: spawned or present from the start, and not removed. Static "
+          "geometry is always in the\nworld.")
       .def(
           "stalled", [](HeldModel& m) { return m.use().stalled(); },
           "Whether the robot's motion in the last tick was blocked by an obstacle or would have left the "
@@ -145,39 +151,45 @@ void bind_models(py::module_& module) {
           "`odom` the\nodometry estimate, in the frame that `localization_origin` in the world file defines.")
       .def(
           "set_estimate", [](HeldModel& m, const Pose& pose) { m.use().set_estimate(pose); }, py::arg("pose"),
-          "Overwrites the odometry estimate, m and rad, in the frame of estimate(). Raises RuntimeError if "
-          "the\nlocalization of the robot is not `odom`.")
+          "Overwrites the odometry estimate, m and rad, in the frame of estimate(). pose.z is ignored. "
+          "Raises RuntimeError if the\nlocalization of the robot is not `odom`, and ValueError if a number "
+          "is not finite.")
       .def(
           "set_pose", [](HeldModel& m, const Pose& pose) { m.use().set_pose(pose); }, py::arg("pose"),
           "Places the body at a pose in the world frame, m and rad, between two steps. The place may overlap "
-          "other bodies;\nsee is_free(). Raises ValueError if the pose is not finite or is outside the "
-          "bounds of the world, or if another\nbody carries this one.")
+          "other bodies; see\nis_free(). Raises ValueError if the pose is not finite or is outside the "
+          "bounds of the world, if another body carries\nthis one, or if this body is not in the world, and "
+          "RuntimeError for a part of a body and for static geometry.")
       .def(
           "is_free", [](HeldModel& m, const Pose& pose) { return m.use().is_free(pose); }, py::arg("pose"),
-          "Whether the body would fit at this pose in the world frame: inside the bounds of the world, and "
-          "without\ntouching a wall or another body.")
+          "Whether the body would fit at this pose in the world frame: its origin inside the bounds of the "
+          "world, and without\noverlap with a wall or another body that is an obstacle. Raises RuntimeError "
+          "for a part of a body and for static\ngeometry.")
       .def(
           "sensors", [](HeldModel& m) { return m.use().sensors(); },
-          "Names of the sensors of this model, in the order of the world file.")
+          "Names of the sensors of this model, in the order of the world file: for a body those of all its "
+          "parts, for a part only\nits own.")
       .def(
           "ranges",
           [](HeldModel& m, const std::string& sensor) { return view(m.use().ranges(sensor), m.held); },
           py::arg("sensor") = "",
           "Ranges that the ranger named `sensor` measured, m, float32, one per beam; an empty name means the "
-          "first ranger.\nThe array refers to the memory of the simulation: "
-          "its content changes with each step. Raises LookupError if\nthere is no such sensor, and "
-          "RuntimeError if it does not run (see Simulation.subscribe()).")
+          "first ranger. The\narray is read-only and refers to the memory of the simulation: its content "
+          "changes with each step. Raises LookupError if\nthere is no such ranger, and RuntimeError if the "
+          "ranger does not run (see Simulation.subscribe()).")
       .def(
           "intensities",
           [](HeldModel& m, const std::string& sensor) { return view(m.use().intensities(sensor), m.held); },
           py::arg("sensor") = "",
-          "Intensities that the ranger named `sensor` measured, one per value of ranges(); empty unless the "
-          "parameter\n`intensity` of the ranger is true.")
-      .def(
-          "readings", &readings, py::arg("field"), py::arg("device") = "",
-          "The values of a field of a sensor or another device; an empty `device` means the first device "
-          "that has this\nfield.\nThe array refers to the memory of the simulation: its content changes with "
-          "each step. Raises LookupError, whose text\nlists the known names, for an unknown field or device.")
+          "Intensities that the ranger named `sensor` measured, float32, one per value of ranges(); empty "
+          "unless the parameter\n`intensity` of the ranger is true. The array and the errors are as in "
+          "ranges().")
+      .def("readings", &readings, py::arg("field"), py::arg("device") = "",
+           "The values of a field of a sensor or another device, an array of one dimension with the type of "
+           "the field; an empty\n`device` means the first device that has this field. The array is read-only "
+           "and refers to the memory of the simulation:\nits content changes with each step. Raises "
+           "LookupError, whose text lists the known names, for an unknown field or\ndevice, and RuntimeError "
+           "for a sensor that does not run (see Simulation.subscribe()).")
       .def(
           "fields",
           [](HeldModel& m, const std::string& device) {
@@ -186,7 +198,7 @@ void bind_models(py::module_& module) {
           },
           py::arg("device"),
           "The fields of a device that readings() can return: a list of Field, whose member `text` describes "
-          "the field.")
+          "the field. Raises\nLookupError for an unknown device.")
       .def("command", &command, py::arg("device"),
            "Sets fields of the command of a device by name: robot.command(\"lamp\", shows=1, red=1). Other "
            "fields of the\ncommand keep their values. The command applies from the next step on. Returns the "
@@ -204,12 +216,15 @@ void bind_models(py::module_& module) {
             if (const auto energy = m.use().energy()) return dict_of(*energy);
             return py::none();
           },
-          "Energy of the power pack that supplies this model, J, as a dict: stored_j, capacity_j, "
-          "dissipated_j,\nreceived_j, given_j, infinite, charging. None if there is no such pack.")
+          "Energy of the power pack that supplies this model, as a dict: stored_j and capacity_j (J); "
+          "dissipated_j, received_j and\ngiven_j (J, sums since tick 0); infinite (whether the pack never "
+          "becomes empty) and charging (whether it received energy\nin the last tick). None if there is no "
+          "such pack.")
       .def(
           "flag_count", [](HeldModel& m) { return m.use().flag_count(); },
-          "Number of flags (coloured tokens that bodies exchange, docs/energy.md) in the list of this model; "
-          "0 if it has no\nlist. Lists of other parts of the body do not count.");
+          "Number of flags (coloured tokens that bodies exchange, docs/energy.md) that the device of the "
+          "kind `flags` on this part\nholds; 0 if the part has no such device. Devices on other parts of the "
+          "body do not count.");
 }
 
 }  // namespace troupe::python

@@ -231,7 +231,8 @@ PYBIND11_MODULE(_core, module) {
   module.attr("__version__") = troupe::k_version;
   module.attr("needs_numpy_1") = k_needs_numpy_1;
   module.def("version_line", &troupe::version_line,
-             "Version, compiler, flags, instruction set and assertion state, on one line.");
+             "Returns one line with the version of Troupe, the compiler and its flags, the processor "
+             "architecture, and whether\nassertions are on.");
   bind_exit();
   bind_errors(module);
   SimulationClass simulation = bind_simulation(module);

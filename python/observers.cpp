@@ -119,20 +119,23 @@ void bind_observers(py::module_& module) {
   py::class_<HeldMeasures>(
       module, "Measures",
       "Numbers that are computed from the state of a simulation, such as the covered area "
-      "(docs/measures.md). wanted: a\nlist of names of measures (\"stalls\"), names with the type, "
-      "population or robot that they are computed for\n(\"stalls:leaders\"), or dicts with a kind and "
-      "parameters ({\"kind\": \"coverage\", \"cell_m\": 0.5}),\nor functions that take the swarm of all "
-      "robots and return a number.\nAn empty list means the measures of the "
-      "world file, or, if it has none, all that need no parameters.")
+      "(docs/measures.md). wanted: a list of\nnames of measures (\"stalls\"), names with the type, "
+      "population or robot that they are computed for (\"stalls:leaders\"), or\ndicts with a kind and "
+      "parameters ({\"kind\": \"coverage\", \"cell_m\": 0.5}), or functions that take the Swarm of all "
+      "robots\nand return a number. An empty list means the measures of the world file, or, if it has none, "
+      "all measures that need no\nparameters. Raises InputError for an unknown measure, robot or parameter.")
       .def(py::init(&measures_of), py::arg("simulation").none(false), py::arg("wanted") = py::tuple())
       .def("see", &HeldMeasures::see,
-           "Updates measures that depend on earlier ticks. Call it after every step.")
+           "Updates measures that depend on earlier ticks, such as the covered area. Call it after every "
+           "step.")
       .def_property_readonly(
-          "columns", [](const HeldMeasures& m) { return m.names; }, "Names of the values, with their units.")
+          "columns", [](const HeldMeasures& m) { return m.names; },
+          "Names of the values, with their units, in the order of `wanted`.")
       .def("values", &HeldMeasures::values,
            "One number per column for the current state; NaN if a measure has no value.")
       .def("__getitem__", &HeldMeasures::value, py::arg("name"),
-           "The value of one column, whose name may omit the unit.");
+           "The value of one column for the current state, as in values(). The name may omit the unit. "
+           "Raises LookupError for an\nunknown column.");
 
   py::class_<Event>(module, "Event",
                     "An event of a robot in a tick. type: what happened (docs/measures.md); robot and id: "
@@ -152,14 +155,17 @@ void bind_observers(py::module_& module) {
              return HeldEvents{held, engine::EventWatch(held->use().world())};
            }),
            py::arg("simulation").none(false))
-      .def("see", &HeldEvents::see, "Returns the list of events of the last tick. Call it after every step.");
+      .def("see", &HeldEvents::see,
+           "Returns the list of events of the last tick, sorted by id. Call it after every step: after a "
+           "longer interval, or after a\nreset, the list is empty.");
 
   py::class_<HeldRecording>(
       module, "Recording",
       "A recording of a simulation: an HDF5 file (docs/recordings.md). fields: names of components of the "
-      "state or of fields\nof sensors; every_s: simulated time between two frames, s. Without fields, or "
-      "without every_s, the value that the world file\nsets under \"record\" is used. replace: whether an "
-      "existing file is replaced.\nUse it as `with Recording(...) as recording`, or call close() at the end.")
+      "state or of fields of\nsensors; every_s: simulated time between two frames, s. Without fields, or "
+      "without every_s, the value that the world\nfile sets under \"record\" is used. replace: whether an "
+      "existing file is replaced; False: an existing file raises\nInputError. Use the object as in `with "
+      "Recording(...) as recording`, or call close() at the end.")
       .def(py::init([](const std::filesystem::path& file, const Holder& held,
                        const std::vector<std::string>& fields, double every_s, bool replace) {
              return HeldRecording{held, Recording(file, held->use(), {fields, every_s, replace})};
@@ -173,7 +179,8 @@ void bind_observers(py::module_& module) {
           },
           py::arg("file"), py::arg("simulation").none(false),
           "Continues an existing recording, for a run that was resumed from a checkpoint, from the current "
-          "tick on. Frames\nafter the current tick are removed from the file.")
+          "tick on. Frames after\nthe current tick are removed from the file. Raises RuntimeError if the "
+          "file is not a recording of this run.")
       .def(
           "observe", [](HeldRecording& r) { r.recording.observe(r.held->use()); },
           "Records the current state if its tick is a multiple of the recording interval. Call it after each "

@@ -485,40 +485,50 @@ void bind_script(py::module_& module) {
   py::class_<RobotBatch, std::shared_ptr<RobotBatch>>(
       module, "Robots",
       "The n robots for which a controller decides, in ascending order of their ids: the argument of "
-      "decide(). Functions with\nthe name of a function of Swarm do the same as that function. The object "
-      "can be used only during the call of\ndecide().")
+      "decide(). Functions with\nthe name of a function of Swarm work as that function does, but only with "
+      "the devices that the controller uses\n(Controller.uses). The object can be used only during the call "
+      "of decide(); later calls raise RuntimeError.")
       .def("__len__", [](const RobotBatch& robots) { return robots.size(); })
       .def_property_readonly("ids", &RobotBatch::ids)
       .def_property_readonly("tick", [](const RobotBatch& robots) { return robots.batch().tick; })
       .def_property_readonly("time_s", [](const RobotBatch& robots) { return robots.batch().time_s; })
       .def_property_readonly("tick_s", [](const RobotBatch& robots) { return robots.batch().tick_s; })
-      .def_property_readonly("memory", &RobotBatch::memory,
-                             "The memories of the robots: a structured array with one row per robot. The "
-                             "next call of decide() finds the values that\nthis call writes to the array.")
+      .def_property_readonly(
+          "memory", &RobotBatch::memory,
+          "The memories of the robots: a structured array with one row per robot and the fields of "
+          "Controller.memory. The next call\nof decide() finds the values that this call writes to the "
+          "array. Raises AttributeError if the controller declares no\nmemory.")
       .def("estimates", &RobotBatch::estimates, "Estimated poses, n x 4: x, y, z (m), heading (rad).")
       .def("readings", &RobotBatch::readings, py::arg("field"), py::arg("device") = "",
-           "The values of a field of a sensor or another device: shape (n,) or (n, columns).")
-      .def(
-          "ranges", &RobotBatch::ranges, py::arg("sensor") = "",
-          "Ranges of the ranger of this name or, without a name, of the first ranger, m: n x beams, float32.")
+           "The values of a field of a sensor or another device: shape (n,) or, if the field has several "
+           "columns, (n, columns). An\nempty `device` means the first device that has this field. Raises "
+           "LookupError for a field or device that does not exist\nor that the controller does not use.")
+      .def("ranges", &RobotBatch::ranges, py::arg("sensor") = "",
+           "Ranges that the ranger named `sensor` measured, m: n x beams, float32. An empty name means the "
+           "first ranger. Raises\nLookupError if the controller uses no such ranger.")
       .def("bearings", &RobotBatch::bearings, py::arg("sensor") = "",
            "Headings of the beams of the ranger named `sensor`, rad, in the frame of the ranger. An empty "
            "name means the first ranger.")
       .def("heard", &RobotBatch::heard, py::arg("dtype"), py::arg("device") = "radio",
-           "The messages that radios received, as Swarm.heard() returns them.")
+           "The messages that the radios named `device` heard in this tick, as Swarm.heard() returns them.")
       .def("commands", &RobotBatch::commands, py::arg("device"),
-           "The present commands of a device: a dict with one array per field of the command.")
+           "The present commands of the device named `device`, as Swarm.commands() returns them: a dict with "
+           "one array per field of\nthe command.")
       .def("command", &RobotBatch::command, py::arg("device"), py::kw_only(), py::arg("where") = py::none(),
-           "Sets fields of the commands of a device by name, as Swarm.command() does.")
+           "Sets fields of the commands of the device named `device` by name, as Swarm.command() does.")
       .def("say", &RobotBatch::say, py::arg("message"), py::arg("device") = "radio", py::kw_only(),
-           py::arg("where") = py::none(), "Sets the messages of radios, as Swarm.say() does.")
+           py::arg("where") = py::none(),
+           "Sets the messages that the radios named `device` send, as Swarm.say() does.")
       .def("set_speeds", &RobotBatch::drive<engine::ControlMode::velocity>, py::arg("forward").none(false),
            py::arg("turn").none(false), py::kw_only(), py::arg("left").none(false) = 0.0,
-           py::arg("where") = py::none(), "Commands speeds, m/s and rad/s, in the body frame.")
+           py::arg("where") = py::none(),
+           "Commands speeds in the body frame, as Swarm.set_speeds() does: forward and left in m/s, turn in "
+           "rad/s.")
       .def("accelerate", &RobotBatch::drive<engine::ControlMode::acceleration>,
            py::arg("forward").none(false), py::arg("turn").none(false), py::kw_only(),
            py::arg("left").none(false) = 0.0, py::arg("where") = py::none(),
-           "Commands accelerations, m/s^2 and rad/s^2, in the body frame.")
+           "Commands accelerations in the body frame, as Swarm.accelerate() does: forward and left in m/s^2, "
+           "turn in rad/s^2.")
       .def("go_to", &RobotBatch::go_to, py::arg("x").none(false), py::arg("y").none(false),
            py::arg("heading").none(false), py::kw_only(), py::arg("where") = py::none(),
            "Commands goal poses in the frame of estimates(), m and rad.")
@@ -528,27 +538,31 @@ void bind_script(py::module_& module) {
             return robots.drawn<double>([&](Random& random) { return random.uniform(low, high); });
           },
           py::arg("low") = 0.0, py::arg("high") = 1.0,
-          "One uniformly distributed number in [low, high) per robot. Each call takes the next number of "
-          "each robot's random\nstream of this tick, as controllers in C++ do.")
+          "One uniformly distributed number in [low, high) per robot, float64. Each call takes the next "
+          "number of each robot's\nrandom stream of this tick, as a call of Random::uniform() in a "
+          "controller in C++ does.")
       .def(
           "normal",
           [](RobotBatch& robots) {
             return robots.drawn<double>([](Random& random) { return random.normal(); });
           },
-          "One normally distributed number with mean 0 and standard deviation 1 per robot.")
+          "One normally distributed number with mean 0 and standard deviation 1 per robot, from the streams "
+          "of uniform().")
       .def(
           "exponential",
           [](RobotBatch& robots) {
             return robots.drawn<double>([](Random& random) { return random.exponential(); });
           },
-          "One exponentially distributed number with mean 1 per robot.")
+          "One exponentially distributed number with mean 1 per robot, from the streams of uniform().")
       .def(
           "below",
           [](RobotBatch& robots, std::uint32_t n) {
             if (n == 0) throw py::value_error("below(0): n must be 1 or more");
             return robots.drawn<std::uint32_t>([n](Random& random) { return random.below(n); });
           },
-          py::arg("n"), "One uniformly distributed integer from 0 to n - 1 per robot.");
+          py::arg("n"),
+          "One uniformly distributed integer from 0 to n - 1 per robot, from the streams of uniform(). "
+          "Raises ValueError if n is 0.");
 
   py::class_<Film>(
       module, "_Film",
@@ -588,7 +602,7 @@ void bind_script(py::module_& module) {
 
   module.def(
       "_check_output", [](const std::filesystem::path& file) { apps::check_outputs({}, {file}); },
-      py::arg("file"), "Raises RuntimeError if the file cannot be written.");
+      py::arg("file"), "Raises RuntimeError if a file of this name cannot be written.");
   module.def(
       "_write_replay_page",
       [](const std::filesystem::path& recording, const std::filesystem::path& page, bool replace) {

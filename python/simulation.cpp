@@ -276,9 +276,10 @@ std::optional<HeldModel> spawn(const Holder& held, const std::string& population
 }
 
 void bind_values(py::module_& module) {
-  py::class_<Pose>(module, "Pose",
-                   "A pose, m and rad: +x is forward, +y is left, headings are counter-clockwise. Functions "
-                   "that take a Pose also\ntake a tuple (x, y, heading).")
+  py::class_<Pose>(
+      module, "Pose",
+      "A pose, m and rad: +x is forward, +y is left, headings are counter-clockwise. Functions that take a "
+      "Pose also take a\ntuple (x, y, heading), with z = 0. Iterating over a Pose gives x, y and heading.")
       .def(py::init([](double x, double y, double heading, double z) {
              return Pose{x, y, z, heading};
            }),
@@ -322,8 +323,8 @@ SimulationClass bind_simulation(py::module_& module) {
   bind_models(module);
   py::class_<Hit>(module, "Hit",
                   "The first surface that a ray meets. range_m: distance to the surface, m; the length of "
-                  "the ray if it met\nnothing. body: id of the body, or None if the ray met nothing. part: "
-                  "index of the part of the body.")
+                  "the ray if it met nothing. body:\nid of the body, or None if the ray met nothing. part: "
+                  "index of the part of the body; 0: the body itself. met(): whether\nthe ray met a surface.")
       .def_readonly("range_m", &Hit::range_m)
       .def_readonly("body", &Hit::body)
       .def_readonly("part", &Hit::part)
@@ -333,26 +334,29 @@ SimulationClass bind_simulation(py::module_& module) {
                         : std::string("<Hit of nothing>");
       });
   SimulationClass simulation(module, "Simulation",
-                             "A world and its state. Only one thread at a time may use a simulation.",
+                             "A world and its state. Only one thread at a time may use a simulation: calls "
+                             "from another thread during a step raise\nRuntimeError. After a StepError, "
+                             "functions that read or change the state raise RuntimeError until reset().",
                              py::dynamic_attr());
   simulation
-      .def(
-          py::init(&load), py::arg("world"), py::kw_only(), py::arg("robots") = py::none(),
-          py::arg("threads") = 0, py::arg("seed") = py::none(), py::arg("ranging") = py::none(),
-          py::arg("set") = py::none(), py::arg("name") = "world.json", py::arg("search_path") = py::tuple(),
-          py::arg("plugin_path") = py::tuple(), py::arg("controllers") = py::list(),
-          py::arg("tile_size_m") = 0.0, py::arg("ranks") = 1,
-          "Loads a world. world: a file name (Stage .world or JSON), or a dict with the content of a JSON "
-          "world file, whose\nrelative paths are resolved from the folder of `name`.\nrobots: size of the "
-          "only population, or a dict of population names and sizes. threads: number of worker threads;\n0: "
-          "one per processor that the process may use. ranks: number of ranks, which divide the robots among "
-          "themselves, each\nwith its own copy of the world and `threads` threads (docs/cluster.md); no "
-          "result depends on this number. seed\nand ranging (\"exact\" or \"grid\") replace the values of "
-          "the world file. set: other values of the world file to replace,\na dict from JSON pointers to new "
-          "values. controllers: a list of scripts (file names) and of classes derived from\nController. "
-          "search_path, plugin_path: folders in which included files and plug-ins are searched. tile_size_m: "
-          "edge length\nof the tiles of the spatial index, m, which affects only the speed; 0: automatic. "
-          "Raises InputError if the world\nis invalid.")
+      .def(py::init(&load), py::arg("world"), py::kw_only(), py::arg("robots") = py::none(),
+           py::arg("threads") = 0, py::arg("seed") = py::none(), py::arg("ranging") = py::none(),
+           py::arg("set") = py::none(), py::arg("name") = "world.json", py::arg("search_path") = py::tuple(),
+           py::arg("plugin_path") = py::tuple(), py::arg("controllers") = py::list(),
+           py::arg("tile_size_m") = 0.0, py::arg("ranks") = 1,
+           "Loads a world. world: a file name (Stage .world or JSON), or a dict with the content of a JSON "
+           "world file, whose\nrelative paths are resolved from the folder of `name`. robots: number of "
+           "robots of the only population, or a dict from\nnames of populations to numbers of robots. "
+           "threads: number of worker threads, at most 1024; 0: one per processor that\nthe process may use. "
+           "ranks: number of ranks, which divide the robots among themselves, each with its own copy of "
+           "the\nworld and `threads` threads (docs/cluster.md); no result depends on this number. seed and "
+           "ranging (\"exact\" or \"grid\")\nreplace the values of the world file. set: other values of the "
+           "world file to replace, a dict from JSON pointers to new\nvalues. controllers: a list of scripts "
+           "(file names) and of classes derived from Controller. search_path: folders in\nwhich the world "
+           "file and included files are searched by their names if they do not exist at their paths. "
+           "plugin_path:\nfolders in which plug-ins are searched. tile_size_m: edge length of the tiles of "
+           "the spatial index, m, which affects\nonly the speed; 0: automatic. Raises InputError if the "
+           "world is invalid.")
       .def_static(
           "from_text", &from_text, py::arg("text"), py::arg("name") = "world.json", py::kw_only(),
           py::arg("robots") = py::none(), py::arg("threads") = 0, py::arg("seed") = py::none(),
@@ -367,9 +371,13 @@ SimulationClass bind_simulation(py::module_& module) {
                   py::arg("plugin_path") = py::tuple(), py::arg("controllers") = py::list(),
                   py::arg("across_plugins") = false, py::arg("tile_size_m") = 0.0, py::arg("ranks") = 1,
                   "Resumes a run from a checkpoint of save(), with the same results, bit for bit, as if it "
-                  "had never stopped.\nacross_versions: whether a checkpoint of another version of Troupe is "
-                  "accepted. across_plugins: whether a\ncheckpoint is accepted that was written with other "
-                  "builds of its plug-ins.\nRaises InputError if the file is not a usable checkpoint.")
+                  "had never stopped. set: a dict\nfrom JSON pointers to new values, for values of the world "
+                  "that may change in a resumed run (docs/checkpoints.md).\nplugin_path, controllers: as in "
+                  "Simulation(); they must contain all plug-ins and scripts that the run used. "
+                  "threads,\ntile_size_m, ranks: as in Simulation(). across_versions: whether a checkpoint "
+                  "of another version of Troupe is accepted.\nacross_plugins: whether a checkpoint is "
+                  "accepted that was written with other builds of its plug-ins. Raises InputError\nif the "
+                  "file is not a usable checkpoint, or if a plug-in or script of the run is missing.")
       .def("__repr__",
            [](const Holder& held) {
              Simulation& s = held->use();
@@ -377,7 +385,7 @@ SimulationClass bind_simulation(py::module_& module) {
            })
       .def_property_readonly(
           "warnings", [](const Holder& held) { return held->use().warnings(); },
-          "Warnings about the world file and about plug-ins, one text each.")
+          "Warnings about the world file, the checkpoint and plug-ins, one text each.")
       .def_property_readonly(
           "options",
           [](const Holder& held) {
@@ -414,21 +422,25 @@ SimulationClass bind_simulation(py::module_& module) {
           "resumed_at_tick", [](const Holder& held) { return held->use().resumed_at_tick(); },
           "Tick of the checkpoint from which the run was resumed, or None.")
       .def("step", &step, py::arg("ticks") = 1,
-           "Advances the simulation by this many ticks. Other Python threads can run meanwhile, because the "
-           "interpreter's\nlock is released. Raises StepError if a tick fails.")
+           "Advances the simulation by this many ticks. Stop conditions of the world do not end the call. "
+           "Other Python threads can\nrun meanwhile, because the interpreter's lock is released. Raises "
+           "StepError if a tick fails, and RuntimeError in a\ncallback of on_tick().")
       .def("run_for", &run_for, py::arg("seconds"), py::arg("on_tick") = py::none(),
            "Steps until `seconds` more of world time have passed, or until a condition of `stop_when` in the "
-           "world file ends\nthe run. If the callback on_tick is given, it is called as on_tick(simulation) "
-           "after each tick.")
+           "world file ends the\nrun. If the callback on_tick is given, it is called as on_tick(simulation) "
+           "after each tick. Raises ValueError if\n`seconds` is negative, NaN or above 1e12.")
       .def("run_until", &run_until, py::arg("done"), py::arg("at_most_s"),
            "Steps until the callback done(simulation), which is called after each step, returns a true "
            "value. Returns True in this\ncase, and False if `at_most_s` seconds of world time pass first or "
-           "a condition of `stop_when` in the world file ends\nthe run first.")
+           "a condition of `stop_when` in the world file ends the\nrun first. Raises ValueError if "
+           "`at_most_s` is negative, NaN or above 1e12.")
       .def("on_tick", &on_tick, py::arg("callback").none(true),
            "Adds a callback: callback(simulation) is called at the end of every step, after the recording of "
-           "record() has\nreceived the tick. None removes all callbacks.\nA callback may do everything that "
-           "a program may do between two steps, except step or reset the simulation.\non_tick() returns the "
-           "callback, so it can be used as a decorator: @simulation.on_tick.")
+           "record() has received\nthe tick. None removes all callbacks. A callback may do everything that a "
+           "program may do between two steps, except calls\nof step(), run_for(), run_until(), reset() and "
+           "on_tick(), which raise RuntimeError. An exception of a callback passes on\nto the caller of the "
+           "step, and ends it. on_tick() returns the callback, so it can be used as a "
+           "decorator:\n@simulation.on_tick.")
       .def(
           "reset",
           [](const Holder& held, const Seed& seed) {
@@ -440,11 +452,15 @@ SimulationClass bind_simulation(py::module_& module) {
           },
           py::arg("seed") = py::none(),
           "Resets the simulation to tick 0 and to its state after loading, bit for bit. If `seed` is given, "
-          "this is the state\nthat the world has when it is loaded with that seed.")
+          "this is the state that\nthe world has when it is loaded with that seed; a run that was resumed "
+          "from a checkpoint then raises RuntimeError.\nModels, swarms, callbacks and subscriptions stay "
+          "valid; a recording of record() is closed.")
       .def(
           "save", [](const Holder& held, const fs::path& checkpoint) { held->use().save(checkpoint); },
           py::arg("checkpoint"),
-          "Saves the whole state in a checkpoint, an HDF5 file, from which resume() continues the run.")
+          "Saves the whole state in a checkpoint, an HDF5 file, from which resume() continues the run. An "
+          "existing file is replaced\nwhen the new one is complete. Raises RuntimeError if the file cannot "
+          "be written.")
       .def(
           "state_hash", [](const Holder& held) { return held->use().state_hash(); },
           "Returns a hash of the whole state, an integer of 64 bits. Equal states have equal hashes.")
@@ -452,7 +468,12 @@ SimulationClass bind_simulation(py::module_& module) {
            "Returns a dict with the hash of the whole state (\"state\") and the hashes of four groups of it: "
            "\"pose\",\n\"velocity\", \"sensor\" and \"memory\" (docs/determinism.md).")
       .def("statistics", &statistics_of,
-           "Returns a dict of numbers that describe the run: robots, ticks, time_s, beams, stalled, ...")
+           "Returns a dict of numbers that describe the run: robots (number in the world now), ticks "
+           "(completed), time_s (world\ntime, s), beams (rays cast since tick 0), stalled (robots whose last "
+           "motion was blocked or would have left the bounds),\nheld_at_bounds (those that would have left "
+           "the bounds), mean_displacement_m (mean distance of the robots from their\nstart, m), "
+           "conflict_rounds (rounds in which conflicting motions were resolved, since tick 0) and "
+           "state_bytes (memory of\nthe state, bytes).")
       .def(
           "find",
           [](const Holder& held, const std::string& name) {
@@ -472,14 +493,17 @@ SimulationClass bind_simulation(py::module_& module) {
       .def("cast", &cast_one, py::arg("start"), py::arg("range_max"), py::kw_only(),
            py::arg("without") = py::none(),
            "Casts a ray and returns the first surface that it meets, computed by exact intersection. start: "
-           "start and\ndirection of the ray, m and rad, in the world frame; the ray stays at the height "
-           "start.z. range_max: length of\nthe ray, m. without: a model that the ray passes through; it also "
-           "passes through the bodies that the model carries.")
+           "start and direction of\nthe ray, m and rad, in the world frame; the ray stays at the height "
+           "start.z. range_max: length of the ray, m. without: a\nmodel whose body the ray passes through, "
+           "as well as all bodies that move with this body because one carries the other or\nthe same body "
+           "carries both. The ray meets surfaces that rangers detect, nearer than range_max. Raises "
+           "ValueError if a\nnumber is not finite, or if range_max is negative or above 300 km.")
       .def("cast_many", &cast_many, py::arg("starts").none(false), py::arg("range_max"), py::kw_only(),
            py::arg("without") = py::none(),
            "Casts n rays. starts: n x 4, x, y, z (m) and heading (rad) of each ray in the world frame; "
-           "range_max and without\nare as in cast(). Returns two arrays: for each ray the distance, m, and "
-           "the id of the body that it meets, or -1\nif it meets nothing.")
+           "range_max and without are as\nin cast(). Returns two arrays: for each ray the distance at which "
+           "it meets a surface, m (range_max if it meets nothing),\nand the id of the body that it meets "
+           "(int64; -1 if it meets nothing). Raises ValueError as cast() does, and for another\nshape.")
       .def(
           "set_poses",
           [](const Holder& held, const std::vector<std::pair<HeldModel, Pose>>& poses) {
@@ -488,8 +512,10 @@ SimulationClass bind_simulation(py::module_& module) {
             held->use().set_poses(placed);
           },
           py::arg("poses"),
-          "Places many models at once. poses: pairs (model, pose in the world frame). If a pose is invalid, "
-          "the function raises\nValueError and moves no model.")
+          "Places many bodies at once. poses: pairs (model, pose in the world frame, m and rad). If a pose "
+          "is invalid, or if a body\nis carried or not in the world, the function raises ValueError and "
+          "moves no body. Raises RuntimeError for parts of\nbodies, static geometry and models of another "
+          "simulation.")
       .def(
           "record",
           [](const Holder& held, const fs::path& file, const std::vector<std::string>& fields, double every_s,
@@ -500,38 +526,47 @@ SimulationClass bind_simulation(py::module_& module) {
           py::arg("replace") = false,
           "Starts to record the run in an HDF5 file (docs/recordings.md), until stop_recording(), reset() or "
           "the end of the\nsimulation. fields: names of components or sensor fields; every_s: simulated time "
-          "between two frames, s.\nWithout fields, or without every_s, the value that the world file sets "
-          "under \"record\" is used. replace: whether\nan existing file is replaced.")
+          "between two frames, s. Without fields,\nor without every_s, the value that the world file sets "
+          "under \"record\" is used. replace: whether an existing file is\nreplaced. Raises InputError for "
+          "an unknown field, for an existing file without `replace`, and if the file cannot be\nwritten, and "
+          "RuntimeError if a recording is already running.")
       .def(
           "stop_recording", [](const Holder& held) { held->use().stop_recording(); },
-          "Closes the recording that record() started. Does nothing if no recording is running.")
+          "Closes the recording that record() started; all HDF5 tools can then read the file. Does nothing "
+          "if no recording is\nrunning. Raises RuntimeError if the file cannot be written.")
       .def(
           "hash_log_header", [](const Holder& held) { return held->use().hash_log_header(); },
-          "The first lines of a hash log, which state version and options of the run.")
+          "Returns the first lines of a hash log, `# key: value`, which state the version of Troupe and the "
+          "options of the run.")
       .def(
           "hash_log_line", [](const Holder& held) { return held->use().hash_log_line(); },
-          "The line of a hash log for the current tick: the tick and its state hashes.")
+          "Returns the line of a hash log for the current tick: the tick and its state hashes, `TICK STATE "
+          "pose=... velocity=...\nsensor=... memory=...`, with hashes as 16 hexadecimal digits.")
       .def_property_readonly(
           "robot_names", [](const Holder& held) { return held->use().robot_names(); },
           "Names of all robots in the world, in the order of their ids.")
       .def(
           "subscribe", [](const Holder& held, const std::string& model) { held->use().subscribe(model); },
           py::arg("model"),
-          "Makes all sensors of the robot named `model` run, also those that no controller reads. Call it "
-          "before the first step.")
+          "Makes all sensors of the body named `model` run, also those that no controller reads. Call it "
+          "before the first step:\nlater calls raise RuntimeError. Raises LookupError for an unknown name.")
       .def("spawn", &spawn, py::arg("population"), py::arg("pose"),
            "Spawns a robot: places the next unborn body of a population's reserve at a pose in the world "
-           "frame, m and rad.\nReturns its Model, or None if the place is occupied or outside the bounds of "
-           "the world, or if the reserve is\nused up.")
+           "frame, m and rad. Returns\nthe Model of the robot, or None if the place is occupied or outside "
+           "the bounds of the world, or if the reserve is used\nup. Raises LookupError for a population "
+           "without a reserve, and ValueError for a pose that is not finite.")
       .def(
           "unborn", [](const Holder& held, const std::string& p) { return held->use().unborn(p); },
           py::arg("population"),
-          "Number of bodies in the reserve of a population that spawn() can still add.")
+          "Returns the number of bodies in the reserve of a population that spawn() can still add. Raises "
+          "LookupError for a\npopulation without a reserve.")
       .def(
           "remove", [](const Holder& held, const HeldModel& model) { held->use().remove(model.model); },
           py::arg("model"),
-          "Removes a body from the world for good. Raises RuntimeError if the world has neither a reserve "
-          "nor \"mortal\":\ntrue.")
+          "Removes a body from the world for good; does nothing if the body is not in the world. Raises "
+          "RuntimeError for a part of\na body, for static geometry, and if no body of the world can be "
+          "removed: the world has no reserve, no device and no\nevent that removes bodies, and no "
+          "\"mortal\": true.")
       .def(
           "set",
           [](const Holder& held, const std::string& type, const py::dict& setting) {
@@ -539,10 +574,10 @@ SimulationClass bind_simulation(py::module_& module) {
           },
           py::arg("type"), py::arg("setting"),
           "Changes parameters of a type, for all its bodies: {\"drive\": {\"velocity_max_x_mps\": 0.5}}, "
-          "{\"device\":\n{\"name\": \"eye\", ...}} or {\"controller\": {\"kind\": \"wander\", ...}}, as "
-          "\"set\" in the list \"at\" of a world\nfile. The change lasts until reset(); checkpoints contain "
-          "it. Raises ValueError, and changes nothing, if\nthe type has no such parameter, or if the value "
-          "is not allowed or cannot change during a run.")
+          "{\"device\": {\"name\": \"eye\",\n...}} or {\"controller\": {\"kind\": \"wander\", ...}}, as "
+          "\"set\" in the list \"at\" of a world file. The change lasts until\nreset(); checkpoints contain "
+          "it. Raises ValueError, and changes nothing, if there is no such type or parameter, or if\nthe "
+          "value is not allowed or cannot change during a run.")
       .def(
           "parameters",
           [](const Holder& held, const std::string& type) {
@@ -551,7 +586,7 @@ SimulationClass bind_simulation(py::module_& module) {
           py::arg("type"),
           "The present parameters of a type: a list of dicts of the form that set() takes, one for the drive "
           "and for each device\nand controller. Infinite values, and lists of objects such as transducers, "
-          "are left out.")
+          "are left out. Raises LookupError if there is\nno such type.")
       .def(
           "energy", [](const Holder& held) { return dict_of(held->use().energy()); },
           "The sums of the energies of all power packs, J, as a dict with the keys of Model.energy().")
@@ -559,14 +594,18 @@ SimulationClass bind_simulation(py::module_& module) {
            py::kw_only(), py::arg("camera") = "top", py::arg("layers") = "", py::arg("center_m") = py::none(),
            py::arg("angle_rad") = py::none(), py::arg("across_m") = py::none(), py::arg("color_by") = "",
            py::arg("color_range") = py::none(), py::arg("background") = "paper",
-           "Draws the world into a .png, .svg or .pdf file; .svg and .pdf show the world only from above. "
-           "width and height are\nin pixels; docs/pictures.md describes the other options.")
+           "Draws the world into a file: .svg or .pdf, which show the world only from straight above, or, "
+           "with any other ending,\nPNG. width and height are in pixels; docs/pictures.md describes the "
+           "other options. Raises ValueError for a size below 1\nand for unknown names (InputError), and "
+           "RuntimeError if the file cannot be written or a library is missing.")
       .def("picture", &picture, py::arg("width") = 1280, py::arg("height") = 720, py::kw_only(),
            py::arg("camera") = "top", py::arg("layers") = "", py::arg("center_m") = py::none(),
            py::arg("angle_rad") = py::none(), py::arg("across_m") = py::none(), py::arg("color_by") = "",
            py::arg("color_range") = py::none(), py::arg("background") = "paper",
-           "Draws the world into an array: height x width x 3, uint8, RGB, row 0 on top. docs/pictures.md "
-           "describes the\noptions.");
+           "Draws the world into an array: height x width x 3, uint8, RGB, row 0 on top. width and height "
+           "are in pixels;\ndocs/pictures.md describes the other options. Raises ValueError for a size below "
+           "1, for unknown names (InputError) and\nfor the background \"transparent\", and RuntimeError if "
+           "the library OSMesa is missing.");
   return simulation;
 }
 

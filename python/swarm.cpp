@@ -111,12 +111,13 @@ py::tuple heard(HeldSwarm& held, const py::object& type, const std::string& devi
 
 void bind_swarm(py::module_& module, SimulationClass& simulation) {
   static_assert(sizeof(Pose) == 4 * sizeof(double) && sizeof(Model::Speed) == 3 * sizeof(double));
-  py::class_<HeldSwarm>(module, "Swarm",
-                        "A group of robots of one simulation, in ascending order of their ids. Its functions "
-                        "correspond to those of Model,\nbut one call is for all robots. They return "
-                        "new arrays, with one row per robot (n rows).\nCommands take one number for all "
-                        "robots or one number per robot. Their parameter `where` selects robots by one\nbool "
-                        "per robot; None selects all. Commands skip robots that are not in the world.")
+  py::class_<HeldSwarm>(
+      module, "Swarm",
+      "A group of robots of one simulation, in ascending order of their ids. Its functions correspond to "
+      "those of Model, but\none call is for all robots. They return new arrays, with one row per robot (n "
+      "rows), also for robots that are not in the\nworld. Commands take one number for all robots or one "
+      "number per robot; arrays of other shapes raise ValueError. Their\nparameter `where` selects robots by "
+      "one bool per robot; None selects all. Commands skip robots that are not in the\nworld.")
       .def("__len__", [](const HeldSwarm& s) { return s.swarm.size(); })
       .def("__repr__", [](const HeldSwarm& s) { return fmt::format("<Swarm of {} robots>", s.swarm.size()); })
       .def_property_readonly("ids",
@@ -139,14 +140,17 @@ void bind_swarm(py::module_& module, SimulationClass& simulation) {
           "of the world.")
       .def(
           "poses", [](HeldSwarm& s) { return rows_of(s, 4, &Swarm::poses); },
-          "Poses in the world frame, n x 4: x, y, z (m), heading (rad).")
+          "Poses in the world frame, n x 4: x, y, z (m), heading (rad). Robots that were removed keep their "
+          "last poses; all numbers\nare NaN for robots that are not yet born.")
       .def(
           "estimates", [](HeldSwarm& s) { return rows_of(s, 4, &Swarm::estimates); },
           "Estimated poses, n x 4: x, y, z (m), heading (rad). With the localization `gps` they are the true "
-          "poses, with\n`odom` the odometry estimates.")
+          "poses in the world\nframe, with `odom` the odometry estimates. All numbers are 0 for robots that "
+          "are not yet born.")
       .def(
           "speeds", [](HeldSwarm& s) { return rows_of(s, 3, &Swarm::speeds); },
-          "Velocities during the last tick in the body frame, n x 3: forward, left (m/s), turn (rad/s).")
+          "Velocities that the drives computed in the last tick, in the body frame, n x 3: forward, left "
+          "(m/s), turn (rad/s). They\nare not 0 while an obstacle blocks the motion.")
       .def(
           "ranges",
           [](HeldSwarm& s, const std::string& sensor) {
@@ -168,35 +172,44 @@ void bind_swarm(py::module_& module, SimulationClass& simulation) {
           },
           py::arg("sensor") = "",
           "Headings of the beams of the ranger named `sensor` of the first robot, rad, in the frame of the "
-          "ranger. An empty\nname means its first ranger.")
+          "ranger and the order of\nranges(). An empty name means its first ranger. Raises LookupError if "
+          "the first robot has no such ranger.")
       .def(
           "range_bound", [](HeldSwarm& s, const std::string& sensor) { return s.use().range_bound(sensor); },
           py::arg("sensor") = "",
-          "Largest range that the ranger named `sensor` of the first robot can report, m. An empty name "
-          "means its first ranger.")
+          "An upper bound of the ranges of the ranger named `sensor` of the first robot, m: its largest "
+          "range_max, plus the\ndistances by which the ranger and its transducers are away from the origin "
+          "of the body. An empty name means its first\nranger. Raises LookupError if the first robot has no "
+          "such ranger.")
       .def(
           "subscribe", [](HeldSwarm& s) { s.use().subscribe(); },
-          "Makes all sensors of all robots run. Call it before the first step.")
+          "Makes all sensors of the robots of this group run. Call it before the first step: later calls "
+          "raise RuntimeError.")
       .def("set_speeds", &command<&Swarm::set_speeds>, py::arg("forward").none(false),
            py::arg("turn").none(false), py::kw_only(), py::arg("left").none(false) = 0.0,
            py::arg("where") = py::none(),
-           "Commands speeds in the body frame: forward and left in m/s, turn in rad/s. They apply from the "
-           "next tick on,\nuntil another command replaces them.")
+           "Commands speeds in the body frame: forward and left in m/s, turn in rad/s (for a car drive: the "
+           "steering angle, rad).\nThey apply from the next tick on, until another command replaces them.")
       .def("accelerate", &command<&Swarm::accelerate>, py::arg("forward").none(false),
            py::arg("turn").none(false), py::kw_only(), py::arg("left").none(false) = 0.0,
            py::arg("where") = py::none(),
-           "Commands accelerations in the body frame: forward and left in m/s^2, turn in rad/s^2.")
+           "Commands accelerations in the body frame: forward and left in m/s^2, turn in rad/s^2. They apply "
+           "from the next tick on,\nuntil another command replaces them.")
       .def("go_to", &go_to, py::arg("x").none(false), py::arg("y").none(false),
            py::arg("heading").none(false), py::kw_only(), py::arg("where") = py::none(),
-           "Commands goal poses in the frame of estimates(), m and rad: the robots drive there and stay.")
+           "Commands goal poses in the frame of estimates(), m and rad: the robots drive there and stay "
+           "until another command\nreplaces this one.")
       .def("readings", &readings_of, py::arg("field"), py::arg("device") = "",
-           "The values of a field of a sensor or another device: shape (n,) or, if the field has several "
-           "columns,\n(n, columns). An empty `device` means the first device of each robot that has this "
-           "field. Raises LookupError, whose\ntext lists the known names, for an unknown field or device, "
-           "ValueError if the fields of the robots differ, and\nRuntimeError if a sensor does not run.")
+           "The values of a field of a sensor or another device, an array with the type of the field: shape "
+           "(n,) or, if the field\nhas several columns, (n, columns). An empty `device` means the first "
+           "device of each robot that has this field. Raises\nLookupError, whose text lists the known names, "
+           "for an unknown field or device, ValueError if the fields of the robots\ndiffer, and RuntimeError "
+           "if a sensor does not run.")
       .def("commands", &commands_of, py::arg("device"),
            "The present commands of the device named `device` of each robot: a dict with one array per field "
-           "of the command, of\nthe shape that readings() returns.")
+           "of the command, of the\nshape that readings() returns. Raises LookupError if a robot has no "
+           "device of this name that takes commands, ValueError\nif the fields of the robots differ, and "
+           "RuntimeError for a swarm without robots.")
       .def("command", &command_device, py::arg("device"), py::kw_only(), py::arg("where") = py::none(),
            "Sets fields of the commands of a device by name: swarm.command(\"lamp\", shows=1, "
            "red=brightness). A value is one\nnumber for all robots or one per robot. For a field of several "
@@ -204,22 +217,22 @@ void bind_swarm(py::module_& module, SimulationClass& simulation) {
            "a list of one `bytes` per robot, padded with zeros. Other fields keep\ntheir values. The "
            "commands apply from the next step on. Raises LookupError for an unknown device or field, "
            "and\nValueError for values that do not fit.")
-      .def(
-          "say", &say, py::arg("message"), py::arg("device") = "radio", py::kw_only(),
-          py::arg("where") = py::none(),
-          "Sets the messages that the radios named `device` send in each tick from now on: a `bytes` for all "
-          "robots, or an\narray with one row per robot, whose bytes are the message. command(device, mode=2) "
-          "makes radios silent.")
-      .def(
-          "heard", &heard, py::arg("dtype"), py::arg("device") = "radio",
-          "The messages that the radios named `device` received in the last tick, as two arrays of shape (n, "
-          "most_heard): the\nmessages as elements of `dtype`, and whether there is a message of exactly the "
-          "size of `dtype`. most_heard is a\nparameter of the radio. readings() returns the senders, ranges "
-          "and bearings of the messages in the same order.")
+      .def("say", &say, py::arg("message"), py::arg("device") = "radio", py::kw_only(),
+           py::arg("where") = py::none(),
+           "Sets the messages that the radios named `device` send in each tick from the next one on, until "
+           "another command: a\n`bytes` for all robots, or an array with one row per robot, whose bytes are "
+           "the message. command(device, mode=2) makes\nradios silent. Raises ValueError for a message that "
+           "is longer than the parameter `payload` of the radios.")
+      .def("heard", &heard, py::arg("dtype"), py::arg("device") = "radio",
+           "The messages that the radios named `device` heard in the last tick, as two arrays of shape (n, "
+           "most_heard): the messages\nas elements of the NumPy type `dtype`, and bools, True where there is "
+           "a message of exactly the size of `dtype`.\nmost_heard is a parameter of the radio. readings() "
+           "returns the senders, ranges and bearings of the messages in the same\norder.")
       .def("set_poses", &set_poses, py::arg("poses").none(false), py::kw_only(),
            py::arg("where") = py::none(),
-           "Places the robots at poses in the world frame, n x 4: x, y, z (m), heading (rad). If a pose is "
-           "invalid, the\nfunction raises ValueError and moves no robot.");
+           "Places the robots at poses in the world frame, n x 4: x, y, z (m), heading (rad). If the pose of "
+           "a selected robot is not\nfinite or outside the bounds of the world, or if another body carries "
+           "the robot, the function raises ValueError and\nmoves no robot.");
 
   simulation.def(
       "swarm",

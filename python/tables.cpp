@@ -164,7 +164,8 @@ void bind_tables(py::module_& module, SimulationClass& simulation) {
       .def_property_readonly(
           "runs", [](const Table& t) { return t.runs(); },
           "False if the table has the readings of a sensor that does not run on one or more robots, because "
-          "it is not active\nand no controller uses it; subscribe() makes it run.")
+          "the sensor is not\nactive and no controller uses it; subscribe() makes the sensor run. True for "
+          "all other tables.")
       .def_property_readonly(
           "type", [](const Table& t) { return t.type; },
           "Name of the type of the bodies; empty if they are of several types.")
@@ -192,9 +193,11 @@ void bind_tables(py::module_& module, SimulationClass& simulation) {
            "All tables of the state that have rows, one per component and, for devices and controllers, per "
            "type of robot.")
       .def("table", &table_of, py::arg("component"), py::arg("type") = "",
-           "The table of one component, such as \"pose\", or \"ir\" of a device with this name. If several "
-           "types of robots have this component,\n`type` must name one of them. Raises LookupError, whose "
-           "text lists the known names, for an unknown component.");
+           "The table of one component: component is its name in the state, such as \"pose\" or "
+           "\"ranger/ir\", or the name that the\nworld gives it, such as \"ir\" for a device of this name. "
+           "If several types of robots have this component, `type` must name\none of them. Raises "
+           "LookupError, whose text lists the known names, for an unknown component, and ValueError if "
+           "several\ntables fit.");
 }
 
 }  // namespace troupe::python

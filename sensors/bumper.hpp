@@ -8,14 +8,15 @@ namespace troupe::sensors {
 
 /// The fields of a bumper's readings, in order.
 enum BumperField : std::size_t {
-  k_bumper_hit,   ///< u8 per strip: 1 if a body touches it
-  k_bumper_body,  ///< u32 per strip: BodyId of the body that touches it; 0 (the ground) if none does
+  k_bumper_hit,   ///< u8 per strip: 1 if a body or wall touches the strip, else 0
+  k_bumper_body,  ///< u32 per strip: BodyId of the body that touches the strip; 0 (the ground): none
 };
 
-/// Returns the sensor kind `bumper`: contact strips. Each strip is a line segment perpendicular to the
-/// heading of its pose and centred on it. It detects any wall or body whose outline comes within `thickness`
-/// of the segment; the heights of the strip and of the body make no difference. It ignores its own robot, and
-/// bodies that carry the robot or that it carries.
+/// Returns the sensor kind `bumper`: contact strips. Each strip is a horizontal line segment, centred on the
+/// position of its pose (parameter `bumpers`) and perpendicular to the heading of this pose. A strip detects
+/// any wall or body whose outline comes within `thickness` (m) of the segment; the heights of the strip and
+/// of the body make no difference. A strip ignores its own robot and all bodies that move with this robot
+/// (one carries the other, or a third body carries both).
 /// ties    If several bodies touch a strip, the nearest is reported; at equal distances, the one with the
 ///         lower id.
 /// source  Stage's bumper model, whose strips are as thick as its cells, 0.02 m. A strip without thickness

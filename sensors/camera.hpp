@@ -6,18 +6,19 @@
 
 namespace troupe::sensors {
 
-/// The fields of a camera's readings, in order. Pixels are stored row by row from the upper left corner.
+/// The fields of a camera's readings, in order. Pixels are stored row by row from the upper left corner; each
+/// row goes from left to right.
 enum CameraField : std::size_t {
-  k_camera_color,  ///< u8 [red green blue opacity] per pixel
+  k_camera_color,  ///< u8 [red green blue opacity] per pixel, each from 0 to 255
   k_camera_depth,  ///< f32 per pixel, m along the axis of view; range_far if the pixel shows sky
 };
 
 /// Returns the sensor kind `camera`, which renders colour and depth of its field of view without a graphics
 /// library.
 /// sees    It shows walls and bodies as extruded blocks with tops and undersides, and the floor at z = 0. It
-///         does not show its own robot, nor bodies that carry the robot or that it carries. There is no light
-///         or shadow: each body has its own colour. Surfaces nearer than range_near are not drawn; beyond
-///         range_far the picture shows sky.
+///         does not show its own robot, nor bodies that move with this robot (one carries the other, or a
+///         third body carries both). There is no light or shadow: each body has its own colour. Surfaces
+///         nearer than range_near are not drawn; beyond range_far the picture shows sky.
 /// pixels  The camera is a pinhole camera: each pixel shows the colour along one ray through its middle.
 /// ties    Of two surfaces at the same depth, the one of the body with the lower id is drawn, and within one
 ///         body the one of the solid with the lower number.

@@ -22,17 +22,18 @@ enum GroundField : std::size_t {
 /// The ground at a point is a part of another body that contains the point, seen from above, and whose top is
 /// not above `height`. If there are several, the one with the highest top counts; at equal tops, the part of
 /// the body with the lower id, and within one body the part with the lower number. If there is no such part,
-/// the ground is the floor. Bodies that carry the robot or that it carries are ignored.
+/// the ground is the floor, whose colour is the parameter `floor`. The robot itself and all bodies that move
+/// with it (one carries the other, or a third body carries both) are ignored.
 ///
 /// zones  Coloured zones on the ground are models with `"obstacle": false`, `"ranger_return": -1` and a size
 ///        of some millimetres in z. A zone with an LED has the colour of the LED.
-/// edges  A point on the common border of two zones is in exactly one of them.
+/// edges  A point on the common border of two adjacent zones is in exactly one of them.
 engine::DeviceKind ground_kind();
 
 /// The parameter that says which parts of bodies are ground. Devices that read or change the ground include
-/// it in their own parameters.
+/// this struct in their own parameters.
 struct GroundParams {
-  double height = 0.05;
+  double height = 0.05;  ///< largest height of the top of a part above z = 0, m
 
   static constexpr void describe(engine::Description<GroundParams>& d) {
     using namespace engine::facts;
@@ -52,22 +53,23 @@ class Ground {
     std::uint32_t part = 0;  ///< number of the part in its body
     Color color;             ///< the colour of the part
 
-    /// Whether this zone hides the other one at a point that both contain: the higher top wins; at equal tops
-    /// the lower body id, then the lower part number.
+    /// Whether this zone hides the zone `other` at a point that both contain: the zone with the higher top;
+    /// at equal tops the one with the lower body id, then with the lower part number.
     bool is_above(const Zone& other) const;
   };
 
-  /// floor: the colour of the floor where no part of a body covers it
+  /// params: how high the tops of parts may be. floor: the colour of the floor where no part of a body covers
+  /// it.
   explicit Ground(const GroundParams& params, const Color& floor = {})
       : height_(params.height), floor_(floor) {}
 
-  /// Collects the parts of static bodies that are ground. Must be called once, in DeviceKind::bind_world,
-  /// before the first call of below().
+  /// Collects the parts of static bodies that are ground. Must be called in DeviceKind::bind_world, before
+  /// the first call of below() or shown_below().
   void collect(const engine::WorldSpec& world);
   /// Returns the ground at a point (world frame, m) for a device on the body with the row (index in the
-  /// state tables) `own`. This body, and all bodies that it carries or that carry it, are ignored. If the
-  /// point is on the floor, the body of the result is not valid and the colour is that of the floor. Colours
-  /// are those of the world file.
+  /// state tables) `own`. This body, and all bodies that move with it (SensingView::same_tree()), are
+  /// ignored. If no part covers the point, the body of the result is not valid, its top is 0, and its colour
+  /// is that of the floor. Colours are those of the world file.
   Zone below(const engine::SensingView& view, Row own, const Vec2& point) const;
   /// Like below(), but parts have the colours that devices such as LEDs show.
   Zone shown_below(const engine::CommittedView& view, Row own, const Vec2& point) const;

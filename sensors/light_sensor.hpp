@@ -8,7 +8,7 @@ namespace troupe::sensors {
 
 /// The fields of a light sensor's readings, in order.
 enum LightSensorField : std::size_t {
-  k_light_brightness,  ///< f32 per direction: brightness, a sum over lights, see light_sensor_kind()
+  k_light_brightness,  ///< f32 per direction: brightness (no unit), 0 if no light, see light_sensor_kind()
   k_light_sources,     ///< u32: number of lights in sight
 };
 
@@ -19,11 +19,12 @@ enum LightSensorField : std::size_t {
 ///        all lights in sight of intensity * max(0, cos a) / d^2, where d (m) is the distance to the light,
 ///        including height, and a the angle between the direction and the line to the light.
 /// sight  A light is in sight if it is lit and its horizontal distance is at most range_max. Lights on the
-///        sensor's own body, and on bodies that carry it or that it carries, are ignored. With `occlusion`, a
-///        light is hidden by any body or wall on the straight line to it, at the height of the sensor. The
-///        sensor's body and the body of the light never hide it. Lights are the devices `blinkenlight` and
-///        `lightindicator` (sensors/light_source.hpp).
-/// order  Sums are computed in the order of body ids, then of the devices of a body, in double.
+///        sensor's own body, and on bodies that move with this body (one carries the other, or a third body
+///        carries both), are ignored. With `occlusion`, a light is hidden by any body or wall that the
+///        horizontal line from the sensor towards the light meets at the height of the sensor. The sensor's
+///        body, the body of the light, and bodies that move with one of these two bodies, never hide the
+///        light. Lights are the devices `blinkenlight` and `lightindicator` (sensors/light_source.hpp).
+/// order  Sums are computed in the order of body ids, then of the devices of a body, in double precision.
 /// edges  A light straight above the sensor, or at the same place, adds nothing to any direction.
 engine::DeviceKind light_sensor_kind();
 

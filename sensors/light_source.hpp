@@ -10,7 +10,7 @@
 
 namespace troupe::sensors {
 
-/// Name of the first field of the state of a light.
+/// Name of the first field of the state of a light, LightState::lit.
 inline constexpr std::string_view k_lit = "lit";
 
 /// The state of a light. A device is a light if its prepared data is a LightSource.
@@ -29,13 +29,14 @@ struct LightSource {
   /// Pose in the frame of the body or joint that carries the light. The heading has no effect: lights shine
   /// in all directions.
   Pose pose_body_light;
-  double intensity = 1;  ///< reading of a light sensor that faces the lit light from 1 m
-  double period_s = 0;   ///< time from the start of one flash to the next; 0: the light does not blink
-  double dutycycle = 0;  ///< lit fraction of each period; with period_s 0: above 0 means always lit
+  double intensity = 1;  ///< reading of a light sensor that faces the lit light at a distance of 1 m
+  double period_s = 0;   ///< time from the start of one flash to the next, s; 0: the light does not blink
+  double dutycycle = 0;  ///< lit fraction of each period, 0 to 1; with period_s 0: above 0 means always lit
   bool enabled = false;  ///< false: the light is dark until a controller switches it on
 };
 
-/// Returns the data of a device that is a light; null if the device is not a light.
+/// Returns the data of a device that is a light; null if the device is not a light. The pointer is valid as
+/// long as `device` exists.
 inline const LightSource* light_source(const engine::DeviceKind::Prepared& device) {
   return std::any_cast<LightSource>(&device.data);
 }

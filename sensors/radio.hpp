@@ -12,23 +12,24 @@
 
 namespace troupe::sensors {
 
-/// The fields of a radio's readings, in order. Arrays have one entry for each message heard in the tick. The
-/// messages are sorted by the id of the sending body; those of several radios of one body are in the order of
-/// these radios. Entries after the last message are 0.
+/// The fields of a radio's readings, in order. Arrays have `most_heard` entries, one for each message heard
+/// in the tick. The messages are sorted by the id of the sending body; those of several radios of one body
+/// are in the order of these radios. Entries after the last message are 0.
 enum RadioField : std::size_t {
   k_radio_count,     ///< u32: number of messages heard
   k_radio_lost,      ///< u32: number of messages that arrived but are not heard: too many or too long
-  k_radio_dropped,   ///< u32: number of messages dropped because of `drop_rate`
+  k_radio_dropped,   ///< u32: number of messages dropped at random because of `drop_rate`
   k_radio_sender,    ///< u32 per message: BodyId of the sender
   k_radio_range,     ///< f32 per message, m: horizontal distance to the sending radio
-  k_radio_bearing,   ///< f32 per message, rad: bearing of the sending radio, frame of this radio
+  k_radio_bearing,   ///< f32 per message, rad: bearing of the sending radio, frame of the hearing radio
   k_radio_strength,  ///< f32 per message: strength with which it arrived, dBm
   k_radio_quality,   ///< f32 per message: quality of the link, 0 (worst) to 1, see radio_kind()
   k_radio_length,    ///< u8 per message: its length, bytes
   k_radio_payload,   ///< u8 [payload] per message: its bytes; 0 after its last byte
 };
 
-/// The fields of a radio's command. The command stays in effect until it is changed.
+/// The offsets, in bytes, of the fields of a radio's command. The command stays in effect until it is
+/// changed.
 enum RadioCommandField : std::size_t {
   k_radio_mode,   ///< u8: whether the radio sends, a RadioMode
   k_radio_bytes,  ///< u8: length of the message, bytes
@@ -65,13 +66,14 @@ class RadioPort {
   struct Message {
     std::uint32_t sender = 0;               ///< id of the sending body
     float range = 0;                        ///< horizontal distance to the sending radio, m
-    float bearing = 0;                      ///< bearing of the sending radio, rad, frame of this radio
+    float bearing = 0;                      ///< bearing of the sending radio, rad, frame of the hearing radio
     float strength = 0;                     ///< strength with which it arrived, dBm
     float quality = 0;                      ///< quality of the link, 0 (worst) to 1, see radio_kind()
     std::span<const std::uint8_t> payload;  ///< the bytes of the message; valid until the controller returns
 
-    /// Reads numbers of these types from the payload, one after another. Returns false and reads nothing if
-    /// the length of the payload is not the sum of their sizes.
+    /// Copies the bytes of the payload to the numbers `values`, one number after another, as say() wrote
+    /// them. Returns false and changes no number if the length of the payload is not the sum of the sizes of
+    /// `values`.
     template <class... T>
     bool read(T&... values) const {
       static_assert((std::is_arithmetic_v<T> && ...), "messages are made of numbers");
@@ -84,7 +86,7 @@ class RadioPort {
 
   /// Number of messages heard in this tick.
   std::size_t count() const { return heard_.field<std::uint32_t>(k_radio_count)[0]; }
-  /// The i-th message, in the order of the senders' ids; i must be below count().
+  /// The i-th message, in the order of the senders' ids; i must be below count(), which is not checked.
   Message operator[](std::size_t i) const {
     const std::size_t length = heard_.field<std::uint8_t>(k_radio_length)[i];
     return {heard_.field<std::uint32_t>(k_radio_sender)[i],
@@ -100,8 +102,8 @@ class RadioPort {
            heard_.field<std::uint32_t>(k_radio_sender).size();
   }
 
-  /// Sends the message in every tick from the next one on, until the command changes. If the message is
-  /// longer than capacity(), it sends nothing from the next tick on, as be_silent() does, and returns false.
+  /// Makes the radio send the message in every tick from the next one on, until the command changes. If the
+  /// message is longer than capacity(), makes the radio silent, as be_silent() does, and returns false.
   bool say_bytes(std::span<const std::uint8_t> message) const {
     be_silent();
     if (message.size() > capacity()) return false;
@@ -111,8 +113,8 @@ class RadioPort {
     std::ranges::copy(message, out + k_radio_said);
     return true;
   }
-  /// Sends the bytes of the numbers, one number after another, as say_bytes() does. Without numbers it sends
-  /// an empty message.
+  /// Makes the radio send the bytes of the numbers, one number after another, as say_bytes() does. Without
+  /// numbers the message is empty.
   template <class... T>
   bool say(const T&... values) const {
     static_assert((std::is_arithmetic_v<T> && ...), "messages are made of numbers");
@@ -121,7 +123,8 @@ class RadioPort {
     ((std::memcpy(to, &values, sizeof(T)), to += sizeof(T)), ...);
     return say_bytes(bytes);
   }
-  /// Sends nothing from the next tick on, until the command changes. The radio still hears messages.
+  /// Makes the radio send nothing from the next tick on, until the command changes. The radio still hears
+  /// messages.
   void be_silent() const {
     std::memset(asked_, 0, k_radio_said + capacity());
     asked_[k_radio_mode] = static_cast<std::byte>(RadioMode::silent);
@@ -136,16 +139,18 @@ class RadioPort {
 /// previous tick, with range and bearing of the senders.
 ///
 /// heard     The listener is the radio that hears, the sender the radio that sent the message. A message
-///           arrives if the following holds. The horizontal distance is at most the sender's `range` and at
-///           most the listener's `hears` (its `range` if `hears` is 0). The strength is at least the
-///           listener's `sensitivity_dBm`. Nothing hides the sender. The sender's body is neither the
-///           listener's body nor a body that carries it or that it carries.
-/// hides     An outline hides the sender if the straight line between the two radios crosses the outline at a
-///           height where the outline is, and if rangers see it. The listener's `walls` says whether static
-///           geometry hides senders, its `bodies` whether other bodies do. The bodies of the two radios never
-///           hide. An outline that the line only touches hides the sender if the outline is to the right of
-///           the line, seen from the radio on the body with the lower id. Therefore an outline hides either
-///           both radios from each other or neither of them.
+///           arrives if all of the following conditions hold. The horizontal distance is at most the sender's
+///           `range` and at most the listener's `hears` (the listener's `range` if `hears` is 0). The
+///           strength is at least the listener's `sensitivity_dBm`. Nothing hides the sender. The sender's
+///           body is neither the listener's body nor a body that moves with it (one carries the other, or a
+///           third body carries both).
+/// hides     An outline hides the sender if rangers detect it (ranger_return >= 0) and if the straight line
+///           between the two radios crosses it at a height within its z interval. The listener's `walls` says
+///           whether static geometry hides senders, its `bodies` whether other bodies do. The bodies of the
+///           two radios, and bodies that move with one of these two, never hide the sender. An outline that
+///           the line only touches hides the sender if the outline is to the right of the line, seen from the
+///           radio on the body with the lower id. Therefore an outline hides either both radios from each
+///           other or neither of them.
 /// chance    Each message that arrives is dropped with probability `drop_rate` of the listener. The random
 ///           number depends only on the seed, the name of the listener's radio, the tick, the sender's body
 ///           and the listener's body.
@@ -163,9 +168,9 @@ class RadioPort {
 ///             itu_indoor    20 log10(f / MHz) + N log10(d) - 28    (ITU-R P.1238, one floor)
 ///             log_distance  20 log10(4 pi f / c) + 10 n log10(d)   (Rappaport, 1 m as reference)
 ///           A loss below 0 counts as 0. N is `power_loss_coefficient`, n is `path_loss_exponent`.
-/// quality   The quality is 1 - loss / (power of the sender - sensitivity of the listener). With `disc` it is
-///           at most 1 - distance / limit, where limit is the lesser of the sender's `range` and the
-///           listener's `hears`. It is never below 0.
+/// quality   The quality is 1 - loss / (power of the sender - sensitivity of the listener). With `disc` the
+///           quality is at most 1 - distance / limit, where limit is the lesser of the sender's `range` and
+///           the listener's `hears`. The quality is never below 0.
 /// edges     Radios at exactly the largest distance hear each other. Between radios at the same place the
 ///           bearing is 0.
 engine::DeviceKind radio_kind();

@@ -11,14 +11,15 @@ namespace troupe::sensors {
 /// Returns the sensor kind `ranger`: transducers that each cast a fan of beams at one height and report the
 /// distance along each beam to the first surface.
 /// state   `ranges` [float32, beams], m: exactly range_max if nothing is hit. The beams of a transducer run
-///         counter-clockwise from -fov/2 to +fov/2, both included; a single beam points straight ahead.
-///         Transducers are in the order of the parameters. With `intensity` there is also `intensities`
-///         [float32, beams]: the ranger_return of the surface hit, 0 if nothing is hit.
+///         counter-clockwise from -fov/2 to +fov/2 about its heading, both included; a single beam points
+///         along its heading. Transducers are in the order of the parameters. With `intensity` there is also
+///         `intensities` [float32, beams]: the ranger_return of the surface hit, 0 if nothing is hit.
 /// noise   The parameters of the transducers define two sorts of noise (ranger_noise.hpp): on readings below
 ///         range_max, and on the headings of beams. A reading of exactly range_max gets no noise.
 /// hits    A beam can hit surfaces with ranger_return >= 0 whose z interval, ends included, contains the
-///         height of the beam. Both sides of a surface count. The beam passes through the robot itself and
-///         through bodies that carry the robot or that it carries.
+///         height of the beam. Both sides of a surface count. The beam passes through the robot of the ranger
+///         and through all bodies that move with this robot (one carries the other, or a third body carries
+///         both).
 /// ties    Of two surfaces at one distance, the larger intensity is reported.
 /// source  The exact engine projects edges on beams by inverse depth (partition/ranging.hpp). In worlds with
 ///         the grid engine, rays walk through the cells of a grid (partition/ray_grid.hpp).
@@ -34,9 +35,11 @@ struct Ranger {
   std::shared_ptr<const RangerBeams> beams;  ///< the beams that the ranger casts; shared by copies
 
   /// Prepares the beams of a ranger and the fields of its readings from its parameters. pose_body_sensor:
-  /// pose of the ranger in the frame of its body. `data` of the result is a Ranger.
+  /// pose of the ranger in the frame of the body or joint that carries the ranger, m and rad. `data` of the
+  /// result is a Ranger.
   static engine::DeviceKind::Prepared prepare(const Params& params, const Pose& pose_body_sensor);
-  /// Writes the readings of every body of the batch. Returns the number of rays cast.
+  /// Computes the readings of the ranger for every body of the batch, and writes them to batch.state. Returns
+  /// the number of rays cast.
   std::uint64_t sense(const engine::DeviceBatch& batch) const;
 };
 

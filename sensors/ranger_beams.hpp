@@ -19,7 +19,7 @@ struct BeamGroup {
   std::vector<float> range_max;  ///< reading of a beam that hits nothing, m
   std::vector<float> limits;     ///< range_max plus the margins of partition::limits_of(), m
   float farthest = 0;            ///< the largest of the limits, m
-  bool mirrored = false;         ///< whether beam i + count / 2 has the opposite direction of beam i
+  bool mirrored = false;         ///< whether each beam i + count / 2 has the opposite direction of beam i
   /// True if the beams start at the reference and have equal angular steps. Only then are middle, fov and
   /// step set.
   bool scan = false;
@@ -37,7 +37,7 @@ struct BeamGroup {
 struct TransducerExtras {
   std::size_t first = 0;      ///< column of its first reading
   std::size_t count = 0;      ///< number of its readings
-  double range_max = 0;       ///< largest reading, m; readings with noise are clamped to it
+  double range_max = 0;       ///< largest reading, m; readings with noise are limited to 0 to range_max
   double noise_stddev = 0;    ///< standard deviation of a normally distributed error of a reading, m
   double noise_relative = 0;  ///< standard deviation of a second normal error, as a fraction of the reading
   double noise_proportional = 0;  ///< bound of a uniform error, as a fraction of the reading

@@ -10,8 +10,8 @@ namespace troupe::sensors {
 
 /// Returns the distance, metres, from the tip of a cone to the nearest point of the edge from a to b within
 /// the cone. The tip is the origin of all coordinates. The cone opens by at most 180 degrees,
-/// counter-clockwise from the unit vector `right` to the unit vector `left`. The result is empty if no point
-/// of the edge is within the cone.
+/// counter-clockwise from the unit vector `right` to the unit vector `left`. Points on the sides of the cone
+/// are within the cone. The result is empty if no point of the edge is within the cone.
 std::optional<double> nearest_in_cone(const Vec2& right, const Vec2& left, const Vec2& a, const Vec2& b);
 
 /// Gives the beams of a transducer a width, as those of a sonar have. Each reading becomes the distance to
@@ -20,8 +20,8 @@ std::optional<double> nearest_in_cone(const Vec2& right, const Vec2& left, const
 ///
 /// own          the row (index in the state tables) of the body that carries the ranger
 /// mount        the frame in which the ranger's beams are given, relative to the world
-/// extras       the transducer
-/// ranges       the readings of the transducer, m
+/// extras       the transducer; its beam_width must be above 0
+/// ranges       the readings of the transducer along the middle of its beams, m, which are updated
 /// intensities  the intensities of the transducer, updated with the ranges; empty if it has none
 void cast_cones(const engine::SensingView& view, Row own, const engine::Mount& mount,
                 const TransducerExtras& extras, std::span<float> ranges, std::span<float> intensities);

@@ -13,10 +13,12 @@ namespace troupe::sensors {
 /// differs from the one for the noise of readings, so that angular noise does not change the other noise.
 Random random_of_headings(const engine::DeviceBatch& batch, std::size_t i);
 
-/// Computes the directions of beams with angular noise. Its memory is reused in each call of draw().
+/// Computes the directions of beams with angular noise. The object stores the results, so that calls of
+/// draw() after the first ones allocate no memory.
 class NoisyHeadings {
  public:
-  /// Draws the directions of the beams of a group, for one body in one tick. Returns the x and the y
+  /// Draws the directions of the beams of a group that has angular noise, for one body in one tick: each
+  /// heading gets an error that is uniform within +- BeamGroup::angular_noise. Returns the x and the y
   /// components of the unit directions, body frame, one per beam and padded like the group's arrays. The
   /// pointers are valid until the next call.
   std::pair<const double*, const double*> draw(const BeamGroup& group, Random& random);
@@ -25,9 +27,9 @@ class NoisyHeadings {
   std::vector<double> dx_, dy_;
 };
 
-/// Applies the extras of transducers to the readings of a batch whose beams have been cast. First, each
-/// reading becomes the distance to the nearest surface within the width of its beam. Then noise is added, and
-/// last, readings below the lower limit are raised to the limit.
+/// Applies the extras of transducers (RangerBeams::extras) to the readings of a batch whose beams have been
+/// cast. First, each reading of a beam with a width becomes the distance to the nearest surface within this
+/// width. Then noise is added, and last, readings below the lower limit are raised to the limit.
 ///
 /// With noise, a reading r below range_max becomes r + r * noise_proportional * u + noise_stddev * n +
 /// r * noise_relative * m, clamped to [0, range_max]; u is uniform in [-1, 1), and n and m are standard

@@ -22,13 +22,13 @@ struct BatchPart {
   /// The source of the columns.
   enum class Of : std::uint8_t {
     reading,    ///< all values of a field of a device (Model::readings)
-    pose,       ///< x, y (m), cosine and sine of the heading, in the world frame
-    estimate,   ///< estimated pose: x, y (m), cosine and sine of the heading (Model::estimate)
-    speed,      ///< forward, left (m/s), turn (rad/s) of the last tick
+    pose,       ///< x, y (m), cosine and sine of the heading, world frame: 4 columns
+    estimate,   ///< x, y (m), cosine and sine of the heading of the estimated pose (Model::estimate)
+    speed,      ///< forward, left (m/s), turn (rad/s), as Model::speed() returns them
     stalled,    ///< 1 if the last motion was blocked or would have left the world's bounds, else 0
     nearest,    ///< the `count` nearest robots, nearest first: see `name`
     target,     ///< x, y (m, in the robot's frame) and distance (m) of a body: see `name`
-    time_left,  ///< remaining fraction of BatchSpec::seconds: 1 at the start of an episode, 0 at its end
+    time_left,  ///< fraction of BatchSpec::seconds that remains: 1 at the start of an episode, 0 at its end
   };
   static constexpr std::size_t k_neighbour = 5;  ///< number of columns per nearest robot
 
@@ -46,10 +46,11 @@ struct BatchPart {
   /// number as the name of the robot. For the robot "r3" and the population "goal" it is the body "goal3".
   /// The columns are 0 while the target is not in the world.
   std::string name;
-  std::size_t count = 1;                                     ///< nearest: number of robots to find
-  double range_m = std::numeric_limits<double>::infinity();  ///< nearest: farther robots are not found, m
-  /// Factor by which lengths, speeds and readings are multiplied. Cosines, sines, `time_left` and columns
-  /// that are 0 or 1 are not scaled.
+  std::size_t count = 1;  ///< nearest: number of robots to find, 1 to 1000
+  /// nearest: farther robots are not found, m; above 0
+  double range_m = std::numeric_limits<double>::infinity();
+  /// Factor by which lengths, speeds, turn rates and readings are multiplied; finite. Cosines, sines,
+  /// `time_left`, `stalled` and the 1 of `nearest` are not scaled.
   double scale = 1;
 };
 
@@ -57,31 +58,33 @@ struct BatchPart {
 /// world are 0.
 struct BatchArraySpec {
   std::string name;              ///< unique among the arrays of its team
-  std::vector<BatchPart> parts;  ///< groups of columns, from the first column to the last; in float32
-  /// If true, the elements have the type of the field instead of float32, and `scale` is not applied; use
-  /// this for images. Such an array must have exactly one part, of the source `reading`.
+  std::vector<BatchPart> parts;  ///< one or more groups of columns, from the first column to the last
+  /// False: the elements are float32. True: the elements have the type of the field, and `scale` is not
+  /// applied; use this for images. Such an array must have exactly one part, of the source `reading`.
   bool raw = false;
 };
 
 /// An action: one number that the policy sets for each robot in each step, and the command that it controls.
 /// The number -1 commands `low`, 1 commands `high`, and numbers in between are interpolated linearly. Numbers
-/// outside this range are clipped to it.
+/// outside this range are clipped to it. If at least one action of a team commands the drive, the components
+/// of the drive's command that no action controls are 0.
 struct BatchAction {
   std::string device;  ///< name of a device that takes commands (Model::asked); empty: the drive
   /// For the drive: "forward", "left" (m/s) or "turn" (rad/s; for a car drive the steering angle, rad). For a
   /// device: a field of its command with a single column (Model::asked).
   std::string command;
-  /// Value for -1, in the unit of the command. Values of integer fields are rounded to the nearest integer.
+  /// Value for -1, in the unit of the command; finite. Values of integer fields are rounded to the nearest
+  /// integer and clamped to the range of their type.
   double low = -1;
-  double high = 1;  ///< value for 1, in the unit of the command
+  double high = 1;  ///< value for 1, in the unit of the command; finite; may be less than `low`
 };
 
 /// A number that a BatchReward or a BatchEnd uses: either a column of an array, with one value per robot, or
 /// a measure, with one value per copy of the world.
 struct BatchColumn {
   std::string array;       ///< name of an array of the team; empty: `measure` is used
-  std::size_t column = 0;  ///< index of the column in the array
-  std::string measure;     ///< name of a column of BatchSpec::measures, as in Measures::find()
+  std::size_t column = 0;  ///< index of the column in the array, from 0
+  std::string measure;     ///< name of the column of a measure of BatchSpec::measures (Measures::find())
 };
 
 /// A term of the reward. The reward of a robot in a step is the sum of all terms, plus BatchEnd::reward if
@@ -90,16 +93,17 @@ struct BatchColumn {
 struct BatchReward {
   BatchColumn of;     ///< the number that is rewarded
   double weight = 1;  ///< factor by which the number is multiplied
-  /// True: the reward uses the change of the number since the previous step, not the number itself.
+  /// True: the reward uses the change of the number since the previous step (or since the beginning of the
+  /// episode), not the number itself. The change is 0 for a robot that was not in the world then.
   bool change = false;
 };
 
 /// A condition that finishes a robot, that is, ends its episode. A condition on a measure finishes all robots
-/// of the team in the copy.
+/// of the team that are in the world of the copy. If the number is NaN, the condition does not hold.
 struct BatchEnd {
   BatchColumn of;         ///< the number that is tested
-  double below = 0;       ///< threshold: the condition holds if the number is less than this
-  bool is_above = false;  ///< true: the condition holds if the number is greater than the threshold
+  double below = 0;       ///< the threshold; by default the condition holds if the number is less
+  bool is_above = false;  ///< true: the condition holds if the number is greater than the threshold `below`
   double reward = 0;      ///< added to the robot's reward of the step in which the condition holds
 };
 
@@ -113,13 +117,16 @@ struct BatchTeam {
   std::vector<BatchEnd> ends;          ///< conditions that finish a robot, tested in each step
 };
 
-/// The options of a BatchEnv.
+/// The options of a BatchEnv. Its constructor checks them.
 struct BatchSpec {
-  std::size_t copies = 1;             ///< number of copies of the world
-  unsigned threads = 0;               ///< number of threads, as in SimulationOptions; changes no result
-  std::size_t ticks = 1;              ///< number of ticks by which a step advances the world
-  double seconds = 60;                ///< world time after which an episode is truncated, s
-  std::vector<BatchTeam> teams;       ///< no robot may be in two teams
+  std::size_t copies = 1;  ///< number of copies of the world, 1 to 1,000,000
+  unsigned threads = 0;    ///< number of threads, as in SimulationOptions; changes no result
+  std::size_t ticks = 1;   ///< number of ticks by which a step advances the world, 1 or more
+  /// World time after which an episode is truncated, s: above 0 and at most 1e12, rounded up to whole ticks.
+  /// It counts from the first tick of the episode, in which the policies give no commands, and is tested
+  /// after each step.
+  double seconds = 60;
+  std::vector<BatchTeam> teams;       ///< one or more teams; no robot may be in two teams
   std::vector<std::string> measures;  ///< computed for each copy; names as for the constructor of Measures
 };
 
@@ -139,24 +146,31 @@ struct BatchSpec {
 /// robots   the policies drive the robots of teams, which do not run the controllers of the world file. Other
 ///          robots run their controllers. All sensors of robots of teams run
 /// end      a robot is finished when one of the ends of its team holds or when it dies; its death itself
-///          gives no reward. From then on its drive is commanded to stop and its reward is 0. A program may
-///          finish further robots by writing 1 to terminated() between two steps
+///          gives no reward. From then on its reward is 0, its actions are ignored, its drive is commanded to
+///          stop (if an action of the team commands the drive), and its devices keep their last commands. A
+///          program may finish further robots by writing 1 to terminated() between two steps
 /// over     a copy is over when all robots of its teams that are in the world are finished, when its episode
 ///          reaches `seconds`, or when a condition of the world's `stop_when` holds, which finishes all
-///          robots. step() begins the next episode of a copy only if the caller requests it
+///          robots of the teams. step() begins the next episode of a copy only if the caller requests it
 /// begin    each episode begins with one tick in which the policies give no commands, so that sensors have
 ///          readings
 /// seeds    the first episode of a copy has the seed given to reset(), or else the seed of the world plus the
-///          index of the copy. The seeds of its later episodes are derived from that seed
+///          index of the copy. The seeds of the later episodes of the copy are derived from that seed
+/// indices  `team` is an index in BatchSpec::teams, and `copy` a number from 0 to copies() - 1; other numbers
+///          throw std::out_of_range. In spans of copies x robots elements, robot i of copy c is element
+///          c * robots(team) + i. The robots of a team are in the order of their ids
+/// first    before the first reset(), all arrays of the teams contain 0
 /// threads  call all functions from one thread
 class BatchEnv {
  public:
-  /// Loads a world file and makes the copies. Throws InputError as the constructor of Simulation does,
-  /// std::out_of_range for unknown names in the spec, and std::invalid_argument for an inconsistent spec.
-  /// options.threads is ignored.
+  /// Loads a world file and makes the copies. Throws InputError as the constructors of Simulation and
+  /// Measures do; std::out_of_range for unknown names of robots, devices, fields, commands, targets and
+  /// arrays in the spec; and std::invalid_argument for other errors in the spec, such as a team without
+  /// robots. options.threads is ignored.
   BatchEnv(const std::filesystem::path& world, const BatchSpec& spec, const SimulationOptions& options = {});
-  /// Makes copies of the world of a simulation, at tick 0, as Simulation::another() does. Several batches may
-  /// be made from one simulation. Throws as the other constructor and as Simulation::another().
+  /// Makes copies of the world of a simulation, at tick 0, as Simulation::another() does. The simulation is
+  /// not changed and need not outlive the batch. Several batches may be made from one simulation. Throws as
+  /// the other constructor and as Simulation::another().
   BatchEnv(const Simulation& world, const BatchSpec& spec);
   ~BatchEnv();
   BatchEnv(BatchEnv&&) noexcept;             ///< a moved-from object may only be destroyed or assigned to
@@ -177,26 +191,28 @@ class BatchEnv {
     std::size_t columns = 0;                         ///< number of elements per robot
     std::span<std::byte> bytes;                      ///< copies x robots x columns elements
   };
-  /// Returns the array of this name. Throws std::out_of_range, with the names of the arrays of the team, if
-  /// there is no such array.
+  /// Returns the array of this name of a team. Throws std::out_of_range, with the names of the arrays of the
+  /// team, if the team has no such array.
   Array array(std::size_t team, std::string_view name) const;
-  /// Returns the elements of the array of this name, which must be float32. Throws as array() does, and
-  /// std::invalid_argument for another element type.
+  /// Returns the elements of the array of this name of a team: copies x robots x columns, row-major. Throws
+  /// as array() does, and std::invalid_argument if the elements are not float32.
   std::span<const float> floats(std::size_t team, std::string_view name) const;
-  std::span<double> actions(std::size_t team);  ///< copies x robots x actions; the caller writes them
-  std::span<double> rewards(std::size_t team);  ///< copies x robots: reward of the last step
+  /// Copies x robots x actions, row-major: the caller writes the numbers for the next step. A step does not
+  /// change them.
+  std::span<double> actions(std::size_t team);
+  std::span<double> rewards(std::size_t team);           ///< copies x robots: reward of the last step
   std::span<std::uint8_t> terminated(std::size_t team);  ///< copies x robots: 1 if the robot is finished
-  /// Copies x robots: 1 if the robot is in the world.
+  /// Copies x robots: 1 if the robot is in the world after the last step, else 0.
   std::span<const std::uint8_t> alive(std::size_t team) const;
-  /// One per copy: 1 if the episode has reached BatchSpec::seconds.
+  /// One per copy: 1 if the episode has reached BatchSpec::seconds, else 0.
   std::span<const std::uint8_t> truncated() const;
-  /// One per copy: 1 if the copy is over. A copy is over if it is truncated, or if at least one robot of its
-  /// teams is finished and all others that are in the world are finished as well. Each call takes into
-  /// account what the caller has written to terminated().
+  /// One per copy: 1 if the copy is over, else 0. A copy is over if its episode is truncated, or if at least
+  /// one robot of its teams is finished and no robot of its teams that is in the world is unfinished. Each
+  /// call takes into account what the caller has written to terminated().
   std::span<const std::uint8_t> over();
-  /// Names of the columns of measures(), as in Measures::columns().
+  /// Names of the columns of measures(), as in Measures::columns(); empty if BatchSpec::measures is empty.
   std::vector<std::string> measure_columns() const;
-  std::span<const double> measures() const;      ///< copies x measure_columns(), after the last step
+  std::span<const double> measures() const;  ///< copies x measure_columns(), row-major, after the last step
   std::span<const std::uint64_t> seeds() const;  ///< one per copy: seed of its current episode
 
   /// Begins an episode in all or some copies.
@@ -205,14 +221,16 @@ class BatchEnv {
   ///        derived. If the element has no value, or if `seeds` is empty, the copy begins its next episode,
   ///        with the seed that follows from the earlier ones
   /// Throws std::invalid_argument for spans of other sizes, std::logic_error if `which` is 0 for a copy that
-  /// has not yet begun its first episode, and InputError if the placement rules find no place for a robot.
+  /// has not yet begun its first episode, InputError if the placement rules find no place for a robot, and
+  /// engine::StepError if the first tick of an episode throws.
   void reset(std::span<const std::uint8_t> which = {},
              std::span<const std::optional<std::uint64_t>> seeds = {});
   /// Advances all copies by one step. begins: one byte per copy; if it is not 0, the copy begins its next
   /// episode instead of making a step, and its rewards are 0; empty: all copies make a step. Throws
   /// std::logic_error before the first reset(). Throws std::invalid_argument, before any copy makes its step,
-  /// if an action is not finite. Throws engine::StepError if the step of a copy throws: the other copies have
-  /// then made their step, and the failed copy must be reset before it can step again.
+  /// if `begins` has another size or an action of a copy that makes a step is not finite. Throws
+  /// engine::StepError if the step of a copy throws: the other copies have then made their step, and the
+  /// failed copy must be reset before it can step again.
   void step(std::span<const std::uint8_t> begins = {});
 
  private:

@@ -21,8 +21,8 @@ struct BatchEnv::Impl {
   /// Number of commands of a drive: forward, left, turn.
   static constexpr std::size_t k_drive = 3;
 
-  /// How the columns of one part of an array are computed. plan() creates it at the start, so that no step
-  /// has to look up names.
+  /// How the columns of one part of an array are computed. plan() creates this object in the constructor, so
+  /// that no step has to look up names.
   struct Part {
     const BatchPart* spec = nullptr;
     std::size_t columns = 0;
@@ -38,7 +38,7 @@ struct BatchEnv::Impl {
 
     std::size_t row_bytes() const { return columns * engine::element_size(element); }
   };
-  /// A BatchColumn whose names have been looked up: indices instead of names.
+  /// A BatchColumn whose names have been replaced by indices.
   struct Column {
     std::size_t array = 0;
     std::size_t column = 0;

@@ -10,8 +10,9 @@
 
 namespace troupe {
 
-/// Positions of bodies during the last k_seconds seconds, for the picture layer `trails`. Pass frames in the
-/// order of their ticks; a frame with an earlier tick than the last one clears the history.
+/// Positions of bodies during about the last k_seconds seconds (or the last 50 ticks, if ticks are longer
+/// than 0.4 s), for the picture layer `trails`. Pass frames to see() in the order of their ticks; a frame
+/// with an earlier tick than the last stored one clears the history.
 class Trails {
  public:
   static constexpr double k_seconds = 20;  ///< length of the trails, s
@@ -21,8 +22,9 @@ class Trails {
   /// Whether see() would store a frame of this tick. see() ignores the frames of most ticks, to limit the
   /// number of points of a trail.
   bool wants(std::uint64_t tick) const;
-  void see(const engine::Frame& frame);  ///< stores the positions of the bodies of a frame
-  /// Fills Frame::trails with one trail per body of Frame::mobile, which ends at its pose in `frame`.
+  void see(const engine::Frame& frame);  ///< stores the positions of a frame's bodies if wants() is true
+  /// Replaces Frame::trails by one trail per body of Frame::mobile: the stored positions of the body, oldest
+  /// first, and then its position in `frame`; m, world frame.
   void add_to(engine::Frame& frame) const;
 
  private:
@@ -42,11 +44,13 @@ class Covered {
  public:
   static constexpr double k_square_m = 1;  ///< edge length of the squares, m
 
-  /// Stores the squares of all robots of a frame. A frame with an earlier tick than the last one clears the
-  /// history.
+  /// Stores the squares of all robots of a frame. Pass frames in the order of their ticks; a frame with an
+  /// earlier tick than the last one clears the history. scene: the scene to which the types of the bodies in
+  /// `frame` refer.
   void see(const engine::FrameScene& scene, const engine::Frame& frame);
-  /// Fills Frame::covered with the visited squares, sorted by x and then by y. Each has the time of its last
-  /// visit as a number from 0 (first stored tick) to 1 (last stored tick).
+  /// Replaces Frame::covered by the visited squares, sorted by x and then by y, and sets Frame::covered_m to
+  /// k_square_m. Each square has the time of its last visit as a number from 0 (first stored tick) to 1 (last
+  /// stored tick).
   void add_to(engine::Frame& frame) const;
 
  private:

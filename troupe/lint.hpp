@@ -14,9 +14,9 @@ namespace troupe {
 ///   - unused definitions, properties without effect.
 /// Returns one line per finding, `file:line: warning: ...`, in the order of files and lines, and then the
 /// warnings about plug-ins. The list is empty if there are no findings. It contains at most 100 overlaps of
-/// bodies. It also contains at most 100 robots that start inside a wall that does not block them. If there
-/// are more overlaps or more such robots, one further line states how many more. Throws InputError if the
-/// world cannot be loaded.
+/// bodies, and at most 100 robots that start inside a wall that does not block them. If there are more
+/// overlaps or more such robots, one further line states how many more. Throws InputError if the world cannot
+/// be loaded, as the constructor of Simulation does.
 std::vector<std::string> lint(const std::filesystem::path& world, const SimulationOptions& options = {});
 
 }  // namespace troupe

@@ -23,28 +23,31 @@ class Simulation;
 ///   std::cout << measures.value("coverage") << '\n';
 ///
 /// Measures do not change the state. They are computed on the worker threads of the simulation, which must
-/// outlive them. Not thread-safe.
+/// outlive this object. Not thread-safe.
 class Measures {
  public:
   /// wanted: one text per measure: the name of a measure ("stalls"); a name and the type, population or robot
   /// that it is computed for ("stalls:leaders"); or a JSON object as in a world file (`{"kind": "coverage",
   /// "cell_m": 0.5}`). An empty list means the measures of the world file, or, if it has none, all measures
-  /// that need no parameters. Throws InputError, whose text lists all errors.
+  /// that need no parameters. Throws InputError, whose text lists all errors: unknown measures, parameters
+  /// and robots, and two measures with the same column.
   explicit Measures(Simulation& simulation, const std::vector<std::string>& wanted = {});
   ~Measures();
   Measures(Measures&&) noexcept;             ///< a moved-from object may only be destroyed or assigned to
   Measures& operator=(Measures&&) noexcept;  ///< a moved-from object may only be destroyed or assigned to
 
-  /// Updates measures that depend on earlier ticks, such as the covered area. Call it after every step. After
-  /// Simulation::reset() these measures start again from the state at tick 0.
+  /// Updates measures that depend on earlier ticks, such as the covered area, with the current state. Call it
+  /// after every step; the constructor has done it for the current tick. After Simulation::reset() these
+  /// measures start again from the state at tick 0.
   void see();
-  /// Names of the values, with their units appended: `displacement_m`, `stalls:leaders`.
+  /// Names of the values, in the order of the list `wanted`, with their units appended: `displacement_m`,
+  /// `displacement_m:leaders`, `stalls` (no unit).
   std::span<const std::string> columns() const;
   /// Returns the index of a column; std::nullopt if there is none. The name may omit the unit:
   /// `displacement_m` and `displacement`, `displacement_m:leaders` and `displacement:leaders`.
   std::optional<std::size_t> find(std::string_view name) const;
-  /// Returns one number per column for the current state; NaN if a measure has no value. see() must have been
-  /// called after the last step.
+  /// Returns one number per column for the current state; NaN if a measure has no value, for example a mean
+  /// over robots when no robot is in the world. see() must have been called after the last step.
   std::vector<double> values();
   /// Returns the value of one column for the current state, as values() does. The name may omit the unit, as
   /// in find(). Throws std::out_of_range, with the known columns, if there is no such column.

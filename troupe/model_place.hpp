@@ -25,10 +25,11 @@ struct Model::Place {
   const engine::BodyType& type() const {
     return world->types()[world->spec().bodies[body.index()].type.index()];
   }
-  /// Returns the index of the body in the state tables that only bodies of its type have. Throws as row().
+  /// Returns the index of the body in the state tables that only bodies of its type have, such as those of
+  /// devices. Throws as row() does.
   std::size_t slot() const { return world->slot(row()); }
-  /// Returns the drive of this part; null if the part has none, and for the body itself, whose drive is not a
-  /// device.
+  /// Returns the device `wheels` that drives this part; null if the part has none, and for the body itself,
+  /// whose drive is not a device.
   const engine::BodyType::Device* wheels() const {
     for (const engine::BodyType::Device& device : type().devices)
       if (part > 0 && device.part == part && device.kind->drives) return &device;
@@ -46,16 +47,19 @@ struct Model::Place {
       if (owns(device) && wanted(device)) return &device;
     return nullptr;
   }
-  /// Throws std::out_of_range, `"r0" has no sensor "eye"; it has: ...`. The text lists the devices that
+  /// Throws std::out_of_range for a device `wanted` that this model does not have: `"r0" has no sensor "eye";
+  /// it has: ...`. what: what was searched, such as "sensor". The text lists the devices of this model that
   /// satisfy `counted`.
   template <class Counted>
   [[noreturn]] void throw_unknown(std::string_view what, std::string_view wanted, Counted&& counted) const;
-  /// Throws std::logic_error if a sensor of this model does not run.
+  /// Throws std::logic_error if `sensor`, a sensor of this model, does not run.
   void check_running(const engine::BodyType::Device& sensor) const;
-  /// Returns the ranger with this name, or the first ranger if `wanted` is empty. Throws std::out_of_range if
-  /// there is none, and std::logic_error if it does not run.
+  /// Returns the ranger named `wanted` of this model, or its first ranger if `wanted` is empty. Throws
+  /// std::out_of_range, with the known names, if there is none, and std::logic_error if the ranger does not
+  /// run.
   const engine::BodyType::Device& ranger(std::string_view wanted) const;
-  /// Returns the device with this name. Throws std::out_of_range if there is none.
+  /// Returns the device named `wanted` of this model. Throws std::out_of_range, with the known names, if
+  /// there is none.
   const engine::BodyType::Device& device(std::string_view wanted) const;
 };
 

@@ -24,7 +24,7 @@ struct ChosenValue {
 /// The members of engine::Frame that a caller requests from a PictureSource, in addition to the poses of
 /// bodies.
 struct FrameWishes {
-  bool scans = false;                ///< scans of rangers: Frame::scans and ranges
+  bool scans = false;                ///< scans of rangers: Frame::scans and Frame::ranges
   bool sights = false;               ///< lines to detected fiducials: Frame::sights
   bool blobs = false;                ///< detected blobs: Frame::blobs
   bool grips = false;                ///< light beams and held bodies of grippers: Frame::grips
@@ -51,19 +51,20 @@ class PictureSource {
   /// The id of the body of this name; empty if there is no such body.
   virtual std::optional<std::uint32_t> find_body(std::string_view name) const = 0;
 
-  /// Finds the value of this name (COMPONENT.FIELD or COMPONENT.FIELD.COLUMN), for FrameWishes. If there is
-  /// no such value, the error lists the known ones; if only the column does not exist, the error states the
-  /// columns of the field.
+  /// Finds the value of this name (COMPONENT.FIELD or COMPONENT.FIELD.COLUMN), for FrameWishes::value. If
+  /// there is no such value, the error lists the known values; if only the column does not exist, the error
+  /// states the columns of the field.
   virtual Result<ChosenValue> find_value(const std::string& name) const = 0;
-  /// Returns success if this source has the data of all requested members, else an error that states which
-  /// data are missing and why.
+  /// Returns success if this source has the data of all members that `wishes` request, else an error that
+  /// states which data are missing and why.
   virtual Result<> check(const FrameWishes& wishes) const = 0;
 
   // The current state.
   virtual double time_s() const = 0;             ///< world time, s
   virtual std::uint64_t state_hash() const = 0;  ///< hash of the whole state (docs/determinism.md)
-  /// Returns the mobile bodies and the members that `wishes` request. For a body that lacks a requested item,
-  /// lists with one number per body contain NaN, and other lists have no entry.
+  /// Returns the poses of the mobile bodies (those that are not static) and the members of engine::Frame that
+  /// `wishes` request. For a body that lacks a requested item, lists with one number per body contain NaN,
+  /// and other lists have no entry.
   virtual engine::Frame frame(const FrameWishes& wishes) const = 0;
 };
 

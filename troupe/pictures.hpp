@@ -19,9 +19,10 @@ class PictureSource;
 
 /// How a picture of a simulation is drawn. No option changes a simulated result.
 struct PictureOptions {
-  /// Width, pixels. 0: 1280, or, with the camera `window`, the width of the entry `window` of the world file.
+  /// Width, pixels. 0 or less: 1280, or, with the camera `window`, the width of the entry `window` of the
+  /// world file.
   int width = 0;
-  int height = 0;  ///< height, pixels; 0: 720, or the height of the entry `window`
+  int height = 0;  ///< height, pixels; 0 or less: 720, or the height of the entry `window`
   /// `top`: looks straight down at the whole world, as a map. `fit`: straight down at the region that
   /// contains the robots. `perspective`: from an oblique angle, with bodies as solids. `follow:all`:
   /// perspective view of the region that contains the robots. `follow:NAME`: perspective view centred on the
@@ -32,11 +33,11 @@ struct PictureOptions {
   /// Pitch (0: straight down, pi/2: horizontal) and yaw (counter-clockwise; 0: +y points away from the
   /// viewer) of the camera, rad. Not given: the camera chooses them.
   std::optional<std::array<double, 2>> angle_rad;
-  /// Width of the part of the world that the picture shows, measured at the centre of the picture, m. Not
-  /// given: the camera chooses it.
+  /// Width of the part of the world that the picture shows, measured through the centre of the picture, m.
+  /// Not given: the camera chooses it.
   std::optional<double> across_m;
-  /// Layers to show in addition to the default ones, and, with a minus sign, default layers to hide:
-  /// `scans,trails,-grid`.
+  /// Names of layers (picture_layers()), separated by commas: layers to show in addition to the default ones,
+  /// and, with a minus sign, default layers to hide, as in `scans,trails,-grid`.
   std::string layers;
   /// The value of the state that determines the colour of each robot: COMPONENT.FIELD, such as `velocity.x`,
   /// or COMPONENT.FIELD.COLUMN for one column of a field, such as `ranger/ir.ranges.0`. Empty: robots have
@@ -45,7 +46,8 @@ struct PictureOptions {
   /// Values at the two ends of the colour scale. Not given: the smallest and the largest value in each
   /// picture.
   std::optional<std::array<double, 2>> color_range;
-  /// `paper` (warm white), `white`, `dark`, or `transparent` (opaque only where something is drawn).
+  /// Background: `paper` (warm white), `white`, `dark`, or `transparent` (opaque only where something is
+  /// drawn).
   std::string background = "paper";
 
   bool operator==(const PictureOptions&) const = default;
@@ -54,13 +56,13 @@ struct PictureOptions {
 /// A layer of a picture.
 struct PictureLayer {
   std::string_view name;  ///< its name in PictureOptions::layers
-  bool on;                ///< whether it is shown by default
+  bool on;                ///< whether pictures show the layer by default
   std::string_view text;  ///< what the layer shows
 };
 /// Returns all layers that pictures can have, each with its default and its description.
 std::span<const PictureLayer> picture_layers();
-/// Returns success if all names in a list of layers (PictureOptions::layers) are known, else the error
-/// `unknown layer "scan"; known: ...`.
+/// Returns success if all names in a list of layers (PictureOptions::layers) are known or the list is empty,
+/// else the error `unknown layer "scan"; known: ...`.
 Result<> check_layers(const std::string& layers);
 /// The names of all backgrounds.
 std::span<const std::string_view> picture_backgrounds();
@@ -76,16 +78,17 @@ Result<> check_camera(const std::string& camera);
 ///     simulation.run_for(60);
 ///     pictures.write(pictures.take(simulation), "after-a-minute.png");
 ///
-/// take() copies the state of the current tick. draw() and write() use only this copy, so another thread may
-/// call them while the simulation continues. No function changes the simulation.
+/// take() copies the state of the current tick into a Shot. draw() and write() use only the Shot, so another
+/// thread may call them while the simulation continues. No function changes the simulation. The simulation
+/// passed to see() and take() must be that of the constructor or have the same world.
 class Pictures {
  public:
   /// Throws InputError for unknown cameras, layers and backgrounds, and for options that name something that
   /// the world does not have: a model to follow, an entry `window`, a field to colour by. Throws
   /// std::runtime_error if the build has no renderer.
   Pictures(const Simulation& simulation, PictureOptions options);
-  /// Draws pictures of a recording or of another source. Throws as above, and InputError also for layers and
-  /// values whose data the source does not contain.
+  /// Draws pictures of a recording or of another source. Throws as the constructor for a simulation does, and
+  /// InputError also for layers and values whose data the source does not contain.
   Pictures(const PictureSource& source, PictureOptions options);
   ~Pictures();
   Pictures(Pictures&&) noexcept;             ///< a moved-from object may only be destroyed or assigned to
@@ -96,11 +99,11 @@ class Pictures {
   int height() const;  ///< height of the pictures, pixels
 
   /// Collects the data of the current tick for the layers `trails` and `coverage`. Call it after every step.
-  /// Without these layers it does nothing.
+  /// Without these layers it does nothing. A tick before the previous one clears the collected data.
   void see(const Simulation& simulation);
   void see(const PictureSource& source);  ///< collects the data of the current state of another source
-  /// Discards the data that see() collected: trails, coverage, and the last poses of robots that have left
-  /// the world.
+  /// Discards the data that see() collected for the layers `trails` and `coverage`, and the position and
+  /// region that the camera keeps after the followed robots have left the world.
   void forget();
   /// The simulated time before a picture, s, during which see() must be called after every step. Layers such
   /// as `trails` show what happened in this time. 0: no layer needs see(); infinity: see() must be called
@@ -109,27 +112,30 @@ class Pictures {
 
   struct ShotData;
   using Shot = std::shared_ptr<const ShotData>;  ///< copy of the state of a tick, which draw() draws
-  /// Copies the state of the current tick. times_real_time: the speed that the layer `speed` shows, simulated
-  /// time divided by wall time; 0: no speed is shown.
+  /// Copies the state of the current tick, with the trails and coverage that see() has collected.
+  /// times_real_time: the speed that the layer `speed` shows, simulated time divided by wall time; 0: no
+  /// speed is shown.
   Shot take(const Simulation& simulation, double times_real_time = 0);
   Shot take(const PictureSource& source, double times_real_time = 0);  ///< copies the state of another source
-  /// Interpolates between two ticks: the time, the poses of bodies, and the region that the camera shows. All
-  /// other data are copied from `earlier`, except the state hash in the metadata, which is left out. share:
-  /// position between the two ticks, from 0 (`earlier`) to 1 (`later`).
+  /// Interpolates between two ticks: the time, the poses of bodies that both shots contain, and the region
+  /// that the camera shows. All other data are copied from `earlier`, except the state hash in the metadata,
+  /// which is left out. Both shots must come from take() of the same Pictures. share: position between the
+  /// two ticks, from 0 (`earlier`) to 1 (`later`).
   static Shot between(const Shot& earlier, const Shot& later, double share);
 
   /// Checks that write() can write a file of this name, by writing a small picture next to it and removing
-  /// it. Throws the errors of write(). Call it before a long run, to find errors early.
+  /// it. Throws as write() and draw() do. Call it before a long run, to find errors early.
   void rehearse(const std::filesystem::path& file);
-  /// Returns a picture: 8-bit RGBA, four bytes per pixel, row by row from the top. Throws std::runtime_error
-  /// if the library OSMesa is missing (the text names the package to install), and if the size exceeds the
-  /// limit of OSMesa. Do not call it from two threads at once.
+  /// Returns a picture of width() x height() pixels: 8-bit RGBA, four bytes per pixel, row by row from the
+  /// top. Throws std::runtime_error if the library OSMesa is missing (the text names the package to install),
+  /// and if the size exceeds the limit of OSMesa. Do not call it from two threads at once.
   std::vector<std::uint8_t> draw(const Shot& shot);
   /// Writes a picture to a file, whose metadata state world, time, seed and state hash. A name ending in
   /// `.svg` or `.pdf` selects vector graphics (docs/pictures.md); any other name selects PNG. The file is
   /// written under a temporary name and renamed when complete. Throws InputError for vector graphics of a
-  /// perspective view. Throws std::runtime_error if the file cannot be written, and if a PDF is requested and
-  /// the library cairo is missing (the text names the package to install).
+  /// view that is not from straight above. Throws std::runtime_error if the file cannot be written, for PNG
+  /// as draw() does, and for PDF if the library cairo is missing (the text names the package to install). Do
+  /// not call it from two threads at once.
   void write(const Shot& shot, const std::filesystem::path& file);
 
  private:

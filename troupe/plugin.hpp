@@ -97,7 +97,7 @@ namespace plugin {
 /// measures; `Kind` is ControllerKind, DeviceKind or MeasureKind.
 template <class Kind>
 struct Entry {
-  using Make = Kind (*)(std::string_view name);  ///< a function that returns the kind with this name
+  using Make = Kind (*)(std::string_view name);  ///< a function that returns a kind and gives it this name
 
   /// Prepends itself to the list.
   Entry(std::string_view its_name, Make its_make) : name(its_name), make(its_make), next(first) {
@@ -152,10 +152,10 @@ inline void list(std::vector<engine::ControllerKind>& controllers, std::vector<e
 }
 
 /// Whether the compiler contracts a product and a sum (x * y + z) to one fused multiply-add, which changes
-/// bits of results. The exact product x * y cannot be represented as a double. The rounded product equals z,
-/// so that x * y - z is 0 if the product is rounded. A fused operation returns the rounding error, 2^-54,
-/// instead. The operands are volatile so that the expression is computed at run time, as the arithmetic of a
-/// controller is, and not by the compiler.
+/// bits of results. The test computes x * y - z, where z is the product x * y rounded to a double. The result
+/// is 0 if the compiler rounds the product before the subtraction. A fused operation returns the rounding
+/// error of the product instead. The operands are volatile so that the expression is computed at run time, as
+/// the arithmetic of a controller is, and not by the compiler.
 inline bool contracts() {
   const volatile double factor = 0x1.0000002p0;
   const volatile double rounded_square = 0x1.0000004p0;

@@ -52,7 +52,7 @@ struct Library {
   const char* version;      ///< version of Troupe: k_version
   const char* build;        ///< build settings: k_build
   std::uint64_t layout;     ///< hash of the layouts of types: layout()
-  /// Whether the plug-in's compiler contracts a product and a sum to one fused multiply-add.
+  /// Returns whether the plug-in's compiler contracts a product and a sum to one fused multiply-add.
   bool (*contracts)();
   /// Appends the controllers, the devices and the measures of the library to the lists, each under the name
   /// that its macro states.
@@ -68,8 +68,9 @@ struct Library {
 inline constexpr const char* k_symbol = "troupe_plugin";
 using Symbol = const Library* (*)();
 
-/// Whether a text can be the name of a kind or a plug-in: one word that cannot be mistaken for a path or for
-/// the parameters of a controller.
+/// Whether a text can be the name of a kind or a plug-in: one word without slash, colon, equals sign,
+/// quotation mark, backslash and white space, which does not begin with a dot. Such a word cannot be mistaken
+/// for a path or for the parameters of a controller.
 constexpr bool is_name(std::string_view name) {
   return !name.empty() && name.find_first_of("/:=\"\\ \t\n") == std::string_view::npos && name.front() != '.';
 }

@@ -16,8 +16,8 @@ namespace troupe {
 
 /// Loads controllers, devices and measures by name from plug-ins, which are shared libraries
 /// (docs/controllers.md). The name "dancer" refers to the kind "dancer" in dancer.so, and "swarm:leader" to
-/// the kind "leader" in swarm.so. If several of the searched folders have such a file, the file in the first
-/// of these folders is used.
+/// the kind "leader" in swarm.so. Scripts that add() has added also count as libraries. If several of the
+/// searched folders have a file dancer.so, the one in the first of these folders is used.
 ///
 /// A library stays loaded until the process ends. After each load, the floating-point environment of the
 /// calling thread is restored, because a library that was linked with -ffast-math switches denormal numbers
@@ -26,40 +26,42 @@ class Plugins {
  public:
   /// A loaded library.
   struct Library {
-    std::string name;            ///< name of the file, without .so
-    std::filesystem::path file;  ///< path of the library
+    std::string name;            ///< name of the file without its ending, .so or .py
+    std::filesystem::path file;  ///< path of the library or script
     std::uint64_t contents = 0;  ///< hash of the file's bytes
   };
 
-  /// path: the folders to search, in this order. registry: the kinds that the program already has; a plug-in
-  /// cannot replace a kind of the same name.
+  /// path: the folders to search, in this order. registry: the kinds that the program already has. A plug-in
+  /// with a kind that has the name of one of these kinds cannot be used.
   Plugins(std::vector<std::filesystem::path> path, const engine::Registry& registry);
   ~Plugins();
   Plugins(const Plugins&) = delete;
   Plugins& operator=(const Plugins&) = delete;
 
-  /// Returns the controller of this name; Registry::plugged_controllers calls this. unknown: the error text
-  /// if there is no such plug-in.
+  /// Returns the controller of this name; loads its library at the first call. Registry::plugged_controllers
+  /// calls this function. The pointer is never null and is valid while this object lives. unknown: the
+  /// beginning of the error text if there is no such plug-in, to which the searched folders are appended.
   Result<const engine::ControllerKind*> controller(std::string_view name, std::string unknown);
-  /// Returns the sensor or other device of this name; Registry::plugged_devices calls this. unknown: the
-  /// error text if there is no such plug-in.
+  /// Returns the sensor or other device of this name, as controller() does for controllers.
+  /// Registry::plugged_devices calls this function.
   Result<const engine::DeviceKind*> device(std::string_view name, std::string unknown);
-  /// Returns the measure of this name; Registry::plugged_measures calls this. unknown: the error text if
-  /// there is no such plug-in.
+  /// Returns the measure of this name, as controller() does for controllers. Registry::plugged_measures calls
+  /// this function.
   Result<const engine::MeasureKind*> measure(std::string_view name, std::string unknown);
   /// Adds the controllers and measures of a script, as if they came from a loaded library with the name of
   /// the script. Throws InputError if this name is not valid or already in use, and if the script defines no
   /// kind, two kinds of one name, or a kind with a name that Troupe uses.
   void add(std::shared_ptr<const Script> script);
-  /// Loads the library of this name, and returns it; the pointer is never null. The error states why the
-  /// library cannot be used: `there is no dancer.so in plugins, /opt/swarm`, `plugins/dancer.so was built for
-  /// troupe 0.2.0, ...`.
+  /// Loads the library of this name unless it is loaded, and returns it. The pointer is never null and is
+  /// valid while this object lives. The error states why the library cannot be used: `there is no dancer.so
+  /// in plugins, /opt/swarm`, `plugins/dancer.so was built for troupe 0.2.0, ...`.
   Result<const Library*> load(std::string_view name);
 
-  /// The loaded libraries that this program can use, in the order of their names.
+  /// The loaded libraries and added scripts whose kinds this program can use, in the order of their names.
+  /// Libraries whose loading failed are not in the list.
   std::vector<Library> libraries() const;
   /// Warnings about side effects of loading a library, such as a changed floating-point environment:
-  /// `dancer.so: warning: ...`.
+  /// `plugins/dancer.so: warning: ...`.
   const std::vector<std::string>& warnings() const { return warnings_; }
 
  private:

@@ -29,7 +29,7 @@ class RankProcesses {
  public:
   /// transport: the connection to the other processes; it must outlive this object
   /// nodes: number of computers on which the processes run
-  /// threads: number of worker threads of each replica in this process, where the user gives no number
+  /// threads: number of worker threads of each replica in this process if the user gives no number
   RankProcesses(partition::Transport& transport, unsigned nodes, unsigned threads)
       : transport_(transport), nodes_(nodes), threads_(threads) {}
   /// On rank 0: tells the other processes that no order follows; their follow() then returns.
@@ -54,7 +54,7 @@ class RankProcesses {
   /// requests: returns how often this process was asked for a checkpoint (RankStatistics::requests)
   void follow(const std::vector<std::filesystem::path>& plugin_path,
               const std::function<std::uint32_t()>& requests);
-  unsigned threads() const { return threads_; }  ///< the constructor's argument
+  unsigned threads() const { return threads_; }  ///< the argument `threads` of the constructor
 
  private:
   partition::Transport& transport_;

@@ -29,12 +29,12 @@ class RecordedRun : public PictureSource {
   RecordedRun& operator=(RecordedRun&&) noexcept;
   ///@}
 
-  /// Makes the last frame at or before this time, s, the current frame. Throws InputError if the time is
-  /// before the first frame or after the last one.
+  /// Makes the last frame at or before this world time, s, the current frame. Throws InputError if the time
+  /// is before the first frame or after the last frame.
   void go_to(double time_s);
-  /// Times of all frames, s, in ascending order.
+  /// World times of all frames, s, in ascending order; never empty.
   std::span<const double> times_s() const;
-  /// Index of the current frame; after construction, the last frame.
+  /// Index of the current frame in times_s(). After construction, the last frame is the current one.
   std::size_t frame_index() const;
   /// Makes the frame with this index the current frame. Indices after the last frame select the last frame.
   void go_to_frame(std::size_t frame);

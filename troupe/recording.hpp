@@ -16,9 +16,10 @@ struct RecordingOptions {
   /// Names of components of the state or of fields of sensors: "pose", "velocity", "stall", "ranges", ...;
   /// "all" for all of them. Empty: not given.
   std::vector<std::string> fields;
-  /// Simulated time between two recorded frames, s; rounded up to whole ticks. 0: not given.
+  /// Simulated time between two recorded frames, s; rounded up to whole ticks. 0 or less: not given.
   double every_s = 0;
-  /// Whether an existing file is replaced; if not, an existing file is an error.
+  /// Whether an existing file is replaced; if not, an existing file is an error. Recording::resume() ignores
+  /// this option.
   bool replace = false;
   /// Whether the recording writes the file on a thread of its own while the simulation continues. Frames are
   /// collected in memory and written in batches. If the process is killed, up to two batches are lost;
@@ -38,21 +39,22 @@ struct RecordingOptions {
 ///     }
 ///     recording.close();
 ///
-/// A recording does not change the simulation. If writing fails, the functions throw std::runtime_error,
-/// which names the file. The file can then be read up to the last flushed frame, and nothing more is written
-/// to it. An error on the background thread is thrown by the next call.
+/// A recording does not change the simulation. If writing fails, the functions other than the constructor and
+/// the destructor throw std::runtime_error, whose text names the file. The file can then be read up to the
+/// last flushed frame, and nothing more is written to it. An error on the background thread is thrown by the
+/// next call of a function.
 class Recording {
  public:
   /// Creates the file. The current state is the first frame if its tick is a multiple of the recording
   /// interval. Throws InputError if the world does not have one of the fields, if the file exists and
-  /// `replace` is false, and if the file cannot be written.
+  /// `replace` is false, if the file cannot be written, and in builds without HDF5.
   Recording(const std::filesystem::path& file, const Simulation& simulation,
             const RecordingOptions& options = {});
-  /// Continues the recording of a run that was resumed from a checkpoint, with the same fields and interval,
-  /// and without a gap or a repeated frame. Frames after the current tick of the simulation are removed from
-  /// the file. `options` may leave fields and interval empty, or repeat those of the recording. Throws
-  /// std::runtime_error if the file is not a recording of this run, or if fields or interval in `options`
-  /// differ from those of the recording.
+  /// Continues the recording of a run that was resumed from a checkpoint, with the fields and the interval of
+  /// the recording, and without a gap or a repeated frame. Frames after the current tick of the simulation
+  /// are removed from the file. `options` may leave fields and interval empty, or repeat those of the
+  /// recording. Throws std::runtime_error if the file is not a recording of this run, or if fields or
+  /// interval in `options` differ from those of the recording.
   static Recording resume(const std::filesystem::path& file, const Simulation& simulation,
                           const RecordingOptions& options = {});
   Recording(Recording&&) noexcept;             ///< a moved-from object may only be destroyed or assigned to
@@ -61,10 +63,11 @@ class Recording {
   ~Recording();
 
   /// Records the current state if its tick is a multiple of the recording interval. Call it after each step.
+  /// Throws std::logic_error after a step that threw, until Simulation::reset().
   void observe(const Simulation& simulation);
   /// Writes the frames that are still in memory to the file: other processes can then read them, and they are
-  /// not lost if this process dies. This happens regularly without a call. Call it if the recording interval
-  /// is long, or before saving a checkpoint.
+  /// not lost if this process dies. Full batches of frames are written without a call. Call it if the
+  /// recording interval is long, or before saving a checkpoint.
   void flush();
   /// Starts a flush(). With the option `in_background` it returns before the frames are written. Without the
   /// option it is the same as flush().

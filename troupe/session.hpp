@@ -15,13 +15,13 @@ namespace troupe {
 class Simulation;
 
 /// Writes a session file: the acts (changes by a user, troupe/acts.hpp) that were applied to a simulation, so
-/// that SessionReplay can repeat them (docs/live.md). When add() returns, the act has been written to the
-/// file.
+/// that SessionReplay can repeat them (docs/live.md). When add() returns, the act has been passed to the
+/// operating system: it is not lost if the process dies.
 class SessionLog {
  public:
   /// Creates the file NAME.session.jsonl in `folder`, where NAME is the name of the world file without its
   /// ending. If the file exists, it is kept, and NAME.session-2.jsonl (-3, ...) is created instead. Throws
-  /// std::runtime_error if the file cannot be created.
+  /// std::runtime_error if the file cannot be created or written.
   SessionLog(const std::filesystem::path& folder, const Simulation& simulation);
   ~SessionLog();
   SessionLog(const SessionLog&) = delete;
@@ -31,7 +31,8 @@ class SessionLog {
   /// Appends an act that was applied at the current tick of the simulation. Throws std::runtime_error if the
   /// file cannot be written.
   void add(const Simulation& simulation, const engine::Act& act);
-  /// Appends an entry which states that the session ended at this tick. Throws as add().
+  /// Appends an entry which states that the session ended at this tick. Throws as add() does. Without this
+  /// entry, SessionReplay::end_tick() is empty.
   void end(std::uint64_t tick);
 
  private:
@@ -48,20 +49,23 @@ class SessionLog {
 ///   simulation.run_for(60);
 class SessionReplay {
  public:
-  /// Throws InputError, `cave.session.jsonl:1: error: ...`, if the file is not a session or does not match
-  /// the simulation: if version, options or the state hash at the first tick of the session differ, or if the
-  /// simulation has not reached that tick. The simulation may be past that tick if it was resumed from a
-  /// checkpoint of the session; its state then already contains the acts of earlier ticks, which are skipped.
+  /// Reads a session file. Throws InputError, `cave.session.jsonl:1: error: ...`, if the file is not a
+  /// session or does not match the simulation: if the version of Troupe, an option that affects results, or
+  /// the state hash at the first tick of the session differs, or if the simulation has not reached that tick.
+  /// The simulation may be past that tick if it was resumed from a checkpoint of the session; its state then
+  /// already contains the acts of earlier ticks, which are skipped. The state hash is not compared in this
+  /// case.
   SessionReplay(const std::filesystem::path& file, const Simulation& simulation);
   ~SessionReplay();
   SessionReplay(const SessionReplay&) = delete;
   SessionReplay& operator=(const SessionReplay&) = delete;
 
-  /// Applies the acts of the current tick of the simulation. Throws InputError, with file and line, if an act
-  /// is impossible.
+  /// Applies the acts of the current tick of the simulation, and nothing if the session has none for this
+  /// tick. Must be called in every tick: the acts of a tick without a call, and all later acts, are never
+  /// applied. Throws InputError, with file and line, if an act is impossible.
   void act(Simulation& simulation);
-  /// The tick at which the session ended. Empty if the file does not state it, because the process died
-  /// before SessionLog::end().
+  /// The tick at which the session ended. std::nullopt if the file does not state this tick, because the
+  /// process died before SessionLog::end().
   std::optional<std::uint64_t> end_tick() const;
   /// Number of acts of the session that act() has not applied yet.
   std::size_t left() const;

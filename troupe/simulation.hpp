@@ -56,23 +56,24 @@ using engine::RayHit;
 inline constexpr unsigned k_most_ranks = 1024;  // = partition::k_most_ranks
 
 /// How a world is loaded and run. Only the options `seed`, `ranging`, `robots`, `set`, `scripts` and `spare`
-/// change the simulated results.
+/// change the simulated results; `search_path` and `plugin_path` decide which files are found.
 struct SimulationOptions {
   /// Number of worker threads, at most 1,024; a larger number throws std::invalid_argument. 0: one thread per
   /// processor that the affinity mask and the control groups of the process allow.
   unsigned threads = 0;
-  /// Edge length of the square tiles into which the world is divided for parallel work, m. 0: Troupe chooses
-  /// it from body sizes and sensor ranges.
+  /// Edge length of the square tiles into which the world is divided for parallel work, m. 0, a negative
+  /// number or NaN: Troupe chooses it from body sizes and sensor ranges.
   double tile_size_m = 0;
   /// Seed of all random numbers of the run; replaces the seed of the world file.
   std::optional<std::uint64_t> seed;
   /// Replaces the ranging engine of the world file.
   std::optional<RangingEngine> ranging;
   /// New numbers of robots of populations: pairs of the name of a population and its number of robots. An
-  /// empty name means the only population of the world.
+  /// empty name means the only population of the world. A name of no population, and an empty name if the
+  /// world has several populations or none, are reported as an error in the world (InputError).
   std::vector<std::pair<std::string, std::size_t>> robots;
-  /// Values of the world file to replace: pairs of a JSON pointer and a JSON value, such as
-  /// {"/populations/0/count", "500"}.
+  /// Values of the world file to replace: pairs of a JSON pointer (a path in the file, RFC 6901) and a JSON
+  /// value, such as {"/populations/0/count", "500"}.
   std::vector<std::pair<std::string, std::string>> set;
   /// Directories in which Troupe looks for a world file, or for a file that it includes, that does not exist
   /// at the given path. Only the file name is looked up there, without the folders of the given path.
@@ -98,7 +99,8 @@ struct SimulationOptions {
   /// the available processors, divided by the number of ranks.
   unsigned ranks = 1;
   /// For tests of the ranks: if a seed is given, messages between ranks arrive late and shuffled, and robots
-  /// move to random ranks during the run. Delays, order and ranks follow from the seed.
+  /// move to random ranks during the run. The seed determines the delays, the order of the messages and the
+  /// ranks of the robots. No simulated result depends on it.
   std::optional<std::uint64_t> rank_seed;
   /// A clock with which the ranks of this process measure how long the work for their own robots takes. It
   /// returns the present time, s, from any fixed origin, and is called on the threads of all ranks. With a
@@ -142,9 +144,10 @@ using engine::k_phases;
 using engine::Phase;
 using engine::phase_name;
 
-/// Numbers that describe a run: counters since tick 0, and the state after the last tick.
+/// Numbers that describe a run: counters since tick 0, and the state after the last tick. A robot is a body
+/// whose type has a drive.
 struct Statistics {
-  std::size_t robots = 0;             ///< robots in the world
+  std::size_t robots = 0;             ///< number of robots that are in the world now
   std::uint64_t ticks = 0;            ///< completed ticks (time steps)
   double time_s = 0;                  ///< world time, s
   std::uint64_t beams = 0;            ///< rays that sensors have cast
@@ -165,11 +168,12 @@ struct RankStatistics {
   double waited_s = 0;         ///< time spent waiting, s; 0 if neither rank_clock nor `processes` is given
   /// How often robots moved to other ranks because the slowest rank took more than 1.1 times the mean time.
   std::uint64_t rebalanced = 0;
-  std::uint64_t requests = 0;  ///< signals SIGUSR1 (save a checkpoint) that other processes got
+  /// Number of signals SIGUSR1, which request a checkpoint, that the processes of other ranks have received.
+  std::uint64_t requests = 0;
 };
 
 /// Number of bodies that a rank computed in the last tick, and the times of its phases sense, actuate and
-/// decide (engine/rank_work.hpp).
+/// decide, s (engine/rank_work.hpp).
 using engine::RankWork;
 
 class Recording;
@@ -179,9 +183,11 @@ class WorldBuilder;
 struct PictureOptions;
 struct RecordingOptions;
 
-/// A handle of one model of a simulation: a body, or a part that is mounted on a body, such as a sensor. It
-/// is cheap to copy and valid while the simulation lives. The functions read and change the state between two
-/// steps.
+/// A handle of one model of a simulation: a body, or a part that is mounted on a body, such as a sensor. A
+/// copy of the handle is cheap and refers to the same model. The handle is valid while the simulation lives,
+/// also after Simulation::reset(). Call its functions between two steps. speed(), stalled(), estimate() and
+/// set_estimate() throw std::logic_error for static geometry: a body without drive, device and controller
+/// that cannot be gripped or pushed.
 class Model {
  public:
   const std::string& name()
@@ -192,22 +198,24 @@ class Model {
   /// Pose in the world frame, m and rad. The pose of a part on a joint includes the motion of the joint. A
   /// body that was removed keeps its last pose; the pose of a body that is not yet born is NaN.
   Pose pose() const;
-  /// Size along x, y and z as declared in the world file, m.
+  /// Size of the body or part along its x, y and z axes as declared in the world file, m.
   Eigen::Vector3d size() const;
   /// Commands speeds in the body frame: forward and left in m/s, turn in rad/s (for a car drive: the steering
   /// angle, rad). They apply from the next tick on, within the limits of the drive, until another command
-  /// replaces them. If the robot has a controller, the controller overrides them. Throws std::logic_error, as
-  /// accelerate() and go_to() do, for a model that has no drive or is not in the world.
+  /// replaces them. If the robot has a controller, the controller overrides them. For a part that has a drive
+  /// of its own (a device `wheels`), the command goes to that drive, also in accelerate() and go_to().
+  /// Numbers that are not finite make the next step throw StepError. Throws std::logic_error, as accelerate()
+  /// and go_to() do, for a model that has no drive, and for a body that is not in the world.
   void set_speed(double forward, double left, double turn);
   void set_speed(double forward, double turn) { set_speed(forward, 0, turn); }  ///< as above, left = 0
   /// Commands accelerations in the body frame: forward and left in m/s^2, turn in rad/s^2 (for a car drive:
   /// the steering angle, rad). They apply from the next tick on, within the drive's limits of acceleration
-  /// and speed, until another command replaces them.
+  /// and speed, until another command replaces them. Throws as set_speed() does.
   void accelerate(double forward, double left, double turn);
   void accelerate(double forward, double turn) { accelerate(forward, 0, turn); }  ///< as above, left = 0
   /// Commands a goal pose, m and rad, in the frame of the robot's estimated pose (estimate()). The robot
   /// drives to the goal and stays there until another command replaces this one. docs/driving.md describes
-  /// the path that each kind of drive takes.
+  /// the path that each kind of drive takes. Throws as set_speed() does.
   void go_to(double x, double y, double heading);
   void go_to(const Pose& goal) { go_to(goal.x, goal.y, goal.heading); }  ///< as above; ignores goal.z
   /// A velocity in the body frame.
@@ -216,31 +224,38 @@ class Model {
     double left = 0;     ///< speed to the left, m/s
     double turn = 0;     ///< turn rate, counter-clockwise, rad/s
   };
-  Speed speed() const;  ///< velocity during the last tick, in the body frame
+  /// Velocity that the drive of this model computed in the last tick, in the body frame. It is not 0 while an
+  /// obstacle blocks the motion, see stalled(). At tick 0 it is the initial velocity of the drive; for a body
+  /// that is not in the world it is 0.
+  Speed speed() const;
   /// Whether the body is in the world: it was spawned or present from the start, and it was not removed
   /// (docs/lives.md). Static geometry is always in the world.
   bool is_alive() const;
   /// Whether the robot's motion in the last tick was blocked by an obstacle or would have ended outside the
-  /// bounds of the world.
+  /// bounds of the world; false before the first step.
   bool stalled() const;
-  /// Estimated pose of the robot, m and rad. With the localization `gps` this is the true pose in the world
-  /// frame; with `odom` it is the odometry estimate, in the frame that `localization_origin` in the world
-  /// file defines.
+  /// Estimated pose of the robot, m and rad. With the localization `gps`, and for a body or part without
+  /// localization, this is the true pose in the world frame; with `odom` it is the odometry estimate, in the
+  /// frame that `localization_origin` in the world file defines. All numbers are 0 for a body that is not yet
+  /// born.
   Pose estimate() const;
-  /// Overwrites the odometry estimate: m and rad, in the frame of estimate(). Throws std::logic_error if the
-  /// localization of the robot is not `odom`.
+  /// Overwrites the odometry estimate: m and rad, in the frame of estimate(); pose.z is ignored. Throws
+  /// std::logic_error if the localization of the robot is not `odom`, and std::invalid_argument if a number
+  /// is not finite.
   void set_estimate(const Pose& pose);
 
   /// Places the body at a pose in the world frame, m and rad, between two steps. Bodies that it carries move
   /// with it. This is not a motion: odometry does not measure it, the speed does not change, stalled()
   /// becomes false, and sensors see the new pose from the next step on. The place may overlap other bodies;
   /// is_free() tells whether it does. The body can then drive out of an overlap, but not deeper into it.
-  /// Throws std::invalid_argument if the pose is not finite or is outside the bounds of the world, and if
-  /// another body carries this one. Throws std::logic_error for a part of a body, for static geometry, and in
-  /// the function that Swarm::for_each() calls. Simulation::set_poses() moves many models faster.
+  /// Throws std::invalid_argument if the pose is not finite or is outside the bounds of the world, if another
+  /// body carries this one, and if this body is not in the world. Throws std::logic_error for a part of a
+  /// body, for static geometry, and in the function that Swarm::for_each() calls. Simulation::set_poses()
+  /// moves many models faster.
   void set_pose(const Pose& pose);
-  /// Whether the body could be placed at this pose in the world frame, m and rad: it would be inside the
-  /// bounds of the world and would not touch a wall or another body.
+  /// Whether the body could be placed at this pose in the world frame, m and rad: its origin would be inside
+  /// the bounds of the world, and it would not overlap a wall or another body that is an obstacle. False if
+  /// the pose is not finite. Throws std::logic_error for a part of a body and for static geometry.
   bool is_free(const Pose& pose) const;
 
   /// Returns a random number stream for a program that drives this robot. The stream depends only on the seed
@@ -252,8 +267,9 @@ class Model {
   /// all its parts; if it is a part, only the sensors on this part.
   std::vector<std::string> sensors() const;
   /// Ranges that the ranger named `sensor` measured, m, one per beam, counter-clockwise within each
-  /// transducer. An empty name means the first ranger. The span stays valid, and its content changes with
-  /// each step. Throws std::out_of_range, with the known names, if there is no such ranger. Throws
+  /// transducer. An empty name means the first ranger. The span stays valid while the simulation lives, and
+  /// its content changes with each step; it is 0 before the first step and for a body that is not in the
+  /// world. Throws std::out_of_range, with the known names, if there is no such ranger. Throws
   /// std::logic_error if the sensor does not run; Simulation::subscribe() makes all sensors of a robot run.
   std::span<const float> ranges(std::string_view sensor = {}) const;
   /// Intensities that the ranger named `sensor` measured, one per value of ranges(); errors as in ranges().
@@ -267,8 +283,8 @@ class Model {
   /// field   name of the field; docs/library.md lists the fields of all kinds of devices, and fields() lists
   ///         those of one device
   /// device  name of the device; empty: the first device that has this field
-  /// result  all values of the field, in the unit of the field. The span stays valid, and its content changes
-  ///         with each step
+  /// result  all values of the field, in the unit of the field. The span stays valid while the simulation
+  ///         lives, and its content changes with each step
   /// errors  std::out_of_range, with the known names, for an unknown field or device; std::logic_error for a
   ///         sensor that does not run; std::invalid_argument if T is not the element type of the field
   template <class T>
@@ -276,10 +292,11 @@ class Model {
     const std::span<const std::byte> bytes = cell(field, device, engine::element_of<T>());
     return {reinterpret_cast<const T*>(bytes.data()), bytes.size() / sizeof(T)};
   }
-  /// One field of a device as bytes, for callers that know the type of its values only at run time.
+  /// The values of one field of a device as bytes, for callers that know the type of these values only at run
+  /// time.
   struct Reading {
     std::string_view device;                    ///< name of the device; lives as long as the simulation
-    const engine::StateField* field = nullptr;  ///< element type and unit; lives as long as the simulation
+    const engine::StateField* field = nullptr;  ///< description of the field; lives as long as the simulation
     std::span<const std::byte> bytes;           ///< all values of the field
   };
   /// Returns a field of a device. The parameters and errors are those of readings(), without a type T.
@@ -288,11 +305,12 @@ class Model {
   /// and units. Throws std::out_of_range, with the known names, if there is no such device.
   std::span<const engine::StateField> fields(std::string_view device) const;
   /// Returns a reference to the command of a device, which a program may write between two steps. The command
-  /// applies from the next step on. `Command` is the command struct of the kind of device
-  /// (models::GripperCommand, models::LedCommand, ...). An empty `device` means the first device that takes
-  /// this struct. If a controller of the robot uses the device, the controller overrides the command. Throws
-  /// std::out_of_range, with the known names, if there is no such device, and std::invalid_argument if the
-  /// device takes another struct, with other field names or another size.
+  /// applies from the next step on. The reference is valid while the simulation lives. `Command` is the
+  /// command struct of the kind of device (models::GripperCommand, models::LedCommand, ...). An empty
+  /// `device` means the first device that takes this struct. If a controller of the robot uses the device,
+  /// the controller overrides the command. Throws std::out_of_range, with the known names, if there is no
+  /// such device, and std::invalid_argument if the device takes another struct, with other field names or
+  /// another size.
   template <class Command>
   Command& command(std::string_view device = {}) {
     static const std::vector<engine::StateField> fields = engine::memory_fields<Command>();
@@ -303,8 +321,9 @@ class Model {
     std::span<const engine::StateField> fields;  ///< fields of the command, with their offsets in `bytes`
     std::span<std::byte> bytes;                  ///< the command, as the command struct of the kind of device
   };
-  /// Returns the command of the device of this name, which a program may write between two steps. Throws
-  /// std::out_of_range if no device of this name takes commands.
+  /// Returns the command of the device of this name, which a program may write between two steps. The bytes
+  /// stay valid while the simulation lives. Throws std::out_of_range if this model has no device of this name
+  /// that takes commands.
   Asked asked(std::string_view device);
 
   /// State of a power pack: its charge, and the energy that it dissipated, received and gave since tick 0, J
@@ -313,9 +332,9 @@ class Model {
   /// Energy of the power pack that supplies this model: a pack on this part, or else on the nearest part
   /// towards the root of the body. Empty if there is no such pack.
   std::optional<Energy> energy() const;
-  /// Number of flags (coloured tokens that bodies exchange, docs/energy.md) that the device `flags` of this
-  /// model holds; 0 if the model has no such device. Devices on other parts of the body do not count, even if
-  /// this model is the whole body.
+  /// Number of flags (coloured tokens that bodies exchange, docs/energy.md) that the first device of the kind
+  /// `flags` on this part holds; 0 if the part has no such device. Devices on other parts of the body do not
+  /// count, even if this model is the whole body.
   std::size_t flag_count() const;
 
  private:
@@ -327,8 +346,9 @@ class Model {
   std::span<const std::byte> cell(std::string_view field, std::string_view device,
                                   engine::Element element) const;
   std::byte* asked(std::string_view device, std::size_t bytes, std::span<const engine::StateField> fields);
-  /// Marks a robot as the one for which Swarm::for_each() calls its function on this thread, as long as this
-  /// object exists. Functions that change other robots throw std::logic_error on this thread meanwhile.
+  /// While an object of this class exists, its robot is marked as the one for which Swarm::for_each() has
+  /// called the caller's function on this thread. Functions that change other robots then throw
+  /// std::logic_error on this thread.
   class Visit {
    public:
     explicit Visit(const Model& robot);
@@ -345,12 +365,14 @@ class Model {
   std::shared_ptr<const Place> place_;
 };
 
-/// A world and its state. Not thread-safe: use each simulation from one thread. A simulation computes on
-/// worker threads of its own (SimulationOptions::threads). A process may have several simulations.
+/// A world and its state. Not thread-safe: use each simulation from one thread at a time. A simulation
+/// computes on worker threads of its own (SimulationOptions::threads). A process may have several
+/// simulations.
 class Simulation {
  public:
   /// Loads a world file (Stage `.world` or Troupe JSON). Throws InputError, whose text lists all errors in
-  /// the file, each as `file:line: error: ...`.
+  /// the file, each as `file:line: error: ...`, and std::invalid_argument for numbers of threads or ranks
+  /// that are not allowed.
   explicit Simulation(const std::filesystem::path& world, const SimulationOptions& options = {});
   /// Loads a world file that uses kinds of sensors, drives, controllers or other devices that the program
   /// defines. To make `registry`, take the result of make_registry() (troupe/registry.hpp), which has the
@@ -358,7 +380,8 @@ class Simulation {
   Simulation(const std::filesystem::path& world, const SimulationOptions& options, engine::Registry registry);
   /// Loads a world from the text of a world file. `name` is used like the path of this file, which need not
   /// exist: the ending of `name`, .world or .json, selects the syntax, relative paths in the text are
-  /// resolved from the folder of `name`, and errors read `name:line: error: ...`.
+  /// resolved from the folder of `name`, and errors read `name:line: error: ...`. Throws as the constructor
+  /// that loads a file does.
   static Simulation from_text(std::string text, const std::filesystem::path& name,
                               const SimulationOptions& options = {});
   /// Loads a world from its text, with the kinds in `registry`.
@@ -388,21 +411,23 @@ class Simulation {
   /// Resumes a run from a checkpoint that save() or `troupe run --checkpoint` wrote. The run then has the
   /// same bits as if it had never stopped, on any number of threads. The files that the world was loaded from
   /// are not needed. Throws InputError, `run.h5: error: ...`, if the file is not a checkpoint, is truncated
-  /// or damaged, or was written by a newer version.
+  /// or damaged, or was written by another version of Troupe (unless ResumeOptions::across_versions is true),
+  /// if a plug-in or script of the run is missing, and if a value of ResumeOptions::set is invalid.
   static Simulation resume(const std::filesystem::path& checkpoint, const ResumeOptions& options = {});
   /// Resumes a run whose world was loaded with a registry of the program. `registry` must have the same kinds
   /// as that registry.
   static Simulation resume(const std::filesystem::path& checkpoint, const ResumeOptions& options,
                            engine::Registry registry);
   ~Simulation();
-  /// Models and swarms of the simulation stay valid. The moved-from simulation may only be destroyed or
-  /// assigned to.
+  /// Moving: models and swarms of the moved simulation stay valid. The moved-from object may only be
+  /// destroyed or assigned to.
   ///@{
   Simulation(Simulation&&) noexcept;
   Simulation& operator=(Simulation&&) noexcept;
   ///@}
 
-  /// Warnings about the world file, `file:line: warning: ...`, and about plug-ins, `file: warning: ...`.
+  /// Warnings that loading the world or the checkpoint has produced: about the world file, `file:line:
+  /// warning: ...`, and about plug-ins and the checkpoint, `file: warning: ...`.
   const std::vector<std::string>& warnings() const;
   /// The options that the simulation uses (world, seed, number of threads, ...), as pairs of key and value,
   /// for logs.
@@ -421,12 +446,13 @@ class Simulation {
   /// throw std::logic_error, also those of models, swarms and observers of this simulation.
   void step();
   /// Steps until `seconds` more of world time have passed, rounded up to whole ticks, or until a stop
-  /// condition ends the run (stopped()). Throws std::invalid_argument if `seconds` is negative, NaN or more
-  /// than 1e12.
+  /// condition ends the run (stopped()). Makes no step if a stop condition already holds. Throws
+  /// std::invalid_argument if `seconds` is negative, NaN or more than 1e12.
   void run_for(double seconds);
   /// Steps until the callback `done`, which is called after each step, returns true; then returns true.
-  /// Returns false if `at_most_s` seconds of world time have passed before that, or if a stop condition ended
-  /// the run (stopped()). Throws std::invalid_argument if `at_most_s` is negative, NaN or more than 1e12.
+  /// Returns false if `at_most_s` seconds of world time have passed before that, or if a stop condition has
+  /// ended the run (stopped()), also before the first of these steps. Throws std::invalid_argument if
+  /// `at_most_s` is negative, NaN or more than 1e12.
   bool run_until(const std::function<bool(const Simulation&)>& done, double at_most_s);
   /// Adds a callback that is called at the end of every step, also in run_for() and run_until(). Callbacks
   /// are called in the order in which they were added, after the stop conditions have been evaluated and the
@@ -438,7 +464,8 @@ class Simulation {
   /// Sets the callback that is called in every step after the events of the world file (the list `at`, and
   /// faults) and before the tick begins. It may do everything that a program may do between two steps, and
   /// may call act(), but not step() or reset(). If it throws, step() passes the exception on, and the state
-  /// is then incomplete, as described at step(). A null callback removes it.
+  /// is then incomplete, as described at step(). A second call replaces the callback; a null callback removes
+  /// it.
   void before_tick(std::function<void(Simulation&)> callback);
   /// Applies an act to the running world: a change that a user or a program requests, such as moving,
   /// removing or steering a robot (docs/live.md). Call it between two steps, or in the callback of
@@ -459,8 +486,9 @@ class Simulation {
   /// placement rules.
   void reset(std::uint64_t seed);
   /// Makes another simulation of the same world at tick 0, as if it had been loaded with this seed. Reads no
-  /// file. The new simulation may outlive this one. Callbacks and subscriptions are not copied. threads:
-  /// number of worker threads, as in SimulationOptions. Throws as reset(seed) does.
+  /// file. The new simulation may outlive this one and is computed by one rank. Callbacks, subscriptions,
+  /// changes by set() and warnings() are not copied. threads: number of worker threads, as in
+  /// SimulationOptions. Throws as reset(seed) does.
   Simulation another(std::uint64_t seed, unsigned threads) const;
 
   /// Saves the whole state between two steps in a checkpoint, one HDF5 file. resume() then needs neither the
@@ -475,11 +503,11 @@ class Simulation {
   /// Each save() calls `memory` and stores the returned bytes under `name`; after resume(), saved_memory()
   /// returns them. A null callback removes the callback of this name.
   void on_save(const std::string& name, std::function<std::vector<std::byte>()> memory);
-  /// The bytes that on_save() stored under `name` in the checkpoint that the run was resumed from; empty if
-  /// there are none.
+  /// The bytes that save() stored under `name` in the checkpoint that the run was resumed from (see
+  /// on_save()); std::nullopt if there are none or the run was not resumed.
   std::optional<std::vector<std::byte>> saved_memory(const std::string& name) const;
 
-  /// The tick of the checkpoint that the run was resumed from; empty if it was not resumed.
+  /// The tick of the checkpoint that the run was resumed from; std::nullopt if the run was not resumed.
   std::optional<std::uint64_t> resumed_at_tick() const;
 
   double time_s() const;       ///< world time, s
@@ -500,13 +528,15 @@ class Simulation {
   /// The body with this id. Sensors and cast() report such ids. Throws std::out_of_range if there is no such
   /// body.
   Model model(BodyId id);
-  /// Casts a ray and returns the first surface that it meets. Computes exact intersections, also in worlds
-  /// whose rangers use the occupancy grid.
+  /// Casts a ray and returns the first surface that it meets, with exact intersections also in worlds whose
+  /// rangers use the occupancy grid. If the ray meets nothing, RayHit::range_m is range_max and RayHit::body
+  /// is not valid.
   /// from       start of the ray, m, and its direction, rad, in the world frame; the ray stays at the height
   ///            from.z
   /// range_max  length of the ray, m; the ray does not meet surfaces at this distance or farther
-  /// without    a body that the ray ignores, together with the bodies that it carries; for rays that start
-  ///            within a robot
+  /// without    a body that the ray ignores, for rays that start within a robot; the ray also ignores all
+  ///            bodies that move with this body, because one carries the other or a third body carries both.
+  ///            Null, or static geometry: the ray ignores no body
   /// meets      surfaces that rangers detect (ranger_return >= 0) and whose z interval, including both ends,
   ///            contains from.z; both sides of a surface count. The distance is computed in double precision,
   ///            so it may differ from the float32 reading of a ranger in its last bits
@@ -521,8 +551,9 @@ class Simulation {
   /// unknown name.
   Swarm swarm(std::string_view of = {});
   /// Places many models, each as Model::set_pose() does. This costs little more than placing one model,
-  /// because the spatial index of the bodies is rebuilt only once. If one pose is invalid, set_poses() throws
-  /// the error of Model::set_pose() and moves no model.
+  /// because the spatial index of the bodies is rebuilt only once. If a model occurs twice, its last pose
+  /// counts. If one pose is invalid, set_poses() throws the error of Model::set_pose() and moves no model.
+  /// Throws std::logic_error for a model of another simulation.
   void set_poses(std::span<const std::pair<Model, Pose>> poses);
   /// Spawns a robot between two steps: places the next unborn body of a population's reserve at a pose in the
   /// world frame, m and rad. From the next step on its controller runs and sensors detect it. Returns
@@ -535,18 +566,19 @@ class Simulation {
   std::size_t unborn(std::string_view population) const;
   /// Removes a body from the world for good, between two steps: other bodies no longer collide with it or
   /// sense it, bodies that it carried stay where they were, and its id is never used again. Does nothing if
-  /// the body is not in the world. Throws std::logic_error for a part of a body, for static geometry, and if
-  /// the world has neither a reserve nor `"mortal": true`. Each call rebuilds the spatial index of all
-  /// bodies.
+  /// the body is not in the world. Throws std::logic_error for a part of a body, for static geometry, for a
+  /// model of another simulation, and if no body of the world can be removed: the world has no reserve, no
+  /// device and no event that removes bodies, and neither `"mortal": true` nor SimulationOptions::mortal.
+  /// Each call rebuilds the spatial index of all bodies.
   void remove(const Model& model);
   /// Disables a body between two steps: its controller, drive, sensors and other devices stop; sensors keep
   /// their last readings. The body stays where it is, and other bodies still collide with it and sense it.
   /// Returns false if the body is already disabled or is not in the world. Throws std::logic_error for a part
-  /// of a body, for static geometry, and if the world has neither faults, nor an event `disable` in its list
-  /// `at`, nor `"mortal": true`.
+  /// of a body, for static geometry, for a model of another simulation, and if the world has neither faults,
+  /// nor an event `disable` or `enable` in its list `at`, nor `"mortal": true` or SimulationOptions::mortal.
   bool disable(const Model& model);
   /// Enables a disabled body, between two steps; it continues with its last commands. Returns false if the
-  /// body is not disabled. Throws as disable() does.
+  /// body is not disabled or is not in the world. Throws as disable() does.
   bool enable(const Model& model);
   /// Changes parameters of a type, for all its bodies, between two steps, as the intervention `set` of a
   /// world file does (docs/experiments.md).
@@ -555,8 +587,8 @@ class Simulation {
   ///          {"device": {"name": "eye", "range_max_m": 3}} or {"controller": {"kind": "wander",
   ///          "cruise_speed_mps": 0.2}}
   /// The change lasts until reset(). Checkpoints contain it. Throws std::invalid_argument, and changes
-  /// nothing, if the type has no such parameter, or if a value is not allowed or would change the layout of
-  /// the state, such as a number of beams.
+  /// nothing, if there is no such type, if the type has no such parameter, or if a value is not allowed or
+  /// would change the layout of the state, such as a number of beams.
   void set(std::string_view type, std::string_view setting);
   /// The parameters of a type, with the changes of set() and of the world file up to now, as JSON: a list of
   /// objects like those for set(), one for the drive and one for each device and controller. Infinite values,
@@ -565,23 +597,25 @@ class Simulation {
   std::string parameters(std::string_view type) const;
   /// Names of all robots in the world, in the order of their ids.
   std::vector<std::string> robot_names() const;
-  /// Makes all sensors of the robot `model` run, as Stage's Subscribe does. Without it, only sensors run that
-  /// are active (`active` in JSON, `alwayson` in Stage worlds) or that the robot's controller reads. Call it
-  /// before the first step: later calls throw std::logic_error. Throws std::out_of_range for an unknown
-  /// model.
+  /// Makes all sensors of a body run, as Stage's Subscribe does. model: name of the body or of one of its
+  /// parts. Without this call, only sensors run that are active (`active` in JSON, `alwayson` in Stage
+  /// worlds) or that the robot's controller reads. Call it before the first step: later calls throw
+  /// std::logic_error. Throws std::out_of_range for an unknown model.
   void subscribe(std::string_view model);
 
   /// Starts to record this run in a file (troupe/recording.hpp): the current state, and then the state at
   /// every recording interval, until stop_recording(), reset() or the destruction of the simulation. Throws
   /// as the constructor of Recording does, and std::logic_error if a recording is already running.
   void record(const std::filesystem::path& file);
-  void record(const std::filesystem::path& file, const RecordingOptions& options);  ///< with these options
+  /// Starts to record this run, as the other record() does, with the fields, the interval and the other
+  /// options that `options` states.
+  void record(const std::filesystem::path& file, const RecordingOptions& options);
   /// Closes the recording that record() started; other HDF5 tools can then read the file. Throws
   /// std::runtime_error if the file cannot be written. Does nothing if no recording is running.
   void stop_recording();
 
-  /// Returns a 64-bit hash of the whole state. Simulations with equal states have equal hashes
-  /// (docs/determinism.md).
+  /// Returns a 64-bit hash of the whole state: the sum that Hashes::state describes. Simulations with equal
+  /// states have equal hashes (docs/determinism.md).
   std::uint64_t state_hash() const;
   /// The hash of the state, and the hashes of four groups of its components (tables).
   struct Hashes {
@@ -600,25 +634,29 @@ class Simulation {
   std::string hash_log_line() const;
 
   Statistics statistics() const;  ///< numbers that describe the run, computed in a loop over all robots
-  /// The sums of the energies of all power packs of the world, J. `infinite` and `charging` are true if they
-  /// are true for at least one pack.
+  /// The sums of the energies of all power packs of the world, J; all 0 if there is no pack. `infinite` and
+  /// `charging` are true if they are true for at least one pack.
   Model::Energy energy() const;
   unsigned threads() const;                ///< number of worker threads, per rank
   unsigned ranks() const;                  ///< number of ranks, threads or processes, that compute the world
   RankStatistics rank_statistics() const;  ///< numbers that describe the messages between ranks
-  /// Number of bodies and times of each rank in the last tick; empty with one rank. Valid until the next
-  /// step.
+  /// For each rank, the number of its bodies and the times of its phases in the last tick, by number of the
+  /// rank; empty with one rank. The times are 0 without SimulationOptions::rank_clock and `processes`. Valid
+  /// until the next step.
   std::span<const RankWork> rank_work() const;
   /// Sets a callback, for example to measure the time of phases. It is called with the phase when a phase of
-  /// a tick begins, and with std::nullopt when the tick ends. A null callback removes it.
+  /// a tick begins, and with std::nullopt when the tick ends, on the thread that calls step(). A second call
+  /// replaces the callback; a null callback removes it.
   void on_phase(std::function<void(std::optional<Phase>)> callback);
   /// Sets a callback for profilers. It is called when a task of a parallel loop begins (`begins` is true) and
   /// when the task ends (false); `task` is the index of the task in its loop. Worker threads call it
-  /// concurrently, so it must be thread-safe. Set it between two steps.
+  /// concurrently, so it must be thread-safe. Set it between two steps. A second call replaces the callback;
+  /// a null callback removes it.
   void on_task(std::function<void(std::size_t task, bool begins)> callback);
   /// Sets a callback, for example to measure the time of parallel loops. It is called on the thread that
   /// calls step() when a parallel loop begins (true) and when it ends (false), also for loops that run
-  /// between two steps, such as those of hashes and measures. Set it between two steps.
+  /// between two steps, such as those of hashes and measures. Set it between two steps. A second call
+  /// replaces the callback; a null callback removes it.
   void on_loop(std::function<void(bool begins)> callback);
 
   /// The world as the engine stores it (engine/world.hpp): its types, state tables and callbacks, for tools
@@ -629,19 +667,24 @@ class Simulation {
   /// The reference is valid while the simulation lives.
   const engine::Registry& registry() const;
 
-  /// Draws the world from above into a PNG file; width and height in pixels. Throws std::runtime_error if the
-  /// library OSMesa is missing, if the build has no renderer, or if the file cannot be written.
+  /// Draws the world from above into a PNG file, or into an SVG or PDF file if the name ends in .svg or .pdf.
+  /// width, height: size in pixels; 0 or less: the default size. Throws std::runtime_error if the library
+  /// OSMesa is missing (cairo for PDF), if the build has no renderer, or if the file cannot be written.
   void snapshot(const std::filesystem::path& png, int width = 1280, int height = 720) const;
-  /// Draws the world into a file with the camera, size and layers of `options` (troupe/pictures.hpp). Throws
-  /// std::runtime_error as above, and InputError if `options` name a camera, layer, model or field that does
-  /// not exist.
+  /// Draws the world into a file with the camera, size and layers of `options` (troupe/pictures.hpp); the
+  /// ending of the name selects the format, as above. Throws std::runtime_error as above, and InputError if
+  /// `options` name a camera, layer, background, model or field that does not exist, or for an SVG or PDF
+  /// file of a view that is not from straight above.
   void snapshot(const std::filesystem::path& png, const PictureOptions& options) const;
   /// Returns a picture of the world from above: 8-bit RGB, three bytes per pixel, row by row from the top.
-  /// Throws as snapshot() does, and std::invalid_argument for a width or height below 1. Do not call
-  /// picture() or snapshot() from two threads at once: they share a renderer.
+  /// width, height: size in pixels. Throws std::runtime_error if the library OSMesa is missing or the build
+  /// has no renderer, and std::invalid_argument for a width or height below 1. Do not call picture() or
+  /// snapshot() from two threads at once: they share a renderer.
   std::vector<std::uint8_t> picture(int width = 1280, int height = 720) const;
-  /// Returns a picture with the camera, size and layers of `options`: 8-bit RGB, as above. Throws as
-  /// snapshot() does, and std::invalid_argument for the background `transparent`, which RGB cannot represent.
+  /// Returns a picture with the camera, size and layers of `options`: 8-bit RGB, as above; a width or height
+  /// of 0 or less means the default of PictureOptions. Throws std::runtime_error as above, InputError if
+  /// `options` name a camera, layer, background, model or field that does not exist, and
+  /// std::invalid_argument for the background `transparent`, which RGB cannot represent.
   std::vector<std::uint8_t> picture(const PictureOptions& options) const;
 
  private:
@@ -661,8 +704,8 @@ class Simulation {
   std::unique_ptr<Impl> impl_;
 };
 
-/// Returns one line with Troupe's version, and the compiler, its flags, the processor architecture and
-/// whether assertions are on.
+/// Returns one line that states the version of Troupe, the compiler and its flags, the processor
+/// architecture, and whether assertions are on.
 std::string version_line();
 
 }  // namespace troupe

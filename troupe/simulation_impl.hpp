@@ -36,10 +36,10 @@ struct Simulation::Impl {
   std::filesystem::path file;       ///< path of the world file
   double tile_size_m = 0;           ///< SimulationOptions::tile_size_m
   worldio::PlaceAgain place_again;  ///< places bodies for another seed; empty if no place depends on it
-  /// Changes to the world, as pairs of key and value for effective_options(): those of the option `set` (if a
-  /// run was resumed with them, the key contains the tick), and `spare`.
+  /// Changes to the world, as pairs of key and value for effective_options(): the values of the option `set`
+  /// (if a run was resumed with a value, the key contains the tick), and the option `spare`.
   std::vector<std::pair<std::string, std::string>> changes;
-  /// Tick of the checkpoint that the run was resumed from.
+  /// Tick of the checkpoint that the run was resumed from; std::nullopt if it was not resumed.
   std::optional<std::uint64_t> resumed_at;
   /// The data that observers stored in the checkpoint that the run was resumed from.
   worldio::Memories memories;
@@ -51,7 +51,7 @@ struct Simulation::Impl {
   std::unique_ptr<Recording> recording;
   std::deque<std::function<void(Simulation&)>> on_tick;
   bool in_callbacks = false;
-  /// Renderer and options of the last call of snapshot() or picture().
+  /// Renderer and options of the last call of snapshot() or picture(); null before the first call.
   std::unique_ptr<Pictures> pictures;
   PictureOptions picture_options;
 
@@ -63,7 +63,7 @@ struct Simulation::Impl {
   void refuse_in_callbacks(std::string_view what) const;
   /// Throws std::logic_error for a model of another simulation.
   void require_own(const Model& model) const;
-  /// The renderer with these options.
+  /// Returns `pictures`, which it makes again if the last call had other options.
   Pictures& pictures_of(const Simulation& simulation, const PictureOptions& options);
 
   // troupe/simulation_files.cpp

@@ -23,10 +23,11 @@ namespace worldio {
 struct JsonNode;
 }
 
-/// A value of the world file: a number, a text, a truth value, a list, or named values.
+/// A value of the world file: a number, a text, a truth value, a list, or named values (an object in JSON).
 class Setting {
  public:
-  /// Converts a C++ value. The conversions are implicit, so that values can be written directly in Settings.
+  /// Converts a C++ value to a value of the world file. The conversions are implicit, so that values can be
+  /// written directly in Settings. Integers of all types keep their exact values.
   ///@{
   Setting(bool value);
   Setting(double value);  ///< throws std::invalid_argument if it is not finite
@@ -40,14 +41,16 @@ class Setting {
   Setting(std::string_view text);
   Setting(const std::string& text);
   ///@}
-  Setting(const Pose& pose);  ///< m and rad; coordinates that are 0 are omitted
+  /// A pose, m and rad: the named values x_m, y_m, z_m and heading_rad, without those that are 0. Throws
+  /// std::invalid_argument if a number is not finite.
+  Setting(const Pose& pose);
   /// Named values: an object in JSON.
   Setting(const Settings& values);
   /// A list of values: an array in JSON.
   Setting(const std::vector<Setting>& list);
   Setting(std::initializer_list<Setting> list);  ///< a list, such as `{0.3, 0.3, 0.2}`
 
-  std::string json() const;  ///< the value as JSON
+  std::string json() const;  ///< the value as JSON text, on one line
 
  private:
   friend class WorldBuilder;
@@ -66,11 +69,12 @@ class Settings {
     Setting value;         ///< value in the unit that the key states
   };
   Settings() = default;
-  Settings(std::initializer_list<Entry> entries);  ///< calls set() for each entry
+  /// Calls set() for each entry; of entries with the same key the last one counts.
+  Settings(std::initializer_list<Entry> entries);
   /// Sets the value of a key; replaces an earlier value of the same key.
   Settings& set(std::string_view key, const Setting& value);
-  Settings& set(const Settings& values);  ///< sets all keys of `values`
-  /// Keys and values, in the order in which they were set.
+  Settings& set(const Settings& values);  ///< sets each key of `values` to its value there
+  /// Keys and values, in the order in which the keys were set for the first time.
   const std::vector<std::pair<std::string, Setting>>& entries() const { return entries_; }
 
  private:
@@ -97,7 +101,8 @@ class Settings {
 /// `world.json:7: error: /types/bot/drive/kind: unknown drive ...`, with the line numbers of json().
 class WorldBuilder {
  public:
-  /// A type of bodies, made by WorldBuilder::type(), which owns it.
+  /// A type of bodies, made by WorldBuilder::type(). It belongs to the WorldBuilder and is valid as
+  /// long as the WorldBuilder exists. All functions return *this.
   class Type {
     struct Key {
       explicit Key() = default;
@@ -108,25 +113,28 @@ class WorldBuilder {
     Type(const Type&) = delete;
     Type& operator=(const Type&) = delete;
 
-    /// Makes the body a box with these edge lengths, m, which stands on the floor and whose base is centred
-    /// on the body's origin.
+    /// Makes the body a box with these edge lengths along x, y and z, m. The base of the box is centred on
+    /// the origin of the body.
     Type& size(double x, double y, double z);
     /// Sets the colour: a name, "SteelBlue", or {red, green, blue}, each from 0 to 1.
     Type& color(const Setting& color);
-    /// Sets the drive. kind: "diff", "omni", "car", ...; parameters: the parameters of this kind of drive.
+    /// Sets the drive, in place of an earlier one. kind: "diff", "omni", "car", ...; parameters: the
+    /// parameters of this kind of drive.
     Type& drive(std::string_view kind, const Settings& parameters = {});
-    /// Adds a sensor. name: its name, unique in the type; kind: "ranger", "bumper", ...; parameters: those of
-    /// this kind of sensor; pose: pose of the sensor in the body frame, m and rad.
+    /// Adds a sensor. name: name of the sensor, unique in the type; kind: "ranger", "bumper", ...;
+    /// parameters: the parameters of this kind of sensor; pose: pose of the sensor in the body frame, m and
+    /// rad.
     Type& sensor(std::string_view name, std::string_view kind, const Settings& parameters = {},
                  const Pose& pose = {});
     /// Adds a device that is not a sensor (light, gripper, power pack, ...). The parameters are as in
     /// sensor().
     Type& device(std::string_view name, std::string_view kind, const Settings& parameters = {},
                  const Pose& pose = {});
-    /// Sets the controller that runs on each robot of the type. Robots without a controller do only what the
+    /// Sets the controller that runs on each robot of the type, in place of an earlier one. kind: "wander",
+    /// ...; parameters: those of this kind of controller. Robots without a controller do only what the
     /// program commands.
     Type& controller(std::string_view kind, const Settings& parameters = {});
-    /// Sets any key that a type can have in the world file.
+    /// Sets any key that a type can have in the world file, in place of an earlier value of the key.
     Type& set(std::string_view key, const Setting& value);
 
    private:
@@ -136,22 +144,24 @@ class WorldBuilder {
     std::vector<Setting> sensors_, devices_;
   };
 
-  /// name: used in place of a file name: errors begin with it, its stem is the title of the world, and
+  /// name: used in place of a file name: errors begin with the name, its stem is the title of the world, and
   /// relative paths of bitmaps are resolved from its folder. `.json` is appended if the name has another
   /// ending.
   explicit WorldBuilder(std::filesystem::path name = "world.json");
 
-  /// Sets a key of the top level of the world file: "seed", "tick_s", "bounds_m", "stop_when", ...
+  /// Sets a key of the top level of the world file, in place of an earlier value: "seed", "tick_s",
+  /// "bounds_m", "stop_when", ...
   WorldBuilder& set(std::string_view key, const Setting& value);
-  /// Returns the type of this name; the first call with this name creates it.
+  /// Returns the type of this name; the first call with this name creates it. The reference stays valid when
+  /// further types are created.
   Type& type(std::string_view name);
-  /// Adds a body of a type, at a pose in the world frame, m and rad. more: further keys that a model has in
-  /// the world file.
+  /// Adds a body named `name` of a type, at a pose in the world frame, m and rad. more: further keys that a
+  /// model can have in the world file.
   WorldBuilder& add(std::string_view name, std::string_view type, const Pose& pose,
                     const Settings& more = {});
   /// Adds `count` bodies of a type with the names NAME0, NAME1, ... (NAME is `name`). place: the placement
-  /// rule, as under "place" in the world file. more: further keys that a population has in the world file
-  /// ("reserve", "color").
+  /// rule, as under "place" in the world file, such as {{"rule", "uniform"}, ...}. more: further keys that a
+  /// population has in the world file ("reserve", "color").
   WorldBuilder& population(std::string_view name, std::string_view type, std::size_t count,
                            const Settings& place, const Settings& more = {});
   /// Adds a straight wall between two points in the world frame; points, thickness and height in m. Each call
@@ -164,9 +174,11 @@ class WorldBuilder {
   WorldBuilder& floorplan(std::string_view name, const std::filesystem::path& bitmap, double x, double y,
                           double height = 0.5, const Settings& more = {});
 
-  const std::filesystem::path& name() const { return name_; }  ///< name given to the constructor
+  /// The name given to the constructor, with the ending `.json`.
+  const std::filesystem::path& name() const { return name_; }
   /// The text of the JSON world file, which `troupe run` can load, with one line per body or sensor. Throws
-  /// std::runtime_error if a text in it is not UTF-8; the constructor of Simulation does so as well.
+  /// std::runtime_error if a text in the world is not valid UTF-8. The constructor of Simulation throws the
+  /// same error.
   std::string json() const;
 
  private:
@@ -174,7 +186,8 @@ class WorldBuilder {
   /// Returns the content of json() as a tree, in which each value refers to its line in json(), for errors.
   /// file: index of the world's name in the list of source files.
   worldio::JsonNode node(std::uint32_t file) const;
-  /// Returns the content of json() as a tree without line numbers.
+  /// Returns the content of json() as a tree. Its line numbers are not those of json(): they only mark the
+  /// values that Layout writes on several lines.
   worldio::JsonNode unplaced() const;
   std::filesystem::path name_;
   Settings values_;

@@ -22,15 +22,16 @@ def _first(what: str, file: str, folders: "list[pathlib.Path]") -> pathlib.Path:
 
 
 def cmake_dir() -> pathlib.Path:
-    """Returns the folder for CMake's option -Dtroupe_DIR=, with which find_package(troupe) finds this installation. A wheel
-    contains what plug-ins need; a build tree or an installation from source contains the whole library. Raises
-    FileNotFoundError if there is none, as after `pip install .`."""
+    """Returns the folder for CMake's option -Dtroupe_DIR=, with which find_package(troupe) finds this installation. The
+    CMake package of a wheel contains what plug-ins need; that of a build tree or an installation from source contains
+    the whole library. Raises FileNotFoundError if the installation has no CMake package, as after `pip install .`."""
     roots = _roots()
     return _first("CMake package", "troupeConfig.cmake", [*(root / "lib" / "cmake" / "troupe" for root in roots), *roots[1:]])
 
 
 def worlds_dir() -> pathlib.Path:
     """Returns the folder of the worlds that come with Troupe, for example
-    `troupe.Simulation(troupe.worlds_dir() / "hospital.json")`. Raises FileNotFoundError if there is none."""
+    `troupe.Simulation(troupe.worlds_dir() / "hospital.json")`. Raises FileNotFoundError if the installation has no
+    worlds."""
     folders = [root / "share" / "troupe" / "worlds" for root in _roots()]
     return _first("worlds", "hospital.json", [*folders, _SOURCE.parents[1] / "worlds"])

@@ -28,13 +28,17 @@ _loaded: Dict[Tuple[object, ...], Dict[str, Any]] = {}
 class Controller:
     """Base class of controllers in Python (docs/python.md).
 
-    decide(robots) is called once in each tick for all robots of a type that decide in this tick. Class attributes:
+    A derived class defines decide(self, robots). It is called in each tick, once per type, for all robots of the type
+    that decide in this tick; `robots` is a troupe.Robots. An exception in decide() makes the step raise StepError.
+    Class attributes:
 
     robots  name of the type, population or robot that the controller controls; "": all types with a drive
-    uses    list of the names or kinds of the devices that the controller uses; None: all devices of the robot
-    memory  the fields of each robot's memory: a dict from names to initial values (NumPy scalars or arrays) or to NumPy
-            types, which stand for an initial value of 0. The engine owns, hashes, saves and resets the memory
-    name    name of the controller in files and in components of the state; None: the name of the class
+    uses    list of the names or kinds of the devices that the controller uses (a kind selects the first device of this
+            kind that is not yet in the list); None: all devices of the robot
+    memory  the fields of each robot's memory: a dict from names to initial values (NumPy scalars or one-dimensional
+            arrays) or to NumPy types, which stand for an initial value of 0. decide() finds them in `robots.memory`.
+            The engine owns, hashes, saves and resets the memory
+    name    name of the controller in world files and in components of the state; None: the name of the class
 
     Data of a robot belong in its memory. An instance must have no attributes of its own, because hashes, checkpoints
     and resets would not include them.
@@ -58,7 +62,7 @@ def measure(function: _Function) -> _Function: ...
 @overload
 def measure(*, unit: str = ..., name: Optional[str] = ...) -> Callable[[_Function], _Function]: ...
 def measure(function: Optional[Callable[..., Any]] = None, *, unit: str = "", name: Optional[str] = None) -> Any:
-    """Declares a function of a script as a measure: its argument is a Swarm, its result a number.
+    """Declares a function of a script as a measure: the argument of the function is a Swarm, its result a number.
 
         @troupe.measure(unit="m")
         def reach(robots):
@@ -87,8 +91,9 @@ def _line_and_text(file: str, error: BaseException, trace: Optional[TracebackTyp
 
 
 def error_text(file: str, error: BaseException, trace: Optional[TracebackType]) -> str:
-    """Returns the text of an exception, preceded by `file` and a line number. The line is the one of this file that
-    raised the exception, or that called the code that raised it."""
+    """Returns the text of an exception, preceded by `file` and a line number, as in "my.py:7: ValueError: ...". The
+    line is the line of this file that raised the exception, or that called the code that raised it. If the file has no
+    such line, the number is left out."""
     line, text = _line_and_text(file, error, trace)
     return f"{file}:{line}: {text}" if line else f"{file}: {text}"
 
@@ -135,7 +140,8 @@ def _row_type(cls: Any, file: str, line: int) -> Tuple[List[Tuple[str, Any, int,
 
 
 class Memory(np.ndarray):  # type: ignore[type-arg]
-    """The memories of robots: a structured array. Assigning values that do not fit the type of a field is an error."""
+    """The memories of robots: a structured array. Assigning to a field values of a type that the field cannot store
+    without loss, such as floats to an integer field, raises TypeError."""
 
     def __getitem__(self, key: Any) -> Any:
         value = super().__getitem__(key)
@@ -168,7 +174,8 @@ class ResultError(TypeError):
 
 
 def number_of(function: Any, value: Any) -> float:
-    """Returns the result of a measure as a number."""
+    """Returns `value`, the result of the measure `function`, as a float. Raises ResultError if the value is not a
+    number."""
     try:
         if isinstance(value, (str, bytes)) or np.ndim(value) > 0:
             raise TypeError
@@ -265,7 +272,8 @@ def _file_of(cls: Any) -> str:
 
 def load(sources: Sequence[Any]) -> List[Dict[str, Any]]:
     """Returns one description, a dict, per file: of scripts, and of files that define given classes. sources: names of
-    scripts, and classes derived from Controller."""
+    scripts, and classes derived from Controller. Raises InputError for a script that cannot be read or executed or that
+    defines nothing, and TypeError for a source that is neither a name nor such a class."""
     descriptions: List[Dict[str, Any]] = []
     classes: Dict[str, List[Any]] = {}
     for source in sources:

@@ -25,11 +25,12 @@ def film(
     self: Simulation, file: _File, seconds: float, width: int = 1280, height: int = 720, *,
     speed: float = 1.0, fps: float = 30.0, **look: Any,
 ) -> None:
-    """Steps the simulation by `seconds` of world time and writes a film of it (.mp4; needs ffmpeg).
+    """Steps the simulation by `seconds` of world time and writes a film of the run (.mp4; needs ffmpeg).
 
     width, height: size of the film, pixels. A second of the film shows `speed` seconds of world time in `fps` pictures.
-    look: the keyword arguments of picture(). Poses between two ticks are interpolated. An existing file is replaced when
-    the film is complete. If a stop condition ends the run, the film ends at that time.
+    look: the keyword arguments of picture(), such as camera. Poses between two ticks are interpolated. An existing file
+    is replaced when the film is complete. If a stop condition ends the run, the film ends at that time. Raises
+    ValueError if `file` does not end in .mp4, or if `seconds`, `speed` or `fps` is not a finite number above 0.
     """
     _check_finite("film()", seconds=seconds, speed=speed, fps=fps)
     if os.path.splitext(os.fspath(file))[1] != ".mp4":
@@ -47,9 +48,10 @@ def replay(
 ) -> None:
     """Steps the simulation by `seconds` of world time and writes a page (.html) that plays this run in a browser.
 
-    every_s: world time between two frames of the page, s. fields: fields of the state that the page can show. If either
-    is not given, the value that the world file sets under "record" is used. replace: whether an existing file is
-    replaced. If it is False and the file exists, raises FileExistsError before the first step.
+    every_s: world time between two frames of the page, s. fields: names of components or sensor fields that the page
+    can show, as in record(). If either is not given, the value that the world file sets under "record" is used.
+    replace: whether an existing file is replaced. If `replace` is False and the file exists, raises FileExistsError
+    before the first step. The run ends earlier if a stop condition holds.
     """
     _check_finite("replay()", seconds=seconds)
     if not 0 <= every_s < math.inf:
@@ -77,10 +79,11 @@ def _png(self: Simulation, width: int, height: int, **look: Any) -> bytes:
 
 
 def show(self: Simulation, width: int = 960, height: int = 540, **look: Any) -> Any:
-    """Shows a picture of the world: in a notebook below the cell, otherwise in the program that opens PNG files.
+    """Shows a picture of the world: in a notebook below the cell, otherwise in the program that opens PNG files. width,
+    height: size of the picture, pixels.
 
     look: the keyword arguments of snapshot(). Returns the image that the notebook displays or, outside a notebook, the
-    name of the PNG file.
+    name of a new temporary PNG file, which is not removed.
     """
     picture = _png(self, width, height, **look)
     try:

@@ -85,7 +85,8 @@ def sweep(study: Union[str, "os.PathLike[str]", Mapping[str, Any]], *, series: O
     threads  number of parallel runs; None: one per processor that the process may use
     name     if `study` is a dict: the file name that error messages show. Relative paths in the dict are resolved from
              the folder in this name
-    options  search_path and plugin_path, as in Simulation
+    options  keyword arguments of Simulation() for all runs, such as search_path and plugin_path; not threads, seed, set
+             and name, which the study or this function determines
     returns  one row per run with the columns run, the parameters, seed, ticks, time_s, the measures, stopped_by,
              state_hash and error. With series: one row per sample, with the columns run, the parameters, seed, time_s
              and the measures

@@ -4,7 +4,8 @@ Results are also the same on every processor and with every compiler. The result
 log differ between processors in their last bits. Those of NumPy's +, -, *, / and sqrt do not differ, but the order in
 which NumPy's sum() adds depends on the length of the array. Use the functions of this module for a controller that must
 make the same decisions on every machine, or the same decisions as a controller in C++. Angles are in radians. Array
-arguments are broadcast. Results are float64 arrays, or numbers if all arguments are numbers.
+arguments are broadcast. Results are float64 arrays, or numbers if all arguments are numbers; sincos() and ordered_sum()
+always return arrays.
 """
 
 from __future__ import annotations
@@ -22,10 +23,13 @@ __all__ = ["atan2", "cos", "exp", "log", "ordered_sum", "sin", "sincos", "sqrt",
 
 
 def sincos(radians: npt.ArrayLike) -> Tuple[npt.NDArray[np.float64], npt.NDArray[np.float64]]:
-    """Returns (sine, cosine) with the same bits as sin() and cos(), but faster than two calls."""
+    """Returns (sine, cosine) of angles in radians, as float64 arrays of the shape of the argument. Their bits are those
+    of sin() and cos(), but one call is faster than two."""
     return _sincos(np.asarray(radians, dtype=np.float64))
 
 
 def ordered_sum(values: npt.ArrayLike, axis: int = -1) -> npt.NDArray[np.float64]:
-    """Returns the sums of an array along an axis, added in ascending order of the index: 0 + v[0] + v[1] + ..."""
+    """Returns the sums of an array along an axis, added in ascending order of the index: 0 + v[0] + v[1] + ... The
+    result has the shape of the array without this axis; the sum of no numbers is 0. Raises an error for a single
+    number."""
     return _ordered_sum(np.moveaxis(np.asarray(values, dtype=np.float64), axis, -1))

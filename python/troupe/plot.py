@@ -76,13 +76,15 @@ def series_by(folder: _File, measure: Optional[str] = None,
     """Reads the tables of a sweep and averages a measure over its runs.
 
     folder   the folder of the sweep
-    measure  name of the measure; None: the first in series.csv
+    measure  name of the measure, with or without its unit; None: the first measure in series.csv
     by       names of parameters, separated by commas; runs with equal values of these parameters are averaged to one
-             line. None: all parameters that vary
+             line. None: all parameters that have several values
     returns  the name of the measure, the names of the parameters that distinguish the lines, and a dict from their
-             values to the points of a line: a list of (time_s, mean, sample standard deviation, number of runs). The
-             deviation has the divisor n - 1; it is 0 for one run
-    errors   PlotError
+             values to the points of a line: a list of (time_s, mean, sample standard deviation, number of runs) in the
+             order of time. The deviation has the divisor n - 1; it is 0 for one run. NaN values of the measure are left
+             out
+    errors   PlotError if a table is missing or invalid, if a measure or parameter does not exist, if the measure has no
+             value in any run, or if there are more than 12 lines
     """
     table_head, table = _read(os.path.join(folder, "table.csv"))
     series_file = os.path.join(folder, "series.csv")
@@ -129,8 +131,10 @@ def series_by(folder: _File, measure: Optional[str] = None,
 
 def draw(folder: _File, measure: Optional[str] = None, by: Optional[str] = None, out: Optional[_File] = None,
          title: Optional[str] = None) -> str:
-    """Draws a measure of a sweep into a .png, .svg or .pdf file and returns the name of the file. The parameters are
-    those of series_by(). Raises PlotError, and ImportError if matplotlib is missing."""
+    """Draws a measure of a sweep into a .png, .svg or .pdf file and returns the name of the file. folder, measure, by:
+    as in series_by(). out: name of the file; None: MEASURE.png in the folder. title: title of the plot; None: no title.
+    Raises PlotError as series_by() does, and if the file cannot be written; raises ImportError if matplotlib is
+    missing."""
     measure, names, lines = series_by(folder, measure, by)
     file = os.fspath(out) if out else os.path.join(folder, f"{measure}.png")
     if os.path.splitext(file)[1] not in (".png", ".svg", ".pdf"):

@@ -42,7 +42,7 @@ def check_tools():
 
 
 def versions():
-    """The versions of the tools and packages on which the result may depend."""
+    """Returns the versions of the compiler, the emulator and the Arm libraries, on which the result may depend, one text each."""
     packages = dict(line.split()[:2] for line in PACKAGES.read_text().splitlines()[1:])
     first_lines = [subprocess.run([tool, "--version"], capture_output=True, text=True).stdout.splitlines()[0] for tool in TOOLS]
     return [*first_lines, *(f"{name} {packages[name]}" for name in ("libc6", "libstdc++6", "libhwy1", "libtbb12"))]
@@ -50,7 +50,8 @@ def versions():
 
 @dataclass(frozen=True)
 class Moved(Variant):
-    """A run that begins on this machine's processor and is resumed from a checkpoint under the emulator."""
+    """A run that begins on this machine's processor, with the release build, and is resumed from a checkpoint under the
+    emulator."""
 
     def _call(self, arguments):
         begins = arguments[0] == "run"
@@ -58,8 +59,8 @@ class Moved(Variant):
 
 
 def emulated(processor, threads, kind=Variant):
-    """A variant in which the program selects the instruction set for range finding; it must select the best one of the
-    processor."""
+    """Returns a variant that runs the Arm program under the emulator of a processor. The program itself selects the
+    instruction set for range finding, which must be the best one of the processor (Processor.kernels). kind: Variant or Moved."""
     return kind(f"{threads} thread{'s' if threads > 1 else ''}", FOLDER / "bin" / "troupe", threads,
                 emulator=("qemu-aarch64", "-L", SYSROOT, "-cpu", processor.cpu), simd=processor.kernels)
 
@@ -82,7 +83,7 @@ FUSED = re.compile(r"\t(fn?m(add|sub|ad|sb|la|ls)|fml[as]l[2bt]?|fcmla|fmmla)\t"
 
 
 def fused_instructions(text):
-    """The lines of objdump's output that contain a fused multiply-add."""
+    """Returns the lines of `text`, the output of objdump, that contain a fused multiply-add."""
     return [line for line in text.splitlines() if FUSED.search(line)]
 
 

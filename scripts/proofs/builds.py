@@ -31,7 +31,8 @@ def _build(sources, folder, options, targets):
 
 
 def compiled(compiler, level):
-    """Builds the program with this compiler and level in a folder under build/; returns its path."""
+    """Builds the program with this compiler and optimisation level (such as -O2) in a folder under build/prove. Returns the
+    path of the program. Raises Fault if the build fails."""
     folder = ROOT / "build" / "prove" / f"{compiler}{level}"
     options = [f"-DCMAKE_CXX_COMPILER={compiler}", "-DCMAKE_BUILD_TYPE=None", f"-DCMAKE_CXX_FLAGS={level}",
                "-DTROUPE_TESTS=OFF", "-DTROUPE_PERF=OFF", "-DTROUPE_PYTHON=OFF", "-DCMAKE_UNITY_BUILD=ON"]
@@ -39,8 +40,8 @@ def compiled(compiler, level):
 
 
 def planted_faults(names=()):
-    """(name, description) of each patch in tests/planted, or of these patches if there are any; the description is the text before
-    the diff. Raises Fault for a name of no patch."""
+    """Returns (name, description) of the patches in tests/planted with the given names, or of all patches if `names` is empty.
+    The description is the text before the diff. Raises Fault for a name that no patch has."""
     faults = {file.stem: file.read_text().split("\ndiff ")[0].strip() for file in sorted(PLANTED.glob("*.patch"))}
     if unknown := [name for name in names if name not in faults]:
         raise Fault(f"{PLANTED}: there is no planted fault {', '.join(unknown)}; known: {', '.join(faults)}")
@@ -48,9 +49,10 @@ def planted_faults(names=()):
 
 
 def with_planted(name):
-    """Builds the program and its variant with the hostile scheduler (variants.py), both with one planted fault. All faults share
-    one folder, so that only the sources that two successive faults change are compiled again; the programs of the fault before are
-    replaced."""
+    """Builds the program, its variant with the hostile scheduler (variants.py) and the MPI modules, all with the planted fault
+    of this name. Returns the path of the program. All faults share one build folder, so that only the sources that two
+    successive faults change are compiled again; each call replaces the programs of the call before. Raises Fault if the patch
+    does not apply or the build fails."""
     sources = ROOT / "build" / "planted" / "sources"
     files = subprocess.run(["git", "ls-files", "-z", "--cached", "--others", "--exclude-standard"], cwd=ROOT, check=True, capture_output=True, text=True).stdout
     for file in filter(None, files.split("\0")):
@@ -62,7 +64,9 @@ def with_planted(name):
 
 
 def accepts_a_world_of_one(program):
-    """Whether tests/mpi_test.py finds that three processes of a launcher, each with a module of another MPI, are not an error."""
+    """Whether a planted fault makes the program accept three processes of an MPI launcher that use the module of
+    another MPI, so that each process sees only itself. Returns whether the tests in tests/mpi_test.py that check this
+    error fail."""
     name = "test_a_world_of_one_under_a_launcher_of_three_is_an_error"
     test = [ROOT / "tests" / "mpi_test.py", program, f"OpenMpi.{name}", f"Mpich.{name}"]
     done = subprocess.run([sys.executable, *map(str, test)], capture_output=True, text=True)
@@ -83,7 +87,8 @@ def copy_if_changed(source, target):
 
 
 def calls_libm(program):
-    """Whether tests/symbols_test.py finds functions of libm in the libraries that compute a program's state."""
+    """Whether tests/symbols_test.py finds functions of libm in the libraries of the program's build that compute the state
+    (all but the renderer)."""
     folder = pathlib.Path(program).parent.parent
     libraries = [library for library in sorted(folder.glob("*/libtroupe_*.a")) if library.parent.name != "render"]
     test = [ROOT / "tests" / "symbols_test.py", *libraries]

@@ -19,7 +19,7 @@ CONTROLLERS = 0.1
 
 
 def options_of(check):
-    """The options of `troupe check` for a check that is made with it."""
+    """Returns the options that `troupe check` needs for this check, in addition to those for threads and tile sizes."""
     options = [OPTIONS[check["check"]]] if check["check"] in OPTIONS else []
     if check["check"] == "ranks":
         options += ["--ranks", ",".join(map(str, check["ranks"])), "--rank-seed", str(check["seed"])]
@@ -27,7 +27,9 @@ def options_of(check):
 
 
 def plan(seed, index, ticks, program_only=False, controllers=False):
-    """The checks of the random world with this index."""
+    """Returns the checks of the random world with this seed and index, a list of dicts. ticks: length of the run.
+    program_only: only checks that need no Python module. controllers: include the check of controllers in any case; otherwise
+    one world in ten has it."""
     draws = random.Random(f"checks {seed} {index}")
     chain = {"at": sorted(draws.sample(range(ticks), min(ticks, draws.choice((1, 2, 2, 3, 5))))),
              "threads": [draws.choice(THREADS) for _ in range(6)], "tiles": [draws.choice(TILES) for _ in range(6)]}
@@ -57,13 +59,16 @@ def plan(seed, index, ticks, program_only=False, controllers=False):
 
 
 def plan_of_ranks(seed, index, *_):
-    """As plan(), for worlds that are checked only on all numbers of ranks and threads, with three seeds of delays."""
+    """Returns the checks of a random world, as plan() does, for `scripts/prove --ranks`: only runs on several numbers of ranks
+    and threads, with three seeds of delays."""
     draws = random.Random(f"ranks {seed} {index}")
     return [{"check": "ranks", "ranks": [1, 2, 3, 4, 7], "threads": [1, 2], "seed": draws.randrange(1 << 32)} for _ in range(3)]
 
 
 def difference(expected, got, whole=True):
-    """The first difference, (tick, text), or None. Lines have the form "TICK STATE group=... group=..."; `got` may begin later."""
+    """Returns the first difference between two hash logs, (tick, text), or None if there is none. The logs are lists of lines
+    "TICK STATE group=... group=..."; `got` may begin at a later tick. whole: whether a different number of lines also is a
+    difference."""
     start = 0
     if got and expected:
         first = int(got[0].split()[0])

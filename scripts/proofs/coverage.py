@@ -11,7 +11,7 @@ EVENTS = {"birth": "born", "death": "dies", "fails": "disabled", "recovers": "en
 
 
 def parts_of(one):
-    """(family, kind) of all parts of a type."""
+    """Returns (family, kind) of the drive, the sensors, devices and controllers of a type of a world, a dict."""
     parts = [("drive", one["drive"]["kind"])] if "drive" in one else []
     for family, key in (("sensor", "sensors"), ("device", "devices"), ("controller", "controllers")):
         parts += [(family, part["kind"]) for part in one.get(key, ())]
@@ -32,7 +32,7 @@ class Coverage:
         return next((each["type"] for each in world.get("populations", ()) if each["name"] == stem), None)
 
     def add(self, world, told):
-        """Adds a world and the worker's report of its run."""
+        """Counts what occurs in a world and in its run. told: the report of library_worker.py about the run."""
         types = world["types"]
         populated = {each["type"] for each in world.get("populations", ())} | {each["type"] for each in world.get("models", ())}
         for name in populated:
@@ -80,7 +80,8 @@ class Coverage:
                 for part in one.get(key, ()) if part["name"] == name]
 
     def missing(self):
-        """Names of kinds, rules, actions, acts of sessions, and pairs that have not occurred."""
+        """Returns the names of the kinds, placement rules, interventions, acts of sessions, ranging engines, and pairs of kind
+        and event that have not occurred."""
         names = [f"{kind.family} {kind.name}" for kind in self.kinds.all() if not self.kind_counts[kind.family, kind.name]]
         names += [f"placement rule {rule}" for rule in self.kinds.rules if not self.rules[rule]]
         names += [f"intervention {action}" for action in self.kinds.actions if not self.actions[action]]

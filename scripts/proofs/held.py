@@ -7,8 +7,9 @@ from .table import Progress, print_row
 
 def hold(world, proofs, ticks, folder, golden=None, robots=None):
     """Runs the variants of the proofs in one world and prints one row of the table per proof. Yields each proof with a list of
-    the differences, as texts. If `golden` (read_golden()) is given, also compares the last hash of the first run with it. robots:
-    number of robots, if not that of the world."""
+    the differences, as texts. folder: folder for the files of the runs. golden: the result of read_golden(), with which the
+    last hash of the first run is compared; None: no comparison. robots: number of robots; None: that of the world. Raises
+    Fault if the first run fails."""
     progress = Progress(sum(len(proof.variants) for proof in proofs))
     expected = None
     for proof in proofs:

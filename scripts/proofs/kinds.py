@@ -14,7 +14,8 @@ COMMON = {"kind", "name", "pose", "active", "joint", "on", "color", "obstacle", 
 
 
 class Kind:
-    """A kind: its family, its name, and the schemas of its parameters by their JSON keys, each quantity in one unit."""
+    """A kind: its family (one of FAMILIES), its name, `parameters` (a dict from JSON keys to schemas; a quantity that has keys
+    in several units is listed only with the first one), and `required`, the keys that must be given."""
 
     def __init__(self, family, name, schema):
         self.family, self.name = family, name
@@ -38,7 +39,8 @@ class Kind:
 
 
 class Kinds:
-    """All kinds, by family and name, and the placement rules and interventions."""
+    """All kinds, by family and name, and the names of the placement rules, interventions and ranging engines. schema: the JSON
+    Schema of worlds, from which they are read."""
 
     def __init__(self, schema):
         self.schema = schema
@@ -75,13 +77,13 @@ class Kinds:
         return [kind for kinds in self._families.values() for kind in kinds.values()]
 
     def resolve(self, schema):
-        """The schema to which a `$ref` refers; other schemas unchanged."""
+        """Returns the schema to which the `$ref` of a schema refers, or the schema itself if it has none."""
         reference = schema.get("$ref")
         return self.schema["definitions"][reference.rsplit("/", 1)[1]] if reference else schema
 
 
 def kinds_of(program):
-    """The kinds of a program, from `troupe describe --schema`."""
+    """Returns the Kinds of a program, from `troupe describe --schema`. Raises Fault if the program fails."""
     done = subprocess.run([str(program), "describe", "--schema"], capture_output=True, text=True)
     if done.returncode != 0:
         raise Fault(f"{program} describe --schema failed: {done.stderr.strip()}")

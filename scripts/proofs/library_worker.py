@@ -26,7 +26,8 @@ from sessions import Viewer  # noqa: E402
 
 
 def names_of_living(simulation):
-    """The names of all bodies that are alive, also of those that no swarm contains because they have no drive."""
+    """Returns the names of all bodies that are in the world, except static geometry; also of bodies that no swarm contains
+    because they have no drive."""
     ids = sorted({int(id) for table in simulation.tables() for id in table.ids})
     return [model.name for model in map(simulation.model, ids) if model.is_alive()]
 
@@ -45,7 +46,8 @@ class Job:
         return troupe.Simulation(self.world, threads=threads, tile_size_m=tile or 0.0, name=self.name, **options)
 
     def steps(self, simulation, ticks, each=None):
-        """The lines of a hash log, from the current tick to `ticks`. If a step fails, the last line states the error."""
+        """Steps the simulation to the tick `ticks`, and returns the lines of its hash log from the current tick on. each:
+        function to call after each step. If a step fails, the last line is "TICK error TEXT"."""
         lines = [simulation.hash_log_line().strip()]
         while simulation.tick < ticks:
             tick = simulation.tick
@@ -64,7 +66,8 @@ class Job:
         yield self.steps(self.simulation(check["threads"], check["tile"]), self.ticks)
 
     def checkpoints(self, check):
-        """Saves and continues, then saves and resumes repeatedly."""
+        """Saves the simulation at the first tick of check["at"], continues it to its end, and then resumes it, saving and
+        resuming it again at each further tick of check["at"]. Yields the lines of each part."""
         file = self.folder / "chain.h5"
         simulation = self.simulation(check["threads"][0], check["tiles"][0])
         for i, at in enumerate(check["at"]):
@@ -116,7 +119,8 @@ class Job:
         yield lines
 
     def converted(self, check):
-        """Converts the world with `troupe convert` and runs the result. For Stage's format, removes features that it lacks."""
+        """Converts the world with `troupe convert` and runs the result. Before a conversion to Stage's format, removes the
+        features that this format lacks, and runs the reduced world again for comparison."""
         source, target = self.folder / "source.json", self.folder / f"converted.{check['to']}"
         world = self.world
         options = {}
@@ -184,7 +188,8 @@ class Job:
             raise RuntimeError(f"troupe check: exit code {done.returncode}: {(told + done.stderr).strip()[:1500]}")
 
     def failure(self, check):
-        """None, or the failure: {"check", "tick", "text"}."""
+        """Makes one check. Returns None if it passes, else the failure: {"check": the check, "tick": the tick of the first
+        difference or None, "text": the reason}."""
         run = {"threads": self.threads, "checkpoints": self.checkpoints, "reset": self.reset, "steps": self.steps_of,
                "observed": self.observed, "converted": self.converted, "program": self.program_check,
                "ranks": self.program_check, "amnesia": self.program_check, "reach": self.program_check,

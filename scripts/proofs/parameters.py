@@ -19,7 +19,7 @@ COLORS = ("red", "SteelBlue", "gold", "LimeGreen", "black", "white", "gray40")
 
 
 def settable(kind):
-    """The parameters that `set` may change during a run."""
+    """Returns the JSON keys of the parameters of a kind that the intervention `set` may change during a run, sorted."""
     return sorted({key for one in SET_OF.get(kind.name, ()) for key in one}
                   | kind.parameters.keys() - SHAPE - SHAPE_OF.get(kind.name, set()))
 
@@ -29,7 +29,8 @@ def rounded(value):
 
 
 class Values:
-    """Random values that match a schema."""
+    """Random values that match a JSON Schema. kinds: the Kinds whose definitions schemas refer to; draws: the random.Random
+    from which values are drawn."""
 
     def __init__(self, kinds, draws):
         self._kinds, self._draws = kinds, draws
@@ -79,7 +80,8 @@ class Values:
         return int(self._draws.randint(max(low, 0), max(low, min(high, max(3, 2 * default)))))
 
     def _number(self, schema):
-        """A random number, mostly near the default; sometimes a bound of the schema, if the bound is near and allowed."""
+        """Returns a random number, mostly near the default; sometimes a bound of the schema, if the bound is not far away and
+        is allowed."""
         low, high = self._bounds(schema)
         default = schema.get("default", 0.5)
         default = default if isinstance(default, (int, float)) else 0.5
@@ -101,14 +103,16 @@ class Parameters:
         return self.draws.random() < p
 
     def parameters(self, kind, given=None, often=0.35):
-        """Parameters of a kind: the required ones and some others."""
+        """Returns random parameters of a kind, {JSON key: value}: the required parameters, each other one with the probability
+        `often`, and the values in `given`."""
         chosen = {key: self.values.of(schema, key) for key, schema in kind.parameters.items()
                   if key in kind.required or self.chance(often)}
         chosen.update(given or {})
         return self._mended(kind, chosen, given or {})
 
     def _mended(self, kind, chosen, given):
-        """Adjusts what schemas cannot express: related limits, names in this world, and sizes that keep worlds small."""
+        """Adjusts parameters to rules that schemas cannot express: related limits, names in this world, and sizes that keep
+        worlds small. Returns the adjusted `chosen`."""
         draws = self.draws
         for key in list(chosen):
             if "_min_" in key or key.startswith("turn_min"):

@@ -33,8 +33,8 @@ MOST_KEPT = 10
 
 
 def processor_s():
-    """Processor time of this process and of its children that have ended, s. On a busy machine, it differs less than the time
-    that passes."""
+    """Returns the processor time of this process and of its children that have ended, s. On a busy machine, processor time
+    varies less between runs than wall time does."""
     own, children = resource.getrusage(resource.RUSAGE_SELF), resource.getrusage(resource.RUSAGE_CHILDREN)
     return own.ru_utime + own.ru_stime + children.ru_utime + children.ru_stime
 
@@ -44,7 +44,7 @@ def module_folder(preset):
 
 
 def interpreter_of(folder):
-    """An interpreter that can load the module in this folder, or None."""
+    """Returns the path of a Python interpreter that can load the module `troupe` in this folder, or None if there is none."""
     for interpreter in (sys.executable, "/usr/bin/python3"):
         if not os.path.exists(interpreter) or not folder.is_dir():
             continue
@@ -56,7 +56,9 @@ def interpreter_of(folder):
 
 
 class Library:
-    """Runs checks in a process with the Python module; restarts the process if a world crashes it."""
+    """Runs checks in a process with the Python module (library_worker.py), and restarts the process if a world crashes it.
+    program: path of `troupe`; folder: folder for files; module: folder of the Python module. Raises Fault if no interpreter
+    can load the module."""
 
     program_only = False
 
@@ -76,7 +78,7 @@ class Library:
         self._answer()
 
     def _cpu_s(self):
-        """Processor time of the process, s."""
+        """Returns the processor time of the worker process, s; 0 if the process has ended."""
         try:
             fields = pathlib.Path(f"/proc/{self._process.pid}/stat").read_text().rsplit(")", 1)[1].split()
         except OSError:
@@ -128,7 +130,8 @@ class Library:
 
 
 class Program:
-    """Runs checks without the Python module: with `troupe check`, and with runs that are saved and resumed."""
+    """Runs checks without the Python module: with `troupe check`, and with runs of `troupe` that are saved and resumed.
+    program: path of `troupe`; folder: folder for files."""
 
     program_only = True
 
@@ -193,7 +196,9 @@ class Program:
 
 
 class RandomProof:
-    """Makes and checks worlds up to a number of worlds or a time limit."""
+    """Makes and checks random worlds, until `count` worlds have been made or `seconds` have passed (None: no limit), or until
+    MOST_KEPT worlds differ. runner: a Library or Program; first: index of the first world; kept: folder for worlds that
+    differ."""
 
     def __init__(self, runner, seed, count=None, seconds=None, controllers=False, first=0, kept=KEPT, shrink=True, say=print,
                  kinds=None, sound=None, plan=check_plans.plan, now=time.monotonic):
@@ -210,7 +215,7 @@ class RandomProof:
         (runner.folder / PLAN).write_bytes(plan_image())
 
     def run(self, stop_at_first=False):
-        """Runs the proof; returns the faults as texts."""
+        """Runs the proof; returns the faults as texts. stop_at_first: stops after the first world that differs."""
         pairs, start = pairs_of(self.kinds), self.now()
         begun = shown = time.monotonic()
         while (self.count is None or self.made < self.count) and (self.seconds is None or self.now() - start < self.seconds):
@@ -251,7 +256,7 @@ class RandomProof:
         return self.failed
 
     def report(self):
-        """Yields lines with the number of worlds, the seed, and what occurred."""
+        """Yields lines with the number of worlds, the seed, and what occurred in the worlds. Call it after run()."""
         yield (f"random worlds: {self.made} of seed {self.seed}"
                f"{f' from {self.first} on' if self.first else ''}, {self.valid} could be loaded "
                f"({100 * self.valid / max(1, self.made):.1f} %), {self.checks} checks, {self.differing} of them differ, "
@@ -264,7 +269,8 @@ class RandomProof:
             yield f"  not loaded, {times}: {text}"
 
     def _found(self, index, world, ticks, failures):
-        """Keeps a world, shrunk for the first check in which it differs."""
+        """Writes a world that differs into a folder in `kept`, shrunk for the first check in which it differs, and adds the
+        failure to the faults."""
         self.differing += 1
         failure = failures[0]
         others = "".join(f"; also in {other['check']['check']}" for other in failures[1:])
@@ -296,7 +302,8 @@ def is_same(failure, check):
 
 
 def shrunk(runner, case, tick=None):
-    """The shrunk case and the number of trials. The number of ticks and the ticks of checkpoints shrink with the world."""
+    """Returns the shrunk case and the number of trials. case: a dict with the world, the number of ticks and the check that
+    fails; the ticks, also those of checkpoints, shrink with the world. tick: the tick of the first difference, or None."""
 
     def fails(document):
         if set(document) != set(case) or document["ticks"] < 1 or "check" not in document["check"]:
@@ -326,7 +333,8 @@ def shrunk(runner, case, tick=None):
 
 
 def again(runner, folder, say=print):
-    """Runs a kept case again; returns whether it still differs."""
+    """Runs the check of a world that RandomProof has kept in `folder` again; returns whether it still differs. Raises Fault if
+    the folder has no such case or the world cannot be loaded."""
     folder = pathlib.Path(folder)
     try:
         case = json.loads((folder / "case.json").read_text())

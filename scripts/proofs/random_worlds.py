@@ -45,20 +45,22 @@ MODELS_NEEDED = {"fasr": ("source", "sink"), "fasr2": ("red_source", "red_sink",
 
 
 def focus_of(pairs, seed, index):
-    """The pair (kind, event) on which the world of this index focuses: all pairs in turn, in an order that depends on the seed."""
+    """Returns the focus of the world with this index: one of `pairs`, the triples (family, kind, event) of pairs_of().
+    Successive worlds take all of them in turn, in an order that depends on the seed."""
     order = list(range(len(pairs)))
     random.Random(f"foci {seed} {index // len(pairs)}").shuffle(order)
     return pairs[order[index % len(pairs)]]
 
 
 def pairs_of(kinds):
-    """Every possible (family, kind, event); `set` only for kinds with parameters that can be set."""
+    """Returns every possible triple (family, kind, event); the event `set` only for kinds with parameters that can be set."""
     return [(family, name, event) for family in PART_FAMILIES for name, kind in sorted(kinds.of(family).items())
             for event in EVENTS if event != "set" or settable(kind)]
 
 
 class Generator(Parameters):
-    """Makes one world. `world` is the document, `ticks` the length of its run."""
+    """Makes one world. After construction, `world` is the JSON document and `ticks` the length of its run. focus: (family,
+    kind, event), as of focus_of()."""
 
     def __init__(self, kinds, seed, index, focus):
         self.kinds = kinds
@@ -98,7 +100,7 @@ class Generator(Parameters):
                            {"points_m": [[0.05, 0.07], [0.12, 0.07], [0.12, 0.1], [0.05, 0.1]], "z_m": [0, 0.05]}]}
 
     def wanted_devices(self, controller):
-        """(kind, parameters) of the devices that a controller needs, and of some others."""
+        """Returns (kind, parameters) of the devices that a controller needs, and of up to three random others."""
         wanted = list(NEEDS.get(controller, EVERYTHING)) if controller else []
         rest = [*self.kinds.of("sensor"), *self.kinds.of("device")]
         for _ in range(self.draws.choice((0, 1, 1, 2, 3))):
@@ -106,14 +108,15 @@ class Generator(Parameters):
         return wanted
 
     def _with_companions(self, devices):
-        """The devices, each preceded by the devices that it needs on the same body."""
+        """Yields the devices, (kind, parameters), each preceded by the device that it needs on the same body (COMPANIONS)."""
         for kind, given in devices:
             if kind in COMPANIONS:
                 yield COMPANIONS[kind], {}
             yield kind, given
 
     def robot(self, name, part=None, mortal_pack=False):
-        """Adds a type that contains the given part, (family, kind). It drives unless its controller is one of STANDS."""
+        """Adds a type of this name that contains the given part, (family, kind), and returns the name. The type has a drive
+        unless its controller is one of STANDS. mortal_pack: adds a power pack with which a body dies when it is empty."""
         family, wanted = part or (None, None)
         controllers = self.kinds.of("controller")
         controller = wanted if family == "controller" else self.draws.choice([*controllers, None, "waypoints", "wander", "script"])
@@ -146,8 +149,8 @@ class Generator(Parameters):
         return name
 
     def _fitting(self, devices):
-        """The devices that fit on one body: at most one device with an outline, because they would overlap, and at most one power
-        pack and list of flags."""
+        """Yields those of the devices, (kind, parameters), that fit on one body: at most one device with an outline, because
+        outlines would overlap, and at most one device of each of the kinds power_pack, flags, led and brush."""
         alone = set()
         for kind, given in devices:
             group = "body" if kind in ("gripper", "wheels", "actuator") else kind
@@ -158,7 +161,7 @@ class Generator(Parameters):
             yield kind, given
 
     def _mount(self, one):
-        """Sometimes puts a sensor on an actuator."""
+        """Mounts one of the sensors of a type on an actuator of the type, if it has one, with a probability of one half."""
         actuators = [device["name"] for device in one["devices"] if device["kind"] == "actuator"]
         if actuators and one["sensors"] and self.chance(0.5):
             self.draws.choice(one["sensors"])["on"] = actuators[0]
@@ -184,7 +187,7 @@ class Generator(Parameters):
         return [each for each in made if each["kind"] != "operate" or each["orders"]]
 
     def _orders(self, operable):
-        """Orders of an `operate` controller for some of these devices."""
+        """Returns random orders of an `operate` controller for some of these devices, in ascending order of their times."""
         orders, at = [], 0
         for _ in range(self.draws.randint(1, 4)):
             device = self.draws.choice(operable)
@@ -209,7 +212,8 @@ class Generator(Parameters):
     # ---- the scene
 
     def _ring(self):
-        """Positions for single models, 1.4 m apart, outside the area of populations."""
+        """Returns positions (x, y), m, for single models, in random order: about 1.4 m apart, on a square outside the area of
+        populations."""
         edge = self.half - 0.9
         count = max(1, int(2 * edge / 1.4))
         line = [-edge + 2 * edge * i / count for i in range(count)]
@@ -218,7 +222,8 @@ class Generator(Parameters):
         return spots
 
     def model(self, name, of_type, heading=None):
-        """A single body at the next free position; None if there is none."""
+        """Adds a single body at the next position of _ring(), and returns its entry in the world; None if no position is left
+        or the world has MOST_BODIES bodies. heading: degrees; None: random."""
         if not self._spots or self.bodies >= MOST_BODIES:
             return None
         x, y = self._spots.pop()
@@ -246,7 +251,7 @@ class Generator(Parameters):
             world["floorplans"] = [{"name": "cave", "bitmap": PLAN, "size_m": [2 * half, 2 * half, 0.6], "boundary": self.chance(0.5)}]
 
     def place(self):
-        """A placement rule with its parameters, for bodies near the centre."""
+        """Returns a random placement rule with its parameters, for bodies near the centre."""
         rule = self.draws.choice(self.kinds.rules)
         inner = self.inner
         region = [[rounded(-inner), rounded(-inner)], [rounded(inner), rounded(inner)]]
@@ -347,7 +352,8 @@ class Generator(Parameters):
             self.model("tile", "tile")
 
     def _grips(self, of_type):
-        """Adds up to two catchers whose grippers close on a body of the type between their paddles."""
+        """Adds one or two bodies of the type `catcher`, each with a body of the type `of_type` between the paddles of its
+        gripper, on which the gripper closes."""
         world = self.world
         world["types"][of_type]["gripper_return"] = True
         world["types"]["catcher"] = {
@@ -372,7 +378,8 @@ class Generator(Parameters):
         return rounded(self.tick_s * self.draws.randint(low, max(low, high or self.ticks - 2)))
 
     def whom(self, many=True):
-        """A group of bodies; mostly of the type with the part of the focus."""
+        """Returns a random group of bodies, as interventions take it: mostly bodies of the type with the part of the focus.
+        many: whether it may be limited to a number or a share of the bodies."""
         populations = [each["name"] for each in self.world["populations"] if each["count"]]
         whom = {"population": "f"} if self.chance(0.7) else {"population": self.draws.choice(populations)}
         if self.chance(0.15):
@@ -382,7 +389,7 @@ class Generator(Parameters):
         return whom
 
     def _happenings(self, focus):
-        """Entries of `at`: those that cause the event of the focus, and others."""
+        """Adds the entries of `at`: those that cause the event of the focus, and up to five random others."""
         actions = self.kinds.actions
         meant = {"born": ["add"], "dies": ["remove"], "disabled": ["disable"], "enabled": ["disable", "enable"], "moved": ["move"],
                  "set": ["set"]}.get(focus, [])
@@ -487,19 +494,21 @@ class Generator(Parameters):
 
 
 def _operable(one):
-    """The devices of a type that an `operate` controller can work."""
+    """Returns the devices of a type that an `operate` controller can operate: grippers and actuators."""
     return [device for device in one["devices"] if device["kind"] in ("gripper", "actuator")]
 
 
 def make_world(kinds, seed, index, pairs=None):
-    """(world, ticks, focus) for an index."""
+    """Returns (world, ticks, focus) of the random world with this seed and index: the JSON document, the length of its run,
+    and its focus, (family, kind, event). pairs: the result of pairs_of(kinds), if it is known."""
     focus = focus_of(pairs or pairs_of(kinds), seed, index)
     made = Generator(kinds, seed, index, focus)
     return made.world, made.ticks, focus
 
 
 def plan_image():
-    """The bytes of the image that worlds use as a floor plan: empty except for its edge and two short walls."""
+    """Returns the bytes of the image PLAN that worlds use as a floor plan, in PGM format: white except for its edge and two
+    short walls."""
     size = 64
     pixels = bytearray([255] * size * size)
     for i in range(size):

@@ -11,8 +11,8 @@ MOST_BODIES = 2000
 
 
 def populations(world, most):
-    """NAME=N for each population of a parsed JSON world, in its proportions, with about `most` bodies in all. Empty if the world
-    has no more."""
+    """Returns NAME=N for each population of a parsed JSON world: the populations scaled down in proportion, to about `most`
+    bodies in all. Empty if the world has at most `most` bodies."""
     counts = {population["name"]: population["count"] for population in world.get("populations", [])}
     total = sum(counts.values())
     if total <= most:
@@ -21,7 +21,8 @@ def populations(world, most):
 
 
 def worlds(names):
-    """The worlds with these file names, with at most MOST_BODIES bodies of populations."""
+    """Yields a World for each of these file names. The populations of JSON worlds are scaled down to about MOST_BODIES bodies
+    in all."""
     for name in names:
         is_json = name.endswith(".json")
         content = json.loads((ROOT / "worlds" / name).read_text(encoding="utf-8")) if is_json else {}
@@ -29,7 +30,8 @@ def worlds(names):
 
 
 def prove(program, world, ticks):
-    """Makes the reach test of a world. Returns the hash of its last tick, and the fault as a text, empty if there is none."""
+    """Makes the reach test of a world. Returns the hash of its last tick, and the fault as a text, which is empty if the test
+    passes. Raises Fault if the test cannot be made."""
     command = [program, "check", *world.arguments, "--reach", "--threads", 1, "--tile-size", "auto", "--for",
                f"{ticks * world.tick_s:.9g}"]
     done = subprocess.run([str(word) for word in command], capture_output=True, text=True)

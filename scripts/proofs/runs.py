@@ -10,7 +10,7 @@ GOLDEN = ROOT / "worlds" / "golden_hashes.txt"
 
 
 class Fault(Exception):
-    """Something that runs need is missing, invalid or failed, so that they could not be compared."""
+    """Raised if runs cannot be compared, because something that they need is missing or invalid, or because a program failed."""
 
 
 @dataclass(frozen=True)
@@ -26,7 +26,8 @@ class World:
 
     @property
     def key(self):
-        """Its key in the golden file."""
+        """The key of this world in the golden file (worlds/golden_hashes.txt): FILE, or FILE:RANGING for another ranging
+        engine."""
         return f"{self.file}:{self.ranging}" if self.ranging else self.file
 
     @property
@@ -55,8 +56,9 @@ class Variant:
     simd: str = ""  # instruction set on which its kernels must run
 
     def lines(self, world, ticks, folder, robots=None):
-        """Runs the world and returns the lines of the hash log, one per tick, from tick 0. The header is omitted, because it may
-        differ between variants."""
+        """Runs the world and returns the lines of the hash log, one per tick, from tick 0. The header of the log is omitted,
+        because it may differ between variants. folder: folder for the files of the run. robots: number of robots; None: that
+        of the world. Raises Fault if the program fails or uses another instruction set than `simd`."""
         log = folder / "run.log"
         source = ["run", *world.arguments, *(["--robots", robots] if robots is not None else [])]
         for end in (*self.restarts, ticks):
@@ -86,7 +88,7 @@ def read_log(log):
 
 
 def simd_of(log):
-    """The instruction set in the header of a hash log."""
+    """Returns the name of the instruction set in the header of a hash log."""
     head = (line for line in pathlib.Path(log).read_text().splitlines() if line.startswith("# simd: "))
     return next(head, "# simd: an unknown one").removeprefix("# simd: ")
 
@@ -96,7 +98,8 @@ def state_of(line):
 
 
 def difference(expected, got):
-    """The first difference between two hash logs, as a text; empty if they agree."""
+    """Returns the first difference between two hash logs, lists of lines, as a text; empty if the lines that both have are
+    equal."""
     for a, b in zip(expected, got):
         if a == b:
             continue

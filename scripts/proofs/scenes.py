@@ -29,12 +29,12 @@ def is_world(file):
 
 
 def shipped(folder=None):
-    """The names of all worlds in the folder."""
+    """Returns the sorted file names of all worlds in the folder; None: the folder worlds/."""
     return sorted(file.name for file in (folder or FILE.parent).iterdir() if is_world(file))
 
 
 class Scenes:
-    """The rows of a manifest. Checks them and raises Fault with all findings."""
+    """The rows of a manifest. The constructor checks them, and raises Fault, whose text lists all errors."""
 
     def __init__(self, file=FILE):
         self.file, self.faults = file, []
@@ -93,20 +93,22 @@ class Scenes:
                                "reason why there is none (excluded)")
 
     def proved(self, quick=False):
-        """The worlds of scripts/prove; quick: only the small ones."""
+        """Returns the worlds of scripts/prove; quick: only the small ones."""
         return tuple(World(row["world"], weight=run["weight"], ranging=run.get("ranging", ""))
                      for row in self.rows for run in row.get("prove", []) if run.get("quick") or not quick)
 
     def named(self, names=()):
-        """The file names of all worlds, or these names if there are any. Raises Fault for a name of no world."""
+        """Returns `names`, or the file names of all worlds if `names` is empty. Raises Fault for a name that is not a world of
+        the manifest."""
         known = [row["world"] for row in self.rows]
         if unknown := [name for name in names if name not in known]:
             raise Fault(f"{self.file}: there is no world {', '.join(unknown)}; known: {', '.join(known)}")
         return list(names) or known
 
     def ranked(self, names=()):
-        """(world, robots, ticks) of scripts/prove --ranks: one run of each shipped world, or of those with these names. Worlds
-        that are excluded from the proofs have the few robots of perf --quick."""
+        """Returns (world, robots, ticks) of the runs of scripts/prove --ranks: one run of each shipped world, or of those with
+        the given names. robots: number of robots; None: that of the world. Worlds that are excluded from the other proofs have
+        the few robots of perf --quick."""
         chosen = self.named(names)
         runs = []
         for row in self.rows:
@@ -124,30 +126,31 @@ class Scenes:
         return tuple(runs)
 
     def golden_runs(self):
-        """The entries of the golden file, (key, robots, ticks): first the runs of the proofs, then those of the tests, then
-        the short ones for slow builds (sanitizers)."""
+        """Returns (key, robots, ticks) of the entries of the golden file: first the runs of the proofs, then those of the
+        tests, then the short runs for slow builds (sanitizers). robots: None for the number of the world."""
         runs = [run for part in (proof_runs, test_runs, slow_runs) for row in self.rows for run in part(row)]
         return tuple(dict.fromkeys(runs))
 
     def slow(self):
-        """Worlds of which a few simulated seconds take minutes to run."""
+        """Returns the names of the worlds of which a few simulated seconds take minutes to run."""
         return tuple(row["world"] for row in self.rows if row.get("slow"))
 
     def soaked(self):
-        """(world, simulated seconds) of the runs that scripts/soak kills and resumes."""
+        """Returns (world, simulated seconds) of the runs that scripts/soak kills and resumes."""
         return tuple((row["world"], row["soak"]["for_s"]) for row in self.rows if "for_s" in row.get("soak", {}))
 
     def reset(self):
-        """The worlds that scripts/soak resets repeatedly in one process."""
+        """Returns the names of the worlds that scripts/soak resets repeatedly in one process."""
         return tuple(row["world"] for row in self.rows if row.get("soak", {}).get("resets"))
 
     def pictures(self):
-        """(world, picture): the pictures of docs/gallery.md, those of recorded runs first."""
+        """Returns (world, picture) of the pictures of docs/gallery.md, those of recorded runs first. A picture is an entry of
+        `gallery` in the manifest."""
         all_of_them = [(row["world"], picture) for row in self.rows for picture in row.get("gallery", [])]
         return sorted(all_of_them, key=lambda one: "views" not in one[1])
 
     def table(self):
-        """The table of docs/worlds.md."""
+        """Returns the table of docs/worlds.md, in Markdown."""
         lines = ["| world | what moves | what for |", "|---|---|---|"]
         return "\n".join(lines + [f"| `{row['world']}` | {row['moves']} | {row['for']} |" for row in self.rows]) + "\n"
 

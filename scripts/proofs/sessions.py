@@ -17,10 +17,13 @@ TIMEOUT_S = 300
 
 
 class Viewer(threading.Thread):
-    """Steps the simulation of a view tick by tick, and makes up to three random acts before each tick. Another thread must call
-    step() of the simulation `ticks` times.
+    """A thread that connects to a view as a browser does, steps the simulation tick by tick, and makes up to three random acts
+    before each tick. Meanwhile another thread must call step() of the simulation `ticks` times, each of which waits for this
+    viewer. world: the JSON world; seed: seed of the acts.
 
-    done  the kinds of the acts that were carried out; the others were refused, for example because a place was occupied
+    done        the kinds of the acts that were carried out; other acts were refused, for example because a place was occupied
+    checkpoint  the name of the checkpoint file that was saved in the session, or None
+    error       the exception that ended the thread, or None
     """
 
     def __init__(self, view, world, ticks, seed):
@@ -65,7 +68,8 @@ class Viewer(threading.Thread):
         return {"id": self._last_id, **message}
 
     def _receive(self):
-        """The next text; {} for the data of a picture, which it acknowledges."""
+        """Returns the next message of the server: the parsed text of a text message, or {} for the data of a picture, after
+        acknowledging the picture."""
         message = self.socket.receive()
         if isinstance(message, dict):
             return message
@@ -103,7 +107,8 @@ class Viewer(threading.Thread):
         return message
 
     def _command(self, robot):
-        """A device of the robot and random values of a field of its command."""
+        """Returns the members `device` and `values` of an act `command`: a device of the robot, and random values of a field
+        of the device's command."""
         nothing = {"device": "none", "values": {"none": [0]}}
         if self._last_id < 4 or self._answer(self._send({"do": "inspect", "robot": robot}))["type"] != "done":
             return nothing  # before the first tick, there is no answer
@@ -118,7 +123,7 @@ class Viewer(threading.Thread):
         return {"device": device, "values": {field: [self.draws.choice((0, 1, self.draws.random())) for _ in values]}}
 
     def _setting(self):
-        """A type, and another value of a number among its parameters."""
+        """Returns the members of an act `set`: a type, and another value of a number among its parameters."""
         name = self.draws.choice([name for name in self.world["types"] if name != "wall"] or ["none"])
         nothing = {"type": name, "drive": {}}
         if self._last_id < 4:

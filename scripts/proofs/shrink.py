@@ -6,7 +6,7 @@ import time
 
 
 def paths_of(value, path=()):
-    """(path, value) of the value and everything in it, outermost first."""
+    """Yields (path, value) of a JSON value and of everything in it, outermost first. A path is a tuple of keys and indices."""
     yield path, value
     if isinstance(value, dict):
         for key in list(value):
@@ -23,14 +23,15 @@ def at(document, path):
 
 
 def put(document, path, value):
-    """A copy of the document with another value at the path."""
+    """Returns a copy of the document in which `value` replaces the value at the path."""
     changed = copy.deepcopy(document)
     at(changed, path[:-1])[path[-1]] = value
     return changed
 
 
 def without(document, path, count=1):
-    """A copy of the document without this key, or without `count` members of a list from this index on."""
+    """Returns a copy of the document without the value at the path. If the path ends in an index of a list, `count` members of
+    the list are left out, from this index on."""
     changed = copy.deepcopy(document)
     holder = at(changed, path[:-1])
     if isinstance(holder, list):
@@ -49,7 +50,8 @@ def exists(document, path):
 
 
 class Shrinker:
-    """`fails(document)` returns whether a document still fails; it is called at most `most_trials` times or for `most_s` seconds."""
+    """Makes documents smaller that still fail; shrunk(document) returns the result. `fails(document)` returns whether a
+    document still fails. It is called at most `most_trials` times, and not after `most_s` seconds."""
 
     def __init__(self, fails, most_trials=1500, most_s=120):
         self._fails, self._left, self._end = fails, most_trials, time.monotonic() + most_s
@@ -93,7 +95,7 @@ class Shrinker:
         return document
 
     def _numbers(self, document):
-        """Moves whole numbers towards 0 and rounds others."""
+        """Moves whole numbers above 1 towards 0, and rounds other numbers."""
         for path, value in list(paths_of(document)):
             if isinstance(value, bool) or not isinstance(value, (int, float)) or not exists(document, path):
                 continue

@@ -57,7 +57,8 @@ class Soaker:
             self.tell()
 
     def save(self, name, simulation, turn, ends):
-        """Saves a run, resumes it, and continues its recording; this removes the frames recorded after the checkpoint."""
+        """Saves a run after TICKS ticks, resumes it, continues its recording (which removes the frame recorded after the
+        checkpoint), and compares the hash of its state after further TICKS ticks with `ends`."""
         checkpoint, recording = self.folder / "checkpoint.h5", self.folder / "recording.h5"
         simulation.reset()
         self.counts["resets"] += 1

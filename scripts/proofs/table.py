@@ -14,7 +14,8 @@ def print_row(cells):
 
 
 class Progress:
-    """A line that is rewritten on a terminal; elsewhere a new line every 15 s."""
+    """A progress line on standard error: on a terminal it is rewritten, elsewhere a new line is printed at most every 15 s.
+    total: number of runs; `done` must be increased by the caller."""
 
     def __init__(self, total):
         self.total, self.done, self.start, self.shown = total, 0.0, time.monotonic(), 0.0

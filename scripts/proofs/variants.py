@@ -23,7 +23,7 @@ class Proof:
 
 
 def hostile(name):
-    """The file of a library of tests/hostile, which the preset release builds."""
+    """Returns the path of the library NAME.so, which the preset release builds from tests/hostile."""
     return ROOT / "build" / "release" / "hostile" / f"{name}.so"
 
 
@@ -34,7 +34,8 @@ def threads_and_tiles(program, threads, tiles):
 
 
 def ranks(base, teams):
-    """Several ranks in one process, (ranks, threads, seed): late, shuffled messages, and robots that change their ranks."""
+    """Several ranks in one process, with late, shuffled messages, and robots that change their ranks. teams: (number of ranks,
+    threads per rank, seed of the delays) of each variant."""
     variants = tuple(replace(base, label=f"{n} ranks, {threads} threads, seed {seed}", threads=threads,
                              options=("--ranks", n, "--rank-seed", seed)) for n, threads, seed in teams)
     return Proof("T0 ranks", "late, shuffled messages; robots change their ranks", variants)
@@ -47,8 +48,8 @@ MIXED = 'if [ "${OMPI_COMM_WORLD_RANK:-$PMI_RANK}" != 0 ]; then export TROUPE_SI
 
 
 def processes(base, numbers):
-    """Several processes of mpirun, as many as each of the numbers, and three processes with different instruction sets. Returns
-    None, and prints the reason, if no MPI is installed."""
+    """Several processes of the mpirun of each installed MPI: one variant for each number of processes in `numbers`, and three
+    processes with different instruction sets. Prints a line for each MPI that is not installed, and returns None if none is."""
     variants = []
     for mpi, options in LAUNCHERS.items():
         launcher, module = shutil.which(f"mpirun.{mpi}"), base.program.with_name(f"libtroupe_mpi_{mpi}.so")
@@ -106,7 +107,7 @@ def plugin(base):
 
 
 def observers(base, folder):
-    """Runs that write all outputs; each variant replaces the files of the one before."""
+    """Runs that write all outputs, into `folder`; each variant replaces the files of the variant before."""
     options = ("--record", folder / "all.h5", "--record-every", 0.1, "--record-fields", "all", "--force",
                "--measures", folder / "all.csv", "--measure-every", 0.1, "--events", folder / "events.csv",
                "--profile", folder / "profile.json", "--snapshot", folder / "last.png",
@@ -127,14 +128,16 @@ def restarts(base, ticks):
 
 
 def repetitions(base, ticks, count):
-    """The last ticks, repeated from one checkpoint, to find races between threads. Two threads show races that eight hide."""
+    """The last 50 ticks, repeated `count` times from a checkpoint, to find races between threads. Two threads show races that
+    eight hide."""
     start = max(1, ticks - 50)
     variants = tuple(replace(base, label=f"stepped again, {i + 1}", threads=2, restarts=(start,)) for i in range(count))
     return Proof("T0 the same ticks again", f"{count} x {ticks - start} ticks from a checkpoint, 2 threads", variants)
 
 
 def instruction_sets(base):
-    """One run on each instruction set of the processor. A run that uses another instruction set than requested is a fault."""
+    """One run on each instruction set of this machine's processor. A run that uses another instruction set than requested is a
+    Fault."""
     flags = set()
     for line in pathlib.Path("/proc/cpuinfo").read_text().splitlines():
         if line.startswith("flags"):

@@ -37,16 +37,16 @@ _OF_TASK = ("robots", "size")
 
 
 def make_env(task: str, **options: Any) -> Env:
-    """Makes an environment of the task named `task`, for gymnasium.make(). Passes the options `robots` and `size`
-    to the task, and other options to Env."""
+    """Makes an environment of the task named `task` (a key of TASKS), for gymnasium.make(). Passes the options `robots`
+    (number of robots) and `size` (side of the room, m) to the task, and other options to Env."""
     own = {key: options.pop(key) for key in _OF_TASK if key in options}
     return Env(TASKS[task](**own), **options)
 
 
 def make_vector_env(task: str, num_envs: int, robot: Optional[str] = "r0", **options: Any) -> VectorEnv:
-    """Makes an environment of the task named `task`, for gymnasium.make_vec(). In each copy of the world, only the
-    robot named `robot` learns; with robot=None, all robots learn. Passes the options `robots` and `size` to the task,
-    and other options to VectorEnv."""
+    """Makes an environment of the task named `task` (a key of TASKS), for gymnasium.make_vec(). In each copy of the
+    world, only the robot named `robot` learns; with robot=None, all robots learn. Passes the options `robots` (number
+    of robots) and `size` (side of the room, m) to the task, and other options to VectorEnv."""
     own = {key: options.pop(key) for key in _OF_TASK if key in options}
     return VectorEnv(TASKS[task](**own), num_envs, robot=robot, **options)
 

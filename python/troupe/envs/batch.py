@@ -25,7 +25,9 @@ class Batch:
     threads  number of threads; 0: one per processor that the process may use. The number changes no result
     robot    name of a robot: only this robot learns, and the others run the controllers of the world file. None: all
              robots of the teams learn
-    options  options of troupe.Simulation
+    options  keyword arguments of troupe.Simulation, except threads
+    errors   TypeError or ValueError for an invalid task or number of copies; LookupError for an unknown robot and for
+             unknown names in the task; InputError for an invalid world
     """
 
     def __init__(self, task: Task, copies: int, *, threads: int = 0, robot: Optional[str] = None, **options: Any) -> None:
@@ -62,14 +64,15 @@ class Batch:
         self.world_seed = int(simulation.options["seed"])
 
     def array(self, name: str, team: int = 0) -> npt.NDArray[Any]:
-        """Returns the values of an array of a team after the last step: copies x robots x columns, read-only. name: a
-        key of Team.arrays or of Team.observation; "observation" if Team.observation is a list."""
+        """Returns the values of an array of a team after the last step: copies x robots x columns, read-only. Its
+        content changes with the next step. name: a key of Team.arrays or of Team.observation; "observation" if
+        Team.observation is a list. Raises LookupError for an unknown name."""
         return self.core.array(name, team)
 
     def reset(self, which: Optional[Flags] = None, seeds: Sequence[Optional[int]] = ()) -> None:
-        """Begins an episode in some copies. which: one bool per copy, True for copies that begin one; None: all
-        copies. seeds: one seed per copy. A copy without a seed (None, or an empty list) begins its next episode, whose
-        seed is derived from the seed that the copy was given last."""
+        """Begins an episode in some copies. which: one bool per copy, True for copies that begin one; None: all copies.
+        seeds: one seed per copy. A copy without a seed (None, or an empty list) begins its next episode, whose seed is
+        derived from the last seed that the copy was given (at first: the seed of the world plus the index of the copy)."""
         self.core.reset(which, list(seeds))
         self.task.begin(self, np.ones(self.copies, np.bool_) if which is None else which)
 
@@ -96,8 +99,8 @@ class Batch:
             self.task.begin(self, begins)
 
     def observations(self, team: int = 0) -> Any:
-        """Returns the observations of a team as new arrays: an array, or a dict of arrays, of copies x robots x
-        columns."""
+        """Returns the observations of a team as new arrays: an array, or a dict of arrays if Team.observation is a
+        dict, of copies x robots x columns (of copies x robots x shape for a part with the member "shape")."""
         observation = self.teams[team].observation
         if isinstance(observation, dict):
             return {name: self._observed(name, parts, team) for name, parts in observation.items()}

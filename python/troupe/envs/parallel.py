@@ -24,7 +24,7 @@ class ParallelEnv(_ParallelEnv):
     render_mode  rgb_array: render() returns a picture. human: the world runs in real time in a browser, at the address
                  that the first reset() prints
     render_size  width and height of pictures, pixels
-    options      options of troupe.Simulation
+    options      keyword arguments of troupe.Simulation, except threads
     episodes     an episode ends for all agents after task.seconds, and for a single agent when its robot is finished or
                  dies. A robot that is born during an episode becomes an agent at that time
     seeds        reset(seed=s) begins an episode with the seed s. A later reset() without a seed begins an episode whose
@@ -71,7 +71,8 @@ class ParallelEnv(_ParallelEnv):
         return self._action_spaces[agent]
 
     def reset(self, seed: Optional[int] = None, options: Optional[Dict[str, Any]] = None) -> Tuple[_PerAgent, _PerAgent]:
-        """Begins an episode and returns (observations, infos) of its agents. `options` is ignored."""
+        """Begins an episode and returns (observations, infos), dicts by agent, of the robots that are in the world.
+        `options` is ignored."""
         self.batch.reset(seeds=[] if seed is None else [seed])
         self.renderer.begin(self.batch)
         self.agents = [agent for agent in self.possible_agents if self._is_alive(agent)]
@@ -79,10 +80,11 @@ class ParallelEnv(_ParallelEnv):
         return self._observations(self.agents), {agent: {} for agent in self.agents}
 
     def step(self, actions: _PerAgent) -> Tuple[_PerAgent, _PerAgent, _PerAgent, _PerAgent, _PerAgent]:
-        """Advances the world by one step. actions: one action per agent; the action of a missing agent is all zeros.
-        Returns (observations, rewards, terminations, truncations, infos) of the robots that were agents before the step
-        and of robots born in the step. Raises ValueError for a name that is not in `agents`, and for an action of a
-        wrong shape."""
+        """Advances the world by one step. actions: a dict with one action per agent; the action of a missing agent is
+        all zeros (in a discrete space the action with the index 0). Returns (observations, rewards, terminations,
+        truncations, infos), dicts by agent, of the robots that were agents before the step and of robots born in the
+        step; all dicts are empty if there are no agents. Raises ValueError for a name that is not in `agents`, and for
+        an action of a wrong shape."""
         batch = self.batch
         if not self.agents:
             return {}, {}, {}, {}, {}

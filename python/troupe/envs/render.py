@@ -17,8 +17,8 @@ RENDER_SIZE = (480, 480)
 
 
 def _check_pictures() -> None:
-    """Draws a small picture of an empty world, so that a missing library is reported before the training begins and not
-    by its first picture. A wheel does not contain OSMesa."""
+    """Draws a small picture of an empty world, so that a missing library (a wheel does not contain OSMesa) is reported
+    before the training begins and not by its first picture. Raises RuntimeError if pictures cannot be drawn."""
     try:
         Simulation({"troupe": 1}, threads=1).picture(width=16, height=16)
     except RuntimeError as error:
@@ -32,7 +32,8 @@ class Renderer:
           and runs in real time. None: nothing is rendered
     size  width and height of pictures, pixels
 
-    Raises RuntimeError, which names the package to install, if the mode is rgb_array and pictures cannot be drawn.
+    Raises ValueError for an unknown mode, and RuntimeError, which names the package to install, if the mode is
+    rgb_array and pictures cannot be drawn.
     """
 
     def __init__(self, mode: Optional[str], size: Tuple[int, int]) -> None:
@@ -47,7 +48,8 @@ class Renderer:
 
     @property
     def address(self) -> Optional[str]:
-        """Address of the page of the mode human; None before the first episode and in other modes."""
+        """Address of the page of the mode human, with read-only access; None before the first episode and in other
+        modes."""
         return None if self._view is None else self._view.read_only_address
 
     def begin(self, batch: Batch) -> None:

@@ -27,9 +27,11 @@ class Env(gymnasium.Env[Any, Any]):
     render_mode  rgb_array: render() returns a picture. human: the world runs in real time in a browser, at the address
                  that the first reset() prints
     render_size  width and height of pictures, pixels
-    options      options of troupe.Simulation
+    options      keyword arguments of troupe.Simulation, except threads
     seeds        reset(seed=s) begins an episode with the seed s. A later reset() without a seed begins an episode whose
                  seed is derived from s. If no seed was ever given, the first seed is that of the world
+    errors       ValueError if the task has several teams, or if `robot` names several robots; LookupError if it names
+                 none; RuntimeError after close()
     """
 
     metadata = {"render_modes": RENDER_MODES, "render_fps": 10}

@@ -73,7 +73,8 @@ class Task:
     max_return: Optional[float] = None  #: the largest possible sum of rewards of an episode, if known
 
     def begin(self, batch: "Batch", copies: npt.NDArray[np.bool_]) -> None:
-        """Called after some copies have begun an episode. copies: one bool per copy, True for these copies."""
+        """Called after some copies have begun an episode. copies: one bool per copy, True for the copies that have
+        begun one. By default it does nothing."""
 
     def act(self, batch: "Batch", team: int, actions: npt.NDArray[np.float64]) -> npt.NDArray[np.float64]:
         """Converts the actions of the policies to commands. Actions and commands are numbers from -1 to 1, copies x
@@ -81,26 +82,31 @@ class Task:
         return actions
 
     def reward(self, batch: "Batch", team: int) -> Optional[npt.NDArray[np.float64]]:
-        """Returns rewards that are added to those of Team.rewards, copies x robots, or None. Called once per step."""
+        """Returns rewards that are added to those of Team.rewards, copies x robots, or None for no rewards. Called once
+        per step, after the step. Rewards for robots that were finished before the step or are not in the world are
+        ignored."""
         return None
 
     def terminated(self, batch: "Batch", team: int) -> Optional[npt.NDArray[np.bool_]]:
-        """Returns which robots are finished in addition to those of Team.ends: bools, copies x robots, or None."""
+        """Returns which robots are finished in addition to those of Team.ends: bools, copies x robots, or None for no
+        robots. Called once per step, after reward()."""
         return None
 
     def observe(self, batch: "Batch", team: int, name: str) -> Optional[npt.NDArray[np.float32]]:
-        """Returns columns to append to the observed array `name`, copies x robots x columns, or None. In the
-        observation space, these columns have the bounds -1 and 1."""
+        """Returns columns to append to the observed array `name` (a key of Team.observation, or "observation" if that
+        is a list), copies x robots x columns, or None for no columns. In the observation space, these columns have the
+        bounds -1 and 1. Also called before the first episode, to find the number of columns."""
         return None
 
     def baseline(self, observations: Any, team: int = 0) -> npt.NDArray[np.float64]:
         """Returns the actions of a hand-written policy, with which learned policies can be compared: one row of actions
-        per row of the observations."""
+        per row of the observations. Raises NotImplementedError if the task defines no such policy."""
         raise NotImplementedError(f"{type(self).__name__} has no baseline: define the method baseline()")
 
 
 def action_space(team: Team) -> "spaces.Space[Any]":
-    """Returns the action space of one robot of a team."""
+    """Returns the action space of one robot of a team: Discrete if the team has choices, MultiDiscrete if it has
+    levels, else a Box with one number per action."""
     if team.choices is not None:
         return spaces.Discrete(len(team.choices))
     if team.levels is not None:
@@ -109,8 +115,8 @@ def action_space(team: Team) -> "spaces.Space[Any]":
 
 
 def commands_of(team: Team, actions: Any) -> npt.NDArray[np.float64]:
-    """Converts actions in the action space of the team, with any leading axes, to one number from -1 to 1 per
-    command."""
+    """Converts actions in the action space of the team, with any leading axes, to one number from -1 to 1 per command.
+    Raises ValueError for an index that the action space does not contain; numbers of a Box are not checked."""
     if team.choices is not None:
         index = np.asarray(actions)
         table = np.asarray(team.choices, np.float64)

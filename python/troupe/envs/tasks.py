@@ -21,7 +21,9 @@ LIDAR_BEAMS = 12
 
 
 def room(size: float, populations: List[Dict[str, Any]], types: Dict[str, Any], seed: int = 1) -> Dict[str, Any]:
-    """Returns a JSON world with a square room that has walls. size: length of a side, m."""
+    """Returns a world, a dict as in a JSON world file, with a square room that has walls and is centred on the origin.
+    size: length of a side, m. populations, types, seed: values of these keys of the world; a type `wall` is added to
+    `types`."""
     half = size / 2
     wall = {"size_m": [0.1, size - 0.2, 0.5], "color": "gray50"}
 
@@ -41,8 +43,8 @@ def room(size: float, populations: List[Dict[str, Any]], types: Dict[str, Any], 
 
 
 def robot_type(color: str = "SteelBlue", beams: int = LIDAR_BEAMS) -> Dict[str, Any]:
-    """Returns a type of robots with a differential drive and a lidar of 360 degrees. Robots that do not learn run the
-    controller `wander`."""
+    """Returns a type of robots with a differential drive and a lidar: `beams` beams at equal angles over 360 degrees,
+    with a range of 3 m. Robots that do not learn run the controller `wander`. color: name of the colour of the robots."""
     return {
         "size_m": [0.3, 0.3, 0.2],
         "color": color,
@@ -60,14 +62,14 @@ def robot_type(color: str = "SteelBlue", beams: int = LIDAR_BEAMS) -> Dict[str, 
 
 
 def marker_type(color: str, size: float = 0.2) -> Dict[str, Any]:
-    """Returns a type of square marks on the floor, which are not obstacles and which lidars do not detect. size:
-    length of a side, m."""
+    """Returns a type of square marks on the floor, which are not obstacles and which lidars do not detect. color: name
+    of their colour. size: length of a side, m."""
     return {"size_m": [size, size, 0.01], "color": color, "obstacle": False, "ranger_return": -1}
 
 
 def spread(name: str, kind: str, count: int, size: float) -> Dict[str, Any]:
-    """Returns a population of the type `kind` at uniformly random poses in a square room. size: length of a side of
-    the room, m."""
+    """Returns a population of `count` bodies of the type `kind` at uniformly random poses in a square room that is
+    centred on the origin, at least 0.5 m from its sides. size: length of a side of the room, m."""
     half = size / 2 - 0.5
     return {"name": name, "type": kind, "count": count, "place": {"rule": "uniform", "region_m": [[-half, -half], [half, half]]}}
 
@@ -78,9 +80,9 @@ def lidar(scale: float = 1 / LIDAR_RANGE) -> Dict[str, Any]:
 
 
 def steer(x: Floats, y: Floats, speed: Floats) -> Floats:
-    """Returns actions (forward, turn) that turn the robot towards the direction (x, y) in its frame. The forward
-    speed is proportional to the cosine of the direction's angle. speed: forward speed if the direction is straight
-    ahead, as a fraction of the largest speed, from 0 to 1."""
+    """Returns actions (forward, turn), numbers from -1 to 1 in the last axis, that turn the robot towards the direction
+    (x, y) in its frame. The forward speed is proportional to the cosine of the direction's angle. speed: forward speed
+    if the direction is straight ahead, as a fraction of the largest speed, from 0 to 1."""
     length = np.sqrt(x * x + y * y)
     safe = np.where(length > 0, length, 1.0)
     ahead, side = x / safe, y / safe
@@ -90,8 +92,9 @@ def steer(x: Floats, y: Floats, speed: Floats) -> Floats:
 
 
 def away_from_walls(ranges: Floats, x: Floats, y: Floats, near: float = 0.25) -> Tuple[Floats, Floats]:
-    """Returns the direction (x, y), turned away from obstacles whose lidar readings are below `near`. Readings and
-    `near` are fractions of the largest range."""
+    """Returns the direction (x, y), turned away from obstacles whose lidar readings are below `near`. ranges: readings
+    of the lidar in the last axis. Readings and `near` are fractions of the largest range. The length of the result is
+    not 1."""
     beams = ranges.shape[-1]
     first = -np.pi * (beams - 1) / beams
     sin, cos = math.sincos(first + 2 * np.pi / beams * np.arange(beams))
@@ -201,7 +204,7 @@ class Dispersion(Task):
         ]
 
     def baseline(self, observations: Any, team: int = 0) -> Floats:
-        """Drives away from everything in range, as the controller `expand` does."""
+        """Drives away from everything in range of the lidar, as the controller `expand` does."""
         rows = np.asarray(observations, np.float64)
         zero = np.zeros(rows.shape[:-1])
         x, y = away_from_walls(rows, zero, zero, near=1.0)

@@ -26,12 +26,13 @@ class VectorEnv(_VectorEnv[Any, Any, Any]):
     render_mode     rgb_array: render() returns pictures. human: the first copy runs in real time in a browser, at the
                     address that the first reset() prints
     render_size     width and height of pictures, pixels
-    options         options of troupe.Simulation
+    options         keyword arguments of troupe.Simulation, except threads
     episodes        the episodes of all robots of a copy end together, when all robots are finished or task.seconds have
-                    passed. From the step in which a robot is finished to the end of the episode,
-                    infos["finished"] is True for the robot. Its rewards in the steps after that step are 0. If a
-                    robot has not been born yet, infos["alive"] is False for the robot, its observation and its rewards
-                    are 0, and its episode ends with that of its copy
+                    passed. If several robots learn in each copy, step() returns infos["finished"] and infos["alive"],
+                    one bool per environment. From the step in which a robot is finished to the end of the episode,
+                    infos["finished"] is True for the robot. Its rewards in the steps after that step are 0. If a robot
+                    has not been born yet, infos["alive"] is False for the robot, its observation and its rewards are 0,
+                    and its episode ends with that of its copy
     seeds           after reset(seed=s) the first episode of copy c has the seed s + c. s may also be a list with one
                     seed per copy, or, as in Gymnasium, per environment; all environments of a copy then need the same
                     seed. The seeds of later episodes of the copy are derived from this seed
@@ -93,9 +94,10 @@ class VectorEnv(_VectorEnv[Any, Any, Any]):
         seed: Union[None, int, Sequence[Optional[int]]] = None,
         options: Optional[Dict[str, Any]] = None,
     ) -> Tuple[Any, Dict[str, Any]]:
-        """Begins an episode in some copies. options: {"reset_mask": array of one bool per environment}, True for all
-        environments of the copies that begin an episode; without it, all copies do. Raises ValueError for a mask that
-        marks only some robots of a copy."""
+        """Begins an episode in some copies, and returns (observations, {}), one row of observations per environment.
+        seed: see the class. options: {"reset_mask": array of one bool per environment}, True for all environments of
+        the copies that begin an episode; without a mask, all copies begin one. Raises ValueError for a mask that marks
+        no environment or only some robots of a copy, and for a list of seeds of a wrong length."""
         if seed is None or isinstance(seed, (int, np.integer)):
             super().reset(seed=None if seed is None else int(seed))
         which = None if options is None or "reset_mask" not in options else self._copies_of(options["reset_mask"])
@@ -194,8 +196,8 @@ class VectorEnv(_VectorEnv[Any, Any, Any]):
         return seeds[:: self.robots]
 
     def render(self) -> Optional[Tuple[npt.NDArray[np.uint8], ...]]:
-        """Returns one picture per copy, from above: height x width x 3, uint8, RGB. None unless the render mode is
-        rgb_array."""
+        """Returns a tuple of one picture per copy, from above: height x width x 3, uint8, RGB. None unless the render
+        mode is rgb_array."""
         if self.render_mode != "rgb_array":
             return None
         return tuple(self.batch.core.picture(copy, *self.renderer.size) for copy in range(self.copies))
