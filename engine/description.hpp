@@ -565,8 +565,8 @@ class Description {
   constexpr std::size_t members() const { return count_; }
   /// Whether any member was described more than once.
   constexpr bool repeats() const { return repeats_; }
-  /// Whether all members described so far are numbers, bools or arrays of these, which a struct that is state
-  /// may have.
+  /// Whether a struct that is state may have all members described so far: each is a number or bool of a type
+  /// listed at Element (std::int16_t, for example, is not), or an array of these.
   constexpr bool is_state() const { return is_state_; }
 
  private:

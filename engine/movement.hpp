@@ -47,7 +47,9 @@ class Movement {
   /// until Links::carry().
   void commit();
 
-  std::uint64_t rounds() const { return conflicts_.rounds(); }  ///< number of rounds of the last resolve()
+  /// Number of rounds in which the last resolve() resolved the motions: 1 if no body had to wait for the
+  /// outcome of another, 0 before the first resolve(). See Conflicts::rounds().
+  std::uint64_t rounds() const { return conflicts_.rounds(); }
   /// Upper bound on the distance that any body moved in the last resolution, m: Conflicts::longest().
   double longest() const { return conflicts_.longest(); }
   /// Number of rows whose last motion was blocked or would have ended out of bounds.

@@ -69,9 +69,11 @@ void for_each_chain_of(const SensingView& view, Row row, Visit&& visit) {
                          outline.part, outline.solid, outline.first, outline.ranger_return});
 }
 
-/// Calls visit(chain) for each outline of those bodies with rows whose enclosing circle may touch the box
-/// (world frame, m) and for which wanted(circle) is true. Skips the row `own` and the bodies that move
-/// together with it (SensingView::same_tree()). If `own` is not valid(), no row is skipped.
+/// Calls visit(chain) for each outline of the mobile bodies in the world, also for outlines that rangers do
+/// not see. Visits only bodies whose enclosing circle may touch the box (world frame, m) and for which
+/// wanted(circle) is true, each body once. `own` is the row (index in the state tables) of a body that is
+/// skipped together with the bodies that move with it (SensingView::same_tree()). If `own` is not valid(), no
+/// body is skipped.
 template <class Wanted, class Visit>
 void for_each_body_chain(const SensingView& view, const Box& box, Row own, Wanted&& wanted, Visit&& visit) {
   view.index().for_each_near(box, [&](const partition::BodyCircle& circle) {

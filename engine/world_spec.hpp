@@ -35,7 +35,9 @@ struct Returns {
   std::int32_t fiducial_key = 0;  ///< only fiducial finders with the same key detect the part
   bool gripper = false;           ///< grippers detect the part and can grip its body
   bool pushable = false;          ///< robots can push the whole body: docs/pushing.md
-  bool blob = true;  ///< true: blob finders report its colour; false: it only hides other parts from them
+  /// True: blob finders report its colour. False: the part only hides other parts from them; a finder whose
+  /// parameter `use_blob_return` is false reports the part all the same.
+  bool blob = true;
   friend bool operator==(const Returns&, const Returns&) = default;
 };
 

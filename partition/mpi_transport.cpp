@@ -169,7 +169,10 @@ std::shared_ptr<const Message> MpiTransport::receive(unsigned from) {
   const auto* first = reinterpret_cast<const std::byte*>(units.data());
   std::memcpy(&bytes, first, sizeof bytes);
   if (bytes > units.size() * sizeof(Unit) - sizeof bytes)
-    throw std::logic_error("internal error: an MPI message is shorter than its stated length");
+    throw std::logic_error(fmt::format(
+        "internal error: a message from rank {} should have {} bytes, but only {} arrived; this is no error "
+        "of your input: please report it, with the version of the MPI library",
+        from, bytes, units.size() * sizeof(Unit) - sizeof bytes));
   first += sizeof bytes;
   return std::make_shared<const Message>(first, first + bytes);
 }

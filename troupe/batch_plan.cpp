@@ -148,7 +148,8 @@ void BatchEnv::Impl::plan_drive_action(const BatchAction& action, bool has_drive
   const auto found = std::ranges::find(k_commands, action.command);
   if (found == k_commands.end())
     throw std::out_of_range(
-        unknown_name("command of a drive", action.command, {k_commands.begin(), k_commands.end()}));
+        fmt::format("team \"{}\": an action without a device commands the drive: {}", team.spec->name,
+                    unknown_name("command", action.command, {k_commands.begin(), k_commands.end()})));
   if (!has_drive)
     refuse(
         fmt::format("team \"{}\": an action without a device commands the drive, but the robots have "

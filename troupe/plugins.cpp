@@ -290,7 +290,9 @@ Result<> Plugins::keep_kinds(Loaded& library, Kinds all) const {
   keep(std::move(all.devices), taken_devices_, library.devices);
   keep(std::move(all.measures), taken_measures_, library.measures);
   if (library.controllers.kinds.empty() && library.devices.kinds.empty() && library.measures.kinds.empty())
-    all_right = Error{"has no controller, sensor, device or measure"};
+    all_right = Error{
+        "registers no controller, sensor, device or measure: register one with "
+        "TROUPE_CONTROLLER, TROUPE_DEVICE (also for sensors) or TROUPE_MEASURE"};
   return all_right;
 }
 

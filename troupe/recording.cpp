@@ -114,7 +114,9 @@ Recording::Recording(const std::filesystem::path& file, const Simulation& simula
                      const RecordingOptions& options) {
   std::error_code ignored;
   if (!options.replace && std::filesystem::exists(file, ignored))
-    throw InputError(fmt::format("{}: error: the file exists; --force replaces it", file.string()));
+    throw InputError(
+        fmt::format("{}: error: the file exists; --force replaces it (in C++ and Python: the option replace)",
+                    file.string()));
   if (std::filesystem::exists(file, ignored) && !std::filesystem::is_regular_file(file, ignored))
     throw InputError(fmt::format("{}: error: cannot be written: it is not a regular file", file.string()));
   const worldio::RecordingHead head = head_of(simulation, options);

@@ -134,7 +134,9 @@ class WorldBuilder {
     /// ...; parameters: those of this kind of controller. Robots without a controller do only what the
     /// program commands.
     Type& controller(std::string_view kind, const Settings& parameters = {});
-    /// Sets any key that a type can have in the world file, in place of an earlier value of the key.
+    /// Sets any key that a type can have in the world file, in place of an earlier value of the key. Do not
+    /// set "sensors" of a type that also gets sensors from sensor(), nor "devices" together with device():
+    /// the key would occur twice, and the constructor of Simulation reports this as an error.
     Type& set(std::string_view key, const Setting& value);
 
    private:

@@ -166,7 +166,8 @@ class EventsOutput : public ClonedOutput<EventsOutput> {
  public:
   void add_options(CLI::App& app, RunOptions&) override {
     add_value(app, "--events", "FILE.csv",
-              "Write a table of events (a robot is stalled, is held at the bounds, ...), one line per event",
+              "Write a table of events (a robot is stalled, is held at the bounds of the world, ...), one "
+              "line per event",
               [this](const std::string& text) { file_ = file_name("--events", text); });
   }
   std::vector<fs::path*> names(RunOptions&) override { return {&file_}; }

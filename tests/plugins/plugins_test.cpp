@@ -245,7 +245,8 @@ TEST_F(PluginsTest, ThatCannotBeUsedSayWhy) {
                            "was built with libc.., vectorized Eigen, but Troupe with libstdc..*"));
   EXPECT_THAT(error_of("other_headers"), HasSubstr("was built with other headers of troupe 0.2.0"));
   EXPECT_THAT(error_of("contracting"), HasSubstr("-ffp-contract=off"));
-  EXPECT_THAT(error_of("empty"), EndsWith("has no controller, sensor, device or measure"));
+  EXPECT_THAT(error_of("empty"),
+              HasSubstr("registers no controller, sensor, device or measure: register one with TROUPE_"));
   EXPECT_THAT(error_of("throwing"), EndsWith("cannot list its kinds: it threw: a table is missing"));
   for (const char* number : {"throwing_a_number", "throwing_at_once"})
     EXPECT_THAT(error_of(number),

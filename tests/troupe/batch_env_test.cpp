@@ -371,7 +371,8 @@ TEST(BatchEnv, SaysWhatIsWrong) {
       k_name, [](auto&, auto& t) { t.arrays[2].parts[0].name = "gaol"; },
       "there is no model \"gaol0\", which would be the target of robot \"r0\"; give the name of one model");
   is_wrong(
-      k_name, [](auto&, auto& t) { t.actions[0].command = "forwards"; }, "unknown command of a drive");
+      k_name, [](auto&, auto& t) { t.actions[0].command = "forwards"; },
+      "an action without a device commands the drive: unknown command \"forwards\"");
   is_wrong(
       k_name, [](auto&, auto& t) { t.actions[2].command = "reed"; },
       "device \"lamp\": unknown command \"reed\"");

@@ -226,8 +226,9 @@ TEST_F(Hdf5, ErrorsNameTheFileAndTheReason) {
   EXPECT_THAT(error_of([&] { file.dataset("v").read<double>(); }),
               HasSubstr("/v holds values of type float32, but type float64 was requested"));
   std::vector<float> four(4);
-  EXPECT_THAT(error_of([&] { file.dataset("v").read_rows(0, std::span<float>(four)); }),
-              HasSubstr("/v has 3 rows of 1 values; 4 values cannot be read from row 0 on"));
+  EXPECT_THAT(
+      error_of([&] { file.dataset("v").read_rows(0, std::span<float>(four)); }),
+      HasSubstr("/v has 3 rows of 1 values; cannot read 4 values from row 0 on (rows are counted from 0)"));
   EXPECT_THAT(error_of([&] { file.create_group("v"); }), HasSubstr("/v cannot be written"));
 }
 

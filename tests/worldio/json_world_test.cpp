@@ -757,7 +757,7 @@ TEST(JsonWorld, OutlineFaults) {
       "the last point repeats the first: omit the last point, because outlines are closed automatically");
   EXPECT_EQ(check_outline({{0.1, 0.1}, {0.2, 0.2}, {0.7, 0.7}}).error().text, "the outline has no area");
   EXPECT_EQ(check_outline({{0, 0}, {2, 0}, {2, 2}, {3, 2}, {1, 2}}).error().text,
-            "the outline turns back on itself at point 3, counted from 0");
+            "the outline turns back on itself at point 3, counted from 0: remove this point");
   EXPECT_EQ(
       check_outline({{0, 0}, {2, 0}, {2, 2}, {1, 0}, {0, 2}}).error().text,  // a corner touches an edge
       "the outline crosses or touches itself: the edges that begin at points 0 and 2, counted from 0, meet");

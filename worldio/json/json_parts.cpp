@@ -209,7 +209,8 @@ Result<> check_outline(const Ring& ring) {
     return Error{"the outline has no area"};
   for (std::size_t i = 0; i < n; ++i)
     if (turn(at(i), at(i + 1), at(i + 2)) == 0 && (at(i + 1) - at(i)).dot(at(i + 2) - at(i + 1)) < 0)
-      return Error{fmt::format("the outline turns back on itself at point {}, counted from 0", (i + 1) % n)};
+      return Error{fmt::format(
+          "the outline turns back on itself at point {}, counted from 0: remove this point", (i + 1) % n)};
   for (std::size_t i = 0; i < n; ++i)
     for (std::size_t j = i + 2; j < n && j + 1 < n + i; ++j)
       if (segments_meet(at(i), at(i + 1), at(j), at(j + 1)))

@@ -48,8 +48,10 @@ std::string spec_to_json(const engine::WorldSpec& spec, const engine::Registry& 
 /// Returns the keys that the types of a world have in a stored world: their indices "0", "1", ...
 std::vector<std::string> numbers_of_types(const engine::WorldSpec& spec);
 
-/// JSON pointers to the values of a stored world that --set may change, for messages. These values affect
-/// neither which arrays the state has nor the sizes of these arrays.
+/// JSON pointers to the values of a stored world that `troupe resume --set` may change, for messages. N is an
+/// index from 0, and `...` stands for the rest of the pointer. restore_spec() refuses all other pointers. It
+/// does not refuse a parameter that determines the number of readings of a sensor, such as the number of
+/// beams: the state of the checkpoint then does not fit, and restoring the state is an error.
 inline constexpr std::string_view k_changeable =
     "/seed, /quit_time_s, /stop_when, /ranging, /resolution_m, /bounds_m; in /types/N: /drive/period_s, "
     "/drive/params/..., "

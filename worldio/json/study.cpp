@@ -272,7 +272,7 @@ Choice StudyReader::read_interval(const JsonCursor& at, Kind kind) {
     at.error("both numbers must be above 0");
   else if (kind == Kind::integers && (std::max(-choice.low, choice.high) > k_exact || !is_whole(choice.low) ||
                                       !is_whole(choice.high) || choice.high - choice.low > k_most))
-    at.error("expected two whole numbers, at most 2^31 - 1 apart");
+    at.error("expected two whole numbers from -9e15 to 9e15 that differ by at most 2^31 - 1");
   return choice;
 }
 

@@ -503,8 +503,10 @@ void Hdf5Dataset::read_rows(std::size_t first, void* into, std::size_t values,
   const std::size_t row = std::max<std::size_t>(row_values(), 1);
   const std::size_t count = values / row;
   if (values % row != 0 || first > rows() || count > rows() - first)
-    fail(fmt::format("has {} rows of {} values; {} values cannot be read from row {} on", rows(), row, values,
-                     first));
+    fail(fmt::format(
+        "has {} rows of {} values; cannot read {} values from row {} on (rows are counted from 0): "
+        "give a whole number of rows that ends at or before the last row",
+        rows(), row, values, first));
   const LibraryCall call;
   const hid_t type = memory_type(element);
   if (count == rows()) {

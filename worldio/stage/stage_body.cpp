@@ -93,8 +93,8 @@ void StageBodies::check_map(const StageModel& model, const FloorImage& map, cons
                     size_m.x(), size_m.y()));
   if (!blocks.empty())
     values_.error(blocks.front().where,
-                  "a model whose \"bitmap\" is a ROS map cannot have blocks, because the map is not "
-                  "stretched to \"size\"");
+                  "a model whose \"bitmap\" is a ROS map cannot have blocks: remove them, or put them into a "
+                  "model of their own");
 }
 
 const FloorImage* StageBodies::read_image(const StageProperty& property, engine::ImageSpec& spec) {

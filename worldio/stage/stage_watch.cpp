@@ -58,16 +58,16 @@ double factor(Scale scale, double length_unit) {
   return 1;
 }
 
-/// Whether a number is within the limits of its field. If not, reports an error. `value` is the number in SI
-/// units, and `written` is the number in the file.
-bool is_within(const Field& field, double value, double written, const StageProperty& property,
+/// Whether a number is within the limits of its field. If not, reports an error. `written` is the number in
+/// the file, and written * to_si is the number in SI units.
+bool is_within(const Field& field, double written, double to_si, const StageProperty& property,
                StageValues& values) {
+  const double value = written * to_si;
   if (value >= field.min && value <= field.max && !(field.above_min && value == field.min)) return true;
-  const double to_written = value == 0 ? 1 : written / value;
   values.error(values.where(property),
                fmt::format("\"{}\" must be {} {} and at most {}, found {}", values.key(property),
-                           field.above_min ? "above" : "at least", plain_number(field.min * to_written, 6),
-                           plain_number(field.max * to_written, 6), plain_number(written, 6)));
+                           field.above_min ? "above" : "at least", plain_number(field.min / to_si, 6),
+                           plain_number(field.max / to_si, 6), plain_number(written, 6)));
   return false;
 }
 
@@ -78,9 +78,7 @@ Value read_value(const StageProperty& property, const Field& field, double to_si
       return {};
     case FieldType::integer: {
       const auto number = values.integer(property);
-      if (!number ||
-          !is_within(field, static_cast<double>(*number), static_cast<double>(*number), property, values))
-        return {};
+      if (!number || !is_within(field, static_cast<double>(*number), 1, property, values)) return {};
       return *number;
     }
     case FieldType::text:
@@ -91,7 +89,7 @@ Value read_value(const StageProperty& property, const Field& field, double to_si
           values.tuple(property, field.columns, field.columns, field.columns == 2 ? "[a b]" : "[x y z]");
       if (!numbers) return {};
       for (double& number : *numbers) {
-        if (!is_within(field, number * to_si, number, property, values)) return {};
+        if (!is_within(field, number, to_si, property, values)) return {};
         number *= to_si;
       }
       return *numbers;
@@ -99,7 +97,7 @@ Value read_value(const StageProperty& property, const Field& field, double to_si
     default: break;
   }
   const auto number = values.number(property);
-  if (!number || !is_within(field, *number * to_si, *number, property, values)) return {};
+  if (!number || !is_within(field, *number, to_si, property, values)) return {};
   return *number * to_si;
 }
 
