@@ -49,8 +49,8 @@ struct LoadOptions {
   /// If not null: the object in which the loader stores a function that places the populations of this world
   /// again. The loader leaves the object unchanged if the world has no populations or has errors.
   PlaceAgain* place_again = nullptr;
-  /// If not null: the list to which the loader adds the keys of all base types of a JSON world, that is, of
-  /// the types that other types extend. A key is added once for each type that extends the base type.
+  /// If not null: the list to which the loader adds the names of all base types of a JSON world, that is, of
+  /// the types that other types extend. A name is added once for each type that extends the base type.
   std::vector<std::string>* base_types = nullptr;
 };
 

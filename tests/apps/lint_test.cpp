@@ -206,7 +206,7 @@ TEST_F(LintTest, ReportsDefinitionsThatAreNotUsed) {
     "other": {"size_m": [1, 1, 1]}}})");
   write("unused.json", R"({"types": {"third": {"size_m": [1, 1, 1]}}})");
   EXPECT_THAT(findings("w.json", R"({ "troupe": 1, "include": ["types.json", "unused.json"], "types": {
-    "middle": {"extends": "base"}, "bot": {"extends": "middle"}, "crate": {"size_m": [1, 1, 1]} },
+    "middle": {"name": "half", "extends": "base"}, "bot": {"extends": "middle"}, "crate": {"size_m": [1, 1, 1]} },
   "models": [ {"name": "r0", "type": "bot"} ] })"),
               ElementsAre("w.json:2: warning: type \"crate\" is never used",
                           "unused.json:1: warning: type \"third\" is never used", "w.json: 2 findings"));

@@ -302,14 +302,18 @@ void TypeMerger::resolve(JsonMember& type) {
                : fmt::format("expected the name of a type, found {}", value.describe()));
     return replace_wrong_base(type.node);
   }
-  if (bases_) bases_->push_back(base->key);
+  const std::string* base_name = text_of(base->node, "name");
+  if (bases_) bases_->push_back(base_name ? *base_name : base->key);
   open_.push_back(&type);
   resolve(*base);
   open_.pop_back();
   diagnostics_.inherits(inheritable(type), inheritable(*base));
   remove_key(*members_of(&type.node), "extends");
   JsonNode inherited = base->node;
-  if (Members* members = members_of(&inherited)) remove_key(*members, "name");
+  if (Members* members = members_of(&inherited)) {
+    remove_key(*members, "name");
+    if (type.node.find("kind")) remove_key(*members, "kind");
+  }
   merge(type.node, inherited);
 }
 

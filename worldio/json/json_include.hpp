@@ -24,13 +24,13 @@ void resolve_includes(JsonNode& world, const std::filesystem::path& file, Diagno
 /// - A key that the type has itself replaces the key of the base type. After merging, a key whose value is
 ///   null is removed, except `joint`, where null means that there is no joint.
 /// - If both values of a key are objects, they are merged key by key, unless both have a `kind` and the kinds
-///   differ. Nothing of the base object is inherited in that case. The same applies to two types whose own
-///   keys `kind` differ.
+///   differ. Nothing of the base object is inherited in that case. The key `kind` of a type itself, which
+///   names a model type of Stage, has no such effect.
 /// - In the lists `sensors`, `devices` and `parts`, entries of the same name are merged; others are appended.
 /// - A key of the type replaces an inherited key of the same quantity in another unit. `controller` replaces
 ///   an inherited `controllers`, and `controllers` an inherited `controller`. `name` is not inherited.
 /// Each node keeps its file and line. Reports an error for an unknown base type, and for types that extend
-/// each other in a circle. bases: if not null, the list to which the keys of all base types are added, each
+/// each other in a circle. bases: if not null, the list to which the names of all base types are added, each
 /// once for every type that extends the base type.
 void resolve_extends(JsonNode& world, Diagnostics& diagnostics, std::vector<std::string>* bases = nullptr);
 
