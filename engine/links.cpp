@@ -366,6 +366,8 @@ double Links::aim_joints(const TreeBody& body, std::size_t round, double t, doub
       const Mount axis = compose(compose(body.place, parent ? parent->then : Mount()), joint.at_rest);
       way += Vec2(to.x - q.x, to.y - q.y).norm() + std::abs(to.z - q.z) +
              std::abs(to.heading - q.heading) * (radius + way + axis.transform.position.norm());
+      // A turn at the origin of a body without obstacles has no lever, and is a motion all the same.
+      if (to != q) way = std::max(way, partition::k_rounding_m);
       q = t < 1 ? between(q, to, t) : to;
     }
     all[j].then = moved_by(joint, parent ? parent->then : Mount(), q);

@@ -82,8 +82,13 @@ MeasureSet::MeasureSet(World& world, const Registry& registry, std::span<const M
     parts_.push_back({kind, spec.params, std::move(robots)});
     columns_.push_back(std::move(column));
   }
-  seen_ = world_.tick();
+  note_present();
   see_all(world_, parts_, columns_, measures_);
+}
+
+void MeasureSet::note_present() {
+  seen_ = world_.tick();
+  seen_seed_ = world_.spec().seed;
 }
 
 void MeasureSet::begin() {
@@ -94,9 +99,10 @@ void MeasureSet::begin() {
 
 void MeasureSet::see() {
   world_.require_whole();
-  if (world_.tick() == seen_) return;
-  if (world_.tick() != seen_ + 1) begin();
-  seen_ = world_.tick();
+  const bool is_same_run = world_.spec().seed == seen_seed_;
+  if (is_same_run && world_.tick() == seen_) return;
+  if (!is_same_run || world_.tick() != seen_ + 1) begin();
+  note_present();
   see_all(world_, parts_, columns_, measures_);
 }
 

@@ -30,11 +30,11 @@ class MeasureSet {
 
   /// Names of the columns, with the SI unit as a suffix: `displacement_m`, `stalls:leaders`.
   std::span<const std::string> columns() const { return columns_; }
-  /// Updates the measures. Call this after every step. Does nothing if the tick of the world is that of the
-  /// last call (or of the constructor). If the tick is any other than the next one, for example after a
-  /// reset, all measures begin again with the present state. If a measure throws, throws a
-  /// std::runtime_error that names the tick and the measure; exceptions of foreign measures propagate
-  /// unchanged. Throws std::logic_error if the last step threw (World::require_whole()).
+  /// Updates the measures. Call this after every step. Does nothing if the tick and the seed of the world are
+  /// those of the last call (or of the constructor). If the tick is any other than the next one, or the seed
+  /// has changed, both of which happen in resets, all measures begin again with the present state. If a
+  /// measure throws, throws a std::runtime_error that names the tick and the measure; exceptions of foreign
+  /// measures propagate unchanged. Throws std::logic_error if the last step threw (World::require_whole()).
   void see();
   /// Values for the state of the last see(), one per column, in the SI units of the columns; NaN if a
   /// measure has no value. The world must still be in that state. Exceptions are those of see().
@@ -57,12 +57,14 @@ class MeasureSet {
     std::vector<Row> robots;
   };
   void begin();
+  void note_present();  // stores the tick and the seed of the world
 
   World& world_;
   std::vector<Part> parts_;
   std::vector<std::string> columns_;                // parallel to parts_
   std::vector<std::unique_ptr<Measure>> measures_;  // parallel to parts_
   std::uint64_t seen_ = 0;                          // tick of the last see()
+  std::uint64_t seen_seed_ = 0;                     // seed of the world then
 };
 
 /// Returns the rows of the robots (bodies with a drive) that the name `of` stands for, in order of ids,

@@ -47,6 +47,21 @@ TEST(Actuator, GoesToAPositionAtItsSpeedAndStops) {
   EXPECT_NEAR(world.outline(world.row(body)).last(4).front().x(), 0.2 + 0.75, k_near);
 }
 
+TEST(Actuator, TurnsAtTheOriginOfABodyThatIsNoObstacle) {
+  SceneBuilder scene;
+  const TypeId type = scene.type("base", {box(0.4, 0.4, 0.2)}, {.obstacle = false});
+  test::add_arm(scene[type], "turret", {}, {box(0.4, 0.1, 0.1)},
+                {{"type", "rotational"}, {"max_position", 3.0}, {"max_speed", 0.3}});
+  for (engine::PartSpec& part : scene[type].parts) part.returns.obstacle = false;
+  scene[type].controllers.push_back(test::operate({order(0.1, "turret", "go_to", 1)}));
+  const BodyId body = scene.body("b", type);
+  World world = scene.world();
+  step(world, 11);
+  EXPECT_NEAR(state(world, body).position, 0.3, 0.05);
+  step(world, 40);
+  EXPECT_NEAR(state(world, body).position, 1, k_near);
+}
+
 TEST(Actuator, ASpeedEndsAtTheLimits) {
   SceneBuilder scene;
   const BodyId body = scene.body("p", slide(scene, {order(0.1, "slide", "speed", -3)},

@@ -53,6 +53,30 @@ TEST_F(MeasuresOfASimulation, AreAskedForByName) {
   }
 }
 
+TEST_F(MeasuresOfASimulation, BeginAgainWithAnotherSeed) {
+  const auto world = [this](std::uint64_t seed) {
+    return Simulation(write("random.json", R"({"troupe": 1, "arena": {"size_m": [20, 20]}, "types": {
+          "bot": {"size_m": [0.2, 0.2, 0.2], "drive": {"kind": "diff"}}},
+          "populations": [{"name": "b", "type": "bot", "count": 5, "place": {"rule": "uniform"}}]})"),
+                      {.seed = seed});
+  };
+  Simulation fresh = world(2);
+  Simulation reset = world(1);
+  const std::vector<std::string> names{"spread", "coverage"};
+  Measures of_fresh(fresh, names);
+  Measures of_reset(reset, names);
+  EXPECT_NE(of_fresh.values(), of_reset.values());
+  reset.reset(2);
+  of_reset.see();
+  EXPECT_EQ(reset.state_hash(), fresh.state_hash());
+  EXPECT_EQ(of_reset.values(), of_fresh.values());
+  fresh.step();
+  reset.step();
+  of_fresh.see();
+  of_reset.see();
+  EXPECT_EQ(of_reset.values(), of_fresh.values());
+}
+
 TEST_F(MeasuresOfASimulation, AreThoseOfTheWorldElseAll) {
   Simulation asks = simulation(make_registry(), R"(["order", "stalls:a"])");
   EXPECT_THAT(Measures(asks).columns(), ElementsAre("order", "stalls:a"));
