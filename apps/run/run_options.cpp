@@ -98,7 +98,7 @@ Examples:
   troupe run worlds/hospital.json --for 60 --checkpoint h.h5 --wall-limit 10
   troupe resume h.h5 --for 60
   troupe resume h.h5 --for 120 --threads 1 --checkpoint h.h5 --checkpoint-every 10
-  troupe resume h.h5 --for 120 --set /types/1/drive/params/velocity_max_x_mps=0.2)",
+  troupe resume h.h5 --for 120 --set /types/2/drive/params/velocity_max_x_mps=0.2)",
                      changeable);
 }
 
