@@ -596,7 +596,8 @@ Hdf5Dataset Hdf5Group::create_dataset(const std::string& name, engine::Element e
   Hdf5Id made(H5Dcreate2(id_.get(), name.c_str(), file_type(element), space.get(), H5P_DEFAULT,
                          properties.get(), H5P_DEFAULT),
               H5Dclose);
-  if (!made.valid()) fail(fmt::format("cannot hold a new dataset {}: {}", name, reason()));
+  if (!made.valid())
+    fail_with(file_, fmt::format("the dataset {} cannot be created: {}", path_of(name), reason()));
   return {std::move(made), file_, path_of(name)};
 }
 
@@ -617,7 +618,8 @@ Hdf5Dataset Hdf5Group::create_extendible(const std::string& name, engine::Elemen
   Hdf5Id made(H5Dcreate2(id_.get(), name.c_str(), file_type(element), space.get(), H5P_DEFAULT,
                          properties.get(), H5P_DEFAULT),
               H5Dclose);
-  if (!made.valid()) fail(fmt::format("cannot hold a new dataset {}: {}", name, reason()));
+  if (!made.valid())
+    fail_with(file_, fmt::format("the dataset {} cannot be created: {}", path_of(name), reason()));
   return {std::move(made), file_, path_of(name)};
 }
 
@@ -641,7 +643,7 @@ void Hdf5Group::write_text(const std::string& name, std::string_view text) {
                     H5Dclose);
   const std::string padded = text.empty() ? std::string(1, '\0') : std::string(text);
   if (!made.valid() || H5Dwrite(made.get(), type.get(), H5S_ALL, H5S_ALL, H5P_DEFAULT, padded.data()) < 0)
-    fail(fmt::format("cannot hold a new dataset {}: {}", name, reason()));
+    fail_with(file_, fmt::format("the dataset {} cannot be created: {}", path_of(name), reason()));
 }
 
 void Hdf5Group::write_texts(const std::string& name, std::span<const std::string> texts) {
@@ -658,7 +660,7 @@ void Hdf5Group::write_texts(const std::string& name, std::span<const std::string
                     H5Dclose);
   if (!made.valid() ||
       (!texts.empty() && H5Dwrite(made.get(), type.get(), H5S_ALL, H5S_ALL, H5P_DEFAULT, padded.data()) < 0))
-    fail(fmt::format("cannot hold a new dataset {}: {}", name, reason()));
+    fail_with(file_, fmt::format("the dataset {} cannot be created: {}", path_of(name), reason()));
 }
 
 std::vector<std::string> Hdf5Group::read_texts(const std::string& name) const {
@@ -750,9 +752,9 @@ Hdf5File Hdf5File::open_to_write(const fs::path& file) { return opened(file, H5F
 void Hdf5File::start_swmr() {
   const LibraryCall call;
   if (H5Fstart_swmr_write(id_.get()) < 0)
-    fail_with(file_,
-              fmt::format("other programs cannot read the file while it is written (SWMR mode of HDF5): {}",
-                          reason()));
+    fail_with(file_, fmt::format("the SWMR mode of HDF5, in which other programs can read the file while it "
+                                 "is written, cannot be started: {}",
+                                 reason()));
 }
 
 void Hdf5File::flush() {
