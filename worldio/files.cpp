@@ -18,7 +18,7 @@ Result<> check_readable(const std::filesystem::path& file, std::uintmax_t most_b
   struct stat status {};
   if (stat(file.c_str(), &status) != 0)
     return errno == ENOENT || errno == ENOTDIR ? Error{"there is no such file"} : system_reason();
-  if (S_ISDIR(status.st_mode)) return Error{"this is a folder"};
+  if (S_ISDIR(status.st_mode)) return Error{"this is a folder, not a file"};
   if (S_ISFIFO(status.st_mode)) return Error{"this is a pipe, not a regular file"};
   if (S_ISSOCK(status.st_mode)) return Error{"this is a socket, not a regular file"};
   if (!S_ISREG(status.st_mode)) return Error{"this is a device, not a regular file"};

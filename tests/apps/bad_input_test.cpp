@@ -80,7 +80,7 @@ std::vector<BadInput> stage_inputs() {
        "bad.world",
        robot,
        "bad.world: ",
-       "--robots needs a world with populations",
+       "the number of robots can be set only in a world with populations",
        {"--robots", "5"}},
   };
 }

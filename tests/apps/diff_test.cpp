@@ -173,7 +173,7 @@ TEST_F(Diff, FilesThatCannotBeReadAreErrors) {
   EXPECT_EQ(missing.err, "none.log: error: there is no such file\n");
   const Outcome folder = troupe({"diff", ".", "a.log"});
   EXPECT_EQ(folder.code, 2);
-  EXPECT_EQ(folder.err, ".: error: this is a folder\n");
+  EXPECT_EQ(folder.err, ".: error: this is a folder, not a file\n");
 }
 
 TEST_F(Diff, TakesWhatARunWrites) {

@@ -193,7 +193,7 @@ TEST_F(Info, OtherFilesAreNoneOfOurs) {
   for (const char* name : {"notes", "empty", "other.json", "list.json", "bytes", "other.csv"})
     EXPECT_THAT(error_of(name), StartsWith(name + what)) << name;
   EXPECT_EQ(error_of("nowhere"), "nowhere: error: there is no such file\n");
-  EXPECT_EQ(error_of("."), ".: error: this is a folder\n");
+  EXPECT_EQ(error_of("."), ".: error: this is a folder, not a file\n");
 }
 
 TEST_F(Info, HelpSaysWhatItTakes) {

@@ -219,9 +219,11 @@ TEST_F(LintTest, ReportsDefinitionsThatAreNotUsed) {
                "define bot position( nut( pose [0 0 0 0] ) )\n"
                "define fast bot( velocity_bounds [-9 9 -9 9 -9 9 -90 90] )\n"
                "define slow bot( velocity_bounds [-1 1 -1 1 -1 1 -90 90] )\nslow()\n"),
-      ElementsAre("w.world:4: warning: macro \"fast\" is never used",
-                  "parts.inc: warning: nothing of this included file is used; the file defines 2 macros",
-                  "w.world: 2 findings"));
+      ElementsAre(
+          "w.world:4: warning: macro \"fast\" is never used",
+          "parts.inc: warning: nothing of this included file is used; the file defines 2 macros: remove the "
+          "include",
+          "w.world: 2 findings"));
 }
 
 TEST_F(LintTest, ReportsAFindingOfABaseTypeOnce) {

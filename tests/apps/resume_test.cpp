@@ -241,7 +241,7 @@ TEST_F(Resume, ChangesWhatIsSet) {
   const Outcome outcome = troupe({"resume", "c.h5", "--for", "2", "--set", "/tick_s=0.2"});
   EXPECT_EQ(outcome.code, 2);
   EXPECT_THAT(outcome.err, StartsWith("--set /tick_s: error: this value of the world in a checkpoint cannot "
-                                      "be changed; --set can change only "));
+                                      "be changed; these values can: "));
 }
 
 TEST_F(Resume, BadInputIsOneMessageAndWritesNothing) {

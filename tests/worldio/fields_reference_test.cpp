@@ -79,9 +79,9 @@ TEST(WorldFormatReference, AMissingHeadingOrTableIsAnError) {
     }
     return {};
   };
-  EXPECT_EQ(error("# Page\n"), "the page has no heading ## One");
+  EXPECT_EQ(error("# Page\n"), "the documentation page has no heading \"## One\"");
   EXPECT_EQ(error("# Page\n\n## One\n\n| key |\n\n## Two\n\n| key |\n"),
-            "too few tables below the heading ## One");
+            "the documentation page has too few tables below the heading \"## One\"");
   EXPECT_EQ(with_key_tables("# Page\n\n## One\n\nText\n\n| key |\n|---|\n| old |\n\nMore\n\n| key |\nold\n",
                             tables),
             "# Page\n\n## One\n\nText\n\n| key |\n|---|\n| new |\n\nMore\n\n| key |\n");

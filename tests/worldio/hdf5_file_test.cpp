@@ -224,7 +224,7 @@ TEST_F(Hdf5, ErrorsNameTheFileAndTheReason) {
   EXPECT_THAT(error_of([&] { file.dataset("w"); }), HasSubstr("a.h5: error: there is no dataset /w"));
   EXPECT_THAT(error_of([&] { file.group("v"); }), HasSubstr("there is no group /v"));
   EXPECT_THAT(error_of([&] { file.dataset("v").read<double>(); }),
-              HasSubstr("/v holds values of type float32, but type float64 was requested"));
+              HasSubstr("/v holds values of type float32, but must hold type float64"));
   std::vector<float> four(4);
   EXPECT_THAT(
       error_of([&] { file.dataset("v").read_rows(0, std::span<float>(four)); }),

@@ -134,15 +134,20 @@ TEST(JsonDocument, SetSaysWhatIsWrong) {
   EXPECT_THAT(
       findings(diagnostics),
       ElementsAre(
-          "--set : error: this is not a JSON pointer: write it as in --set /populations/0/count=500",
-          "--set count: error: this is not a JSON pointer: write it as in --set /populations/0/count=500",
+          "--set : error: this is not a JSON pointer: it must begin with /, as in /populations/0/count, and "
+          "contain ~ only as ~0 or ~1",
+          "--set count: error: this is not a JSON pointer: it must begin with /, as in /populations/0/count, "
+          "and "
+          "contain ~ only as ~0 or ~1",
           "--set /list/1/name: error: /list has 1 entries, counted from 0: there is no /list/1",
           "--set /list/2: error: /list has 1 entries, counted from 0: there is no /list/2",
           "--set /list/x: error: /list is a list: \"x\" is neither an index nor \"-\", which appends an "
           "entry",
           "--set /lst/0: error: the world has no key \"lst\" (did you mean \"list\"?)",
-          "--set /count/x: error: /count is the number 3, not an object or a list",
-          "--set /a~2: error: this is not a JSON pointer: write it as in --set /populations/0/count=500"));
+          "--set /count/x: error: /count is the number 3, not an object or a list: there is no /count/x",
+          "--set /a~2: error: this is not a JSON pointer: it must begin with /, as in /populations/0/count, "
+          "and "
+          "contain ~ only as ~0 or ~1"));
 }
 
 }  // namespace

@@ -190,7 +190,8 @@ TEST(JsonWorld, ModelsMayHaveNumbersForFinders) {
       ElementsAre("maze.json:3: error: /models/0/fiducial_return: must not be 0: give the model a type "
                   "without \"fiducial_return\" instead",
                   "maze.json:4: error: /models/1/fiducial_return: a model can have its own "
-                  "\"fiducial_return\" only if its type has one that is not 0"));
+                  "\"fiducial_return\" only if its type has one: give the type \"plain\" a "
+                  "\"fiducial_return\" that is not 0"));
 }
 
 TEST(JsonWorld, SettingsAndUnits) {
@@ -599,7 +600,8 @@ INSTANTIATE_TEST_SUITE_P(
             R"(maze.json:11: error: /types/crate/blocks/0: "z_m" must be [min, max] with min below max, found 1 and 1)"},
         Wrong{R"("size_m": [1, 1, 1])",
               R"("blocks": [{"points_m": [[0, 0], [1, 0.1], [2, 0.2]], "z_m": [0, 1]}])",
-              "maze.json:11: error: /types/crate/blocks/0/points_m: the outline has no area"},
+              "maze.json:11: error: /types/crate/blocks/0/points_m: the outline has no area: all its points "
+              "lie on one line"},
         Wrong{R"("size_m": [1, 1, 1])",
               R"("blocks": [{"points_m": [[0, 0], [1, 1], [1, 0], [0, 1]], "z_m": [0, 1]}])",
               "maze.json:11: error: /types/crate/blocks/0/points_m: the outline crosses or touches itself: "
@@ -755,7 +757,8 @@ TEST(JsonWorld, OutlineFaults) {
   EXPECT_EQ(
       check_outline({{0, 0}, {2, 0}, {2, 1}, {0, 0}}).error().text,
       "the last point repeats the first: omit the last point, because outlines are closed automatically");
-  EXPECT_EQ(check_outline({{0.1, 0.1}, {0.2, 0.2}, {0.7, 0.7}}).error().text, "the outline has no area");
+  EXPECT_EQ(check_outline({{0.1, 0.1}, {0.2, 0.2}, {0.7, 0.7}}).error().text,
+            "the outline has no area: all its points lie on one line");
   EXPECT_EQ(check_outline({{0, 0}, {2, 0}, {2, 2}, {3, 2}, {1, 2}}).error().text,
             "the outline turns back on itself at point 3, counted from 0: remove this point");
   EXPECT_EQ(
@@ -831,9 +834,8 @@ TEST(JsonWorld, RobotsSetAPopulation) {
   EXPECT_EQ(load(changed("\"count\": 4,", ""), {{"", 9}}).spec.bodies.size(), 2u + 9);
   EXPECT_EQ(load(two, {{"s", 3}}).spec.bodies.size(), 2u + 4 + 3);
   EXPECT_EQ(load(two, {{"s", 3}, {"r", 0}}).spec.bodies.size(), 2u + 3);
-  EXPECT_THAT(
-      load(two, {{"", 3}}).found,
-      ElementsAre("--robots 3: error: the world has 2 populations: give NAME=COUNT, with NAME one of r, s"));
+  EXPECT_THAT(load(two, {{"", 3}}).found, ElementsAre("--robots 3: error: the world has 2 populations: name "
+                                                      "the one whose number of robots is set; known: r, s"));
   EXPECT_THAT(load(two, {{"t", 3}}).found,
               ElementsAre("--robots t=3: error: unknown population \"t\"; known: r, s"));
   EXPECT_THAT(

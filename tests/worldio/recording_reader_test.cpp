@@ -69,8 +69,9 @@ TEST_F(Reader, CountsWholeFramesOnly) {
 
 TEST_F(Reader, RefusesWhatIsNoRecording) {
   EXPECT_THAT(error_of({.kind = "troupe checkpoint"}), HasSubstr("the file is not a recording"));
-  EXPECT_THAT(error_of({.layout = 2}),
-              HasSubstr("/meta has layout 2, of another version of Troupe; this program reads layout 1"));
+  EXPECT_THAT(
+      error_of({.layout = 2}),
+      HasSubstr("/meta has layout 2, which another version of Troupe wrote; this program reads layout 1"));
   { Hdf5File::create(file_).create_group("data"); }
   EXPECT_THROW(RecordingReader reader(file_), Hdf5Error);
 }

@@ -296,8 +296,8 @@ TEST(SpecJson, RefusesOtherChangesAndWrongValues) {
   const StoredSpec stored = store_spec(full_spec(), make_registry());
   const std::vector<std::pair<Changes::value_type, std::string>> cases{
       {{"/tick_s", "1"},
-       "--set /tick_s: error: this value of the world in a checkpoint cannot be changed; --set can change "
-       "only /seed, "},
+       "--set /tick_s: error: this value of the world in a checkpoint cannot be changed; these values "
+       "can: /seed, "},
       {{"/types/1/parts/0/obstacle", "true"}, "cannot be changed"},
       {{"/types/1/drive", "{}"}, "cannot be changed"},
       {{"/types/1/drive/params", "{}"}, "cannot be changed"},

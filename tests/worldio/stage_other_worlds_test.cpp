@@ -83,10 +83,10 @@ TEST_F(StageOtherWorlds, TypesOfOlderVersionsAreCalledSo) {
   const std::vector<std::string> found = messages();
   ASSERT_THAT(found, SizeIs(3));
   EXPECT_THAT(found[0], HasSubstr("w.world:1: error: \"charger\" is neither a model type nor a macro defined "
-                                  "above: Stage had it before version 4.3; types: actuator, "));
+                                  "above (Stage has had no such type since version 4.3); types: actuator, "));
   EXPECT_THAT(found[1],
               HasSubstr("w.world:3: error: \"puck\" is neither a model type nor a macro defined above: "
-                        "Stage had it before version 4.3"));
+                        "(Stage has had no such type since version 4.3)"));
   EXPECT_THAT(found[2],
               HasSubstr("w.world:4: error: \"map\" is neither a model type nor a macro defined above; "));
   // As macros, which is how worlds for 4.3 have them, they are like any other.

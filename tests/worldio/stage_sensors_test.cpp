@@ -148,10 +148,8 @@ TEST_F(StageSensors, BumpersHaveALengthInCommonOrTheirOwn) {
 
 TEST_F(StageSensors, WrongBumpersAreErrors) {
   device("bumper( size [0.1 0.1 0.1] bcount 2 blength[0] 0.3 )");
-  EXPECT_THAT(
-      messages(),
-      ElementsAre(
-          "w.world:1: error: bumper 1 has no length: give \"blength\", for all bumpers, or \"blength[1]\""));
+  EXPECT_THAT(messages(), ElementsAre("w.world:1: error: bumper 1 (counted from 0) has no length: give "
+                                      "\"blength\", for all bumpers, or \"blength[1]\""));
   device("bumper( size [0.1 0.1 0.1] bcount 0 )");
   EXPECT_THAT(messages(), ElementsAre("w.world:1: error: \"bcount\" must be from 1 to 1000, found 0"));
   device("bumper( size [0.1 0.1 0.1] )");
@@ -197,7 +195,8 @@ TEST_F(StageSensors, NoiseIsAVarianceAShareAndAPartOfTheAngleBetweenBeams) {
   EXPECT_TRUE(params.intensity);
   device("ranger( sensor( noise [-1 0 0] ) )");
   EXPECT_THAT(messages(),
-              ElementsAre("w.world:1: error: \"noise\" needs values of 0 or above: [variance share angle]"));
+              ElementsAre("w.world:1: error: \"noise\" needs values of 0 or above, [variance share angle], "
+                          "found [-1 0 0]"));
 }
 
 }  // namespace

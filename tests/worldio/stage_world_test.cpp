@@ -191,8 +191,8 @@ TEST_F(StageWorld, PopulationsAreForJson) {
   EXPECT_THAT(
       messages(),
       ElementsAre(
-          "w.world: error: --robots needs a world with populations; a .world file lists its robots one "
-          "by one"));
+          "w.world: error: the number of robots can be set only in a world with populations; a .world file "
+          "lists its robots one by one"));
 }
 
 TEST_F(StageWorld, PointersReachIntoWhatItBecomesInJson) {
@@ -318,7 +318,7 @@ TEST_F(StageWorld, WarnsOfDoubtfulBlocks) {
                   "w.world:1: warning: 2 of the 4 corners \"point[k]\" are not given; as in Stage, they are "
                   "at [0 0]",
                   "w.world:1: warning: this block has no height; give it the property \"z\", [min max]",
-                  "w.world:3: warning: this block has no area"));
+                  "w.world:3: warning: this block has no area: check its corners, \"point[k]\""));
 }
 
 TEST_F(StageWorld, IgnoresPointsBelowTheFirst) {
@@ -806,7 +806,7 @@ TEST_F(StageWorld, RefusesWrongLocalisation) {
                           "w.world:2: error: \"odom_error\" needs 4 values [x y z a], found 3",
                           "w.world:3: error: \"odom_heading\" must be \"old\" or \"new\", found \"newer\"",
                           "w.world:4: error: in \"acceleration_bounds\", each minimum must be at most the "
-                          "maximum that follows it",
+                          "maximum that follows it, found 1 and -1",
                           "w.world:5: error: \"velocity\" needs 4 values [x y z a], found 3"));
 }
 
@@ -816,7 +816,7 @@ TEST_F(StageWorld, RefusesWrongDrives) {
       messages(),
       ElementsAre("w.world:1: error: unknown drive \"onmi\"; known: car, diff, omni (did you mean \"omni\"?)",
                   "w.world:2: error: in \"velocity_bounds\", each minimum must be at most the "
-                  "maximum that follows it",
+                  "maximum that follows it, found 1 and -1",
                   "w.world:3: error: \"wheelbase\" must be above 0, found 0"));
 }
 
@@ -885,7 +885,7 @@ TEST_F(StageWorld, RefusesWrongArguments) {
       ElementsAre(
           "w.world:1: error: \"ctrl\" is empty; it must name a controller: expand, expand_pioneer, "
           "expand_swarm, script, source, wander",
-          "w.world:2: error: controller \"wander\" takes at most 5 arguments",
+          "w.world:2: error: controller \"wander\" takes at most 5 arguments: remove \"6\"",
           "w.world:3: error: controller \"expand\" has no parameter \"spede\"; known: speed, gain, "
           "clearance, "
           "clearances, cone, invert, hold_on_axis (did you mean \"speed\"?)",

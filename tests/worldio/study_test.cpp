@@ -161,9 +161,9 @@ TEST_F(StudyFile, SaysWhatIsWrongAndWhere) {
   EXPECT_THAT(wrong(R"("parameters": [{"set": "/x", "values": [1], "uniform": [1, 2]}])"),
               testing::Contains(HasSubstr("not both")));
   EXPECT_THAT(wrong(R"("parameters": [{"set": "/seed", "values": [1]}])"),
-              ElementsAre(HasSubstr("the table of results has another column \"seed\"")));
+              ElementsAre(HasSubstr("the table of results already has a column \"seed\"")));
   EXPECT_THAT(wrong(R"("parameters": [{"set": "/x", "values": [1]}, {"set": "/x", "values": [2]}])"),
-              ElementsAre(HasSubstr("/parameters/1: the table of results has another column \"x\"")));
+              ElementsAre(HasSubstr("/parameters/1: the table of results already has a column \"x\"")));
   EXPECT_THAT(wrong(R"("measures": ["coverag"])"), ElementsAre(HasSubstr("did you mean \"coverage\"?")));
   EXPECT_THAT(wrong(R"("statistics": ["median"])"), ElementsAre(HasSubstr("known: last, max, mean, min")));
   EXPECT_THAT(wrong(R"("statistics": ["mean", "mean"])"), ElementsAre(HasSubstr("already in the list")));

@@ -64,8 +64,8 @@ std::string encode(const Rows& image, const std::vector<std::pair<std::string, s
   if (image.width < 1 || image.height < 1 ||
       image.bytes.size() != image.pixel_bytes * static_cast<std::size_t>(image.width) * image.height) {
     throw std::runtime_error(
-        fmt::format("the image has {} x {} pixels and {} bytes; needed are at least 1 x 1 pixels and exactly "
-                    "{} bytes per pixel",
+        fmt::format("the image has {} x {} pixels and {} bytes; expected at least 1 x 1 pixels and "
+                    "exactly {} bytes per pixel",
                     image.width, image.height, image.bytes.size(), image.pixel_bytes));
   }
   std::vector<png_text> texts;

@@ -20,8 +20,10 @@ using engine::PartSpec;
 template <class Kind>
 const Kind& known(const Kind* kind, const std::string& name) {
   if (!kind)
-    throw std::runtime_error(fmt::format(
-        "the world uses the kind \"{}\", which is neither built in nor defined by a loaded plug-in", name));
+    throw std::runtime_error(
+        fmt::format("the world uses the kind \"{}\", which is neither built in nor defined by a loaded "
+                    "plug-in: load its plug-in first",
+                    name));
   return *kind;
 }
 

@@ -184,7 +184,7 @@ Result<> TypeExpander::put_on(engine::DeviceSpec& device, const std::string& on)
   }
   if (known.empty())
     return Error{
-        fmt::format("\"{}\" is not a device with a joint: no device before this one has a joint", on)};
+        fmt::format("\"{}\" is not a device with a joint: list a device with a joint before this one", on)};
   return Error{unknown_name("device with a joint", on, known)};
 }
 
@@ -288,10 +288,10 @@ void TypeExpander::order_devices(const TypeDocument& document, const DocumentPat
     const auto found = std::ranges::find(type_.devices, name, &engine::DeviceSpec::name);
     if (found == type_.devices.end()) {
       DocumentPath(at, "device_order", document.where_of("device_order"))
-          .error(
-              fmt::format("\"{}\" is not a device of the type, or is named twice: name every device of the "
-                          "type exactly once",
-                          name));
+          .error(fmt::format("\"{}\" {}: name every device of the type exactly once", name,
+                             std::ranges::find(ordered, name, &engine::DeviceSpec::name) != ordered.end()
+                                 ? "is named twice"
+                                 : "is not a device of the type"));
       return;
     }
     ordered.push_back(std::move(*found));

@@ -251,7 +251,9 @@ void WorldExpander::expand_model(const ModelDocument& document, const DocumentPa
   for (std::size_t i = 0; i < document.global_parts.size(); ++i) {
     const std::string& name = document.global_parts[i];
     if (std::ranges::find(parts, name, &engine::PartSpec::name) == parts.end())
-      DocumentPath(global, i, global.where()).error(fmt::format("the model has no part \"{}\"", name));
+      DocumentPath(global, i, global.where())
+          .error(fmt::format("the type \"{}\" of this model has no part \"{}\"",
+                             spec_.types[model.body.type.index()].name, name));
   }
   model.global_parts = document.global_parts;
   if (!document.reserve_of.empty()) model.reserve_of = document.reserve_of;
@@ -259,7 +261,9 @@ void WorldExpander::expand_model(const ModelDocument& document, const DocumentPa
     model.body.fiducial = *document.fiducial_return;
     if (model.body.fiducial != 0 && !parts.empty() && parts.front().returns.fiducial == 0)
       DocumentPath(at, "fiducial_return", document.where_of("fiducial_return"))
-          .error("a model can have its own \"fiducial_return\" only if its type has one that is not 0");
+          .error(fmt::format("a model can have its own \"fiducial_return\" only if its type has one: give "
+                             "the type \"{}\" a \"fiducial_return\" that is not 0",
+                             spec_.types[model.body.type.index()].name));
   }
   models_.push_back(std::move(model));
 }
@@ -500,8 +504,10 @@ std::optional<std::size_t> population_index(const JsonNode& document, const std:
   }
   if (name.empty()) {
     if (names.size() == 1) return 0;
-    diagnostics.error(where, fmt::format("the world has {} populations: give NAME=COUNT, with NAME one of {}",
-                                         names.size(), comma_list(names)));
+    diagnostics.error(
+        where,
+        fmt::format("the world has {} populations: name the one whose number of robots is set; known: {}",
+                    names.size(), comma_list(names)));
     return std::nullopt;
   }
   const auto found = std::ranges::find(names, name);

@@ -139,7 +139,7 @@ Record SettingExpander::expand_drive(const JsonCursor& at, const engine::TypeSpe
   JsonObject object(at);
   const engine::DriveKind* kind = type.drive ? registry_.drive(type.drive->kind) : nullptr;
   if (kind) return read_some(object, kind->params);
-  at.error(fmt::format("type \"{}\" has no drive", key));
+  at.error(fmt::format("type \"{}\" has no drive whose parameters could be set: remove this key", key));
   return {};
 }
 
@@ -341,7 +341,8 @@ std::optional<SettingSpec> read_setting(std::string_view type, std::string_view 
   const std::size_t before = diagnostics.findings().size();
   const JsonCursor at(*node, diagnostics);
   if (node->find("type"))
-    at.error("unknown key \"type\": the type is named by another argument, not in this JSON text");
+    at.error(
+        "unknown key \"type\": another argument already names the type; remove the key from this JSON text");
   if (auto* object = std::get_if<JsonNode::Object>(&node->value))
     add_member(*object, "type", std::string(type));
   const auto document = read_document<SettingDocument>(at, {registry, LoadOptions().most_bodies});

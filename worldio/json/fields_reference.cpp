@@ -357,13 +357,16 @@ std::string with_key_tables(const std::string& page, const std::vector<KeyTable>
   for (const KeyTable& table : tables) {
     if (table.heading != heading) {
       at = made.find(fmt::format("\n{}\n", table.heading));
-      if (at == made.npos) throw std::runtime_error(fmt::format("the page has no heading {}", table.heading));
+      if (at == made.npos)
+        throw std::runtime_error(fmt::format("the documentation page has no heading \"{}\"", table.heading));
       ++at;
     }
     heading = table.heading;
     const std::size_t next = made.find("\n#", at + (made[at] == '#' ? 1 : 0));
     const std::size_t begin = made.find("\n| key", at);
-    if (begin >= next) throw std::runtime_error(fmt::format("too few tables below the heading {}", heading));
+    if (begin >= next)
+      throw std::runtime_error(
+          fmt::format("the documentation page has too few tables below the heading \"{}\"", heading));
     const std::size_t end = std::min(made.find("\n\n", begin), made.size() - 1);
     made.replace(begin + 1, end - begin, table.markdown);
     at = begin + 1 + table.markdown.size();

@@ -247,7 +247,9 @@ void set_json_value(JsonNode& document, const std::string& pointer, const std::s
   const Where where{diagnostics.files()->add("--set " + pointer), 0};
   const auto tokens = pointer_tokens(pointer);
   if (!tokens) {
-    diagnostics.error(where, "this is not a JSON pointer: write it as in --set /populations/0/count=500");
+    diagnostics.error(where,
+                      "this is not a JSON pointer: it must begin with /, as in /populations/0/count, and "
+                      "contain ~ only as ~0 or ~1");
     return;
   }
 
@@ -294,7 +296,8 @@ void set_json_value(JsonNode& document, const std::string& pointer, const std::s
       }
       at = member ? member : &members->emplace_back(JsonMember{token, where, {}}).node;
     } else {
-      diagnostics.error(where, fmt::format("{} is {}, not an object or a list", parent, at->describe()));
+      diagnostics.error(where, fmt::format("{} is {}, not an object or a list: there is no {}", parent,
+                                           at->describe(), path));
       return;
     }
   }

@@ -206,7 +206,7 @@ Result<> check_outline(const Ring& ring) {
   if (std::ranges::all_of(ring, [&](const Vec2& p) {
         return std::abs(cross(ring[1] - ring[0], p - ring[0])) <= k_flat * widest * widest;
       }))
-    return Error{"the outline has no area"};
+    return Error{"the outline has no area: all its points lie on one line"};
   for (std::size_t i = 0; i < n; ++i)
     if (turn(at(i), at(i + 1), at(i + 2)) == 0 && (at(i + 1) - at(i)).dot(at(i + 2) - at(i + 1)) < 0)
       return Error{fmt::format(

@@ -133,8 +133,8 @@ bool ObjectReader::applies(const DocumentKey& key) const {
 void ObjectReader::read_key(const DocumentKey& key) {
   if (key.is_resolved) {  // finding it makes it a known key
     if (keys_.find(key.field.name))
-      at_.error(
-          fmt::format("\"{}\" cannot be set with --set: write this key in the world file", key.field.name));
+      at_.error(fmt::format("\"{}\" cannot be set from outside the world file: write this key in the file",
+                            key.field.name));
     return;
   }
   switch (key.form) {

@@ -27,7 +27,7 @@ std::string line_of(const Json& json) {
   try {
     return json.dump();
   } catch (const Json::type_error&) {
-    throw std::invalid_argument("a name that is not UTF-8 cannot be written to a session");
+    throw std::invalid_argument("a name is not UTF-8, which the JSON lines of a session require");
   }
 }
 

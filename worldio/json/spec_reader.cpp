@@ -365,7 +365,7 @@ engine::WorldSpec restore_spec(const StoredSpec& stored, const engine::Registry&
     else
       diagnostics.error(
           {diagnostics.files()->add("--set " + pointer), 0},
-          fmt::format("this value of the world in a checkpoint cannot be changed; --set can change only {}",
+          fmt::format("this value of the world in a checkpoint cannot be changed; these values can: {}",
                       k_changeable));
   }
   if (diagnostics.has_errors()) return {};

@@ -287,7 +287,7 @@ std::string spec_to_json(const engine::WorldSpec& spec, const engine::Registry& 
   try {
     return json.dump();
   } catch (const Json::type_error&) {
-    throw std::runtime_error("a parameter of the world has a text that is not UTF-8, which JSON requires");
+    throw std::runtime_error("a text among the parameters of the world is not UTF-8, which JSON requires");
   }
 }
 

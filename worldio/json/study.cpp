@@ -201,9 +201,9 @@ void StudyReader::read_parameter(const JsonCursor& at) {
   if (!parameter.name.empty() &&
       (std::ranges::find(before, parameter.name, &Study::Parameter::name) != before.end() ||
        std::ranges::find(k_taken, parameter.name) != k_taken.end()))
-    at.error(fmt::format(
-        "the table of results has another column \"{}\": give this parameter a different \"name\"",
-        parameter.name));
+    at.error(
+        fmt::format("the table of results already has a column \"{}\": give this parameter another \"name\"",
+                    parameter.name));
   study_.choices.push_back(read_choice(object));
   object.finish();
   study_.parameters.push_back(std::move(parameter));
@@ -265,14 +265,18 @@ Choice StudyReader::read_interval(const JsonCursor& at, Kind kind) {
   const auto is_whole = [](double x) { return x == static_cast<double>(static_cast<std::int64_t>(x)); };
   constexpr double k_exact = 9e15;
   if (!(choice.low < choice.high))
-    at.error("the first number must be below the second");
+    at.error(fmt::format("the first number must be below the second, found {} and {}",
+                         plain_number(choice.low), plain_number(choice.high)));
   else if (!std::isfinite(choice.high - choice.low))
     at.error("the numbers differ by more than 1.8e308, the largest number that can be represented");
   else if (kind == Kind::log_uniform && choice.low <= 0)
-    at.error("both numbers must be above 0");
+    at.error(fmt::format("both numbers must be above 0, found {} and {}", plain_number(choice.low),
+                         plain_number(choice.high)));
   else if (kind == Kind::integers && (std::max(-choice.low, choice.high) > k_exact || !is_whole(choice.low) ||
                                       !is_whole(choice.high) || choice.high - choice.low > k_most))
-    at.error("expected two whole numbers from -9e15 to 9e15 that differ by at most 2^31 - 1");
+    at.error(fmt::format(
+        "expected two whole numbers from -9e15 to 9e15 that differ by at most 2^31 - 1, found {} and {}",
+        plain_number(choice.low), plain_number(choice.high)));
   return choice;
 }
 

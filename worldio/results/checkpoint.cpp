@@ -166,8 +166,8 @@ void read_table(const Hdf5Group& group, StateTable& table) {
     if (dataset.extent() != std::vector<std::size_t>{rows.size(), field.columns} ||
         dataset.element() != field.element)
       dataset.fail(
-          fmt::format("has {} values of type {} per body, but the world has {} of type {}: --set must not "
-                      "change the number or type of the values in the state",
+          fmt::format("has {} values of type {} per body, but the world has {} of type {}: a changed "
+                      "value of the world must not change the number or type of the values in the state",
                       dataset.row_values(), engine::element_name(dataset.element()), field.columns,
                       engine::element_name(field.element)));
     const std::size_t width = bytes_of(field);
@@ -177,7 +177,10 @@ void read_table(const Hdf5Group& group, StateTable& table) {
     for (std::size_t i = 0; i < rows.size(); ++i)
       std::memcpy(table.cell<std::byte>(rows[i], f).data(), values.data() + i * width, width);
   }
-  if (names.size() != known) group.fail("does not have the same fields as the world");
+  if (names.size() != known)
+    group.fail(
+        "does not have the same fields as the world: the file is damaged, or another version of Troupe or of "
+        "a plug-in wrote it");
 }
 
 std::uint64_t hash_of(const std::string& text) {
@@ -275,7 +278,7 @@ Memories Checkpoint::memories() const {
     for (const std::string& name : group.names()) {
       const Hdf5Dataset dataset = group.dataset(name);
       if (dataset.element() != Element::u8)
-        dataset.fail("must consist of bytes, because it is the memory of an observer");
+        dataset.fail("must consist of bytes, the memory of an observer: the file is damaged");
       std::vector<std::byte>& memory = memories[dataset.text("name")];
       memory.resize(dataset.values());
       dataset.read_bytes(0, memory);
@@ -295,10 +298,10 @@ void Checkpoint::restore(engine::World& world) const {
     }
     const auto fill = [this](std::span<StateTable> tables) { restore_tables(tables); };
     if (!world.restore(tick_, counters_, state_hash_, fill))
-      throw InputError(
-          fmt::format("{}: error: the hash of the state is not {}, its value when the state was saved: the "
-                      "file is damaged, or this program reads it differently from the program that wrote it",
-                      file_.string(), hex(state_hash_)));
+      throw InputError(fmt::format(
+          "{}: error: the restored state does not have the hash {} that was saved with it: the file "
+          "is damaged, or another version of Troupe or of a plug-in wrote it",
+          file_.string(), hex(state_hash_)));
   });
 }
 

@@ -80,7 +80,7 @@ void start_library() {
            H5Tregister(H5T_PERS_SOFT, "troupe: text to reference", text_type(H5T_VARIABLE).get(),
                        reference_type().get(), convert_to_reference) >= 0;
   }();
-  if (!started) throw Hdf5Error("the HDF5 library cannot be initialised");
+  if (!started) throw Hdf5Error("the HDF5 library cannot be initialised: check how HDF5 is installed");
 }
 
 /// Properties for looking up names that make a link into another file an error. Otherwise a file of unknown
@@ -355,7 +355,7 @@ Hdf5Id Hdf5Object::open_attribute(const std::string& name) const {
   check(attribute.get(), "read");
   const Hdf5Id space(H5Aget_space(attribute.get()), H5Sclose);
   if (H5Sget_simple_extent_npoints(space.get()) != 1)
-    fail(fmt::format("has an attribute \"{}\" that is not a single value", name));
+    fail(fmt::format("has an attribute \"{}\" that is not a single value: the file is damaged", name));
   return attribute;
 }
 
@@ -364,7 +364,7 @@ std::string Hdf5Object::text(const std::string& name) const {
   const Hdf5Id attribute = open_attribute(name);
   const Hdf5Id type(H5Aget_type(attribute.get()), H5Tclose);
   if (H5Tget_class(type.get()) != H5T_STRING)
-    fail(fmt::format("has an attribute \"{}\" that is not a text", name));
+    fail(fmt::format("has an attribute \"{}\" that is not a text: the file is damaged", name));
   if (H5Tis_variable_str(type.get()) > 0) return variable_text(attribute.get(), name);
   const std::size_t size = H5Tget_size(type.get());
   if (size > H5Aget_storage_size(attribute.get()))
@@ -394,7 +394,7 @@ std::int64_t Hdf5Object::integer(const std::string& name) const {
   const Hdf5Id type(H5Aget_type(attribute.get()), H5Tclose);
   std::int64_t value = 0;
   if (H5Tget_class(type.get()) != H5T_INTEGER)
-    fail(fmt::format("has an attribute \"{}\" that is not an integer", name));
+    fail(fmt::format("has an attribute \"{}\" that is not an integer: the file is damaged", name));
   check(H5Aread(attribute.get(), H5T_NATIVE_INT64, &value), "read");
   return value;
 }
@@ -405,7 +405,7 @@ double Hdf5Object::number(const std::string& name) const {
   const Hdf5Id type(H5Aget_type(attribute.get()), H5Tclose);
   double value = 0;
   if (H5Tget_class(type.get()) != H5T_FLOAT)
-    fail(fmt::format("has an attribute \"{}\" that is not a number", name));
+    fail(fmt::format("has an attribute \"{}\" that is not a number: the file is damaged", name));
   check(H5Aread(attribute.get(), H5T_NATIVE_DOUBLE, &value), "read");
   return value;
 }
@@ -442,7 +442,7 @@ std::size_t Hdf5Dataset::values() const {
 
 void Hdf5Dataset::check_element(engine::Element element) const {
   if (element != element_)
-    fail(fmt::format("holds values of type {}, but type {} was requested", engine::element_name(element_),
+    fail(fmt::format("holds values of type {}, but must hold type {}", engine::element_name(element_),
                      engine::element_name(element)));
 }
 
@@ -450,7 +450,10 @@ void Hdf5Dataset::write_rows(std::size_t first, std::size_t rows, const void* fr
                              engine::Element element) {
   check_element(element);
   if (values != rows * row_values())
-    fail(fmt::format("takes exactly {} values, but {} were given", rows * row_values(), values));
+    fail(
+        fmt::format("takes exactly {} values, but {} were given (internal error, not an error of your input: "
+                    "please report it)",
+                    rows * row_values(), values));
   if (values == 0) return;
   const LibraryCall call;
   const hid_t type = memory_type(element);
@@ -477,7 +480,10 @@ void Hdf5Dataset::append(const void* from, std::size_t values, engine::Element e
   check_element(element);
   const std::size_t row = std::max<std::size_t>(row_values(), 1);
   if (values % row != 0)
-    fail(fmt::format("has rows of {} values: {} values are not a whole number of rows", row, values));
+    fail(
+        fmt::format("has rows of {} values: {} values are not a whole number of rows (internal error, not an "
+                    "error of your input: please report it)",
+                    row, values));
   const std::size_t first = rows();
   resize(first + values / row);
   write_rows(first, values / row, from, values, element);
@@ -488,7 +494,7 @@ void Hdf5Dataset::append_bytes(std::span<const std::byte> from) {
 }
 
 void Hdf5Dataset::resize(std::size_t rows) {
-  if (extent_.empty()) fail("is a single value: it has no rows");
+  if (extent_.empty()) fail("is a single value, but must have rows: the file is damaged");
   const LibraryCall call;
   std::vector<hsize_t> extent(extent_.begin(), extent_.end());
   extent[0] = rows;
@@ -590,7 +596,8 @@ Hdf5Dataset Hdf5Group::create_dataset(const std::string& name, engine::Element e
   Hdf5Id made(H5Dcreate2(id_.get(), name.c_str(), file_type(element), space.get(), H5P_DEFAULT,
                          properties.get(), H5P_DEFAULT),
               H5Dclose);
-  if (!made.valid()) fail(fmt::format("cannot hold a new dataset {}: {}", name, reason()));
+  if (!made.valid())
+    fail_with(file_, fmt::format("the dataset {} cannot be created: {}", path_of(name), reason()));
   return {std::move(made), file_, path_of(name)};
 }
 
@@ -611,7 +618,8 @@ Hdf5Dataset Hdf5Group::create_extendible(const std::string& name, engine::Elemen
   Hdf5Id made(H5Dcreate2(id_.get(), name.c_str(), file_type(element), space.get(), H5P_DEFAULT,
                          properties.get(), H5P_DEFAULT),
               H5Dclose);
-  if (!made.valid()) fail(fmt::format("cannot hold a new dataset {}: {}", name, reason()));
+  if (!made.valid())
+    fail_with(file_, fmt::format("the dataset {} cannot be created: {}", path_of(name), reason()));
   return {std::move(made), file_, path_of(name)};
 }
 
@@ -635,7 +643,7 @@ void Hdf5Group::write_text(const std::string& name, std::string_view text) {
                     H5Dclose);
   const std::string padded = text.empty() ? std::string(1, '\0') : std::string(text);
   if (!made.valid() || H5Dwrite(made.get(), type.get(), H5S_ALL, H5S_ALL, H5P_DEFAULT, padded.data()) < 0)
-    fail(fmt::format("cannot hold a new dataset {}: {}", name, reason()));
+    fail_with(file_, fmt::format("the dataset {} cannot be created: {}", path_of(name), reason()));
 }
 
 void Hdf5Group::write_texts(const std::string& name, std::span<const std::string> texts) {
@@ -652,7 +660,7 @@ void Hdf5Group::write_texts(const std::string& name, std::span<const std::string
                     H5Dclose);
   if (!made.valid() ||
       (!texts.empty() && H5Dwrite(made.get(), type.get(), H5S_ALL, H5S_ALL, H5P_DEFAULT, padded.data()) < 0))
-    fail(fmt::format("cannot hold a new dataset {}: {}", name, reason()));
+    fail_with(file_, fmt::format("the dataset {} cannot be created: {}", path_of(name), reason()));
 }
 
 std::vector<std::string> Hdf5Group::read_texts(const std::string& name) const {
@@ -662,7 +670,9 @@ std::vector<std::string> Hdf5Group::read_texts(const std::string& name) const {
   const Hdf5Id type(H5Dget_type(found.get()), H5Tclose);
   const Hdf5Id space(H5Dget_space(found.get()), H5Sclose);
   if (!found.valid() || H5Tget_class(type.get()) != H5T_STRING || H5Tis_variable_str(type.get()) != 0)
-    fail_with(file_, fmt::format("{} is not a text of fixed length", path_of(name)));
+    fail_with(file_,
+              fmt::format("{} is not a text of fixed length: the file is damaged, or Troupe did not write it",
+                          path_of(name)));
   if (const Result<> own = check_own(found.get()); !own)
     fail_with(file_, fmt::format("{} {}", path_of(name), own.error().text));
   const std::size_t length = H5Tget_size(type.get());
@@ -681,7 +691,8 @@ std::vector<std::string> Hdf5Group::read_texts(const std::string& name) const {
 std::string Hdf5Group::read_text(const std::string& name) const {
   std::vector<std::string> texts = read_texts(name);
   if (texts.size() != 1)
-    fail_with(file_, fmt::format("{} must be one text, but it is {} texts", path_of(name), texts.size()));
+    fail_with(file_, fmt::format("{} must be one text, but it is {} texts: the file is damaged",
+                                 path_of(name), texts.size()));
   return std::move(texts.front());
 }
 
@@ -741,9 +752,9 @@ Hdf5File Hdf5File::open_to_write(const fs::path& file) { return opened(file, H5F
 void Hdf5File::start_swmr() {
   const LibraryCall call;
   if (H5Fstart_swmr_write(id_.get()) < 0)
-    fail_with(file_,
-              fmt::format("other programs cannot read the file while it is written (SWMR mode of HDF5): {}",
-                          reason()));
+    fail_with(file_, fmt::format("the SWMR mode of HDF5, in which other programs can read the file while it "
+                                 "is written, cannot be started: {}",
+                                 reason()));
 }
 
 void Hdf5File::flush() {

@@ -7,7 +7,8 @@ namespace troupe::worldio {
 namespace {
 
 [[noreturn]] void refuse(const std::filesystem::path& file) {
-  throw Hdf5Error(file.string() + ": error: this build has no HDF5: it was configured with TROUPE_HDF5=OFF");
+  throw Hdf5Error(file.string() +
+                  ": error: this build of Troupe has no HDF5: configure it with TROUPE_HDF5=ON");
 }
 
 }  // namespace

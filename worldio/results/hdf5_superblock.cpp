@@ -111,7 +111,8 @@ std::optional<Hdf5Superblock> read_superblock(const std::filesystem::path& file)
 
 void close_superblock(const std::filesystem::path& file) {
   const auto fail = [&](const std::string& reason) {
-    throw std::runtime_error(fmt::format("{}: error: cannot be marked as closed: {}", file.string(), reason));
+    throw std::runtime_error(
+        fmt::format("{}: error: cannot be marked as finished: {}", file.string(), reason));
   };
   const auto system_reason = [] { return std::generic_category().message(errno); };
   const Descriptor descriptor(file, O_RDWR);

@@ -74,8 +74,9 @@ Hdf5Group RecordingReader::checked_meta(const Hdf5File& file) {
     file.fail(fmt::format("has no /meta of kind \"{}\": the file is not a recording", k_kind));
   Hdf5Group meta = file.group("meta");
   if (const std::int64_t layout = meta.integer("layout"); layout != k_recording_layout)
-    meta.fail(fmt::format("has layout {}, of another version of Troupe; this program reads layout {}", layout,
-                          k_recording_layout));
+    meta.fail(
+        fmt::format("has layout {}, which another version of Troupe wrote; this program reads layout {}",
+                    layout, k_recording_layout));
   return meta;
 }
 

@@ -91,7 +91,8 @@ std::uint64_t repair_copy(const fs::path& copy) {
   hdf5.close();
   if (RecordingReader(copy).frames() != frames || !is_even(copy, frames))
     throw Hdf5Error(fmt::format(
-        "{}: error: cannot be repaired: its arrays cannot be cut to the complete frames", copy.string()));
+        "{}: error: cannot be repaired: its arrays cannot be shortened to the frames that all arrays have",
+        copy.string()));
   return frames;
 }
 

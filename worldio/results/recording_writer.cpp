@@ -118,7 +118,8 @@ RecordingWriter::RecordingWriter(const std::filesystem::path& file, const World&
   std::vector<std::uint32_t> ids;
   for (const BodyId body : bodies_) ids.push_back(body.value);
   if (file_.group("bodies").dataset("id").read<std::uint32_t>() != ids)
-    file_.group("bodies").fail("belongs to another world: its bodies are not those of this run");
+    file_.group("bodies").fail(
+        "belongs to another world: its bodies are not those of this run; choose another file");
   open_outputs();
   cut_after(world.tick());
   open_ = true;
@@ -233,7 +234,9 @@ void RecordingWriter::open_outputs() {
     const std::vector<std::size_t>& extent = dataset.extent();
     if (dataset.element() != element ||
         !std::equal(extent.begin() + !extent.empty(), extent.end(), row.begin(), row.end()))
-      dataset.fail("belongs to another world: its rows differ in size or type from those of this run");
+      dataset.fail(
+          "belongs to another world: its rows differ in size or type from those of this run; choose another "
+          "file");
     return dataset;
   };
   for (const RecordedComponent& component : components_) {

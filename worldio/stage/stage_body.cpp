@@ -174,7 +174,7 @@ void StageBodies::add_block(const StageModel& block, std::vector<Solid>& solids)
         fmt::format("{} of the {} corners \"point[k]\" are not given; as in Stage, they are at [0 0]",
                     missing, *count));
   const double area = signed_area(ring);
-  if (area == 0) values_.warning(block.where, "this block has no area");
+  if (area == 0) values_.warning(block.where, "this block has no area: check its corners, \"point[k]\"");
   if (area < 0) std::ranges::reverse(ring);
 
   ZInterval z;

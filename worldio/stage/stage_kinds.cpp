@@ -100,9 +100,10 @@ std::optional<engine::DeviceSpec> StageKinds::gripper(const StageModel& model, c
     const auto v = values_.tuple(*property, 3, 3, "[x y z], fractions of the gripper's size");
     if (!v) return {};
     if (!std::ranges::all_of(*v, [](double part) { return part > 0 && part < 1; }) || (*v)[1] >= 0.5) {
-      values_.error(
-          values_.where(*property),
-          "\"paddle_size\" needs fractions of the gripper's size, above 0 and below 1, and y below 0.5");
+      values_.error(values_.where(*property),
+                    fmt::format("\"paddle_size\" needs fractions of the gripper's size, above 0 and below 1, "
+                                "and y below 0.5, found [{} {} {}]",
+                                (*v)[0], (*v)[1], (*v)[2]));
       return {};
     }
     set(kind.params, spec->params, "paddle_size", *v);
@@ -309,8 +310,10 @@ std::optional<std::vector<double>> StageKinds::drive_bounds(const StageModel& mo
     bounds[i] = (*v)[i] * (i < 6 ? values_.length_unit() : values_.angle_unit());
   for (std::size_t i = 0; i < bounds.size(); i += 2)
     if (bounds[i] > bounds[i + 1]) {
-      values_.error(values_.where(*property),
-                    fmt::format("in \"{}\", each minimum must be at most the maximum that follows it", key));
+      values_.error(
+          values_.where(*property),
+          fmt::format("in \"{}\", each minimum must be at most the maximum that follows it, found {} and {}",
+                      key, (*v)[i], (*v)[i + 1]));
       return {};
     }
   return bounds;
@@ -395,8 +398,8 @@ std::optional<engine::ControllerSpec> StageKinds::controller(std::string_view ca
     const std::size_t equals = word.find('=');
     if (equals == std::string_view::npos) {
       if (positional == fields.size()) {
-        values_.error(where,
-                      fmt::format("controller \"{}\" takes at most {} arguments", name, fields.size()));
+        values_.error(where, fmt::format("controller \"{}\" takes at most {} arguments: remove \"{}\"", name,
+                                         fields.size(), word));
         return {};
       }
       const Field& field = fields[positional];

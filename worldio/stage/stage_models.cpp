@@ -103,7 +103,7 @@ std::optional<StageModel> StageMacros::resolve(const StageEntity& entity) {
   const bool is_dropped = std::ranges::find(k_dropped, model.type) != std::end(k_dropped);
   values_.error(model.where,
                 fmt::format("\"{}\" is neither a model type nor a macro defined above{}; types: {}{}",
-                            model.type, is_dropped ? ": Stage had it before version 4.3" : "",
+                            model.type, is_dropped ? " (Stage has had no such type since version 4.3)" : "",
                             comma_list(types), is_dropped ? "" : did_you_mean(model.type, near)));
   return {};
 }
@@ -141,9 +141,11 @@ void StageMacros::report_unused() {
     included[document_.token(property.key).file].is_used = true;
   for (const auto& [file, holds] : included)
     if (!holds.is_used)
-      values_.warning({file, 0},
-                      fmt::format("nothing of this included file is used; the file defines {} macro{}",
-                                  holds.macros, holds.macros == 1 ? "" : "s"));
+      values_.warning(
+          {file, 0},
+          fmt::format(
+              "nothing of this included file is used; the file defines {} macro{}: remove the include",
+              holds.macros, holds.macros == 1 ? "" : "s"));
 }
 
 }  // namespace troupe::worldio

@@ -107,10 +107,12 @@ void StagePower::read_pack(const StageModel& model, std::uint32_t part, TypeSpec
     const std::optional<double> given = values_.number(*property);
     if (!given) continue;
     const double joules = *given * amount.joules;
-    if (joules > 1e12 || (amount.capacity_only && joules < 0)) {
+    constexpr double k_most_joules = 1e12;
+    if (joules > k_most_joules || (amount.capacity_only && joules < 0)) {
       values_.error(values_.where(*property),
-                    fmt::format("\"{}\" must be {}at most 1000000000000 J, found {}", amount.key,
-                                amount.capacity_only ? "0 or above, and " : "", *given));
+                    fmt::format("\"{}\" must be {}at most {:.0f} {}, found {}", amount.key,
+                                amount.capacity_only ? "0 or above, and " : "", k_most_joules / amount.joules,
+                                amount.joules == 1 ? "J" : "kJ", *given));
       continue;
     }
     has_pack = true;
@@ -174,7 +176,7 @@ void StagePower::finish(TypeSpec& type) {
     if (device.kind != "power_contact" || pack_of(type, device.part)) return false;
     values_.warning_once(device.where,
                          "\"give_watts\" and \"take_watts\" have no effect without \"joules\" or "
-                         "\"joules_capacity\" in this model or in a model around it");
+                         "\"joules_capacity\" in this model or in a model that contains it");
     return true;
   });
   const bool is_controlled = !type.controllers.empty();

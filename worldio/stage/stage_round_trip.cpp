@@ -133,7 +133,8 @@ void RoundTrip::check_drive() {
   const Where where = type_.drive ? type_.drive->where : type_.parts.front().where;
   if (type_.drive.has_value() != back_.drive.has_value() ||
       (type_.drive && type_.drive->kind != back_.drive->kind))
-    return lacks(where, "its drive, or the lack of a drive");
+    return lacks(where, type_.drive ? fmt::format("its drive \"{}\"", type_.drive->kind)
+                                    : "the lack of a drive; in Stage, every model of type position has one");
   if (!type_.drive) return;
   const std::string owner = fmt::format("drive \"{}\"", type_.drive->kind);
   if (!same_bits(type_.drive->period_s, back_.drive->period_s)) lacks(where, owner + ": its period");
@@ -280,11 +281,11 @@ void RoundTrip::check_bodies() {
     if (!off || *off > k_rounding_m)
       lacks(a.where, owner + ": its outline (Stage's blocks have no holes)");
     else if (*off > 0)
-      diagnostics_.warning(
-          a.where,
-          fmt::format("type \"{}\": {}: its outline is rounded by at most {:.2g} m, because Stage centres "
-                      "bodies; the state hashes of a run may differ from those of the original world",
-                      type_.name, owner, *off));
+      diagnostics_.warning(a.where,
+                           fmt::format("type \"{}\": {}: its outline is rounded by at most {:.2g} m, because "
+                                       "Stage moves the centre of an outline to the origin of its body; the "
+                                       "state hashes of a run may differ from those of the original world",
+                                       type_.name, owner, *off));
   }
 }
 

@@ -70,10 +70,9 @@ bool StageKinds::add_bumpers(const StageModel& model, engine::DeviceSpec& spec) 
     const StageProperty* own = model.find(document_, fmt::format("blength[{}]", k));
     const StageProperty* length = own != nullptr ? own : common;
     if (length == nullptr) {
-      values_.error(
-          model.where,
-          fmt::format("bumper {} has no length: give \"blength\", for all bumpers, or \"blength[{}]\"", k,
-                      k));
+      values_.error(model.where, fmt::format("bumper {} (counted from 0) has no length: give \"blength\", "
+                                             "for all bumpers, or \"blength[{}]\"",
+                                             k, k));
       return false;
     }
     const auto given = value(*length, length_field, values_.length_unit(), -1);

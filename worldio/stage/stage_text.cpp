@@ -114,10 +114,12 @@ std::string StageText::spelt(double value) {
 
 std::string StageText::spelt(std::string_view text) {
   if (text.find_first_of("\"\n\r") != text.npos)
-    diagnostics_.error(where_,
-                       fmt::format("a .world file cannot express \"{}\": its strings have no double quotes "
-                                   "and no line ends",
-                                   text));
+    diagnostics_.error(
+        where_,
+        fmt::format(
+            "a .world file cannot express the string \"{}\": strings in a .world file must not contain "
+            "double quotes or line ends",
+            text));
   return fmt::format("\"{}\"", text);
 }
 

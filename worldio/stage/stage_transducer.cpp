@@ -116,7 +116,10 @@ class TransducerReader {
     const auto given = values_.tuple(property, 3, 3, "[variance share angle]");
     if (!given) return false;
     if (std::ranges::any_of(*given, [](double part) { return part < 0; })) {
-      values_.error(values_.where(property), "\"noise\" needs values of 0 or above: [variance share angle]");
+      values_.error(
+          values_.where(property),
+          fmt::format("\"noise\" needs values of 0 or above, [variance share angle], found [{} {} {}]",
+                      (*given)[0], (*given)[1], (*given)[2]));
       return false;
     }
     // Stage reads the first number as a variance and scales the third by half the angle between beams.

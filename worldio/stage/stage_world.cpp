@@ -742,7 +742,8 @@ WorldSpec load_stage_world(const std::filesystem::path& file, std::string text,
   spec.resolution_where = whole;
   if (!options.robots.empty())
     diagnostics.error(whole,
-                      "--robots needs a world with populations; a .world file lists its robots one by one");
+                      "the number of robots can be set only in a world with populations; a .world file lists "
+                      "its robots one by one");
   const StageDocument document = parse_stage(file, std::move(text), options.search_path, diagnostics);
   if (document.well_nested) StageWorld(document, file, registry, options, diagnostics).read(spec);
   if (options.set.empty() || diagnostics.has_errors()) return spec;
