@@ -580,7 +580,7 @@ class Models(InAFolder):
     @unittest.skipIf(has_view(), "this build has a view")
     def test_a_build_without_view_says_so(self):
         with self.assertRaisesRegex(RuntimeError, "^the live view is not available: Troupe was built without it; "
-                                                  "configure it with -DTROUPE_VIEW=ON$"):
+                                                  "build it with the CMake option -DTROUPE_VIEW=ON$"):
             troupe.Simulation(ROOM).view(out=self.folder)
         self.assertEqual(list(self.folder.iterdir()), [], "no session is begun")
 
