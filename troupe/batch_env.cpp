@@ -300,8 +300,8 @@ void BatchEnv::reset(std::span<const std::uint8_t> which,
   const auto is_meant = [&](std::size_t c) { return which.empty() || which[c] != 0; };
   for (std::size_t c = 0; c < copies(); ++c)
     if (!is_meant(c) && !impl_->copies[c]->has_begun)
-      throw std::logic_error(
-          fmt::format("reset(): copy {} has not begun an episode: reset all copies first", c));
+      throw std::logic_error(fmt::format(
+          "reset(): copy {} (counted from 0) has not begun an episode: reset all copies first", c));
   for (std::size_t c = 0; c < copies() && !seeds.empty(); ++c)
     if (is_meant(c) && seeds[c]) {
       Impl::Copy& copy = *impl_->copies[c];

@@ -342,7 +342,7 @@ class Callbacks(InAFolder):
             "on_tick": lambda s: s.on_tick(None),
         }.items():
             world.on_tick(act)
-            with self.assertRaisesRegex(RuntimeError, rf"^{name}\(\) is not allowed in a callback of on_tick\(\)$"):
+            with self.assertRaisesRegex(RuntimeError, rf"^{name}\(\) is not allowed in a callback of on_tick\(\): call it outside the callback$"):
                 world.step()
             world.on_tick(None)
         world.on_tick(lambda simulation: 1 / 0)
