@@ -225,7 +225,8 @@ void Replica::follow(Order order, MessageReader message) {
       setting.params = get_record(message);
       if (const Result<> done = world_.set(setting, registry_); !done)
         throw std::logic_error(
-            fmt::format("internal error: rank {}: {}", transport_.rank(), done.error().text));
+            fmt::format("internal error: rank {}: {}; this is no error of your input: please report it",
+                        transport_.rank(), done.error().text));
       return;
     }
     case Order::hash: {

@@ -658,7 +658,8 @@ void View::Impl::carry_out(std::uint64_t client, const Act& act) {
   const bool is_hold = act.kind == Act::Kind::hold || act.kind == Act::Kind::release;
   if (const auto holder = holders_.find(act.whom);
       is_hold && holder != holders_.end() && holder->second != client)
-    throw ActRefused(fmt::format("another viewer drives \"{}\"", act.whom));
+    throw ActRefused(
+        fmt::format("another viewer drives \"{}\": wait until that viewer releases it", act.whom));
   simulation_.act(act);
   session_->add(simulation_, act);
   if (act.kind == Act::Kind::hold) holders_[act.whom] = client;

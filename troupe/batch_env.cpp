@@ -182,8 +182,8 @@ void BatchEnv::Impl::check_actions(std::span<const std::uint8_t> begins) const {
       const std::size_t robot = k / row;
       const std::size_t c = robot / team.robots;
       if (!begins.empty() && begins[c] != 0) continue;
-      refuse(fmt::format("action {} of \"{}\" in copy {} is {}: give finite numbers", k % row,
-                         team.names[robot % team.robots], c, team.actions[k]));
+      refuse(fmt::format("action {} of \"{}\" in copy {} (both counted from 0) is {}: give finite numbers",
+                         k % row, team.names[robot % team.robots], c, team.actions[k]));
     }
   }
 }

@@ -308,7 +308,7 @@ class Vector(unittest.TestCase):
         env.reset(seed=1)
         with self.assertRaisesRegex(ValueError, r"shape \(4, 2\), found \(2, 2\)"):
             env.step(np.zeros((2, 2)))
-        with self.assertRaisesRegex(ValueError, 'action 1 of "r1" in copy 0 is nan'):
+        with self.assertRaisesRegex(ValueError, 'action 1 of "r1" in copy 0 \(both counted from 0\) is nan'):
             env.step(np.array([[0, 0], [0, np.nan], [0, 0], [0, 0]]))
         with self.assertRaisesRegex(LookupError, 'has no device "lidr"; it has: lidar'):
             task = Short(2)
