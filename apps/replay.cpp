@@ -136,7 +136,9 @@ std::string write_replay_page(const ReplayOptions& options) {
       options.page.empty() ? fs::path(options.recording).replace_extension(".html") : options.page;
   const std::size_t mark = k_replay_page.find(k_mark);
   if (mark == k_replay_page.npos)
-    throw std::runtime_error("internal error: the embedded replay page has no @RECORDING@ marker");
+    throw std::runtime_error(
+        "internal error: the embedded replay page has no @RECORDING@ marker; this is no error of your input: "
+        "please report it");
   try {
     check(options, page);
   } catch (const OutputError& error) {

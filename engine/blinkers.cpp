@@ -152,8 +152,8 @@ void Blinkers::check_targets(const BodyType::Device& device, std::span<const Eff
     if (!target.valid() || !std::ranges::binary_search(hidden_, target)) continue;
     throw StepError(
         fmt::format("tick {}: device \"{}\" ({}) of \"{}\" requested an effect on \"{}\", but that body is "
-                    "beyond its reach, and the scope that the device's kind declares (DeviceKind::scope) "
-                    "requires a target within reach",
+                    "beyond its reach: the kind of the device must declare a larger reach "
+                    "(DeviceKind::Prepared::reach_m) or a wider scope (DeviceKind::scope)",
                     state_.now.tick, device.name, device.kind->name, state_.spec.name(effect.source),
                     state_.spec.name(effect.target)));
   }
@@ -185,7 +185,8 @@ void Blinkers::end_effect(const BodyType::Device& device, const Effect& effect) 
       if (state_.tables[t].hash_row(at) == before_[t].hash_row(at)) return;
       throw StepError(
           fmt::format("tick {}: device \"{}\" ({}) of \"{}\" changed the component \"{}\" of \"{}\", but "
-                      "that body is outside the scope that the device's kind declares (DeviceKind::scope)",
+                      "that body is outside the scope of the device's kind: declare a wider one "
+                      "(DeviceKind::scope)",
                       state_.now.tick, device.name, device.kind->name, state_.spec.name(effect.source),
                       state_.tables[t].component(), state_.spec.name(state_.bodies[r])));
     });

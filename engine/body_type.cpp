@@ -413,7 +413,9 @@ Result<ControllerKind::Prepared> prepare_controller(const ControllerKind& kind,
   for (std::size_t& s : prepared->devices) {
     if (s >= shown.size())  // a bug in the kind
       return Error{
-          fmt::format("chose device {}, counted from 0, but was offered only {} devices", s, shown.size())};
+          fmt::format("chose device {}, counted from 0, but the robot has only {} devices for it: this is an "
+                      "error in the code of the controller",
+                      s, shown.size())};
     s = shown[s];
   }
   if (kind.bind_world)

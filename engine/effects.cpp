@@ -16,7 +16,7 @@ void Effects::emit(const Effect& effect) {
   const std::size_t at = count_.fetch_add(1, std::memory_order_relaxed);
   if (at >= most_)
     throw std::length_error(
-        "a device emitted more effects in a tick than its kind declares "
+        "a device emitted more effects in a tick than its kind declares: declare more "
         "(DeviceKind::Prepared::most_effects)");
   effects_[at] = effect;
 }

@@ -102,7 +102,7 @@ constexpr std::string_view k_keeps_shape =
 Result<> check_change(const DriveKind& kind, const Record& before, const Record& params) {
   for (std::size_t p = 0; p < kind.params.fields.size(); ++p)
     if (const Field& field = kind.params.fields[p]; field.fixed && before[p] != params[p])
-      return Error{fmt::format("\"{}\" cannot change while the world runs", field.name)};
+      return Error{fmt::format("\"{}\" cannot change while the world runs; give it in the type", field.name)};
   return kind.check(params);
 }
 
@@ -209,7 +209,8 @@ void World::build_intervention(Experiment::Intervention& intervention, const Reg
   }
   intervention.whom = rows_of(spec.whom, spec.where, diagnostics);
   if (spec.action == Action::move && !state_.bounds().contains(spec.pose->position()))
-    error(fmt::format("\"{}\" would be moved outside the world's bounds", spec.whom.name));
+    error(fmt::format("\"{}\" would be moved to x {}, y {} (m), outside the world's bounds", spec.whom.name,
+                      spec.pose->x, spec.pose->y));
 }
 
 Result<> World::build_setting(const SettingSpec& setting, const Registry& registry,

@@ -545,8 +545,9 @@ const Pose& DeviceBatch::joint(std::size_t i, std::size_t n) const {
 }
 void DeviceBatch::move_joint(std::size_t i, std::size_t n, const Pose& to) const {
   if (!is_finite(to))
-    throw StepError(fmt::format("tick {}: the goal of a joint of \"{}\" is not a finite number", view.tick(),
-                                view.spec().name(body(i))));
+    throw StepError(fmt::format(
+        "tick {}: a device of \"{}\" moves a joint to a pose that is not finite (DeviceBatch::move_joint)",
+        view.tick(), view.spec().name(body(i))));
   links.ask(rows[i], joint_index(*this, i, n), to);
 }
 bool DeviceBatch::asked_joint(std::size_t i, std::size_t n) const {

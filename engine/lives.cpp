@@ -166,8 +166,8 @@ void World::die(Row row) {
 void World::resolve_lives(std::span<const Effect> effects) {
   if (!state_.life_table)
     throw std::logic_error(
-        "a device requested a birth or a death, but the world has no reserve and no device that declares "
-        "that it may emit deaths (DeviceKind::Prepared::ends_lives)");
+        "a device requested a birth or a death, but no population of the world has a \"reserve\" for births, "
+        "and no kind of device declares that it removes bodies (DeviceKind::Prepared::ends_lives)");
   for (const Effect& effect : effects)
     if (effect.verb == k_death && effect.target.index() < state_.rows.size() && row(effect.target).valid())
       die(row(effect.target));

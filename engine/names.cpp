@@ -36,10 +36,11 @@ std::uint32_t number_of(std::string_view digits) {
 
 Names::Names(std::vector<std::string> words) : words_(std::move(words)) {
   if (words_.empty() || !words_.front().empty())
-    throw std::invalid_argument("the first word of a name table must be empty");
+    throw std::invalid_argument("Names(): the first word must be empty, because index 0 stands for no word");
   for (std::size_t i = 0; i < words_.size(); ++i)
     if (!positions_.emplace(words_[i], static_cast<std::uint32_t>(i)).second)
-      throw std::invalid_argument(fmt::format("the word \"{}\" occurs twice in a name table", words_[i]));
+      throw std::invalid_argument(
+          fmt::format("Names(): the word \"{}\" occurs twice: words must be unique", words_[i]));
 }
 
 std::uint32_t Names::intern(std::string_view word) {

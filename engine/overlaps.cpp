@@ -116,7 +116,8 @@ void report_below_floor(const WorldState& state, Diagnostics& diagnostics) {
     if (!row.valid() || state.shapes[row.index()]->empty()) continue;
     if (state.shapes[row.index()]->z.min + poses[row.index()].z < 0)
       diagnostics.warning_once(state.spec.bodies[state.bodies[row.index()].index()].where,
-                               "a body extends below the floor (z = 0); the floor itself is not an obstacle");
+                               "a body extends below the floor (z = 0), which is not an obstacle: raise the "
+                               "body, if this is not intended");
   }
 }
 

@@ -29,7 +29,9 @@ std::unique_ptr<World> remade_world(World& world, const Registry& registry, cons
     for (std::size_t t = 0; t < tables.size(); ++t) copy_fields(world.tables()[t], tables[t]);
   };
   if (!other->restore(world.tick(), world.counters(), world.hashes().state, fill))
-    throw std::logic_error("internal error: the copied tables of a world have another hash");
+    throw std::logic_error(
+        "internal error: the copied tables of a world have another hash; this is no error of your input: "
+        "please report it");
   return other;
 }
 

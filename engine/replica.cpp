@@ -122,9 +122,10 @@ ReceivedOrder Replica::expect(Order wanted, unsigned from) {
     // The other rank sent its rows before it knew that this rank has failed.
     if (is_of_this_world && wanted == Order::exchange && order == Order::together) continue;
     if (!is_of_this_world || from != 0 || wanted != Order::agree)
-      throw std::logic_error(fmt::format("internal error: rank {} expected message {} of rank {} and got {}",
-                                         transport_.rank(), static_cast<int>(wanted), from,
-                                         static_cast<int>(order)));
+      throw std::logic_error(
+          fmt::format("internal error: rank {} expected message {} of rank {} and got {}; this is no error "
+                      "of your input: please report it",
+                      transport_.rank(), static_cast<int>(wanted), from, static_cast<int>(order)));
     follow(order, received.rest);  // the callback of the program reads the state
   }
 }
@@ -224,7 +225,8 @@ void Replica::follow(Order order, MessageReader message) {
       setting.params = get_record(message);
       if (const Result<> done = world_.set(setting, registry_); !done)
         throw std::logic_error(
-            fmt::format("internal error: rank {}: {}", transport_.rank(), done.error().text));
+            fmt::format("internal error: rank {}: {}; this is no error of your input: please report it",
+                        transport_.rank(), done.error().text));
       return;
     }
     case Order::hash: {
@@ -244,8 +246,10 @@ void Replica::follow(Order order, MessageReader message) {
     }
     case Order::failed: return;  // from a tick that has already ended on this rank
     default:
-      throw std::logic_error(fmt::format("internal error: rank {} got order {} between two ticks",
-                                         transport_.rank(), static_cast<int>(order)));
+      throw std::logic_error(
+          fmt::format("internal error: rank {} got order {} between two ticks; this is no error of your "
+                      "input: please report it",
+                      transport_.rank(), static_cast<int>(order)));
   }
 }
 
@@ -336,7 +340,8 @@ std::optional<Hashes> Replica::hashes() {
       const StateTable& table = parts_.tables[t];
       if (message.get<std::uint64_t>() == table.hash_rows(0, table.rows())) continue;
       throw std::logic_error(
-          fmt::format("internal error: the tables \"{}\" of ranks 0 and {} differ after tick {}",
+          fmt::format("internal error: the tables \"{}\" of ranks 0 and {} differ after tick {}; if the "
+                      "world uses no plug-in, please report it",
                       table.component(), from, world_.tick()));
     }
   }
@@ -466,7 +471,10 @@ void Replica::get_written(MessageReader& message, unsigned from) {
     parts_.links.ask(Row(row), joint, goal);
   }
   for (auto left = message.get<std::uint64_t>(); left > 0; --left) parts_.effects.emit(message.get<Effect>());
-  if (!message.is_done()) throw std::logic_error("internal error: a message between ranks is too long");
+  if (!message.is_done())
+    throw std::logic_error(
+        "internal error: a message between ranks is too long; this is no error of your input: please report "
+        "it");
 }
 
 void Replica::exchange() {

@@ -203,8 +203,9 @@ void World::set_poses(std::span<const Placed> placed) {
                       state_.spec.name(body(place.row)), p.x, p.y, p.z, p.heading,
                       is_finite(p) ? "outside the world's bounds" : "the numbers must be finite"));
     if (const std::optional<BodyId> by = carrier(place.row))
-      throw std::invalid_argument(fmt::format("\"{}\" cannot be placed: \"{}\" carries it",
-                                              state_.spec.name(body(place.row)), state_.spec.name(*by)));
+      throw std::invalid_argument(
+          fmt::format("\"{}\" cannot be placed while \"{}\" carries it: release it first",
+                      state_.spec.name(body(place.row)), state_.spec.name(*by)));
   }
   touch();
   for (const auto& [row, p] : placed) {

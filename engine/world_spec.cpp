@@ -44,7 +44,7 @@ class TypeRules {
  private:
   template <class Index>
   void error(Where where, const std::string& member, Index found, std::string_view rule) const {
-    report_(where, fmt::format("{}.{}: {}, found index {}", path_, member, rule, found));
+    report_(where, fmt::format("{}.{}: {}, found index {} (counted from 0)", path_, member, rule, found));
   }
   void check_joint(Where where, const std::string& member, std::int32_t joint) const {
     if (joint < k_rigid || joint >= static_cast<std::int32_t>(type_.joints.size()))
@@ -69,20 +69,25 @@ void check_bodies(const WorldSpec& spec, const Report& report) {
   });
   if (bad != spec.bodies.end()) {
     const auto b = bad - spec.bodies.begin();
-    return report(bad->where,
-                  bad->type.value >= types
-                      ? fmt::format("bodies[{}].type: the world has {} types, found index {}", b, types,
-                                    bad->type.value)
-                      : fmt::format("bodies[{}].name: the list of name words has {} entries, found index {}",
-                                    b, words, bad->name.word));
+    return report(
+        bad->where,
+        bad->type.value >= types
+            ? fmt::format("bodies[{}].type: the world has {} types, found index {} (counted from 0)", b,
+                          types, bad->type.value)
+            : fmt::format(
+                  "bodies[{}].name: the list of name words has {} entries, found index {} (counted from 0)",
+                  b, words, bad->name.word));
   }
   for (std::size_t a = 0; a < spec.aliases.size(); ++a) {
     if (spec.aliases[a].name.word >= words)
-      return report({}, fmt::format("aliases[{}].name: the list of name words has {} entries, found index {}",
-                                    a, words, spec.aliases[a].name.word));
+      return report(
+          {}, fmt::format(
+                  "aliases[{}].name: the list of name words has {} entries, found index {} (counted from 0)",
+                  a, words, spec.aliases[a].name.word));
     if (spec.aliases[a].body.index() >= spec.bodies.size())
-      return report({}, fmt::format("aliases[{}].body: the world has {} bodies, found index {}", a,
-                                    spec.bodies.size(), spec.aliases[a].body.value));
+      return report(
+          {}, fmt::format("aliases[{}].body: the world has {} bodies, found index {} (counted from 0)", a,
+                          spec.bodies.size(), spec.aliases[a].body.value));
   }
 }
 
@@ -113,12 +118,12 @@ void check_reserves(const WorldSpec& spec, const Report& report) {
                                first, last - 1, spec.bodies.size()));
     if (first < end)
       return error(
-          fmt::format("begins at body {}, but the first body that it may contain is body {}: reserves must "
-                      "be in the order "
-                      "of their bodies, without the ground and without bodies of another reserve",
+          fmt::format("begins at body {}, but must begin at body {} or later (counted from 0): body 0 is the "
+                      "ground, and each reserve must follow the bodies of the reserve before it",
                       first, end));
     for (std::size_t b = first; b < last; ++b)
-      if (spec.bodies[b].type != spec.bodies[first].type) return error("has bodies of several types");
+      if (spec.bodies[b].type != spec.bodies[first].type)
+        return error("has bodies of several types; all bodies of a reserve must have the same type");
     end = last;
   }
 }

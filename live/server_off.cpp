@@ -10,7 +10,8 @@ struct ViewServer::Impl {};
 
 ViewServer::ViewServer(const Options&, ViewBackend&) {
   throw std::runtime_error(
-      "the live view is not available: Troupe was built without it; configure it with -DTROUPE_VIEW=ON");
+      "the live view is not available: Troupe was built without it; build it with the CMake option "
+      "-DTROUPE_VIEW=ON");
 }
 ViewServer::~ViewServer() = default;
 void ViewServer::start() {}

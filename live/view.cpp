@@ -46,7 +46,9 @@ constexpr int k_most_files = 100000;  // largest number of files of one kind in 
 std::string make_token() {
   std::array<unsigned char, 16> bytes{};
   if (getrandom(bytes.data(), bytes.size(), 0) != static_cast<ssize_t>(bytes.size()))
-    throw std::runtime_error("troupe view: error: no random numbers for a token (getrandom failed)");
+    throw std::runtime_error(
+        "troupe view: error: the page cannot be protected: the system gave no random numbers for its token "
+        "(getrandom)");
   std::string token;
   for (const unsigned char byte : bytes) token += fmt::format("{:02x}", byte);
   return token;
@@ -553,7 +555,8 @@ std::string View::Impl::do_job(const Job& job) {
 /// Throws ActRefused if viewers cannot restart this run.
 void View::Impl::check_restart() const {
   if (!is_running_)
-    throw ActRefused("the page cannot restart this run: start the command or program that makes it again");
+    throw ActRefused(
+        "the page cannot restart this run: end the command or program that computes it, and start it again");
   if (simulation_.resumed_at_tick())
     throw ActRefused(
         "a run that began at a checkpoint cannot be restarted: end it, and resume the checkpoint again");
@@ -655,7 +658,8 @@ void View::Impl::carry_out(std::uint64_t client, const Act& act) {
   const bool is_hold = act.kind == Act::Kind::hold || act.kind == Act::Kind::release;
   if (const auto holder = holders_.find(act.whom);
       is_hold && holder != holders_.end() && holder->second != client)
-    throw ActRefused(fmt::format("another viewer drives \"{}\"", act.whom));
+    throw ActRefused(
+        fmt::format("another viewer drives \"{}\": wait until that viewer releases it", act.whom));
   simulation_.act(act);
   session_->add(simulation_, act);
   if (act.kind == Act::Kind::hold) holders_[act.whom] = client;

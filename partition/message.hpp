@@ -73,7 +73,10 @@ class MessageReader {
 
  private:
   std::span<const std::byte> take(std::size_t bytes) {
-    if (bytes > rest_.size()) throw std::logic_error("internal error: a message between ranks is too short");
+    if (bytes > rest_.size())
+      throw std::logic_error(
+          "internal error: a message between ranks is too short; this is no error of your input: please "
+          "report it");
     const std::span<const std::byte> taken = rest_.first(bytes);
     rest_ = rest_.subspan(bytes);
     return taken;

@@ -67,7 +67,7 @@ class HeldBatchView {
   }
 
   const live::View& open() const {
-    if (!view_) throw std::logic_error("the view is closed");
+    if (!view_) throw std::logic_error("the view is closed: open another one");
     return *view_;
   }
   void close() {

@@ -48,7 +48,7 @@ class HeldView {
   static constexpr double k_never = std::numeric_limits<double>::infinity();
 
   live::View& open() const {
-    if (!view_) throw std::logic_error("the view is closed");
+    if (!view_) throw std::logic_error("the view is closed: open another one");
     return *view_;
   }
 

@@ -143,7 +143,9 @@ Simulation& Held::use() {
 }
 
 Simulation& Held::use_outside(std::string_view what) {
-  if (calling_) throw std::logic_error(fmt::format("{} is not allowed in a callback of on_tick()", what));
+  if (calling_)
+    throw std::logic_error(
+        fmt::format("{} is not allowed in a callback of on_tick(): call it outside the callback", what));
   return use();
 }
 

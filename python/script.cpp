@@ -64,7 +64,9 @@ struct Slots {
 
   static std::size_t add(std::unique_ptr<T> one, std::string_view what) {
     if (used == k_most_kinds)
-      throw std::length_error(fmt::format("a process can have at most {} {} in Python", k_most_kinds, what));
+      throw std::length_error(fmt::format(
+          "this process has loaded {} {} from Python, and cannot load more: start another process",
+          k_most_kinds, what));
     all[used] = one.release();
     return used++;
   }
@@ -241,7 +243,7 @@ std::size_t RobotBatch::ranger_named(const std::string& name) const {
   if (!name.empty()) return device_named(name, false);
   for (std::size_t d = 0; d < prepared_.devices.size(); ++d)
     if (!prepared_.devices[d].bearings.empty()) return d;
-  throw std::out_of_range("the controller uses no ranger");
+  throw std::out_of_range("the controller uses no ranger: the robots have none, or `uses` does not list it");
 }
 
 py::array RobotBatch::ranges(const std::string& sensor) const {
@@ -403,7 +405,9 @@ engine::Element element_of(const py::dtype& type) {
        {engine::Element::f64, engine::Element::f32, engine::Element::i64, engine::Element::i32,
         engine::Element::u64, engine::Element::u32, engine::Element::u8})
     if (dtype_of(element).equal(type)) return element;
-  throw std::logic_error("a field of a memory of an unknown type");  // _script.py has checked it
+  throw std::logic_error(
+      "internal error: a field of a memory has an unknown type; this is no error of your input: please "
+      "report it");  // _script.py has checked it
 }
 
 engine::Unit unit_of(const std::string& symbol) {

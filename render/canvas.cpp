@@ -157,7 +157,9 @@ GLuint link_program(const Gl& gl, const char* vertex_shader) {
   if (!linked) {
     std::array<char, 1024> log{};
     gl.glGetProgramInfoLog(program, static_cast<GLsizei>(log.size()), nullptr, log.data());
-    throw std::runtime_error(fmt::format("cannot draw: OpenGL cannot link the shaders: {}", log.data()));
+    throw std::runtime_error(
+        fmt::format("cannot draw: OpenGL cannot link Troupe's shaders; install a newer version of OSMesa: {}",
+                    log.data()));
   }
   return program;
 }
@@ -182,8 +184,9 @@ struct Framebuffer {
     }
     if (gl.glCheckFramebufferStatus(GL_FRAMEBUFFER) != GL_FRAMEBUFFER_COMPLETE ||
         gl.glGetError() != GL_NO_ERROR) {
-      throw std::runtime_error(
-          fmt::format("cannot draw: OpenGL cannot create a framebuffer of {} x {} pixels", width, height));
+      throw std::runtime_error(fmt::format(
+          "cannot draw: OpenGL cannot create a framebuffer of {} x {} pixels: choose a smaller picture",
+          width, height));
     }
   }
   void release(const Gl& gl) {
@@ -616,8 +619,9 @@ Picture Canvas::paint(const Projection& projection, Rgba ground, std::span<const
     }
   }
   if (const GLenum error = gl.glGetError(); error != GL_NO_ERROR) {
-    throw std::runtime_error(fmt::format("cannot draw: OpenGL error {:#06x}{}", error,
-                                         error == GL_OUT_OF_MEMORY ? " (out of memory)" : ""));
+    throw std::runtime_error(
+        fmt::format("cannot draw: OpenGL error {:#06x}{}", error,
+                    error == GL_OUT_OF_MEMORY ? " (out of memory): choose a smaller picture" : ""));
   }
   return picture;
 }

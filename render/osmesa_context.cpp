@@ -94,7 +94,9 @@ void OsmesaContext::make_current() {
   [[maybe_unused]] const ForgiveLeaks forgive;
   const auto context = static_cast<OSMesaContext>(context_);
   if (!osmesa().make_current(context, window_.data(), GL_UNSIGNED_BYTE, 16, 16))
-    throw std::runtime_error("cannot draw: OSMesa cannot use its OpenGL context on this thread");
+    throw std::runtime_error(
+        "cannot draw: the installed OSMesa cannot activate its OpenGL context; install a newer version "
+        "(Debian, Ubuntu: apt install libosmesa6)");
 }
 
 void OsmesaContext::release() { osmesa().make_current(nullptr, nullptr, 0, 0, 0); }

@@ -182,8 +182,8 @@ void BatchEnv::Impl::check_actions(std::span<const std::uint8_t> begins) const {
       const std::size_t robot = k / row;
       const std::size_t c = robot / team.robots;
       if (!begins.empty() && begins[c] != 0) continue;
-      refuse(fmt::format("action {} of \"{}\" in copy {} is {}: give finite numbers", k % row,
-                         team.names[robot % team.robots], c, team.actions[k]));
+      refuse(fmt::format("action {} of \"{}\" in copy {} (both counted from 0) is {}: give finite numbers",
+                         k % row, team.names[robot % team.robots], c, team.actions[k]));
     }
   }
 }
@@ -300,8 +300,8 @@ void BatchEnv::reset(std::span<const std::uint8_t> which,
   const auto is_meant = [&](std::size_t c) { return which.empty() || which[c] != 0; };
   for (std::size_t c = 0; c < copies(); ++c)
     if (!is_meant(c) && !impl_->copies[c]->has_begun)
-      throw std::logic_error(
-          fmt::format("reset(): copy {} has not begun an episode: reset all copies first", c));
+      throw std::logic_error(fmt::format(
+          "reset(): copy {} (counted from 0) has not begun an episode: reset all copies first", c));
   for (std::size_t c = 0; c < copies() && !seeds.empty(); ++c)
     if (is_meant(c) && seeds[c]) {
       Impl::Copy& copy = *impl_->copies[c];

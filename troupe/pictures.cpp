@@ -495,7 +495,8 @@ struct Pictures::Impl {};
 
 namespace {
 [[noreturn]] void refuse_to_draw() {
-  throw std::runtime_error("this build cannot draw pictures: configure it with -DTROUPE_RENDER=ON");
+  throw std::runtime_error(
+      "this build cannot draw pictures: build Troupe with the CMake option -DTROUPE_RENDER=ON");
 }
 }  // namespace
 

@@ -212,7 +212,8 @@ Plugins::Loaded& Plugins::loaded(std::string_view name) {
     return library;
   }
   if (path_.empty()) {
-    library.found = Error{fmt::format("no folder to search for {}: give --plugin-path", file_name)};
+    library.found = Error{fmt::format(
+        "no folder to search for {}: give --plugin-path (in C++ and Python: plugin_path)", file_name)};
     return library;
   }
   std::vector<std::string> folders;
@@ -300,7 +301,8 @@ void Plugins::add(std::shared_ptr<const Script> script) {
   const std::string name = script->name();
   if (!plugin::is_name(name))
     throw InputError(
-        fmt::format("{}: error: \"{}\" is not a valid name of a plug-in, which is one word without : and =",
+        fmt::format("{}: error: the script has the name \"{}\", but must have one word without : and = as "
+                    "its name: rename the file",
                     script->file.string(), name));
   for (const auto& library : loaded_)
     if (library->name == name)

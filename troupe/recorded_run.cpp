@@ -92,7 +92,7 @@ struct RecordedRun::Impl {
 
   explicit Impl(const std::filesystem::path& file)
       : reader(file), world(worldio::recorded_scene(reader)), window(worldio::recorded_window(reader)) {
-    if (reader.frames() == 0) refuse("the recording has no frames");
+    if (reader.frames() == 0) refuse("the recording has no frames to draw: record the run again");
     pose = find_pose("pose");
     rows.assign(world.bodies.size(), k_none);
     for (std::size_t row = 0; row < reader.ids().size(); ++row)

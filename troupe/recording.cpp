@@ -68,7 +68,8 @@ void check_same_run(const std::filesystem::path& file, const Simulation& simulat
     const bool is_there = known != recording.meta().end();
     if (is_free(key) || (is_there && known->second == value)) continue;
     throw std::runtime_error(fmt::format(
-        "{}: error: {} is {} in the recording, but \"{}\" in this run: the recording belongs to another run",
+        "{}: error: {} is {} in the recording, but \"{}\" in this run: the recording belongs to another run; "
+        "choose another file",
         file.string(), key, is_there ? fmt::format("\"{}\"", known->second) : "not given", value));
   }
   const auto tick = std::ranges::find(recording.ticks(), simulation.tick());
@@ -77,7 +78,7 @@ void check_same_run(const std::filesystem::path& file, const Simulation& simulat
           simulation.state_hash())
     throw std::runtime_error(
         fmt::format("{}: error: the state hash of tick {} differs from that of this run: the recording "
-                    "belongs to another run",
+                    "belongs to another run; choose another file",
                     file.string(), simulation.tick()));
 }
 
@@ -91,7 +92,7 @@ void check_same_options(const std::filesystem::path& file, const Simulation& sim
     if (ticks != recording.every_ticks())
       throw std::runtime_error(
           fmt::format("{}: error: the recording has a frame every {:.10g} s, which cannot change, but "
-                      "--record-every is {:.10g} s: omit --record-every",
+                      "--record-every is {:.10g} s: omit --record-every (in C++: every_s)",
                       file.string(), static_cast<double>(recording.every_ticks()) * simulation.tick_s(),
                       options.every_s));
   }
@@ -100,7 +101,7 @@ void check_same_options(const std::filesystem::path& file, const Simulation& sim
   if (!fields.empty() && recorded != recording.meta().end() && recorded->second != fields)
     throw std::runtime_error(
         fmt::format("{}: error: the recording has the fields {}, which cannot change, but --record-fields is "
-                    "{}: omit --record-fields",
+                    "{}: omit --record-fields (in C++: fields)",
                     file.string(), recorded->second, fields));
 }
 

@@ -34,7 +34,9 @@ std::uint64_t ticks_of(std::string_view call, double seconds, double tick_s) {
 }  // namespace
 
 void Simulation::Impl::refuse_in_callbacks(std::string_view what) const {
-  if (in_callbacks) throw std::logic_error(fmt::format("{} is not allowed in a callback of on_tick()", what));
+  if (in_callbacks)
+    throw std::logic_error(
+        fmt::format("{} is not allowed in a callback of on_tick(): call it outside the callback", what));
 }
 
 void Simulation::Impl::require_own(const Model& model) const {

@@ -39,7 +39,7 @@ std::optional<std::string> check_version(const worldio::Checkpoint& checkpoint, 
   if (is_other && !across_versions)
     throw InputError(
         fmt::format("{}: error: {} wrote this checkpoint, but this program is {}: results may differ; give "
-                    "--across-versions to resume it anyway",
+                    "--across-versions (in C++ and Python: across_versions) to resume it anyway",
                     checkpoint.file().string(), version_of(made_by), version_of(here)));
   return fmt::format("{}: warning: the checkpoint was written by {}; this program is {}{}",
                      checkpoint.file().string(), made_by, here,
@@ -58,9 +58,10 @@ std::vector<std::string> load_plugins(const worldio::Checkpoint& checkpoint, Plu
     const std::string name = key.substr(k_plugin.size());
     const Result<const Plugins::Library*> loaded = plugins.load(name);
     if (!loaded)
-      throw InputError(fmt::format(
-          "{}: error: the run needs plug-in \"{}\": {}; if it is a Python script, give --controller {}.py",
-          checkpoint.file().string(), name, loaded.error().text, name));
+      throw InputError(
+          fmt::format("{}: error: the run needs plug-in \"{}\": {}; if it is a Python script, give "
+                      "--controller {}.py (in Python: controllers=[\"{}.py\"])",
+                      checkpoint.file().string(), name, loaded.error().text, name, name));
     const Plugins::Library* library = *loaded;
     if (hex(library->contents) == contents) continue;
     const std::string text =
@@ -69,7 +70,7 @@ std::vector<std::string> load_plugins(const worldio::Checkpoint& checkpoint, Plu
     if (!across_plugins)
       throw InputError(
           fmt::format("{}: error: {} (its hash is {}, the checkpoint has {}): results may differ; "
-                      "give --across-plugins to resume it anyway",
+                      "give --across-plugins (in C++ and Python: across_plugins) to resume it anyway",
                       checkpoint.file().string(), text, hex(library->contents), contents));
     warnings.push_back(fmt::format("{}: warning: {}", checkpoint.file().string(), text));
   }
@@ -267,7 +268,7 @@ std::vector<engine::BodySpec> Simulation::bodies_placed_by(std::uint64_t seed, s
   if (impl_->resumed_at)
     throw std::logic_error(
         fmt::format("{} needs the rules by which bodies are placed, but this run was resumed from a "
-                    "checkpoint, which does not store these rules",
+                    "checkpoint, which does not store these rules: start from the world file instead",
                     call));
   std::vector<engine::BodySpec> bodies = impl_->world->spec().bodies;
   if (impl_->place_again) impl_->place_again(bodies, seed);

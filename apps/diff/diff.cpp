@@ -64,9 +64,9 @@ ExitCode diff_hash_logs(const DiffOptions& options) {
   std::optional<HashLogReader::Line> b = second.next();
   for (const auto& [log, line] : {std::pair(&first, &a), std::pair(&second, &b)})
     if (!*line)
-      throw InputError(
-          fmt::format("{}: error: the log has no ticks, because the run ended before it wrote one",
-                      log->file().string()));
+      throw InputError(fmt::format(
+          "{}: error: the log contains no tick to compare: its run ended before it wrote one; repeat the run",
+          log->file().string()));
   const std::uint64_t begin = std::max(a->tick, b->tick);
   skip_to(first, a, begin);
   skip_to(second, b, begin);

@@ -178,15 +178,18 @@ ExitCode diff_recordings(const DiffOptions& options) {
   for (const auto& [one, other] :
        {std::pair(options.first, options.second), std::pair(options.second, options.first)})
     if (!is_hdf5(one) && worldio::check_readable(one))
-      throw InputError(fmt::format("{}: error: not a recording (troupe run --record), but {} is a recording",
-                                   one.string(), other.string()));
+      throw InputError(
+          fmt::format("{}: error: not a recording (troupe run --record), but {} is one: give two recordings "
+                      "or two hash logs",
+                      one.string(), other.string()));
   try {
     const RecordingReader first(options.first);
     const RecordingReader second(options.second);
     refuse_unlike(header_of(first), header_of(second), options.across_domains, options.across_runs);
     if (!std::ranges::equal(first.ids(), second.ids()))
-      throw InputError(fmt::format("{}: error: the recorded bodies differ from those of {}",
-                                   second.file().string(), first.file().string()));
+      throw InputError(fmt::format(
+          "{}: error: the recording has other bodies than {}: give two recordings of the same world",
+          second.file().string(), first.file().string()));
     return compare_frames(first, second);
   } catch (const worldio::Hdf5Error& error) {
     throw InputError(error.what());

@@ -160,15 +160,17 @@ int Ffmpeg::wait() {
 void Ffmpeg::fail() {
   close_if_open(pipe_);
   const int code = process_ >= 0 ? wait() : 0;
-  throw std::runtime_error(
-      fmt::format("{}: error: writing failed: ffmpeg ended with exit code {}", film_.string(), code));
+  throw std::runtime_error(fmt::format(
+      "{}: error: writing failed: ffmpeg ended with exit code {}; its messages, if any, are above",
+      film_.string(), code));
 }
 
 void Ffmpeg::finish() {
   close_if_open(pipe_);
   if (const int code = wait(); code != 0)
-    throw std::runtime_error(
-        fmt::format("{}: error: writing failed: ffmpeg ended with exit code {}", film_.string(), code));
+    throw std::runtime_error(fmt::format(
+        "{}: error: writing failed: ffmpeg ended with exit code {}; its messages, if any, are above",
+        film_.string(), code));
   try {
     partial_->commit();
   } catch (const std::system_error& error) {

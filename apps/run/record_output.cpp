@@ -30,7 +30,7 @@ class RecordOutput : public ClonedOutput<RecordOutput> {
                 options.recording.every_s = positive_seconds("--record-every", text, "a time");
               });
     add_value(app, "--record-fields", "A,B,...",
-              "Recorded fields: pose (with shown colours), velocity, ranges, ..., or all (default: pose)",
+              "Recorded fields: pose, velocity, ranges, ... (docs/recordings.md), or all (default: pose)",
               [&options](const std::string& text) {
                 options.recording.fields = split(text, ',');
                 if (std::ranges::count(options.recording.fields, "") > 0)

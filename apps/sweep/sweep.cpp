@@ -467,7 +467,7 @@ void add_sweep_options(CLI::App& command, SweepOptions& options) {
             });
   add_value(command, "--threads", "N", "Number of parallel runs (default: one per available processor)",
             [&options](const std::string& text) { options.runs_at_once = thread_count(text); });
-  add_value(command, "--part", "I/N", "Make only every N-th run, beginning with the I-th",
+  add_value(command, "--part", "I/N", "Make only every N-th run, beginning with the I-th (1 to N)",
             [&options](const std::string& text) {
               const auto slash = text.find('/');
               const auto part = number<std::size_t>(text.substr(0, slash));

@@ -369,7 +369,10 @@ struct Fasr2 : Forager {
     return forager;
   }
   Result<std::vector<std::size_t>> choose(std::span<const DeviceInfo> devices, std::vector<bool>& claimed) {
-    if (names.empty()) return Error{"needs a task; the task \"red\" uses the models red_source and red_sink"};
+    if (names.empty())
+      return Error{
+          "needs at least one of `task`, `task2` to `task8`; the task \"red\" uses the models red_source and "
+          "red_sink"};
     return Forager::choose(devices, claimed);
   }
 };

@@ -3,6 +3,8 @@
 #include "engine/controller.hpp"
 #include "engine/ticks.hpp"
 
+#include <fmt/format.h>
+
 #include <array>
 #include <string_view>
 
@@ -53,7 +55,9 @@ struct Script {
   Result<std::vector<std::size_t>> choose(std::span<const engine::DeviceInfo>, std::vector<bool>&) const {
     for (std::size_t i = 1; i < params.legs.size(); ++i)
       if (params.legs[i].until_s <= params.legs[i - 1].until_s)
-        return Error{"has a leg whose `until` is not later than that of the leg before it"};
+        return Error{
+            fmt::format("has a leg with an `until` of {:g} s after a leg with {:g} s: times must increase",
+                        params.legs[i].until_s, params.legs[i - 1].until_s)};
     if (params.law == Law::timed && params.legs.empty()) return Error{"needs `legs` for the law `timed`"};
     return std::vector<std::size_t>();
   }

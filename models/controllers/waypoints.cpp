@@ -103,7 +103,7 @@ struct Waypoints {
           "turn_max above 0"};
     for (std::size_t i = 0; i < params.goals.size(); ++i)
       if (const Result<> kept = can_keep(i); !kept)
-        return Error{fmt::format("cannot follow goal {}: {}", i + 1, kept.error().text)};
+        return Error{fmt::format("cannot follow goal {} (counted from 1): {}", i + 1, kept.error().text)};
     return {};
   }
 

@@ -101,8 +101,9 @@ void Wheels::act(const DeviceBatch& batch) const {
     const Velocity v = drive(batch.commands->as<Command>(batch.slot(i)), at, batch.period_s,
                              {state.forward, state.left, state.turn});
     if (!std::isfinite(v.x) || !std::isfinite(v.y) || !std::isfinite(v.turn))
-      throw engine::StepError(fmt::format("tick {}: the command of a part of \"{}\" is not a finite number",
-                                          batch.view.tick(), batch.view.spec().name(batch.body(i))));
+      throw engine::StepError(fmt::format(
+          "tick {}: a drive on a part of \"{}\" was commanded a velocity that is not a finite number",
+          batch.view.tick(), batch.view.spec().name(batch.body(i))));
     state = {at.x + 0.0, at.y + 0.0, at.z + 0.0, at.heading + 0.0, v.x + 0.0, v.y + 0.0, v.turn + 0.0, 0};
     if (v.x == 0 && v.y == 0 && v.turn == 0) continue;
     const Pose to = moved(q, v, batch.period_s);

@@ -57,8 +57,8 @@ struct DeadSensors {
       const auto d = static_cast<std::size_t>(device - type.devices.begin());
       if (d >= engine::k_most_fallible)
         return Error{
-            fmt::format("\"{}\" is device {} of type \"{}\", and only the first {} devices of a type "
-                        "can fail",
+            fmt::format("\"{}\" is device {} of type \"{}\" (counted from 1), but faults can only "
+                        "concern the first {}: move it up in the list of sensors",
                         name, d + 1, type.name, engine::k_most_fallible)};
       impairment.dead |= std::uint32_t{1} << d;
     }

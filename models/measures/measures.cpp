@@ -297,8 +297,8 @@ class OfState : public OfRobots {
       }
       if (params.column >= field.columns)
         throw std::invalid_argument(
-            fmt::format("there is no column {}: the last column of the field \"{}\" is {}", params.column,
-                        name, field.columns - 1));
+            fmt::format("there is no column {}: the last column of the field \"{}\" is {} (counted from 0)",
+                        params.column, name, field.columns - 1));
       return known.size();
     }
     throw std::invalid_argument(unknown_name("field", name, known));

@@ -50,7 +50,7 @@ class Controller:
     name: Optional[str] = None
 
     def decide(self, robots: Robots) -> None:
-        raise NotImplementedError(f"{type(self).__name__} has no decide(self, robots)")
+        raise NotImplementedError(f"{type(self).__name__} has no decide(self, robots): define it, to command the robots")
 
     def __setattr__(self, name: str, value: object) -> NoReturn:
         raise AttributeError(
@@ -159,7 +159,7 @@ class Memory(np.ndarray):  # type: ignore[type-arg]
 
 def _check_decide(cls: Any, instance: Any, file: str, line: int) -> None:
     if cls.decide is Controller.decide:
-        _fail(file, line, f"{cls.__name__} has no function decide(self, robots)")
+        _fail(file, line, f"{cls.__name__} has no function decide(self, robots): define it, to command the robots")
     try:
         inspect.signature(instance.decide).bind(None)
     except TypeError:

@@ -116,7 +116,7 @@ def series_by(folder: _File, measure: Optional[str] = None,
             lines.setdefault(key, {}).setdefault(time_s, []).append(number)
     if len(lines) > MOST_LINES:
         raise PlotError(f"error: one line per value of {' and '.join(names)} gives {len(lines)} lines, but a plot has "
-                        f"at most {MOST_LINES}: select fewer parameters with --by, from: {', '.join(parameters)}")
+                        f"at most {MOST_LINES}: select fewer parameters with --by (in Python: by), from: {', '.join(parameters)}")
     if not lines:
         raise PlotError(f'error: the measure "{measure}" has no value in any run')
     result: Dict[_Key, _Points] = {}

@@ -451,22 +451,22 @@ TEST_P(CheckScope, OfAnEffectIsWhatItsKindDeclares) {
 
 std::string changed(std::string_view kind) {
   return fmt::format(
-      "changed the component \"{}/it\" of \"r1\", but that body is outside the scope that the device's kind "
-      "declares (DeviceKind::scope)",
+      "changed the component \"{}/it\" of \"r1\", but that body is outside the scope of the device's kind: "
+      "declare "
+      "a wider one (DeviceKind::scope)",
       kind);
 }
 
 INSTANTIATE_TEST_SUITE_P(
     Scopes, CheckScope,
-    ::testing::Values(Meddling{"trees_no_target", changed("trees_no_target")},
-                      Meddling{"any_target_no_target", changed("any_target_no_target")},
-                      Meddling{"anything_no_target", ""},
-                      Meddling{
-                          "trees_far_target",
-                          "requested an effect on \"r1\", but that body is beyond its reach, and the scope "
-                          "that the device's kind declares (DeviceKind::scope) requires a target within "
-                          "reach"},
-                      Meddling{"any_target_far_target", ""}, Meddling{"anything_far_target", ""}),
+    ::testing::Values(
+        Meddling{"trees_no_target", changed("trees_no_target")},
+        Meddling{"any_target_no_target", changed("any_target_no_target")}, Meddling{"anything_no_target", ""},
+        Meddling{"trees_far_target",
+                 "requested an effect on \"r1\", but that body is beyond its reach: the kind of "
+                 "the device must declare a larger reach (DeviceKind::Prepared::reach_m) or a wider scope "
+                 "(DeviceKind::scope)"},
+        Meddling{"any_target_far_target", ""}, Meddling{"anything_far_target", ""}),
     [](const auto& meddling) {
       std::string name = meddling.param.kind;
       std::erase(name, '_');

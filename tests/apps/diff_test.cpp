@@ -158,7 +158,8 @@ TEST_F(Diff, MalformedLogsAreErrorsWithTheirLine) {
   EXPECT_EQ(error_of(header() + "# seed: 1\n" + line(0)),
             "b.log:10: error: the header \"seed\" occurs twice\n");
   EXPECT_EQ(error_of(header()),
-            "b.log: error: the log has no ticks, because the run ended before it wrote one\n");
+            "b.log: error: the log contains no tick to compare: its run ended before it wrote one; repeat "
+            "the run\n");
   const std::string none =
       "b.log:1: error: not a hash log (troupe run --hash-log): the first line must be \"# troupe hash log "
       "1\"\n";

@@ -277,7 +277,7 @@ TEST_F(Record, ARecordingOfAnotherRunDoesNotGoOn) {
   EXPECT_EQ(refused.code, k_bad_input);
   EXPECT_EQ(refused.err,
             "other.h5: error: seed is \"7\" in the recording, but \"1\" in this run: the recording belongs "
-            "to another run\n");
+            "to another run; choose another file\n");
   EXPECT_EQ(read("other.h5"), other);
   EXPECT_THAT(resume("room.world").err, HasSubstr("room.world: error: has no complete HDF5 header"));
 
@@ -331,7 +331,8 @@ TEST_F(Record, DiffNamesTheFirstValueThatDiffers) {
 
   write("log", "# troupe hash log 1\n");
   EXPECT_THAT(error_of({"diff", "a.h5", "log"}),
-              HasSubstr("log: error: not a recording (troupe run --record), but a.h5 is a recording"));
+              HasSubstr("log: error: not a recording (troupe run --record), but a.h5 is one: give two "
+                        "recordings or two hash logs"));
   EXPECT_THAT(error_of({"diff", "a.h5", "none.h5"}), HasSubstr("none.h5: error: there is no such file"));
 }
 

@@ -327,12 +327,12 @@ TEST_F(Resume, OptionsOfARecordingMayBeRepeatedButNotChanged) {
   EXPECT_EQ(every.code, 2);
   EXPECT_EQ(every.err,
             "r.h5: error: the recording has a frame every 0.3 s, which cannot change, but --record-every is "
-            "0.2 s: omit --record-every\n");
+            "0.2 s: omit --record-every (in C++: every_s)\n");
   const Outcome fields = troupe(with(resume, {"--record-fields", "pose"}));
   EXPECT_EQ(fields.code, 2);
   EXPECT_EQ(fields.err,
             "r.h5: error: the recording has the fields pose,stall, which cannot change, but --record-fields "
-            "is pose: omit --record-fields\n");
+            "is pose: omit --record-fields (in C++: fields)\n");
   EXPECT_EQ(read("r.h5"), before);
 }
 

@@ -225,7 +225,8 @@ TEST_F(Tables, WhatCannotBeMeasuredIsRefusedBeforeTheRun) {
           "displacement, held, "
           "largest_cluster, mean_nearest_distance, mean_speed, neighbours, order, path_length, polarisation, "
           "rank_errors, share_within, spread, stalls, state_mean, state_variance (did you mean "
-          "\"coverage\"?); no folder to search for coverge.so: give --plugin-path");
+          "\"coverage\"?); no folder to search for coverge.so: give --plugin-path "
+          "(in C++ and Python: plugin_path)");
   refused({"--events", "none/e.csv"}, "none/e.csv: error: cannot be written: there is no folder none");
   refused({"--events", "m.csv", "--measures", "./m.csv"},
           "m.csv: error: cannot be written: another output has the same name: choose another file name");

@@ -128,8 +128,8 @@ TEST(World, ABodyBelowTheFloorIsAWarning) {
   Diagnostics diagnostics;
   const World world(scene.spec, test::registry(), {.threads = 1}, diagnostics);
   EXPECT_THAT(diagnostics.warnings(),
-              testing::ElementsAre(
-                  "warning: a body extends below the floor (z = 0); the floor itself is not an obstacle"));
+              testing::ElementsAre("warning: a body extends below the floor (z = 0), which is not an "
+                                   "obstacle: raise the body, if this is not intended"));
 }
 
 struct Thrower {
@@ -263,7 +263,8 @@ TEST(World, TheReportOfOverlapsDependsOnNoThreadsAndNoCells) {
     scene.body(fmt::format("r{}", i), type, {i * 0.15, 0, i % 2 == 0 ? -0.1 : 0.0, 0});
   scene.wall(0, -1, 1, 1);
   const std::string floor =
-      "warning: a body extends below the floor (z = 0); the floor itself is not an obstacle (and 349 more)";
+      "warning: a body extends below the floor (z = 0), which is not an obstacle: raise the body, if this is "
+      "not intended (and 349 more)";
   const std::string pairs = fmt::format(
       "warning: {} pairs of bodies overlap at the start, for example \"r700\" and \"r699\"; bodies that "
       "overlap may move apart, but not closer",

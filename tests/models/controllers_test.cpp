@@ -314,7 +314,7 @@ TEST(Script, LegsMustFollowOneAnother) {
       {}, "script",
       test::record(table, {{"legs", std::vector<engine::Record>{test::record(leg, {{"until", 5.0}}),
                                                                 test::record(leg, {{"until", 2.0}})}}}));
-  EXPECT_EQ(decide.error, "has a leg whose `until` is not later than that of the leg before it");
+  EXPECT_EQ(decide.error, "has a leg with an `until` of 2 s after a leg with 5 s: times must increase");
 }
 
 TEST(Expand, MoreClearancesThanTransducersIsAFault) {

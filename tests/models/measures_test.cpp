@@ -524,8 +524,10 @@ TEST(Measures, StateMeanIsOfTheRobotsThatHaveTheField) {
     const MeasureSet set(world, test::registry(), {&one, 1}, diagnostics);
     return diagnostics.findings().empty() ? std::string() : diagnostics.text(diagnostics.findings()[0]);
   };
-  EXPECT_THAT(error(ranges(9)),
-              HasSubstr("state_mean: there is no column 9: the last column of the field \"ranges\" is 8"));
+  EXPECT_THAT(
+      error(ranges(9)),
+      HasSubstr(
+          "state_mean: there is no column 9: the last column of the field \"ranges\" is 8 (counted from 0)"));
   EXPECT_THAT(error(spec("state_mean", "", {{"component", "ranger/ear"}, {"field", "ranges"}})),
               HasSubstr("state_mean: unknown component \"ranger/ear\"; known: command, eye, pose, "));
   EXPECT_THAT(error(spec("state_mean", "", {{"component", "ranger/eye"}, {"field", "range"}})),

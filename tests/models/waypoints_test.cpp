@@ -157,18 +157,21 @@ TEST(Movers, WithoutObstaclesOfTheirOwnTheyPassThroughAll) {
 
 TEST(Movers, WhatTheyCannotKeepIsTold) {
   EXPECT_THAT(Mover({{1, 0, 0, 0, 2}}).error(),
-              HasSubstr("controller \"waypoints\" cannot follow goal 1: its `speed` is 2 m/s, but the drive "
+              HasSubstr("controller \"waypoints\" cannot follow goal 1 (counted from 1): its `speed` is 2 "
+                        "m/s, but the drive "
                         "reaches only 1 m/s "
                         "in every direction"));
-  EXPECT_THAT(
-      Mover({{0, 0, 0, 1}, {3, 0, 0, 2}}).error(),
-      HasSubstr("cannot follow goal 2: it is 3 m from the goal before it and must be reached within 1 s, but "
-                "the drive reaches only 1 m/s"));
+  EXPECT_THAT(Mover({{0, 0, 0, 1}, {3, 0, 0, 2}}).error(),
+              HasSubstr("cannot follow goal 2 (counted from 1): it is 3 m from the goal before it and must "
+                        "be reached within 1 s, but "
+                        "the drive reaches only 1 m/s"));
   EXPECT_THAT(Mover({{0, 0, 0, 3}, {1, 0, 0, 2}}).error(),
-              HasSubstr("cannot follow goal 2: its `at` is 2 s, but that of the goal before it is 3 s; times "
+              HasSubstr("cannot follow goal 2 (counted from 1): its `at` is 2 s, but that of the goal before "
+                        "it is 3 s; times "
                         "must increase"));
-  EXPECT_THAT(Mover({{1, 0, 0, 3, 1}}).error(),
-              HasSubstr("cannot follow goal 1: it has both `at` and `speed`; give only one"));
+  EXPECT_THAT(
+      Mover({{1, 0, 0, 3, 1}}).error(),
+      HasSubstr("cannot follow goal 1 (counted from 1): it has both `at` and `speed`; give only one"));
   Mover diff({{1, 0, 0, 3}});
   diff.scene[diff.type].drive = test::drive("diff");
   EXPECT_THAT(diff.error(), HasSubstr("which need a drive of kind \"omni\""));

@@ -205,10 +205,10 @@ TEST_F(PluginsTest, ThatAreMissingAreLookedForWhereTheErrorSays) {
   EXPECT_THAT(error_of(world, options({"/nowhere", folder_of("other")})),
               AllOf(testing::StartsWith(known),
                     EndsWith("; there is no wonder.so in /nowhere, " + folder_of("other").string())));
-  EXPECT_THAT(
-      error_of(stage_world("walker"), {}).substr(world.size()),
-      AllOf(testing::StartsWith(":3: error: unknown controller \"walker\"; known: "),
-            EndsWith(" (did you mean \"wander\"?); no folder to search for walker.so: give --plugin-path")));
+  EXPECT_THAT(error_of(stage_world("walker"), {}).substr(world.size()),
+              AllOf(testing::StartsWith(":3: error: unknown controller \"walker\"; known: "),
+                    EndsWith(" (did you mean \"wander\"?); no folder to search for walker.so: give "
+                             "--plugin-path (in C++ and Python: plugin_path)")));
   EXPECT_THAT(error_of(stage_world("../plugins/walker"), options({folder_of("other")})),
               Not(HasSubstr(".so")))
       << "a name is no path";
@@ -594,7 +594,7 @@ TEST_F(PluginsResumed, WithAnotherBuildNeedToBeToldSo) {
       AllOf(testing::StartsWith(
                 (folder_ / "c.h5").string() + ": error: " + file("other", "walker") +
                 "is another build of plug-in \"walker\" than the one that the checkpoint was written with"),
-            EndsWith("give --across-plugins to resume it anyway")));
+            EndsWith("give --across-plugins (in C++ and Python: across_plugins) to resume it anyway")));
   Simulation simulation = resumed("other", true);
   EXPECT_THAT(simulation.warnings(), ElementsAre(HasSubstr(": warning: ")));
   simulation.run_for(0.6);
@@ -602,11 +602,13 @@ TEST_F(PluginsResumed, WithAnotherBuildNeedToBeToldSo) {
 }
 
 TEST_F(PluginsResumed, WithoutThemSayWhichIsMissing) {
-  EXPECT_EQ(fault_of_resume("nowhere"), (folder_ / "c.h5").string() +
-                                            ": error: the run needs plug-in \"walker\": there is no "
-                                            "walker.so in " +
-                                            folder_of("nowhere").string() +
-                                            "; if it is a Python script, give --controller walker.py");
+  EXPECT_EQ(
+      fault_of_resume("nowhere"),
+      (folder_ / "c.h5").string() +
+          ": error: the run needs plug-in \"walker\": there is no "
+          "walker.so in " +
+          folder_of("nowhere").string() +
+          "; if it is a Python script, give --controller walker.py (in Python: controllers=[\"walker.py\"])");
 }
 
 }  // namespace

@@ -77,8 +77,10 @@ TEST_F(PluginProgram, TakesFoldersFromTheCommandLineThenFromTheEnvironment) {
   EXPECT_EQ(none.code, 2);
   EXPECT_THAT(
       none.err,
-      AllOf(StartsWith("w.json:2: error: /types/bot/controller/kind: unknown controller \"walker\"; known: "),
-            EndsWith("; no folder to search for walker.so: give --plugin-path\n")));
+      AllOf(
+          StartsWith("w.json:2: error: /types/bot/controller/kind: unknown controller \"walker\"; known: "),
+          EndsWith(
+              "; no folder to search for walker.so: give --plugin-path (in C++ and Python: plugin_path)\n")));
   EXPECT_THAT(files(), ElementsAre("w.json"));
   EXPECT_EQ(run({"--plugin-path", ":"}).code, 2);
 }
@@ -191,10 +193,12 @@ TEST_F(PluginProgram, GoesOnFromACheckpoint) {
 
   EXPECT_EQ(resume({}).err,
             "c.h5: error: the run needs plug-in \"walker\": no folder to search for walker.so: give "
-            "--plugin-path; if it is a Python script, give --controller walker.py\n");
+            "--plugin-path (in C++ and Python: plugin_path); if it is a Python script, give --controller "
+            "walker.py (in Python: controllers=[\"walker.py\"])\n");
   const Outcome other = resume({"--plugin-path", folder_of("other")});
   EXPECT_EQ(other.code, 2);
-  EXPECT_THAT(other.err, HasSubstr("give --across-plugins to resume it anyway"));
+  EXPECT_THAT(other.err,
+              HasSubstr("give --across-plugins (in C++ and Python: across_plugins) to resume it anyway"));
   const Outcome across =
       resume({"--plugin-path", folder_of("other"), "--across-plugins", "--hash-log", "parts.log"});
   EXPECT_EQ(across.code, 0) << across.err;

@@ -253,7 +253,7 @@ class Controllers(InAFolder):
             (('memory["steps"] += 1', "self.count = 1"), 1,
              'my.py:14: AttributeError: a controller cannot have the attribute "count": declare it in `memory`'),
             (("    def decide(self, robots):", "    def decied(self, robots):"), 2,
-             f"my.py:{class_line}: error: roam has no function decide(self, robots)"),
+             f"my.py:{class_line}: error: roam has no function decide(self, robots): define it, to command the robots"),
             (("    def decide(self, robots):", "    def decide(robots):"), 2,
              f"my.py:{class_line + 6}: error: roam.decide(robots): expected decide(self, robots)"),
             (('memory["steps"] += 1', 'memory["steps"] = memory["steps"] + 0.5'), 1,

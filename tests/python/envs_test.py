@@ -280,13 +280,13 @@ class Vector(unittest.TestCase):
                         self.assertEqual(of_all.batch.core.seeds[copy], each)
         env = troupe.envs.VectorEnv(Short(2), 6)
         for wrong, text in (
-            ([1, 2], "seed: found a list of 2: give 3, one per copy or 6, one per environment"),
+            ([1, 2], "seed: found a list of 2 seeds: give 3, one per copy, or 6, one per environment"),
             ([1, 1, 2, 3, 4, 4], "seed: environments 2 and 3 share one world, but have the seeds 2 and 3"),
             ([1, None, 2, 2, 4, 4], "environments 0 and 1 share one world, but have the seeds 1 and None"),
         ):
             with self.assertRaisesRegex(ValueError, text):
                 env.reset(seed=wrong)
-        with self.assertRaisesRegex(ValueError, "found a list of 2: give 3, one per copy$"):
+        with self.assertRaisesRegex(ValueError, "found a list of 2 seeds: give 3, one per copy$"):
             troupe.envs.VectorEnv(Short(2), 3, robot="r0").reset(seed=[1, 2])
 
     def test_by_the_registry(self):
@@ -308,7 +308,7 @@ class Vector(unittest.TestCase):
         env.reset(seed=1)
         with self.assertRaisesRegex(ValueError, r"shape \(4, 2\), found \(2, 2\)"):
             env.step(np.zeros((2, 2)))
-        with self.assertRaisesRegex(ValueError, 'action 1 of "r1" in copy 0 is nan'):
+        with self.assertRaisesRegex(ValueError, 'action 1 of "r1" in copy 0 \(both counted from 0\) is nan'):
             env.step(np.array([[0, 0], [0, np.nan], [0, 0], [0, 0]]))
         with self.assertRaisesRegex(LookupError, 'has no device "lidr"; it has: lidar'):
             task = Short(2)
@@ -399,7 +399,7 @@ class Teams(unittest.TestCase):
             change = after["cart"]["where"][:2] - before["cart"]["where"][:2]
             self.assertTrue(np.allclose(change, moved, atol=1e-6), (action, change))
             before = after
-        with self.assertRaisesRegex(ValueError, "column 1: must be whole numbers from 0 to 1"):
+        with self.assertRaisesRegex(ValueError, r"column 1 \(counted from 0\): must be whole numbers from 0 to 1, found "):
             env.step({"cart": np.array([2, 2, 0])})
 
     def test_observations_are_those_of_the_world_alone(self):

@@ -342,7 +342,7 @@ class Callbacks(InAFolder):
             "on_tick": lambda s: s.on_tick(None),
         }.items():
             world.on_tick(act)
-            with self.assertRaisesRegex(RuntimeError, rf"^{name}\(\) is not allowed in a callback of on_tick\(\)$"):
+            with self.assertRaisesRegex(RuntimeError, rf"^{name}\(\) is not allowed in a callback of on_tick\(\): call it outside the callback$"):
                 world.step()
             world.on_tick(None)
         world.on_tick(lambda simulation: 1 / 0)
@@ -580,7 +580,7 @@ class Models(InAFolder):
     @unittest.skipIf(has_view(), "this build has a view")
     def test_a_build_without_view_says_so(self):
         with self.assertRaisesRegex(RuntimeError, "^the live view is not available: Troupe was built without it; "
-                                                  "configure it with -DTROUPE_VIEW=ON$"):
+                                                  "build it with the CMake option -DTROUPE_VIEW=ON$"):
             troupe.Simulation(ROOM).view(out=self.folder)
         self.assertEqual(list(self.folder.iterdir()), [], "no session is begun")
 

@@ -397,8 +397,8 @@ TEST(BatchEnv, SaysWhatIsWrong) {
   batch.reset();
   const std::uint64_t before = batch.simulation(0).state_hash();
   batch.actions(0)[4 * 4 + 5] = std::numeric_limits<double>::quiet_NaN();
-  EXPECT_THAT([&] { batch.step(); },
-              ThrowsMessage<std::invalid_argument>(HasSubstr("action 1 of \"r1\" in copy 1 is nan")));
+  EXPECT_THAT([&] { batch.step(); }, ThrowsMessage<std::invalid_argument>(HasSubstr(
+                                         "action 1 of \"r1\" in copy 1 (both counted from 0) is nan")));
   EXPECT_EQ(batch.simulation(0).state_hash(), before);
   const std::vector<std::uint8_t> three(3);
   EXPECT_THAT([&] { batch.reset(three); },

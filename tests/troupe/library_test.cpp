@@ -239,7 +239,7 @@ TEST(OnTick, MayNotStepAndItsExceptionsComeOutOfTheStep) {
   Simulation simulation(yard());
   simulation.on_tick([](Simulation& s) { s.step(); });
   EXPECT_EQ(message_of<std::logic_error>([&] { simulation.step(); }),
-            "step() is not allowed in a callback of on_tick()");
+            "step() is not allowed in a callback of on_tick(): call it outside the callback");
   EXPECT_EQ(simulation.tick(), 1u);
   simulation.on_tick(nullptr);
   simulation.on_tick([](Simulation& s) { s.on_tick(nullptr); });

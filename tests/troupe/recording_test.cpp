@@ -127,7 +127,7 @@ TEST_F(RecordingTest, DoesNotGoOnWhereItCannot) {
   Simulation other(world_, {.robots = {{"r", 7}}});
   EXPECT_THAT(error_of<std::runtime_error>([&] { Recording::resume(folder_ / "run.h5", other); }),
               HasSubstr("run.h5: error: robots is \"8\" in the recording, but \"7\" in this run: the "
-                        "recording belongs to another run"));
+                        "recording belongs to another run; choose another file"));
 }
 
 TEST_F(RecordingTest, ForgottenToCloseIsClosedAllTheSame) {

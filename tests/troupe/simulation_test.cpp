@@ -722,7 +722,7 @@ TEST_F(SimulationTest, ASnapshotThatCannotBeWrittenIsAnError) {
 TEST_F(SimulationTest, WithoutRenderASnapshotIsAnError) {
   const Simulation simulation = json();
   EXPECT_EQ(message_of<std::runtime_error>([&] { simulation.snapshot(folder_ / "room.png"); }),
-            "this build cannot draw pictures: configure it with -DTROUPE_RENDER=ON");
+            "this build cannot draw pictures: build Troupe with the CMake option -DTROUPE_RENDER=ON");
   EXPECT_FALSE(fs::exists(folder_ / "room.png"));
 }
 

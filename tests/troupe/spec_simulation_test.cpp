@@ -143,13 +143,14 @@ TEST_F(SpecSimulation, WhatIsWrongIsNamedByItsPath) {
   expect([](Spec& s) { s.types[2].parts.clear(); },
          "error: types[2].parts: empty; a type needs at least one part");
   expect([](Spec& s) { s.types[2].parts[0].parent = 1; },
-         "error: types[2].parts[0].parent: must be the index of an earlier part, found index 1");
+         "error: types[2].parts[0].parent: must be the index of an earlier part, found index 1 (counted from "
+         "0)");
   expect([](Spec& s) { s.types[2].devices[0].joint = 0; },
-         "error: types[2].sensors[0].joint: the type has 0 joints, found index 0");
+         "error: types[2].sensors[0].joint: the type has 0 joints, found index 0 (counted from 0)");
   expect([](Spec& s) { s.types[2].devices[0].moves = -2; },
-         "error: types[2].sensors[0].moves: the type has 0 joints, found index -2");
+         "error: types[2].sensors[0].moves: the type has 0 joints, found index -2 (counted from 0)");
   expect([](Spec& s) { s.types[2].devices[0].part = 3; },
-         "error: types[2].sensors[0].part: the type has 1 parts, found index 3");
+         "error: types[2].sensors[0].part: the type has 1 parts, found index 3 (counted from 0)");
   expect([](Spec& s) { s.types[2].drive->kind = "hover"; },
          "error: types[2].drive.params: unknown drive \"hover\"");
   expect([](Spec& s) { s.types[2].drive->params.pop_back(); }, "error: types[2].drive.params: expected ");
@@ -160,12 +161,12 @@ TEST_F(SpecSimulation, WhatIsWrongIsNamedByItsPath) {
   expect([](Spec& s) { s.bodies[3].pose_world_body.x = k_nan; },
          "error: bodies[3].pose.x: must be from -1000000 to 1000000, found nan");
   expect([](Spec& s) { s.bodies[3].type = TypeId(7); },
-         "error: bodies[3].type: the world has 3 types, found index 7");
+         "error: bodies[3].type: the world has 3 types, found index 7 (counted from 0)");
   expect(
       [](Spec& s) {
         s.bodies[3].name = {77, 0};
       },
-      "error: bodies[3].name: the list of name words has 4 entries, found index 77");
+      "error: bodies[3].name: the list of name words has 4 entries, found index 77 (counted from 0)");
   expect([](Spec& s) { s.bodies.clear(); }, "error: bodies: empty; body 0 of every world is the ground");
   expect(
       [](Spec& s) {
@@ -181,7 +182,7 @@ TEST_F(SpecSimulation, WhatIsWrongIsNamedByItsPath) {
       [](Spec& s) {
         s.reserves = {{"r", BodyId(0), 1}};
       },
-      "error: reserves[0]: reserve \"r\" begins at body 0, but the first body that it may contain is body 1");
+      "error: reserves[0]: reserve \"r\" begins at body 0, but must begin at body 1 or later");
   expect([](Spec& s) { s.bounds.emplace(); },
          "error: bounds_m.min: must be from -1000000 to 1000000, found inf");
   expect(

@@ -356,13 +356,14 @@ TEST(SpecJson, RefusesBodiesOfAnotherWorld) {
          "the file is damaged: the columns of the bodies differ in length");
   expect([](BodyColumns& c) { c = {}; },
          "the file is damaged: it has no bodies, but every world has at least the ground");
-  expect([](BodyColumns& c) { c.type[1] = 2; }, "bodies[1].type: the world has 2 types, found index 2");
+  expect([](BodyColumns& c) { c.type[1] = 2; },
+         "bodies[1].type: the world has 2 types, found index 2 (counted from 0)");
   expect([](BodyColumns& c) { c.word[1] = 99; },
-         "bodies[1].name: the list of name words has 5 entries, found index 99");
+         "bodies[1].name: the list of name words has 5 entries, found index 99 (counted from 0)");
   expect([](BodyColumns& c) { c.alias_word[0] = 99; },
-         "aliases[0].name: the list of name words has 5 entries, found index 99");
+         "aliases[0].name: the list of name words has 5 entries, found index 99 (counted from 0)");
   expect([](BodyColumns& c) { c.alias_body[0] = 9; },
-         "aliases[0].body: the world has 4 bodies, found index 9");
+         "aliases[0].body: the world has 4 bodies, found index 9 (counted from 0)");
   expect([](BodyColumns& c) { c.pose[5] = std::numeric_limits<double>::quiet_NaN(); },
          "bodies[1].pose: must be from -1000000 to 1000000, found nan");
   expect([](BodyColumns& c) { c.type[1] = 0; },

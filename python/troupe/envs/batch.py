@@ -39,7 +39,7 @@ class Batch:
             raise ValueError(f"{type(task).__name__} has no teams: set its member `teams` to a list of Teams")
         if robot is not None:
             if len(self.teams) != 1:
-                raise ValueError(f"robot={robot!r} needs a task with one team, but {type(task).__name__} has {len(self.teams)}")
+                raise ValueError(f"robot={robot!r} needs a task with one team, but {type(task).__name__} has {len(self.teams)}: omit robot")
             self.teams[0].robots = robot
         for index, team in enumerate(self.teams):
             team.name = team.name or f"team{index}"

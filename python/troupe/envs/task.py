@@ -130,7 +130,7 @@ def commands_of(team: Team, actions: Any) -> npt.NDArray[np.float64]:
         for column, values in enumerate(team.levels):
             at = index[..., column]
             if index.dtype.kind not in "iu" or (at < 0).any() or (at >= len(values)).any():
-                raise ValueError(f"actions, column {column}: must be whole numbers from 0 to {len(values) - 1}")
+                raise ValueError(f"actions, column {column} (counted from 0): must be whole numbers from 0 to {len(values) - 1}, found {at!r}")
             columns.append(np.asarray(values, np.float64)[at])
         return np.stack(columns, axis=-1)
     return np.asarray(actions, np.float64)

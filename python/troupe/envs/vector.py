@@ -184,8 +184,8 @@ class VectorEnv(_VectorEnv[Any, Any, Any]):
         if len(seeds) == self.copies:
             return seeds
         if len(seeds) != self.num_envs:
-            per_env = "" if self.robots == 1 else f" or {self.num_envs}, one per environment"
-            raise ValueError(f"seed: found a list of {len(seeds)}: give {self.copies}, one per copy{per_env}")
+            per_env = "" if self.robots == 1 else f", or {self.num_envs}, one per environment"
+            raise ValueError(f"seed: found a list of {len(seeds)} seeds: give {self.copies}, one per copy{per_env}")
         for env, each in enumerate(seeds):
             first = env - env % self.robots
             if each != seeds[first]:
