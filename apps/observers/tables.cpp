@@ -166,8 +166,7 @@ class EventsOutput : public ClonedOutput<EventsOutput> {
  public:
   void add_options(CLI::App& app, RunOptions&) override {
     add_value(app, "--events", "FILE.csv",
-              "Write a table of events (a robot is stalled, is held at the bounds of the world, ...), one "
-              "line per event",
+              "Write a table, one line per event (a robot is stalled, held at the bounds of the world, ...)",
               [this](const std::string& text) { file_ = file_name("--events", text); });
   }
   std::vector<fs::path*> names(RunOptions&) override { return {&file_}; }

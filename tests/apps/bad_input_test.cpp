@@ -257,7 +257,7 @@ TEST_F(NoRegularFile, IsRefusedByEveryCommandAtOnce) {
   std::filesystem::create_symlink("/dev/zero", path("zero.json"));
   refused("zero.json", "this is a device, not a regular file");
   std::filesystem::create_directory(path("folder.json"));
-  refused("folder.json", "this is a folder");
+  refused("folder.json", "this is a folder, not a file");
   EXPECT_THAT(files(), ::testing::ElementsAre("folder.json", "loop.json", "pipe.world", "zero.json"));
 }
 

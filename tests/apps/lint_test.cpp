@@ -55,6 +55,12 @@ TEST_F(LintTest, FindsNothingInAWorldThatIsRight) {
                  "model( name \"wall\" pose [3 0 0 0] size [0.2 4 1] )\nbot( name \"r0\" )\n");
 }
 
+TEST_F(LintTest, ATypeThatGivesItsKindInheritsAllTheSame) {
+  expect_nothing("kinds.json", R"({"troupe": 1, "types": {
+    "base": {"kind": "position", "size_m": [0.4, 0.4, 0.3], "drive": {"kind": "diff"}},
+    "bot": {"extends": "base", "kind": "model"}}, "models": [{"name": "r0", "type": "bot"}]})");
+}
+
 TEST_F(LintTest, FindsNothingInTheWorldsThatAreShipped) {
   for (const scenes::Run& run : scenes::runs_of("lint")) {
     const Outcome outcome = troupe({"lint", run.file().string()});

@@ -87,7 +87,9 @@ TEST_F(RosMapTest, WhatIsWrongIsToldAtItsLine) {
       messages_,
       ElementsAre(
           "maps/lab.yaml:2: error: \"resolution\" needs a length from 0.000001 to 200000 m, found \"0.05 m\"",
-          "maps/lab.yaml:3: error: \"origin\" needs [x, y, yaw], in m and rad",
+          "maps/lab.yaml:3: error: \"origin\" needs a list of three numbers, [x, y, yaw], in m and rad, "
+          "found a "
+          "list of 2",
           "maps/lab.yaml:4: error: \"free_thresh\" is 0.9, but must be at most \"occupied_thresh\", which is "
           "0.65"));
   EXPECT_FALSE(parse(std::string(k_least) + "occupied_thresh: 0.1\n"));

@@ -85,7 +85,7 @@ TEST_F(StageOtherWorlds, TypesOfOlderVersionsAreCalledSo) {
   EXPECT_THAT(found[0], HasSubstr("w.world:1: error: \"charger\" is neither a model type nor a macro defined "
                                   "above (Stage has had no such type since version 4.3); types: actuator, "));
   EXPECT_THAT(found[1],
-              HasSubstr("w.world:3: error: \"puck\" is neither a model type nor a macro defined above: "
+              HasSubstr("w.world:3: error: \"puck\" is neither a model type nor a macro defined above "
                         "(Stage has had no such type since version 4.3)"));
   EXPECT_THAT(found[2],
               HasSubstr("w.world:4: error: \"map\" is neither a model type nor a macro defined above; "));

@@ -402,8 +402,8 @@ TEST_F(StageWorld, AMapOfRosLiesWhereItSays) {
   EXPECT_THAT(messages(),  // one cell is unknown
               ElementsAre("w.world:4: warning: only the height (third value) of \"size\" is used: the ROS "
                           "map has a size of its own, 2 m x 1 m",
-                          "w.world:6: error: a model whose \"bitmap\" is a ROS map cannot have blocks, "
-                          "because the map is not stretched to \"size\""));
+                          "w.world:6: error: a model whose \"bitmap\" is a ROS map cannot have blocks: "
+                          "remove them, or put them into a model of their own"));
   const engine::PartSpec& plan = type_of(spec, 1).parts[0];
   EXPECT_EQ(plan.size, Eigen::Vector3d(2, 1, 1));
   expect_box(bounds_of(plan.solids), 10.5, 11, 20, 20.5);
