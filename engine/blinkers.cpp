@@ -183,12 +183,12 @@ void Blinkers::end_effect(const BodyType::Device& device, const Effect& effect) 
     if (inside_[r] != 0 || inside[r] != 0) continue;
     state_.for_tables_of(Row(r), [&](std::size_t t, std::size_t at) {
       if (state_.tables[t].hash_row(at) == before_[t].hash_row(at)) return;
-      throw StepError(
-          fmt::format("tick {}: device \"{}\" ({}) of \"{}\" changed the component \"{}\" of \"{}\", but "
-                      "that body is outside the scope of the device's kind: declare a wider one "
-                      "(DeviceKind::scope)",
-                      state_.now.tick, device.name, device.kind->name, state_.spec.name(effect.source),
-                      state_.tables[t].component(), state_.spec.name(state_.bodies[r])));
+      throw StepError(fmt::format(
+          "tick {}: device \"{}\" ({}) of \"{}\" changed the component \"{}\" of \"{}\", "
+          "which is neither the body of the device nor its target, nor moves together with one of "
+          "them: do not change such bodies, or set DeviceKind::scope to ApplyScope::anything",
+          state_.now.tick, device.name, device.kind->name, state_.spec.name(effect.source),
+          state_.tables[t].component(), state_.spec.name(state_.bodies[r])));
     });
   }
 }

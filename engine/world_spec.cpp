@@ -48,11 +48,14 @@ class TypeRules {
   }
   void check_joint(Where where, const std::string& member, std::int32_t joint) const {
     if (joint < k_rigid || joint >= static_cast<std::int32_t>(type_.joints.size()))
-      error(where, member, joint, fmt::format("the type has {} joints", type_.joints.size()));
+      error(where, member, joint,
+            fmt::format("must be -1 (no joint) or the index of a joint; the type has {} joint{}",
+                        type_.joints.size(), type_.joints.size() == 1 ? "" : "s"));
   }
   void check_part(Where where, const std::string& member, std::uint32_t part) const {
     if (part >= type_.parts.size())
-      error(where, member, part, fmt::format("the type has {} parts", type_.parts.size()));
+      error(where, member, part,
+            fmt::format("the type has {} part{}", type_.parts.size(), type_.parts.size() == 1 ? "" : "s"));
   }
 
   const TypeSpec& type_;

@@ -260,7 +260,9 @@ Result<> Plugins::open(Loaded& library) {
     described->list(kinds.controllers, kinds.devices, kinds.measures);
     return keep_kinds(library, std::move(kinds));
   } catch (...) {
-    return Error{fmt::format("cannot list its kinds: it {}", engine::thrown_text())};
+    return Error{
+        fmt::format("cannot be used: its code that registers controllers, sensors, devices and measures {}",
+                    engine::thrown_text())};
   }
 }
 
@@ -300,10 +302,10 @@ Result<> Plugins::keep_kinds(Loaded& library, Kinds all) const {
 void Plugins::add(std::shared_ptr<const Script> script) {
   const std::string name = script->name();
   if (!plugin::is_name(name))
-    throw InputError(
-        fmt::format("{}: error: the script has the name \"{}\", but must have one word without : and = as "
-                    "its name: rename the file",
-                    script->file.string(), name));
+    throw InputError(fmt::format(
+        "{}: error: the script has the name \"{}\", but must have one word as its name, without : "
+        "= / \\ and quotation marks, and not beginning with a dot: rename the file",
+        script->file.string(), name));
   for (const auto& library : loaded_)
     if (library->name == name)
       throw InputError(fmt::format("{}: error: another script or plug-in is also called \"{}\": rename one",

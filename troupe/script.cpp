@@ -32,7 +32,9 @@ Result<std::vector<std::size_t>> types_of(const WorldSpec& world, const std::str
       types.push_back(t);
   if (!types.empty()) return types;
   if (robots.empty())
-    return Error{"the world has no type with a drive: set `robots` of the controller to the name of a type"};
+    return Error{
+        "without `robots`, a controller is given to all types with a drive, but no type of this world has "
+        "one: give a type a drive, or set `robots` of the controller to the name of a type"};
   std::vector<bool> has(world.types.size(), false);
   std::vector<bool> has_others(world.types.size(), false);
   for (std::size_t b = 1; b < world.bodies.size(); ++b) {

@@ -451,9 +451,10 @@ TEST_P(CheckScope, OfAnEffectIsWhatItsKindDeclares) {
 
 std::string changed(std::string_view kind) {
   return fmt::format(
-      "changed the component \"{}/it\" of \"r1\", but that body is outside the scope of the device's kind: "
-      "declare "
-      "a wider one (DeviceKind::scope)",
+      "changed the component \"{}/it\" of \"r1\", which is neither the body of the device nor its target, "
+      "nor "
+      "moves together with one of them: do not change such bodies, or set DeviceKind::scope to "
+      "ApplyScope::anything",
       kind);
 }
 

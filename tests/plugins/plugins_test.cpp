@@ -247,10 +247,11 @@ TEST_F(PluginsTest, ThatCannotBeUsedSayWhy) {
   EXPECT_THAT(error_of("contracting"), HasSubstr("-ffp-contract=off"));
   EXPECT_THAT(error_of("empty"),
               HasSubstr("registers no controller, sensor, device or measure: register one with TROUPE_"));
-  EXPECT_THAT(error_of("throwing"), EndsWith("cannot list its kinds: it threw: a table is missing"));
+  EXPECT_THAT(error_of("throwing"),
+              EndsWith("registers controllers, sensors, devices and measures threw: a table is missing"));
   for (const char* number : {"throwing_a_number", "throwing_at_once"})
     EXPECT_THAT(error_of(number),
-                EndsWith("cannot list its kinds: it threw an exception that is not a std::exception"));
+                EndsWith("devices and measures threw an exception that is not a std::exception"));
   EXPECT_THAT(error_of("null"), EndsWith("cannot be used: troupe_plugin returns null"));
   EXPECT_THAT(error_of("clash"),
               EndsWith("has two kinds with the name \"clash:idle\", each a controller: rename one"));

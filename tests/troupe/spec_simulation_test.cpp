@@ -146,11 +146,15 @@ TEST_F(SpecSimulation, WhatIsWrongIsNamedByItsPath) {
          "error: types[2].parts[0].parent: must be the index of an earlier part, found index 1 (counted from "
          "0)");
   expect([](Spec& s) { s.types[2].devices[0].joint = 0; },
-         "error: types[2].sensors[0].joint: the type has 0 joints, found index 0 (counted from 0)");
+         "error: types[2].sensors[0].joint: must be -1 (no joint) or the index of a joint; the type has 0 "
+         "joints, found "
+         "index 0 (counted from 0)");
   expect([](Spec& s) { s.types[2].devices[0].moves = -2; },
-         "error: types[2].sensors[0].moves: the type has 0 joints, found index -2 (counted from 0)");
+         "error: types[2].sensors[0].moves: must be -1 (no joint) or the index of a joint; the type has 0 "
+         "joints, found "
+         "index -2 (counted from 0)");
   expect([](Spec& s) { s.types[2].devices[0].part = 3; },
-         "error: types[2].sensors[0].part: the type has 1 parts, found index 3 (counted from 0)");
+         "error: types[2].sensors[0].part: the type has 1 part, found index 3 (counted from 0)");
   expect([](Spec& s) { s.types[2].drive->kind = "hover"; },
          "error: types[2].drive.params: unknown drive \"hover\"");
   expect([](Spec& s) { s.types[2].drive->params.pop_back(); }, "error: types[2].drive.params: expected ");

@@ -365,7 +365,7 @@ TEST(SpecJson, RefusesBodiesOfAnotherWorld) {
   expect([](BodyColumns& c) { c.alias_body[0] = 9; },
          "aliases[0].body: the world has 4 bodies, found index 9 (counted from 0)");
   expect([](BodyColumns& c) { c.pose[5] = std::numeric_limits<double>::quiet_NaN(); },
-         "bodies[1].pose: must be from -1000000 to 1000000, found nan");
+         "the file is damaged: bodies[1].pose.y: must be from -1000000 to 1000000, found nan");
   expect([](BodyColumns& c) { c.type[1] = 0; },
          "part_names: \"/x\xff\" refers to a part that does not exist");
 }

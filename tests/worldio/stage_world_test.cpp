@@ -256,10 +256,11 @@ TEST_F(StageWorld, DuplicateAndEmptyNamesAreReported) {
       "model( name [\"a\"] )");
   EXPECT_THAT(
       messages(),
-      ElementsAre("w.world:2: warning: the name \"x\" is already used: a search for this name finds only the "
-                  "last model that has it",
-                  "w.world:3: warning: \"name\" is empty; a generated name is used instead (and 1 more)",
-                  "w.world:5: error: \"name\" needs one value, not a tuple"));
+      ElementsAre(
+          "w.world:2: warning: the name \"x\" is already used: a search for this name finds only the "
+          "last model that has it",
+          "w.world:3: warning: \"name\" is empty or only a /; a generated name is used instead (and 1 more)",
+          "w.world:5: error: \"name\" needs one value, not a tuple"));
   EXPECT_EQ(name_of(spec, 3), "model:3");
 }
 

@@ -7,6 +7,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <limits>
 #include <span>
@@ -334,10 +335,13 @@ void SpecReader::add_bodies(engine::WorldSpec& spec, const BodyColumns& c) {
   // world.
   const auto beyond = std::ranges::find_if(
       c.pose, [low = pose.min, high = pose.max](double x) { return !(low <= x && x <= high); });
-  if (beyond != c.pose.end())
-    return error(fmt::format("bodies[{}].pose: must be {}, found {}", (beyond - c.pose.begin()) / 4,
-                             limits_text(pose, engine::unit_suffixes(pose.unit).front()),
+  if (beyond != c.pose.end()) {
+    const auto at = static_cast<std::size_t>(beyond - c.pose.begin());
+    constexpr std::array<std::string_view, 4> k_parts{"x", "y", "z", "heading"};
+    return error(fmt::format("the file is damaged: bodies[{}].pose.{}: must be {}, found {}", at / 4,
+                             k_parts[at % 4], limits_text(pose, engine::unit_suffixes(pose.unit).front()),
                              plain_number(*beyond)));
+  }
 
   spec.bodies.reserve(count);
   for (std::size_t b = 0; b < count; ++b)

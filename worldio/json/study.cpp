@@ -235,7 +235,7 @@ Choice StudyReader::read_list_of_values(const JsonCursor& at) {
   Choice choice;
   const JsonNode::List* list = read_list(at);
   if (list && (list->empty() || list->size() > k_most_runs))
-    at.error(fmt::format("expected a list of 1 to {} values", k_most_runs));
+    at.error(fmt::format("expected a list of 1 to {} values, found {}", k_most_runs, list->size()));
   else if (list)
     for (const JsonNode& value : *list) choice.values.push_back(text_of(value));
   return choice;

@@ -43,7 +43,7 @@ std::optional<std::string_view> StageValues::text(const StageProperty& property)
 std::optional<std::string_view> StageValues::name(const StageProperty& property) {
   const auto given = text(property);
   if (!given || (!given->empty() && *given != "/")) return given;
-  warning_once(where(property), "\"name\" is empty; a generated name is used instead");
+  warning_once(where(property), "\"name\" is empty or only a /; a generated name is used instead");
   return {};
 }
 

@@ -53,7 +53,7 @@ class VectorEnv(_VectorEnv[Any, Any, Any]):
         if len(task.teams) != 1:
             raise ValueError(
                 f"VectorEnv needs a task with one team, but {type(task).__name__} has {len(task.teams)}: "
-                "use ParallelEnv"
+                "set its member `teams` to a list of one Team, or use ParallelEnv for several teams"
             )
         if num_envs < 1:
             raise ValueError(f"num_envs={num_envs}: give 1 or more")
