@@ -42,8 +42,10 @@ struct Life {
 struct Condition {
   /// The reasons why all devices, controllers and the drive of a body are stopped; both may apply.
   enum Out : std::uint8_t {
-    k_disabled = 1,     ///< an intervention or a program disabled it, until it is enabled again
-    k_dropped_out = 2,  ///< a fault stopped it, until the fault ends
+    k_disabled = 1,  ///< an intervention or a program disabled it, until it is enabled again
+    /// A drop-out fault stopped it. The end of any drop-out of the body clears this bit, even if another
+    /// drop-out of the body still lasts.
+    k_dropped_out = 2,
   };
   /// Factor by which faults scale the velocity that the drive of the body produces, above 0 and at most 1; 0:
   /// no fault has changed the velocity.

@@ -136,9 +136,10 @@ struct Frame {
   double time_s = 0;              ///< world time, s
   std::uint64_t tick = 0;         ///< number of completed ticks
   std::vector<FrameBody> mobile;  ///< bodies that are in the world and not static, in order of ids
-  /// Shapes of bodies that now look different from their type: one entry for each body whose joints are not
-  /// at rest, and one for all bodies of a type whose parts have the same colours, set by devices
-  /// (DeviceKind::shows_color). FrameBody::type refers to them.
+  /// Shapes of bodies that now look different from their type. FrameBody::type refers to them. A body has an
+  /// entry of its own while any of its joints is not at rest. Bodies of one type whose joints are at rest,
+  /// and whose parts have colours set by devices (DeviceKind::shows_color), share an entry if each part has
+  /// the same colour in all of them. The root part does not count here: its colour is FrameBody::color.
   std::vector<FrameType> types;
 
   // The following are empty unless the viewer requests them.

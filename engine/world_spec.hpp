@@ -199,7 +199,9 @@ struct WorldSpec {
   /// end outside the box. If this member is not set, the box reaches from -100 km to 100 km in x and y.
   std::optional<Box> bounds;
   std::vector<TypeSpec> types;  ///< body types; TypeId is the position in this list
-  Names names;                  ///< words of the bodies' names
+  /// Texts of all `Name` values in `bodies` and `aliases`. A Name consists of a word of this table and,
+  /// optionally, a number: "r17" is the word "r" and the number 17.
+  Names names;
   /// The bodies; BodyId is the position in this list. Body 0 is the ground: add_ground().
   std::vector<BodySpec> bodies;
   std::vector<ReserveSpec> reserves;  ///< reserves in ascending order of ids; they do not overlap

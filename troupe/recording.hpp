@@ -62,8 +62,10 @@ class Recording {
   /// Closes the file and ignores errors; close() reports them.
   ~Recording();
 
-  /// Records the current state if its tick is a multiple of the recording interval. Call it after each step.
-  /// Throws std::logic_error after a step that threw, until Simulation::reset().
+  /// Records the current state if its tick is a multiple of the recording interval and after the last
+  /// recorded tick; otherwise does nothing. Call it after each step, with the simulation of the constructor.
+  /// After Simulation::reset() the ticks begin at 0 again, so make a new recording. Throws std::logic_error
+  /// after a step that threw, until Simulation::reset().
   void observe(const Simulation& simulation);
   /// Writes the frames that are still in memory to the file: other processes can then read them, and they are
   /// not lost if this process dies. Full batches of frames are written without a call. Call it if the

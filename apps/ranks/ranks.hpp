@@ -51,7 +51,9 @@ class RankDeal {
   /// once.
   void share(partition::Message message);
   /// On the other ranks: waits for the message that rank 0 passes to share(), and returns this message.
-  /// Returns std::nullopt if rank 0 has ended without share(). Must not be called on rank 0.
+  /// Returns std::nullopt if rank 0 has ended without share(). Throws partition::RankError if a rank failed
+  /// or does not answer. Must not be called on rank 0. Rank 0 must not call tell_that_it_works() before
+  /// share(): shared() would return that message.
   std::optional<partition::Message> shared();
   bool has_shared() const { return has_shared_; }  ///< whether share() was called or shared() got a message
   /// Sends `own` to rank 0. On rank 0, waits for the messages of all ranks and returns them, indexed by rank;

@@ -20,7 +20,9 @@ struct StageModel {
     const StageEntity* layer;   ///< the layer whose body contains it
   };
 
-  std::string_view type;  ///< a model type, "block", "sensor" or "window"
+  /// The type at the end of the chain of macros: the name of one of engine::Registry::models, such as
+  /// "position" or "ranger", or one of the words "block", "sensor" and "window", which are not in that list.
+  std::string_view type;
   /// An older name of the type, if the file uses one: "laser" or "sonar" for a ranger, "wifi" for a radio.
   /// Else empty. A laser or sonar that contains no sensor is its own sensor.
   std::string_view alias;
