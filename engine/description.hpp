@@ -476,7 +476,7 @@ constexpr MemberType optional_type() {
     };
     type.block = [](void* m, std::size_t) -> void* { return &**static_cast<std::optional<M>*>(m); };
   } else {
-    static_assert(TypeOf<M>::value.set, "a list of lists cannot be optional: use an empty list");
+    static_assert(TypeOf<M>::value.each == nullptr, "a list of lists cannot be optional: use an empty list");
     type.get = [](const void* m) {
       const auto& member = *static_cast<const std::optional<M>*>(m);
       return member ? TypeOf<M>::value.get(&*member) : Value();
