@@ -24,7 +24,7 @@ struct Experiment {
     std::uint64_t tick = 0;    ///< applied after this tick, at the beginning of the next one
     std::size_t spec = 0;      ///< description of the intervention: index into ExperimentSpec::at
     std::uint32_t stream = 0;  ///< stream of its random numbers
-    std::vector<Row> whom;     ///< rows of all bodies of the group, in order of ids; none for `add`, `set`
+    std::vector<BodyId> whom;  ///< all bodies of the group, in order of ids; none for `add`, `set`
     std::size_t reserve = 0;   ///< for `add`: the reserve of the bodies, an index into WorldSpec::reserves
     /// For `set` of a drive or controller: the data that its kind prepared from the new parameters. When the
     /// intervention is applied, they are swapped with the data of the old parameters.
@@ -49,7 +49,6 @@ struct Experiment {
     std::uint64_t tick = 0;   ///< applied after this tick, at the beginning of the next one
     std::uint32_t fault = 0;  ///< the fault: index into `faults`
     BodyId body;              ///< the impaired body
-    Row row;                  ///< row of the body
     bool begins = true;       ///< true: the fault begins; false: it ends
   };
   /// The first event of each fault in each body, from the beginning of a run: a heap with the earliest event
@@ -64,7 +63,6 @@ struct Experiment {
   struct Candidate {
     std::uint64_t key = 0;  ///< random number; equal keys are ordered by id
     BodyId body;            ///< id of the body
-    Row row;                ///< row of the body
   };
   std::vector<Candidate> candidates;  ///< scratch memory of World::choose()
 };

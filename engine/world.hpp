@@ -488,9 +488,9 @@ class World {
   void build_faults(const Registry& registry, Diagnostics& diagnostics);
   void build_fault(std::size_t at, const Registry& registry, Diagnostics& diagnostics);
   void build_conditions();
-  /// Rows of the bodies that a group names, in order of ids, before any random choice. If it names none,
-  /// reports an error at `where` and returns no rows.
-  std::vector<Row> rows_of(const GroupSpec& group, Where where, Diagnostics& diagnostics) const;
+  /// The bodies with rows that a group names, in order of ids, before any random choice. If it names none,
+  /// reports an error at `where` and returns no bodies.
+  std::vector<BodyId> bodies_of(const GroupSpec& group, Where where, Diagnostics& diagnostics) const;
   /// Computes from the tick which interventions have been applied: those whose tick is before the present
   /// one. The next step applies the interventions of the present tick.
   void derive_experiment();
