@@ -217,6 +217,10 @@ class World {
     gather();
     return state_.tables;
   }
+  /// Index of the row's body in one of the tables(): the row, if all bodies have the component, else its
+  /// slot. If the table has no row for the body, the result is the index of another body, or is not below
+  /// StateTable::rows().
+  std::size_t row_in(const StateTable& table, Row row) const { return state_.row_in(table, row); }
   /// Pose of each row, world frame. A dead body has the pose at which it died; all values of an unborn body
   /// are 0.
   std::span<const Pose> poses() const { return state_.view.poses(); }

@@ -172,13 +172,18 @@ struct WorldState {
   }
   /// Sets every byte of the row's state to 0.
   void clear(Row row);
+  /// Index of the row's body in a state table. If the table has no row for the body, the result is the index
+  /// of another body, or is not below StateTable::rows().
+  std::size_t row_in(const StateTable& table, Row row) const {
+    // A table has a row for each body, at the body's row, or for each body of one type, at the body's slot.
+    const std::size_t r = row.index();
+    return r < table.rows() && table.ids()[r] == bodies[r] ? r : slots[r];
+  }
   /// Calls visit(t, i) for each state table t that has a row for the row's body; i is the index of that row.
   template <class Visit>
   void for_tables_of(Row row, Visit&& visit) {
     for (std::size_t t = 0; t < tables.size(); ++t) {
-      // A table has a row for each body, or for each body of one type. If there is only one type, slots equal
-      // rows.
-      const std::size_t at = tables[t].rows() == row_count() ? row.index() : slots[row.index()];
+      const std::size_t at = row_in(tables[t], row);
       if (at < tables[t].rows() && tables[t].ids()[at] == bodies[row.index()]) visit(t, at);
     }
   }
