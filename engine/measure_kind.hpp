@@ -48,10 +48,11 @@ struct MeasureKind {
   FieldTable params;  ///< fields of its parameters
   /// Whether the measure is one of those that are computed if the user chooses none.
   bool is_usual() const { return same_as.empty() && std::ranges::all_of(params.defaults(), &Value::given); }
-  /// Makes a measure of the given robots, which are in order of ids; the list may be empty. Throws
+  /// Makes a measure of the given robots, which are in order of ids; the list may be empty. A measure keeps
+  /// the ids, and asks World::row() for the row of a robot whenever it reads its data. Throws
   /// std::length_error if the parameters need too much memory, and std::invalid_argument if they name
   /// something that does not exist.
-  std::unique_ptr<Measure> (*make)(const World& world, const Record& params, std::vector<Row> robots);
+  std::unique_ptr<Measure> (*make)(const World& world, const Record& params, std::vector<BodyId> robots);
 };
 
 /// Makes a measure kind from a class M, which is derived from Measure. The constructor of M takes (world,
@@ -63,11 +64,12 @@ MeasureKind make_measure_kind(std::string_view name, Unit unit, std::string_view
   if constexpr (requires { typename M::Params; }) {
     kind.params = described<typename M::Params>();
     kind.make = [](const World& world, const Record& record,
-                   std::vector<Row> robots) -> std::unique_ptr<Measure> {
+                   std::vector<BodyId> robots) -> std::unique_ptr<Measure> {
       return std::make_unique<M>(world, from_record<typename M::Params>(record), std::move(robots));
     };
   } else {
-    kind.make = [](const World& world, const Record&, std::vector<Row> robots) -> std::unique_ptr<Measure> {
+    kind.make = [](const World& world, const Record&,
+                   std::vector<BodyId> robots) -> std::unique_ptr<Measure> {
       return std::make_unique<M>(world, std::move(robots));
     };
   }

@@ -55,7 +55,7 @@ MeasureSet::MeasureSet(World& world, const Registry& registry, std::span<const M
       continue;
     }
     const MeasureKind* kind = *found;
-    std::vector<Row> robots = robots_of(world, spec.of);
+    std::vector<BodyId> robots = robots_of(world, spec.of);
     if (robots.empty() && !spec.of.empty()) {
       const std::vector<std::string> known = names_of_robots(world);
       diagnostics.error(spec.where, unknown_name("type or population of robots", spec.of,
@@ -134,12 +134,13 @@ bool MeasureSet::remember(std::span<const std::byte> memory) {
   return true;
 }
 
-std::size_t count_there(const World& world, std::span<const Row> rows) {
-  if (world.absent_count() == 0) return rows.size();
-  return static_cast<std::size_t>(std::ranges::count_if(rows, [&](Row row) { return world.is_there(row); }));
+std::size_t count_there(const World& world, std::span<const BodyId> bodies) {
+  if (world.absent_count() == 0) return bodies.size();
+  return static_cast<std::size_t>(
+      std::ranges::count_if(bodies, [&](BodyId body) { return world.is_there(world.row(body)); }));
 }
 
-std::vector<Row> robots_of(const World& world, std::string_view of) {
+std::vector<BodyId> robots_of(const World& world, std::string_view of) {
   const WorldSpec& spec = world.spec();
   const auto is_robot = [&](BodyId body) {
     const Row row = world.row(body);
@@ -148,7 +149,7 @@ std::vector<Row> robots_of(const World& world, std::string_view of) {
   // If "r1" is a robot (of population "r"), the name does not also stand for the robots r10 to r19.
   const BodyId named = of.empty() ? BodyId() : world.find(of);
   const bool is_one = named.valid() && is_robot(named);
-  std::vector<Row> robots;
+  std::vector<BodyId> robots;
   for (std::size_t b = 0; b < spec.bodies.size(); ++b) {
     const BodyId body(b);
     if (!is_robot(body)) continue;
@@ -156,7 +157,7 @@ std::vector<Row> robots_of(const World& world, std::string_view of) {
       const std::string name = spec.name(body);
       if (is_one || !name.starts_with(of) || !is_number(name.substr(of.size()))) continue;
     }
-    robots.push_back(world.row(body));
+    robots.push_back(body);
   }
   return robots;
 }

@@ -47,7 +47,7 @@ class MeasureSet {
   struct Part {
     const MeasureKind* kind;
     Record params;
-    std::vector<Row> robots;
+    std::vector<BodyId> robots;
   };
   void begin();
 
@@ -62,12 +62,12 @@ class MeasureSet {
 /// and the robot with this name or alias. If no single robot has this name or alias, the robots of the
 /// population with this name are added: those whose name is `of` followed by digits. Returns all robots if
 /// `of` is empty, and no robots if there is no type, population or robot with this name.
-std::vector<Row> robots_of(const World& world, std::string_view of);
+std::vector<BodyId> robots_of(const World& world, std::string_view of);
 /// Names of all types and populations of robots, sorted.
 std::vector<std::string> names_of_robots(const World& world);
 
-/// Returns the number of those rows whose bodies are in the world, not unborn or dead.
-std::size_t count_there(const World& world, std::span<const Row> rows);
+/// Returns the number of those bodies that are in the world, not unborn or dead. All bodies must have rows.
+std::size_t count_there(const World& world, std::span<const BodyId> bodies);
 
 /// Returns term(0) + ... + term(count - 1), computed on the worker threads of the world and rounded once: the
 /// result depends on neither the number of threads nor the order of the terms.
