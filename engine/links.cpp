@@ -106,6 +106,14 @@ void Links::build() {
   }
 }
 
+void Links::move_rows(std::span<const std::uint32_t> to) {
+  std::ranges::fill(composite_of_, k_none);
+  for (std::uint32_t c = 0; c < composites_.size(); ++c) {
+    composites_[c] = to[composites_[c]];
+    composite_of_[composites_[c]] = c;
+  }
+}
+
 std::span<Links::Joint> Links::joints(Row row) {
   return {joints_.data() + state_.joint_begins[row.index()], state_.type(row).joints.size()};
 }

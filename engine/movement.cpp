@@ -69,6 +69,13 @@ void Movement::forget_motions() {
     if (state_.view.is_there(Row(r))) motions_[r] = k_junk_motion;
 }
 
+void Movement::move_rows(std::span<const std::uint32_t> to) {
+  for (std::vector<std::uint8_t>* column : {&is_pushable_, &push_limits_}) {
+    const std::vector<std::uint8_t> old = *column;
+    for (std::size_t r = 0; r < old.size(); ++r) (*column)[to[r]] = old[r];
+  }
+}
+
 void Movement::propose() {
   const double dt = state_.spec.tick_s;
   const bool carrying = state_.now.carried > 0;  // carried bodies move with their carriers

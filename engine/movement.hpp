@@ -34,6 +34,9 @@ class Movement {
   void forget();
   /// Overwrites the motions of the last tick with junk, which the next tick must not read.
   void forget_motions();
+  /// Moves what is constant for each row r to the row to[r], where its body now is (World::shuffle_rows()).
+  /// The caller must then derive everything else again with draw_odometry_errors() and rest().
+  void move_rows(std::span<const std::uint32_t> to);
 
   /// Computes the pose that each robot proposes from its velocity.
   void propose();

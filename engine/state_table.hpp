@@ -162,6 +162,8 @@ class StateTable {
   void fill_row(std::size_t row, std::byte value);  ///< sets every byte of a row's fields to `value`
   /// Copies the row of the same index from a table that has the same fields, layout and number of rows.
   void copy_row(std::size_t row, const StateTable& from);
+  /// Moves each row r, with its body, to the row to[r]. `to` has each number below rows() once.
+  void move_rows(std::span<const std::uint32_t> to);
 
  private:
   /// Sum of the hashes of the fields that are not sparse.

@@ -132,6 +132,12 @@ class World {
   /// (DeviceKind::scope). The mode is slow: each call takes time proportional to the number of rows. Throws
   /// std::invalid_argument unless the world has one thread and the exact ray engine.
   void hide_beyond_reach(bool on);
+  /// A test mode: gives every body another row and another slot, at random. `seed` and tick() select the new
+  /// rows and slots. All rows, slots, and references to rows of tables that the caller holds are then those
+  /// of other bodies. No result depends on rows and slots, so the run continues with the same bits
+  /// (docs/determinism.md). Throws std::logic_error if several ranks compute the world. Call this between
+  /// steps.
+  void shuffle_rows(std::uint64_t seed);
   std::uint64_t tick() const { return state_.now.tick; }  ///< number of completed ticks
   double tick_s() const { return state_.spec.tick_s; }    ///< length of a tick, s
   /// World time, s: tick() * tick_s().
