@@ -114,7 +114,7 @@ std::vector<BodyId> World::bodies_of(const GroupSpec& group, Where where, Diagno
   std::vector<BodyId> bodies;
   if (group.by == By::model) {
     const BodyId body = find(group.name);
-    if (body.valid() && row(body).valid()) return {body};
+    if (body.valid() && location(body) != RowLocation::none) return {body};
     if (body.valid()) {
       diagnostics.error(where,
                         fmt::format("\"{}\" is a static body: interventions and faults can only act on "
@@ -124,19 +124,18 @@ std::vector<BodyId> World::bodies_of(const GroupSpec& group, Where where, Diagno
     }
   }
   for (std::size_t b = 1; b < state_.rows.size(); ++b) {
-    const Row row = state_.rows[b];
-    if (!row.valid() || group.by == By::model) continue;
-    if (group.by == By::type ? type(row).name == group.name
-                             : is_of_population(state_.spec.names, state_.spec.bodies[b].name, group.name))
+    if (location(BodyId(b)) == RowLocation::none || group.by == By::model) continue;
+    const BodySpec& body = state_.spec.bodies[b];
+    if (group.by == By::type ? state_.types[body.type.index()].name == group.name
+                             : is_of_population(state_.spec.names, body.name, group.name))
       bodies.push_back(BodyId(b));
   }
   if (!bodies.empty()) return bodies;
   std::set<std::string> known;
   for (std::size_t b = 1; b < state_.rows.size(); ++b) {
-    const Row row = state_.rows[b];
-    if (!row.valid()) continue;
+    if (location(BodyId(b)) == RowLocation::none) continue;
     const std::string name = state_.spec.name(BodyId(b));
-    if (group.by == By::type) known.insert(type(row).name);
+    if (group.by == By::type) known.insert(state_.types[state_.spec.bodies[b].type.index()].name);
     if (group.by == By::model) known.insert(name);
     if (group.by == By::population && without_number(name).size() < name.size())
       known.emplace(without_number(name));

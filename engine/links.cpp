@@ -128,7 +128,7 @@ bool Links::hold() const {
   if (!state_.carrier_table) return true;
   const auto carrier_row = [this](std::uint32_t r) {
     const std::uint32_t id = state_.carried(r).carrier;
-    return id == 0 || id > state_.rows.size() ? Row() : state_.rows[id - 1];
+    return id == 0 || id > state_.rows.size() ? Row() : state_.view.row(BodyId(id - 1));
   };
   for (std::uint32_t r = 0; r < state_.row_count(); ++r) {
     const Carried& link = state_.carried(r);
@@ -160,11 +160,11 @@ void Links::derive() {
   for (const std::uint32_t r : composites_) rest_joints(Row(r));  // before any shape of a tree is computed
   for (std::uint32_t r = 0; state_.carrier_table && r < state_.row_count(); ++r) {
     const std::uint32_t id = state_.carried(r).carrier;
-    if (id != 0) link_cargo(r, state_.rows[id - 1].value);
+    if (id != 0) link_cargo(r, state_.view.row(BodyId(id - 1)).value);
   }
   for (std::uint32_t r = 0; r < state_.row_count(); ++r) {
     std::uint32_t root = r;
-    while (const auto by = state_.view.carrier(Row(root))) root = state_.rows[by->index()].value;
+    while (const auto by = state_.view.carrier(Row(root))) root = state_.view.row(*by).value;
     state_.roots[r] = root;
   }
 }

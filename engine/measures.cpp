@@ -142,10 +142,10 @@ std::size_t count_there(const World& world, std::span<const BodyId> bodies) {
 
 std::vector<BodyId> robots_of(const World& world, std::string_view of) {
   const WorldSpec& spec = world.spec();
-  const auto is_robot = [&](BodyId body) {
-    const Row row = world.row(body);
-    return row.valid() && world.type(row).drive;
+  const auto type_of = [&](BodyId body) -> const BodyType& {
+    return world.types()[spec.bodies[body.index()].type.index()];
   };
+  const auto is_robot = [&](BodyId body) { return type_of(body).drive.has_value(); };
   // If "r1" is a robot (of population "r"), the name does not also stand for the robots r10 to r19.
   const BodyId named = of.empty() ? BodyId() : world.find(of);
   const bool is_one = named.valid() && is_robot(named);
@@ -153,7 +153,7 @@ std::vector<BodyId> robots_of(const World& world, std::string_view of) {
   for (std::size_t b = 0; b < spec.bodies.size(); ++b) {
     const BodyId body(b);
     if (!is_robot(body)) continue;
-    if (!of.empty() && world.type(world.row(body)).name != of && !(is_one && body == named)) {
+    if (!of.empty() && type_of(body).name != of && !(is_one && body == named)) {
       const std::string name = spec.name(body);
       if (is_one || !name.starts_with(of) || !is_number(name.substr(of.size()))) continue;
     }
@@ -166,9 +166,9 @@ std::vector<std::string> names_of_robots(const World& world) {
   std::set<std::string> names;
   const WorldSpec& spec = world.spec();
   for (std::size_t b = 0; b < spec.bodies.size(); ++b) {
-    const Row row = world.row(BodyId(b));
-    if (!row.valid() || !world.type(row).drive) continue;
-    names.insert(world.type(row).name);
+    const BodyType& type = world.types()[spec.bodies[b].type.index()];
+    if (!type.drive) continue;
+    names.insert(type.name);
     std::string name = spec.name(BodyId(b));
     name.erase(name.find_last_not_of("0123456789") + 1);
     if (!name.empty()) names.insert(std::move(name));

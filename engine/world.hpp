@@ -206,7 +206,10 @@ class World {
   /// Number of robots that are in the world now.
   std::size_t robots() const { return robots_; }
   BodyId body(Row row) const { return state_.view.body(row); }  ///< body of a row
-  /// Row of a body. Static bodies have no row: for them the result is not valid().
+  /// Where the row of a body is.
+  RowLocation location(BodyId body) const { return state_.view.location(body); }
+  /// Row of a body. Static bodies have no row: for them the result is not valid(). Throws std::logic_error if
+  /// location() is RowLocation::elsewhere.
   Row row(BodyId body) const { return state_.view.row(body); }
   const BodyType& type(Row row) const { return state_.view.type(row); }  ///< type of the row's body
   /// Slot of a row: its position among the rows of its type, and so its index in the tables of that type.

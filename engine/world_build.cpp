@@ -313,7 +313,8 @@ void World::build_scene() {
                           parts[p].returns.ranger, p});
   }
   state_.scene = partition::StaticScene(std::move(solids), state_.geometry.cell_m);
-  state_.fixed_targets = FixedTargets(state_.spec, [this](BodyId body) { return !row(body).valid(); });
+  state_.fixed_targets =
+      FixedTargets(state_.spec, [this](BodyId body) { return location(body) == RowLocation::none; });
   state_.index = partition::BodyIndex(state_.geometry);
   if (state_.spec.bounds) state_.index.reserve(*state_.spec.bounds);
 }

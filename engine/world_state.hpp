@@ -59,7 +59,7 @@ struct WorldState {
   partition::StaticScene scene;             ///< geometry of the static bodies
   FixedTargets fixed_targets;               ///< parts of static bodies that fiducial finders detect
   std::vector<BodyId> bodies;               ///< public: body of each row
-  std::vector<Row> rows;                    ///< public: row of each body of the spec, by BodyId
+  std::vector<Row> rows;                    ///< public: see PublicColumns::rows; code reads view.row()
   std::vector<std::uint32_t> row_types;     ///< public: TypeId of each row
   std::vector<std::uint32_t> slots;         ///< public: index of each row among the rows of its type
   std::vector<std::uint32_t> ids;           ///< `bodies` as numbers
