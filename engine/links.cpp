@@ -75,7 +75,7 @@ void Links::build() {
   std::size_t joints = 0;
   for (std::uint32_t r = 0; r < state_.row_count(); ++r) {
     const BodyType& t = state_.type(Row(r));
-    state_.joint_begins[r] = static_cast<std::uint32_t>(joints);
+    state_.joint_begins[r] = state_.joint_begin(state_.row_types[r], state_.slots[r]);
     joints += t.joints.size();
     rounds_ = std::max(rounds_, t.joint_devices.size());
     if (!t.is_composite()) continue;

@@ -124,7 +124,7 @@ class Links {
   WorldState& state_;
   partition::Parallel& parallel_;
 
-  std::vector<Joint> joints_;        // joints of all rows, in order of rows
+  std::vector<Joint> joints_;        // joints of all rows, at WorldState::joint_begins
   std::atomic<bool> asked_ = false;  // whether any joint has a command to move in this tick
   // Number of rounds of joint resolution per tick: the largest number of devices that move joints of one
   // body. In each round, the joints of at most one device per body move.

@@ -63,18 +63,6 @@ void World::shuffle_rows(std::uint64_t seed) {
   for (std::size_t table = 0; table < state_.tables.size(); ++table)
     if (!is_of_type[table]) state_.tables[table].move_rows(to);
 
-  // The vertices and the joints of a body are stored at places that belong to its slot.
-  std::vector<std::vector<std::size_t>> outline_begins(state_.types.size());
-  std::vector<std::vector<std::uint32_t>> joint_begins(state_.types.size());
-  for (std::size_t t = 0; t < state_.types.size(); ++t) {
-    outline_begins[t].resize(slots_to[t].size());
-    joint_begins[t].resize(slots_to[t].size());
-  }
-  for (std::size_t r = 0; r < rows(); ++r) {
-    outline_begins[state_.row_types[r]][state_.slots[r]] = state_.outline_begins[r];
-    if (!state_.joint_begins.empty())
-      joint_begins[state_.row_types[r]][state_.slots[r]] = state_.joint_begins[r];
-  }
   move_elements(state_.bodies, to);
   move_elements(state_.ids, to);
   move_elements(state_.row_types, to);
@@ -83,9 +71,10 @@ void World::shuffle_rows(std::uint64_t seed) {
   for (std::size_t r = 0; r < rows(); ++r) {
     const std::uint32_t t = state_.row_types[r];
     state_.rows[state_.bodies[r].index()] = Row(r);
-    state_.slots[r] = slots_to[t][state_.slots[r]];
-    state_.outline_begins[r] = outline_begins[t][state_.slots[r]];
-    if (!state_.joint_begins.empty()) state_.joint_begins[r] = joint_begins[t][state_.slots[r]];
+    const std::uint32_t slot = slots_to[t][state_.slots[r]];
+    state_.slots[r] = slot;
+    state_.outline_begins[r] = state_.outline_begin(t, slot);
+    if (!state_.joint_begins.empty()) state_.joint_begins[r] = state_.joint_begin(t, slot);
   }
   movement_.move_rows(to);
   links_.move_rows(to);

@@ -50,6 +50,14 @@ struct WorldState {
     k_out_of_bounds,  ///< the motion would have ended outside the bounds of the world
   };
 
+  /// The storage of the bodies of one type: places for `rows` bodies, in the tables of the type and in the
+  /// lists of vertices and joints. The slot of a body is its place.
+  struct Pool {
+    std::size_t rows = 0;      ///< number of bodies
+    std::size_t outlines = 0;  ///< index in `outlines` of the first vertex of slot 0
+    std::uint32_t joints = 0;  ///< index in `joint_mounts` of the first joint of slot 0
+  };
+
   // Constants: made from the spec when the world is built.
   WorldSpec spec;  ///< the spec that the world was made from; constant except for the settings that
                    ///< World::set() adds
@@ -58,6 +66,7 @@ struct WorldState {
   partition::GridGeometry geometry;         ///< sizes of the cells and tiles of `index`
   partition::StaticScene scene;             ///< geometry of the static bodies
   FixedTargets fixed_targets;               ///< parts of static bodies that fiducial finders detect
+  std::vector<Pool> pools;                  ///< one per type, by TypeId
   std::vector<BodyId> bodies;               ///< public: body of each row
   std::vector<Row> rows;                    ///< public: see PublicColumns::rows; code reads view.row()
   std::vector<std::uint32_t> row_types;     ///< public: TypeId of each row
@@ -159,6 +168,14 @@ struct WorldState {
   }
   ///@}
 
+  /// Index in `outlines` of the first vertex of a slot of a type.
+  std::size_t outline_begin(std::uint32_t type, std::uint32_t slot) const {
+    return pools[type].outlines + slot * types[type].outline_vertices.size();
+  }
+  /// Index in `joint_mounts` of the first joint of a slot of a type.
+  std::uint32_t joint_begin(std::uint32_t type, std::uint32_t slot) const {
+    return pools[type].joints + slot * static_cast<std::uint32_t>(types[type].joints.size());
+  }
   /// Sets the obstacle shape and radius of a row: those of its type, or empty ones if its body is unborn or
   /// dead. For bodies that have joints, carry or are carried, Links::reshape() then computes the exact ones.
   void update_presence(Row row);
