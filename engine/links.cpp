@@ -72,11 +72,13 @@ void Links::build() {
   state_.joint_begins.resize(state_.row_count());
   composite_of_.assign(state_.row_count(), k_none);
   for (auto* list : {&state_.roots, &first_cargo_, &next_cargo_}) list->assign(state_.row_count(), k_none);
+  composites_.clear();
   std::size_t joints = 0;
+  for (std::size_t i = 0; i < state_.types.size(); ++i)
+    joints += state_.pools[i].rows * state_.types[i].joints.size();
   for (std::uint32_t r = 0; r < state_.row_count(); ++r) {
     const BodyType& t = state_.type(Row(r));
     state_.joint_begins[r] = state_.joint_begin(state_.row_types[r], state_.slots[r]);
-    joints += t.joints.size();
     rounds_ = std::max(rounds_, t.joint_devices.size());
     if (!t.is_composite()) continue;
     composite_of_[r] = static_cast<std::uint32_t>(composites_.size());
@@ -103,14 +105,6 @@ void Links::build() {
     if (cargo) room.add(cargo->obstacle, static_cast<std::size_t>(std::ranges::count_if(t.devices, carry)));
     for (auto* buffers : {&shapes_, &moved_, &on_the_way_})
       (*buffers)[c].reserve(std::min(room.pieces, k_most_pieces), room.corners);
-  }
-}
-
-void Links::move_rows(std::span<const std::uint32_t> to) {
-  std::ranges::fill(composite_of_, k_none);
-  for (std::uint32_t c = 0; c < composites_.size(); ++c) {
-    composites_[c] = to[composites_[c]];
-    composite_of_[composites_[c]] = c;
   }
 }
 

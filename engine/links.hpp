@@ -38,11 +38,9 @@ class Links {
   Links(const Links&) = delete;
   Links& operator=(const Links&) = delete;
 
-  /// Allocates the lists, once, after the rows of the state were made.
+  /// Allocates the lists, after the rows of the state were made, and again after bodies have changed their
+  /// rows. The caller must then derive everything else with derive(), rest_joints() and reshape().
   void build();
-  /// Moves what is constant for each row r to the row to[r], where its body now is (World::shuffle_rows()).
-  /// The caller must then derive everything else again with derive(), rest_joints() and reshape().
-  void move_rows(std::span<const std::uint32_t> to);
   /// Computes all data that are derived from the state tables, except the shapes of trees, which reshape()
   /// computes.
   void derive();

@@ -15,6 +15,9 @@ void Movement::build() {
   motions_.resize(state_.row_count());
   free_circles_.resize(state_.row_count());
   if (std::ranges::none_of(state_.types, &BodyType::pushable)) return;
+  pushables_ = {};
+  is_pushable_.clear();
+  push_limits_.clear();
   pushables_.thinnest = std::numeric_limits<double>::infinity();
   for (std::size_t r = 0; r < state_.row_count(); ++r) {
     const BodyType& t = state_.type(Row(r));
@@ -67,13 +70,6 @@ void Movement::forget() {
 void Movement::forget_motions() {
   for (std::size_t r = 0; r < state_.row_count(); ++r)
     if (state_.view.is_there(Row(r))) motions_[r] = k_junk_motion;
-}
-
-void Movement::move_rows(std::span<const std::uint32_t> to) {
-  for (std::vector<std::uint8_t>* column : {&is_pushable_, &push_limits_}) {
-    const std::vector<std::uint8_t> old = *column;
-    for (std::size_t r = 0; r < old.size(); ++r) (*column)[to[r]] = old[r];
-  }
 }
 
 void Movement::propose() {

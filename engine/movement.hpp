@@ -21,7 +21,8 @@ class Movement {
   Movement(const Movement&) = delete;
   Movement& operator=(const Movement&) = delete;
 
-  /// Allocates the lists, once, after the rows of the state were made.
+  /// Allocates the lists, after the rows of the state were made, and again after bodies have changed their
+  /// rows. The caller must then derive everything else with draw_odometry_errors() and rest().
   void build();
   /// Computes the odometry error of each robot, unborn ones too, from the seed (Localization::error_of()).
   void draw_odometry_errors();
@@ -34,9 +35,6 @@ class Movement {
   void forget();
   /// Overwrites the motions of the last tick with junk, which the next tick must not read.
   void forget_motions();
-  /// Moves what is constant for each row r to the row to[r], where its body now is (World::shuffle_rows()).
-  /// The caller must then derive everything else again with draw_odometry_errors() and rest().
-  void move_rows(std::span<const std::uint32_t> to);
 
   /// Computes the pose that each robot proposes from its velocity.
   void propose();

@@ -120,6 +120,13 @@ void StateTable::copy_row(std::size_t row, const StateTable& from) {
   }
 }
 
+void StateTable::add_rows(std::span<const BodyId> ids) {
+  for (const BodyId id : ids) {
+    ids_.push_back(id);
+    clear_row(ids_.size() - 1);
+  }
+}
+
 void StateTable::move_rows(std::span<const std::uint32_t> to) {
   const std::vector<BodyId> ids = ids_;
   const std::vector<std::byte> data = data_;

@@ -20,6 +20,7 @@
 
 #include <array>
 #include <atomic>
+#include <cstddef>
 #include <cstdint>
 #include <exception>
 #include <functional>
@@ -138,6 +139,21 @@ class World {
   /// (docs/determinism.md). Throws std::logic_error if several ranks compute the world. Call this between
   /// steps.
   void shuffle_rows(std::uint64_t seed);
+  /// The data of a row that neither the spec nor other data determine: its state, and what programs have set.
+  struct RowState {
+    BodyId body;                   ///< body of the row
+    std::vector<std::byte> bytes;  ///< the data, for add_rows() of a world with the same spec
+  };
+  /// Removes the rows of bodies, and returns their data, in the order of `bodies`. location() of the bodies
+  /// is then RowLocation::elsewhere. If a body is carried or carries others, the list must have the whole
+  /// tree. Counts such as robots() still include the removed bodies. The world must get the rows back by
+  /// add_rows() before anything else is done with it. Throws std::invalid_argument if a body has no row in
+  /// this world, occurs twice, or comes without its tree, and std::logic_error if several ranks compute the
+  /// world. Call this between steps.
+  std::vector<RowState> remove_rows(std::span<const BodyId> bodies);
+  /// Adds rows that remove_rows() has removed, in any order. Throws std::invalid_argument if location() of a
+  /// body is not RowLocation::elsewhere. Call this between steps.
+  void add_rows(std::span<const RowState> added);
   std::uint64_t tick() const { return state_.now.tick; }  ///< number of completed ticks
   double tick_s() const { return state_.spec.tick_s; }    ///< length of a tick, s
   /// World time, s: tick() * tick_s().
@@ -465,6 +481,12 @@ class World {
   void derive_state();
   /// The part of derive() for one row; also called for bodies that are born or die.
   void derive(Row row);
+  // engine/row_order.cpp
+  void begin_row_change(std::string_view what) const;
+  void move_rows(std::span<const std::uint32_t> to, std::span<const std::vector<std::uint32_t>> slots_to);
+  void derive_rows();
+  std::vector<std::byte> state_of(Row row);
+  void set_state(Row row, std::span<const std::byte> bytes);
   void build_ray_grid(Diagnostics& diagnostics);
   void report_overlaps(Diagnostics& diagnostics);
 

@@ -50,10 +50,10 @@ struct WorldState {
     k_out_of_bounds,  ///< the motion would have ended outside the bounds of the world
   };
 
-  /// The storage of the bodies of one type: places for `rows` bodies, in the tables of the type and in the
-  /// lists of vertices and joints. The slot of a body is its place.
+  /// The storage of the bodies of one type: places in the tables of the type and in the lists of vertices and
+  /// joints. The slot of a body is its place.
   struct Pool {
-    std::size_t rows = 0;      ///< number of bodies
+    std::size_t rows = 0;      ///< number of places: all bodies of the type
     std::size_t outlines = 0;  ///< index in `outlines` of the first vertex of slot 0
     std::uint32_t joints = 0;  ///< index in `joint_mounts` of the first joint of slot 0
   };

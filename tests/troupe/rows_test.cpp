@@ -1,6 +1,7 @@
-// World::shuffle_rows(): nothing that a simulation computes or reports depends on the rows in which the
-// bodies are, also if bodies change their rows during the run.
+// Nothing that a simulation computes or reports depends on the rows of its bodies, even if bodies change
+// their rows during the run (World::shuffle_rows()), or leave the world and come back (World::remove_rows()).
 
+#include "base/random.hpp"
 #include "engine/events.hpp"
 #include "engine/remade_world.hpp"
 #include "engine/world.hpp"
@@ -17,6 +18,7 @@
 #include <span>
 #include <stdexcept>
 #include <string>
+#include <tuple>
 #include <utility>
 #include <vector>
 
@@ -62,28 +64,74 @@ std::string bytes_in(std::span<const T> values) {
   return {reinterpret_cast<const char*>(bytes.data()), bytes.size()};
 }
 
+/// What happens to the rows of a world between two ticks.
+enum class Rows {
+  stay,
+  are_shuffled,
+  leave,  ///< a third of the bodies leaves the world and comes back, in another order
+};
+
+/// The root of the tree of bodies that carry `id`.
+BodyId root_of(const engine::World& world, BodyId id) {
+  while (const auto carrier = world.carrier(world.row(id))) id = *carrier;
+  return id;
+}
+
+/// The sum of the hashes of the rows that a body has in the tables of a world.
+std::uint64_t hash_of(const engine::World& world, BodyId id) {
+  std::uint64_t sum = 0;
+  for (const engine::StateTable& table : world.tables())
+    if (const std::size_t at = world.row_in(table, world.row(id)); at < table.rows() && table.ids()[at] == id)
+      sum += table.hash_row(at);
+  return sum;
+}
+
+void leave_and_come_back(engine::World& world, std::uint64_t seed) {
+  Random random(seed, stream_id("test", "leave"), 0, static_cast<std::uint32_t>(world.tick()));
+  const std::uint32_t third = random.below(3);
+  std::vector<BodyId> leaving;
+  for (std::size_t r = 0; r < world.rows(); ++r)
+    if (const BodyId id = world.body(Row(r)); root_of(world, id).value % 3 == third) leaving.push_back(id);
+  random.shuffle(leaving);
+  const std::size_t rows = world.rows();
+  const std::uint64_t hash = world.hashes().state;
+  std::uint64_t of_leaving = 0;
+  for (const BodyId id : leaving) of_leaving += hash_of(world, id);
+  std::vector<engine::World::RowState> states = world.remove_rows(leaving);
+  EXPECT_EQ(world.rows(), rows - leaving.size());
+  EXPECT_EQ(world.hashes().state, hash - of_leaving);
+  for (const BodyId id : leaving) EXPECT_EQ(world.location(id), engine::RowLocation::elsewhere);
+  if (!leaving.empty()) {
+    EXPECT_THROW(static_cast<void>(world.row(leaving.front())), std::logic_error);
+  }
+  random.shuffle(states);
+  world.add_rows(states);
+  EXPECT_EQ(world.rows(), rows);
+  EXPECT_EQ(world.hashes().state, hash);
+}
+
 /// A run of a world with everything that keeps data about bodies from tick to tick.
 class Observers {
  public:
-  Observers(const Observed& observed, unsigned threads, bool shuffles)
+  Observers(const Observed& observed, unsigned threads, Rows rows)
       : simulation_(k_shipped / observed.world, options(threads)),
         measures_(simulation_, measures_of(observed)),
         events_(simulation_.world()),
         components_(worldio::recorded_components(simulation_.world(), std::vector<std::string>{"all"})),
         swarm_(simulation_.swarm()),
-        shuffles_(shuffles) {
-    simulation_.before_tick([this](Simulation&) { shuffle(2); });
-    shuffle(1);
+        rows_(rows) {
+    simulation_.before_tick([this](Simulation&) { change_rows(2); });
+    change_rows(1);
   }
   const Simulation& simulation() const { return simulation_; }
 
   void step() {
     simulation_.step();
-    shuffle(1);
+    change_rows(1);
     measures_.see();
     seen_ = events_.see(simulation_.world());
     place_one();
-    shuffle(3);  // the list of the bodies that were placed refers to rows
+    change_rows(3);  // the list of the bodies that were placed refers to rows
   }
 
   /// What is reported of the present state, as bytes, by what reports it.
@@ -124,8 +172,9 @@ class Observers {
     options.threads = threads;
     return options;
   }
-  void shuffle(std::uint64_t seed) {
-    if (shuffles_) simulation_.world().shuffle_rows(seed);
+  void change_rows(std::uint64_t seed) {
+    if (rows_ == Rows::are_shuffled) simulation_.world().shuffle_rows(seed);
+    if (rows_ == Rows::leave) leave_and_come_back(simulation_.world(), seed);
   }
   /// Places one robot nearer to the origin, in every fifth tick.
   void place_one() {
@@ -145,20 +194,21 @@ class Observers {
   engine::EventWatch events_;
   std::vector<worldio::RecordedComponent> components_;
   Swarm swarm_;
-  bool shuffles_;
+  Rows rows_;
   std::span<const engine::Event> seen_;
 };
 
-class ShuffledRows : public ::testing::TestWithParam<Observed> {};
+class RowsThatChange : public ::testing::TestWithParam<std::tuple<Observed, Rows>> {};
 
-TEST_P(ShuffledRows, ChangeNothingThatIsReported) {
-  Observers plain(GetParam(), 1, false);
-  Observers shuffled(GetParam(), 2, true);
-  while (plain.simulation().tick() < GetParam().ticks) {
+TEST_P(RowsThatChange, ChangeNothingThatIsReported) {
+  const auto& [observed, rows] = GetParam();
+  Observers plain(observed, 1, Rows::stay);
+  Observers changing(observed, 2, rows);
+  while (plain.simulation().tick() < observed.ticks) {
     plain.step();
-    shuffled.step();
+    changing.step();
     const std::map<std::string, std::string> expected = plain.reports();
-    const std::map<std::string, std::string> got = shuffled.reports();
+    const std::map<std::string, std::string> got = changing.reports();
     ASSERT_EQ(got.size(), expected.size()) << "tick " << plain.simulation().tick();
     for (const auto& [name, bytes] : expected) {
       const auto found = got.find(name);
@@ -168,23 +218,26 @@ TEST_P(ShuffledRows, ChangeNothingThatIsReported) {
   }
 }
 
-INSTANTIATE_TEST_SUITE_P(
-    Worlds, ShuffledRows,
-    ::testing::Values(  // interventions and faults; births and deaths; carried and pushed bodies; joints;
-                        // pushing
-        Observed{"failures.json",
-                 220,
-                 {R"({"kind": "state_mean", "component": "laser", "field": "ranges", "name": "range"})"}},
-        Observed{"colony.json", 60, {R"({"kind": "deaths", "type": "ant"})"}},
-        Observed{"magpies.json", 60, {}}, Observed{"lift.world", 60, {}},
-        Observed{"pucks.json", 60, {R"({"kind": "clusters", "distance_m": 0.5, "name": "piles"})"}},
-        Observed{"crowd.json", 10, {}}),
-    [](const auto& observed) {
-      std::string name = observed.param.world;
-      for (char& c : name)
-        if (std::isalnum(static_cast<unsigned char>(c)) == 0) c = '_';
-      return name;
-    });
+const std::vector<Observed> k_observed{
+    // interventions and faults
+    {"failures.json",
+     220,
+     {R"({"kind": "state_mean", "component": "laser", "field": "ranges", "name": "range"})"}},
+    {"colony.json", 60, {R"({"kind": "deaths", "type": "ant"})"}},                        // births and deaths
+    {"magpies.json", 60, {}},                                                             // carried bodies
+    {"lift.world", 60, {}},                                                               // joints
+    {"pucks.json", 60, {R"({"kind": "clusters", "distance_m": 0.5, "name": "piles"})"}},  // pushing
+    {"crowd.json", 10, {}}};
+
+INSTANTIATE_TEST_SUITE_P(Worlds, RowsThatChange,
+                         ::testing::Combine(::testing::ValuesIn(k_observed),
+                                            ::testing::Values(Rows::are_shuffled, Rows::leave)),
+                         [](const auto& run) {
+                           std::string name = std::get<0>(run.param).world;
+                           for (char& c : name)
+                             if (std::isalnum(static_cast<unsigned char>(c)) == 0) c = '_';
+                           return name + (std::get<1>(run.param) == Rows::leave ? "_leave" : "_shuffled");
+                         });
 
 TEST(RowOrder, GivesBodiesOtherRowsAndSlots) {
   Simulation simulation(k_shipped / "failures.json");
@@ -228,6 +281,31 @@ TEST(RowOrder, DoesNotMatterToAWorldThatIsRebuilt) {
   }
   world.reset();
   EXPECT_EQ(world.hashes().state, Simulation(k_shipped / "colony.json").world().hashes().state);
+}
+
+TEST(RowOrder, TreesLeaveTogetherAndNoRowTwice) {
+  Simulation simulation(k_shipped / "magpies.json");
+  engine::World& world = simulation.world();
+  while (world.carried_count() == 0 && simulation.time_s() < 60) simulation.step();
+  ASSERT_GT(world.carried_count(), 0u);
+  BodyId cargo;
+  for (std::size_t r = 0; r < world.rows(); ++r)
+    if (world.carrier(Row(r))) cargo = world.body(Row(r));
+  std::vector<BodyId> tree;
+  for (std::size_t r = 0; r < world.rows(); ++r)
+    if (const BodyId id = world.body(Row(r)); root_of(world, id) == root_of(world, cargo)) tree.push_back(id);
+  EXPECT_THROW(world.remove_rows(std::vector{cargo}), std::invalid_argument);
+  EXPECT_THROW(world.remove_rows(std::vector{root_of(world, cargo)}), std::invalid_argument);
+  EXPECT_THROW(world.remove_rows(std::vector{BodyId(0)}), std::invalid_argument) << "the ground has no row";
+  std::vector<BodyId> twice = tree;
+  twice.push_back(cargo);
+  EXPECT_THROW(world.remove_rows(twice), std::invalid_argument);
+  const std::uint64_t hash = world.hashes().state;
+  const auto removed = world.remove_rows(tree);
+  EXPECT_THROW(world.remove_rows(tree), std::invalid_argument);
+  world.add_rows(removed);
+  EXPECT_THROW(world.add_rows(removed), std::invalid_argument);
+  EXPECT_EQ(world.hashes().state, hash);
 }
 
 TEST(RowOrder, CannotBeShuffledOnSeveralRanks) {
