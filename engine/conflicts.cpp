@@ -50,9 +50,9 @@ void Conflicts::forget() {
 void Conflicts::resolve(const Crowd& crowd, const partition::StaticScene& scene,
                         const partition::BodyIndex& index, partition::Parallel& parallel) {
   const std::size_t rows = crowd.motions.size();
-  reserve(rows, crowd.pushables);
   for (const Push& push : pushes()) pushed_last_[push.row] = 0;
   push_count_ = 0;
+  reserve(rows, crowd.pushables);  // there may be fewer rows than in the tick of these pushes
   constexpr std::uint32_t k_last_round = 1u << 29;  // reached after some years
   if (base_ + rounds_ > k_last_round) {
     std::ranges::fill(resolutions_, Resolution());

@@ -38,42 +38,43 @@ BodyId EventWatch::carrier_of(const World& world, Row row) { return world.carrie
 
 void EventWatch::remember(const World& world) {
   tick_ = world.tick();
-  stalls_.resize(world.rows());
-  carriers_.resize(world.rows());
+  const std::size_t bodies = world.spec().bodies.size();
+  stalls_.resize(bodies);
+  carriers_.resize(bodies);
+  if (world.has_conditions()) disabled_.resize(bodies);
+  if (world.has_lives()) lives_.resize(bodies);
   for (std::size_t r = 0; r < world.rows(); ++r) {
-    stalls_[r] = stall_of(world, Row(r));
-    carriers_[r] = carrier_of(world, Row(r));
+    const std::size_t b = world.body(Row(r)).index();
+    stalls_[b] = stall_of(world, Row(r));
+    carriers_[b] = carrier_of(world, Row(r));
+    if (!disabled_.empty()) disabled_[b] = world.is_disabled(Row(r));
+    if (!lives_.empty()) lives_[b] = world.presence(Row(r));
   }
-  if (world.has_conditions()) {
-    disabled_.resize(world.rows());
-    for (std::size_t r = 0; r < world.rows(); ++r) disabled_[r] = world.is_disabled(Row(r));
-  }
-  if (!world.has_lives()) return;
-  lives_.resize(world.rows());
-  for (std::size_t r = 0; r < world.rows(); ++r) lives_[r] = world.presence(Row(r));
 }
 
 /// Adds an event `fails` or `recovers` for each robot that stopped or resumed working since the tick before.
 /// Bodies that are not in the world have no such events.
 void EventWatch::see_failures(const World& world) {
-  for (std::size_t r = 0; r < disabled_.size(); ++r) {
+  if (disabled_.empty()) return;
+  for (std::size_t r = 0; r < world.rows(); ++r) {
+    const BodyId body = world.body(Row(r));
     const bool now = world.is_disabled(Row(r));
-    if (now == disabled_[r]) continue;
-    if (world.is_there(Row(r)))
-      events_.push_back({now ? EventType::fails : EventType::recovers, world.body(Row(r)), {}});
-    disabled_[r] = now;
+    if (now == disabled_[body.index()]) continue;
+    if (world.is_there(Row(r))) events_.push_back({now ? EventType::fails : EventType::recovers, body, {}});
+    disabled_[body.index()] = now;
   }
 }
 
 void EventWatch::see_lives(const World& world) {
-  for (std::size_t r = 0; r < lives_.size(); ++r) {
-    const Presence now = world.presence(Row(r));
-    if (now == lives_[r]) continue;
+  if (lives_.empty()) return;
+  for (std::size_t r = 0; r < world.rows(); ++r) {
     const BodyId body = world.body(Row(r));
-    if (now == Presence::dead && lives_[r] == Presence::unborn)
-      events_.push_back({EventType::birth, body, {}});
+    const Presence now = world.presence(Row(r));
+    Presence& before = lives_[body.index()];
+    if (now == before) continue;
+    if (now == Presence::dead && before == Presence::unborn) events_.push_back({EventType::birth, body, {}});
     events_.push_back({now == Presence::dead ? EventType::death : EventType::birth, body, {}});
-    lives_[r] = now;
+    before = now;
   }
 }
 
@@ -87,19 +88,21 @@ std::span<const Event> EventWatch::see(const World& world) {
   tick_ = world.tick();
   for (std::size_t r = 0; r < world.rows(); ++r) {
     const BodyId body = world.body(Row(r));
-    if (const Stall now = stall_of(world, Row(r)); now != stalls_[r]) {
-      if (stalls_[r] != k_free)
+    Stall& before = stalls_[body.index()];
+    if (const Stall now = stall_of(world, Row(r)); now != before) {
+      if (before != k_free)
         events_.push_back(
-            {stalls_[r] == k_out_of_bounds ? EventType::held_ends : EventType::stall_ends, body, {}});
+            {before == k_out_of_bounds ? EventType::held_ends : EventType::stall_ends, body, {}});
       if (now != k_free)
         events_.push_back(
             {now == k_out_of_bounds ? EventType::held_begins : EventType::stall_begins, body, {}});
-      stalls_[r] = now;
+      before = now;
     }
-    if (const BodyId now = carrier_of(world, Row(r)); now != carriers_[r]) {
-      if (carriers_[r].valid()) events_.push_back({EventType::release, carriers_[r], body});
+    BodyId& carrier = carriers_[body.index()];
+    if (const BodyId now = carrier_of(world, Row(r)); now != carrier) {
+      if (carrier.valid()) events_.push_back({EventType::release, carrier, body});
       if (now.valid()) events_.push_back({EventType::grip, now, body});
-      carriers_[r] = now;
+      carrier = now;
     }
   }
   see_lives(world);

@@ -67,10 +67,11 @@ class EventWatch {
   void remember(const World& world);
 
   std::uint64_t tick_ = 0;
-  std::vector<Stall> stalls_;     // one per row
-  std::vector<BodyId> carriers_;  // one per row; invalid: it is not carried
-  std::vector<Presence> lives_;   // one per row; empty if the world has no births and deaths
-  std::vector<bool> disabled_;    // one per row; empty if the world has no faults and disables no bodies
+  // One per body of the world; those of static bodies are unused.
+  std::vector<Stall> stalls_;
+  std::vector<BodyId> carriers_;  // invalid: it is not carried
+  std::vector<Presence> lives_;   // empty if the world has no births and deaths
+  std::vector<bool> disabled_;    // empty if the world has no faults and disables no bodies
   std::vector<Event> events_;
 };
 

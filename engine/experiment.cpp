@@ -110,33 +110,32 @@ Result<> check_change(const DriveKind& kind, const Record& before, const Record&
 
 // ---- Compiling the spec
 
-std::vector<Row> World::rows_of(const GroupSpec& group, Where where, Diagnostics& diagnostics) const {
-  std::vector<Row> rows;
+std::vector<BodyId> World::bodies_of(const GroupSpec& group, Where where, Diagnostics& diagnostics) const {
+  std::vector<BodyId> bodies;
   if (group.by == By::model) {
     const BodyId body = find(group.name);
-    if (body.valid() && row(body).valid()) return {row(body)};
+    if (body.valid() && location(body) != RowLocation::none) return {body};
     if (body.valid()) {
       diagnostics.error(where,
                         fmt::format("\"{}\" is a static body: interventions and faults can only act on "
                                     "bodies that can move, sense, decide, be gripped or be pushed",
                                     group.name));
-      return rows;
+      return bodies;
     }
   }
   for (std::size_t b = 1; b < state_.rows.size(); ++b) {
-    const Row row = state_.rows[b];
-    if (!row.valid() || group.by == By::model) continue;
-    if (group.by == By::type ? type(row).name == group.name
-                             : is_of_population(state_.spec.names, state_.spec.bodies[b].name, group.name))
-      rows.push_back(row);
+    if (location(BodyId(b)) == RowLocation::none || group.by == By::model) continue;
+    const BodySpec& body = state_.spec.bodies[b];
+    if (group.by == By::type ? state_.types[body.type.index()].name == group.name
+                             : is_of_population(state_.spec.names, body.name, group.name))
+      bodies.push_back(BodyId(b));
   }
-  if (!rows.empty()) return rows;
+  if (!bodies.empty()) return bodies;
   std::set<std::string> known;
   for (std::size_t b = 1; b < state_.rows.size(); ++b) {
-    const Row row = state_.rows[b];
-    if (!row.valid()) continue;
+    if (location(BodyId(b)) == RowLocation::none) continue;
     const std::string name = state_.spec.name(BodyId(b));
-    if (group.by == By::type) known.insert(type(row).name);
+    if (group.by == By::type) known.insert(state_.types[state_.spec.bodies[b].type.index()].name);
     if (group.by == By::model) known.insert(name);
     if (group.by == By::population && without_number(name).size() < name.size())
       known.emplace(without_number(name));
@@ -144,7 +143,7 @@ std::vector<Row> World::rows_of(const GroupSpec& group, Where where, Diagnostics
   constexpr std::array<std::string_view, 3> k_what{"population", "type", "model"};
   diagnostics.error(where, unknown_name(k_what[static_cast<std::size_t>(group.by)], group.name,
                                         std::vector<std::string_view>(known.begin(), known.end())));
-  return rows;
+  return bodies;
 }
 
 void World::build_experiment(const Registry& registry, Diagnostics& diagnostics) {
@@ -207,7 +206,7 @@ void World::build_intervention(Experiment::Intervention& intervention, const Reg
       error("\"add\" needs \"region_m\" or \"pose\", because the world has no bounds");
     return;
   }
-  intervention.whom = rows_of(spec.whom, spec.where, diagnostics);
+  intervention.whom = bodies_of(spec.whom, spec.where, diagnostics);
   if (spec.action == Action::move && !state_.bounds().contains(spec.pose->position()))
     error(fmt::format("\"{}\" would be moved to x {}, y {} (m), outside the world's bounds", spec.whom.name,
                       spec.pose->x, spec.pose->y));
@@ -260,13 +259,11 @@ Result<> World::build_setting(const SettingSpec& setting, const Registry& regist
 
 void World::build_fault(std::size_t at, const Registry& registry, Diagnostics& diagnostics) {
   const FaultSpec& spec = state_.spec.experiment.faults[at];
-  std::vector<Row> rows = rows_of(spec.whom, spec.where, diagnostics);
-  std::erase_if(rows, [&](Row row) { return !state_.spec.starts(body(row)); });
   const std::uint32_t chooses = stream_id("fault", fmt::format("{}", at));
   experiment_.candidates.clear();
-  for (const Row row : rows)
-    experiment_.candidates.push_back(
-        {key_of({state_.spec.seed, chooses, body(row).value, 0}), body(row), row});
+  for (const BodyId body : bodies_of(spec.whom, spec.where, diagnostics))
+    if (state_.spec.starts(body))
+      experiment_.candidates.push_back({key_of({state_.spec.seed, chooses, body.value, 0}), body});
   const std::span<const Experiment::Candidate> chosen = choose(spec.whom);
   const std::uint64_t from = ticks_until(spec.from_s, state_.spec.tick_s);
   for (const FaultSpec::Impairment& impairment : spec.impairments) {
@@ -280,7 +277,7 @@ void World::build_fault(std::size_t at, const Registry& registry, Diagnostics& d
     const std::uint32_t stream = stream_id(kind->name, fmt::format("{}", at));
     std::map<std::uint32_t, std::uint32_t> faults;  // by type: device indices differ between types
     for (const Experiment::Candidate& candidate : chosen) {
-      const std::uint32_t t = state_.row_types[candidate.row.index()];
+      const std::uint32_t t = state_.spec.bodies[candidate.body.index()].type.value;
       const auto [known, is_new] =
           faults.try_emplace(t, static_cast<std::uint32_t>(experiment_.faults.size()));
       if (is_new) {
@@ -290,7 +287,7 @@ void World::build_fault(std::size_t at, const Registry& registry, Diagnostics& d
         experiment_.faults.push_back({made ? *made : Impairment(), stream});
       }
       const std::uint64_t tick = next_fault_tick(known->second, candidate.body, from);
-      experiment_.first_fault_events.push_back({tick, known->second, candidate.body, candidate.row, true});
+      experiment_.first_fault_events.push_back({tick, known->second, candidate.body, true});
     }
   }
 }
@@ -380,27 +377,27 @@ bool World::carry_out(Experiment::Intervention& intervention) {
   }
   if (spec.action == Action::add) return add(intervention);
   if (spec.action == Action::move) {
-    const Placed placed{intervention.whom.front(), *spec.pose};
+    const Placed placed{row(intervention.whom.front()), *spec.pose};
     if (is_there(placed.row) && !carrier(placed.row)) set_poses({&placed, 1});
     return false;
   }
   const auto is_disabled = [&](Row row) { return (state_.condition(row).out & Condition::k_disabled) != 0; };
   experiment_.candidates.clear();
-  for (const Row row : intervention.whom) {
+  for (const BodyId id : intervention.whom) {
+    const Row row = this->row(id);
     if (!is_there(row)) continue;
     if (spec.action != Action::remove && is_disabled(row) != (spec.action == Action::enable)) continue;
-    const BodyId id = body(row);
     const Random random(state_.spec.seed, intervention.stream, id.value,
                         static_cast<std::uint32_t>(state_.now.tick));
-    experiment_.candidates.push_back({key_of(random), id, row});
+    experiment_.candidates.push_back({key_of(random), id});
   }
   const std::span<const Experiment::Candidate> chosen = choose(spec.whom);
   for (const Experiment::Candidate& candidate : chosen) {
     if (spec.action == Action::remove) {
-      die(candidate.row);
+      die(row(candidate.body));
       continue;
     }
-    toggle_disabled(candidate.row);
+    toggle_disabled(row(candidate.body));
   }
   return spec.action == Action::remove && !chosen.empty();
 }
@@ -591,16 +588,17 @@ Experiment::FaultEvent World::take_fault_event() {
 }
 
 void World::apply_fault_event(const Experiment::FaultEvent& event) {
-  if (!is_there(event.row)) return;
+  const Row row = this->row(event.body);
+  if (!is_there(row)) return;
   const Impairment& impairment = experiment_.faults[event.fault].impairment;
-  Condition& now = state_.condition(event.row);
+  Condition& now = state_.condition(row);
   state_.now.impaired -= !now.is_sound();
   if (event.begins) {
     now.dead |= impairment.dead;
     if (impairment.speed != 1) {
-      now.speed = speed_scale(event.row) * impairment.speed;
+      now.speed = speed_scale(row) * impairment.speed;
       // The velocity is scaled too, because the drive's acceleration limits refer to it.
-      Velocity& v = state_.as<Velocity>(WorldState::k_velocity)[event.row.index()];
+      Velocity& v = state_.as<Velocity>(WorldState::k_velocity)[row.index()];
       v = {v.x * impairment.speed, v.y * impairment.speed, v.turn * impairment.speed};
     }
     if (impairment.drops_out) now.out |= Condition::k_dropped_out;

@@ -26,9 +26,9 @@ struct Experiment {
     std::uint64_t tick = 0;    ///< applied after this tick, at the beginning of the next one
     std::size_t spec = 0;      ///< its InterventionSpec: index into ExperimentSpec::at
     std::uint32_t stream = 0;  ///< its random stream: stream_id()
-    /// Rows of all bodies of the group, in order of ids, whether or not they are in the world. Empty for
-    /// `add` and `set`.
-    std::vector<Row> whom;
+    /// All bodies of the group, in order of ids, whether or not they are in the world. Empty for `add` and
+    /// `set`.
+    std::vector<BodyId> whom;
     std::size_t reserve = 0;  ///< for `add`: the reserve of the bodies, index into WorldSpec::reserves
     /// For `set` of a drive or controller: the data that its kind prepared from the new parameters. Applying
     /// the intervention swaps them with the data in BodyType; they are then the data of the old parameters.
@@ -57,7 +57,6 @@ struct Experiment {
     std::uint64_t tick = 0;   ///< applied after this tick, at the beginning of the next one
     std::uint32_t fault = 0;  ///< the fault: index into `faults`
     BodyId body;              ///< the impaired body
-    Row row;                  ///< row of the body
     bool begins = true;       ///< true: the fault begins; false: it ends
   };
   /// The first event of each fault in each body of a run: a heap with the earliest event on top. The vector
@@ -72,7 +71,6 @@ struct Experiment {
   struct Candidate {
     std::uint64_t key = 0;  ///< random number; equal keys are ordered by id
     BodyId body;            ///< id of the body
-    Row row;                ///< row of the body
   };
   std::vector<Candidate> candidates;  ///< scratch memory of World::choose()
 };

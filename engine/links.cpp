@@ -72,11 +72,13 @@ void Links::build() {
   state_.joint_begins.resize(state_.row_count());
   composite_of_.assign(state_.row_count(), k_none);
   for (auto* list : {&state_.roots, &first_cargo_, &next_cargo_}) list->assign(state_.row_count(), k_none);
+  composites_.clear();
   std::size_t joints = 0;
+  for (std::size_t i = 0; i < state_.types.size(); ++i)
+    joints += state_.pools[i].rows * state_.types[i].joints.size();
   for (std::uint32_t r = 0; r < state_.row_count(); ++r) {
     const BodyType& t = state_.type(Row(r));
-    state_.joint_begins[r] = static_cast<std::uint32_t>(joints);
-    joints += t.joints.size();
+    state_.joint_begins[r] = state_.joint_begin(state_.row_types[r], state_.slots[r]);
     rounds_ = std::max(rounds_, t.joint_devices.size());
     if (!t.is_composite()) continue;
     composite_of_[r] = static_cast<std::uint32_t>(composites_.size());
@@ -120,7 +122,7 @@ bool Links::hold() const {
   if (!state_.carrier_table) return true;
   const auto carrier_row = [this](std::uint32_t r) {
     const std::uint32_t id = state_.carried(r).carrier;
-    return id == 0 || id > state_.rows.size() ? Row() : state_.rows[id - 1];
+    return id == 0 || id > state_.rows.size() ? Row() : state_.view.row(BodyId(id - 1));
   };
   for (std::uint32_t r = 0; r < state_.row_count(); ++r) {
     const Carried& link = state_.carried(r);
@@ -152,11 +154,11 @@ void Links::derive() {
   for (const std::uint32_t r : composites_) rest_joints(Row(r));  // before any shape of a tree is computed
   for (std::uint32_t r = 0; state_.carrier_table && r < state_.row_count(); ++r) {
     const std::uint32_t id = state_.carried(r).carrier;
-    if (id != 0) link_cargo(r, state_.rows[id - 1].value);
+    if (id != 0) link_cargo(r, state_.view.row(BodyId(id - 1)).value);
   }
   for (std::uint32_t r = 0; r < state_.row_count(); ++r) {
     std::uint32_t root = r;
-    while (const auto by = state_.view.carrier(Row(root))) root = state_.rows[by->index()].value;
+    while (const auto by = state_.view.carrier(Row(root))) root = state_.view.row(*by).value;
     state_.roots[r] = root;
   }
 }

@@ -39,7 +39,8 @@ class Links {
   Links(const Links&) = delete;
   Links& operator=(const Links&) = delete;
 
-  /// Allocates the lists, once, after the rows of the state were made.
+  /// Allocates the lists, after the rows of the state were made, and again after bodies have changed their
+  /// rows. The caller must then derive everything else with derive(), rest_joints() and reshape().
   void build();
   /// Computes all data that are derived from the state tables, except the shapes of trees, which reshape()
   /// computes.
@@ -129,7 +130,7 @@ class Links {
   WorldState& state_;
   partition::Parallel& parallel_;
 
-  std::vector<Joint> joints_;        // joints of all rows, in order of rows
+  std::vector<Joint> joints_;        // joints of all rows, at WorldState::joint_begins
   std::atomic<bool> asked_ = false;  // whether any joint has a command to move in this tick
   // Number of rounds of joint resolution per tick: the largest number of devices that move joints of one
   // body. In each round, the joints of at most one device per body move.

@@ -65,15 +65,15 @@ bool World::lives_hold(std::uint64_t tick) const {
   }
   for (std::size_t r = 0; state_.carrier_table && r < rows(); ++r) {
     const std::uint32_t id = state_.tables[*state_.carrier_table].as<Carried>(r).carrier;
-    const Row by = id == 0 || id > state_.rows.size() ? Row() : state_.rows[id - 1];
+    const Row by = id == 0 || id > state_.rows.size() ? Row() : row(BodyId(id - 1));
     if (by.valid() && presence(by) != Presence::there) return false;
   }
   for (const ReserveSpec& reserve :
        state_.spec.reserves)  // the bodies of a reserve are born in the order of their ids
     for (std::uint32_t i = 1; i < reserve.count; ++i) {
-      const Row before = state_.rows[reserve.first.index() + i - 1];
-      const Row row = state_.rows[reserve.first.index() + i];
-      if (presence(before) == Presence::unborn && presence(row) != Presence::unborn) return false;
+      const BodyId id(reserve.first.index() + i);
+      if (presence(row(BodyId(id.index() - 1))) == Presence::unborn && presence(row(id)) != Presence::unborn)
+        return false;
     }
   return true;
 }
@@ -93,7 +93,7 @@ void World::derive_lives() {
     const ReserveSpec& reserve = state_.spec.reserves[i];
     std::uint32_t& next = next_born_[i];
     next = 0;
-    while (next < reserve.count && presence(state_.rows[reserve.first.index() + next]) != Presence::unborn)
+    while (next < reserve.count && presence(row(BodyId(reserve.first.index() + next))) != Presence::unborn)
       ++next;
   }
 }

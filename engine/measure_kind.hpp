@@ -50,10 +50,11 @@ struct MeasureKind {
   /// Whether the measure is computed if the user chooses no measures. It is if it is not an alias and all
   /// its parameters have default values.
   bool is_usual() const { return same_as.empty() && std::ranges::all_of(params.defaults(), &Value::given); }
-  /// Makes a measure of the given robots, which are in order of ids; the list may be empty. The caller has
-  /// checked `params` against the table above. Throws std::length_error if the parameters need too much
-  /// memory, and std::invalid_argument if they name something that does not exist.
-  std::unique_ptr<Measure> (*make)(const World& world, const Record& params, std::vector<Row> robots);
+  /// Makes a measure of the given robots, which are in order of ids; the list may be empty. A measure keeps
+  /// the ids, and asks World::row() for the row of a robot whenever it reads its data. The caller has checked
+  /// `params` against the table above. Throws std::length_error if the parameters need too much memory, and
+  /// std::invalid_argument if they name something that does not exist.
+  std::unique_ptr<Measure> (*make)(const World& world, const Record& params, std::vector<BodyId> robots);
 };
 
 /// Makes a measure kind from a class M, which is derived from Measure. The constructor of M takes (world,
@@ -65,11 +66,12 @@ MeasureKind make_measure_kind(std::string_view name, Unit unit, std::string_view
   if constexpr (requires { typename M::Params; }) {
     kind.params = described<typename M::Params>();
     kind.make = [](const World& world, const Record& record,
-                   std::vector<Row> robots) -> std::unique_ptr<Measure> {
+                   std::vector<BodyId> robots) -> std::unique_ptr<Measure> {
       return std::make_unique<M>(world, from_record<typename M::Params>(record), std::move(robots));
     };
   } else {
-    kind.make = [](const World& world, const Record&, std::vector<Row> robots) -> std::unique_ptr<Measure> {
+    kind.make = [](const World& world, const Record&,
+                   std::vector<BodyId> robots) -> std::unique_ptr<Measure> {
       return std::make_unique<M>(world, std::move(robots));
     };
   }

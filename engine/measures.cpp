@@ -55,7 +55,7 @@ MeasureSet::MeasureSet(World& world, const Registry& registry, std::span<const M
       continue;
     }
     const MeasureKind* kind = *found;
-    std::vector<Row> robots = robots_of(world, spec.of);
+    std::vector<BodyId> robots = robots_of(world, spec.of);
     if (robots.empty() && !spec.of.empty()) {
       const std::vector<std::string> known = names_of_robots(world);
       diagnostics.error(spec.where, unknown_name("type or population of robots", spec.of,
@@ -140,29 +140,30 @@ bool MeasureSet::remember(std::span<const std::byte> memory) {
   return true;
 }
 
-std::size_t count_there(const World& world, std::span<const Row> rows) {
-  if (world.absent_count() == 0) return rows.size();
-  return static_cast<std::size_t>(std::ranges::count_if(rows, [&](Row row) { return world.is_there(row); }));
+std::size_t count_there(const World& world, std::span<const BodyId> bodies) {
+  if (world.absent_count() == 0) return bodies.size();
+  return static_cast<std::size_t>(
+      std::ranges::count_if(bodies, [&](BodyId body) { return world.is_there(world.row(body)); }));
 }
 
-std::vector<Row> robots_of(const World& world, std::string_view of) {
+std::vector<BodyId> robots_of(const World& world, std::string_view of) {
   const WorldSpec& spec = world.spec();
-  const auto is_robot = [&](BodyId body) {
-    const Row row = world.row(body);
-    return row.valid() && world.type(row).drive;
+  const auto type_of = [&](BodyId body) -> const BodyType& {
+    return world.types()[spec.bodies[body.index()].type.index()];
   };
+  const auto is_robot = [&](BodyId body) { return type_of(body).drive.has_value(); };
   // If "r1" is a robot (of population "r"), the name does not also stand for the robots r10 to r19.
   const BodyId named = of.empty() ? BodyId() : world.find(of);
   const bool is_one = named.valid() && is_robot(named);
-  std::vector<Row> robots;
+  std::vector<BodyId> robots;
   for (std::size_t b = 0; b < spec.bodies.size(); ++b) {
     const BodyId body(b);
     if (!is_robot(body)) continue;
-    if (!of.empty() && world.type(world.row(body)).name != of && !(is_one && body == named)) {
+    if (!of.empty() && type_of(body).name != of && !(is_one && body == named)) {
       const std::string name = spec.name(body);
       if (is_one || !name.starts_with(of) || !is_number(name.substr(of.size()))) continue;
     }
-    robots.push_back(world.row(body));
+    robots.push_back(body);
   }
   return robots;
 }
@@ -171,9 +172,9 @@ std::vector<std::string> names_of_robots(const World& world) {
   std::set<std::string> names;
   const WorldSpec& spec = world.spec();
   for (std::size_t b = 0; b < spec.bodies.size(); ++b) {
-    const Row row = world.row(BodyId(b));
-    if (!row.valid() || !world.type(row).drive) continue;
-    names.insert(world.type(row).name);
+    const BodyType& type = world.types()[spec.bodies[b].type.index()];
+    if (!type.drive) continue;
+    names.insert(type.name);
     std::string name = spec.name(BodyId(b));
     name.erase(name.find_last_not_of("0123456789") + 1);
     if (!name.empty()) names.insert(std::move(name));

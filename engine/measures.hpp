@@ -54,7 +54,7 @@ class MeasureSet {
   struct Part {
     const MeasureKind* kind;
     Record params;
-    std::vector<Row> robots;
+    std::vector<BodyId> robots;
   };
   void begin();
   void note_present();  // stores the tick and the seed of the world
@@ -67,18 +67,18 @@ class MeasureSet {
   std::uint64_t seen_seed_ = 0;                     // seed of the world then
 };
 
-/// Returns the rows of the robots (bodies with a drive) that the name `of` stands for, in order of ids,
-/// unborn and dead robots included: all robots of the type with this name, and the robot with this name or
-/// alias. If no single robot has this name or alias, the robots of the population with this name are added,
-/// which are those whose name is `of` followed by digits. Returns all robots if `of` is empty, and no robots
-/// if there is no type, population or robot with this name.
-std::vector<Row> robots_of(const World& world, std::string_view of);
+/// Returns the robots (bodies with a drive) that the name `of` stands for, in order of ids, unborn and dead
+/// robots included: all robots of the type with this name, and the robot with this name or alias. If no
+/// single robot has this name or alias, the robots of the population with this name are added, which are
+/// those whose name is `of` followed by digits. Returns all robots if `of` is empty, and no robots if there
+/// is no type, population or robot with this name.
+std::vector<BodyId> robots_of(const World& world, std::string_view of);
 /// Names of all types of robots and of all populations, sorted, each once. The population of a robot is its
 /// name without the digits at the end.
 std::vector<std::string> names_of_robots(const World& world);
 
-/// Returns how many of the rows have bodies that are in the world, that is, neither unborn nor dead.
-std::size_t count_there(const World& world, std::span<const Row> rows);
+/// Returns how many of the bodies are in the world, that is, neither unborn nor dead. All must have rows.
+std::size_t count_there(const World& world, std::span<const BodyId> bodies);
 
 /// Returns the exact sum term(0) + ... + term(count - 1), rounded once to double, and 0 if `count` is 0. The
 /// result depends on neither the number of threads nor the order of the terms. The worker threads of the

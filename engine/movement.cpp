@@ -15,6 +15,9 @@ void Movement::build() {
   motions_.resize(state_.row_count());
   free_circles_.resize(state_.row_count());
   if (std::ranges::none_of(state_.types, &BodyType::pushable)) return;
+  pushables_ = {};
+  is_pushable_.clear();
+  push_limits_.clear();
   pushables_.thinnest = std::numeric_limits<double>::infinity();
   for (std::size_t r = 0; r < state_.row_count(); ++r) {
     const BodyType& t = state_.type(Row(r));

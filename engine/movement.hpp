@@ -21,7 +21,8 @@ class Movement {
   Movement(const Movement&) = delete;
   Movement& operator=(const Movement&) = delete;
 
-  /// Allocates the lists, once, after the rows of the state were made.
+  /// Allocates the lists, after the rows of the state were made, and again after bodies have changed their
+  /// rows. The caller must then derive everything else with draw_odometry_errors() and rest().
   void build();
   /// Computes the odometry error of each robot, unborn ones too, from the seed (Localization::error_of()).
   void draw_odometry_errors();

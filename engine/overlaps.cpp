@@ -60,7 +60,7 @@ class OverlapSearch {
   /// Adds the pairs of a body with static bodies, and then with bodies of higher ids, in order of ids: the
   /// order must not depend on the grid. `near` is scratch memory.
   void add_pairs_of(BodyId body, std::vector<BodyId>& near, Pairs& found) const {
-    const Row row = state_.rows[body.index()];
+    const Row row = state_.view.row(body);
     if (!row.valid() || shape(row).empty()) return;
     if (state_.scene.has_obstacles())
       for (const BodyId wall : state_.scene.overlapping(shape(row), poses_[row.index()]))
@@ -69,7 +69,7 @@ class OverlapSearch {
     const partition::PlacedShape own = placed(row);
     for (const BodyId other : near) {
       if (found.are_too_many()) return;
-      if (overlap(own, placed(state_.rows[other.index()]))) add(body, other, found);
+      if (overlap(own, placed(state_.view.row(other)))) add(body, other, found);
     }
   }
 
@@ -146,11 +146,11 @@ void report_each(const WorldState& state, const Pairs& pairs, Diagnostics& diagn
   const WorldSpec& spec = state.spec;
   const auto where = [&](BodyId body) { return spec.bodies[body.index()].where; };
   for (const auto& [first, second] : pairs.listed)
-    diagnostics.warning(
-        where(first),
-        fmt::format("\"{}\" {} \"{}\" at the start", spec.name(first),
-                    state.rows[second.index()].valid() ? "overlaps" : "overlaps the static body",
-                    spec.name(second)));
+    diagnostics.warning(where(first), fmt::format("\"{}\" {} \"{}\" at the start", spec.name(first),
+                                                  state.view.location(second) != RowLocation::none
+                                                      ? "overlaps"
+                                                      : "overlaps the static body",
+                                                  spec.name(second)));
   const std::size_t more = std::min(pairs.count, k_most_counted) - pairs.listed.size();
   if (more > 0)
     diagnostics.warning(where(pairs.listed.back().first),

@@ -1,8 +1,16 @@
 #include "engine/sensing_view.hpp"
 
+#include <fmt/format.h>
+
 #include <limits>
+#include <stdexcept>
 
 namespace troupe::engine {
+
+void SensingView::throw_elsewhere(BodyId body) const {
+  throw std::logic_error(fmt::format(
+      "internal error: the row of \"{}\" was asked for, but another rank has it", spec().name(body)));
+}
 
 Pose SensingView::pose(BodyId body) const {
   const Row r = row(body);

@@ -18,6 +18,15 @@
 
 namespace troupe::engine {
 
+/// Where the row of a body is, that is, its data in the state tables.
+enum class RowLocation : std::uint8_t {
+  none,       ///< the body is static: it has no row, and its pose never changes
+  here,       ///< in this world
+  elsewhere,  ///< in the world of another rank
+};
+/// The entry of PublicColumns::rows of a body with RowLocation::elsewhere.
+inline constexpr Row k_elsewhere{std::size_t{0xfffffffe}};
+
 /// The number of the present tick, and counts of certain rows, so that loops can skip work when a count is 0.
 struct TickCounts {
   std::uint64_t tick = 0;    ///< number of completed ticks; within a step, the number of the tick
@@ -41,7 +50,7 @@ struct PublicColumns {
   const partition::GridGeometry* geometry = nullptr;  ///< cells and tiles of `index`
   std::span<const BodyType> types;                    ///< compiled types, indexed by TypeId
   std::span<const BodyId> bodies;                     ///< body of each row
-  std::span<const Row> rows;                          ///< row of each body of the world, by BodyId
+  std::span<const Row> rows;                          ///< by BodyId: row of the body, invalid, or k_elsewhere
   std::span<const std::uint32_t> row_types;           ///< TypeId of each row
   std::span<const std::uint32_t> slots;               ///< index of each row among the rows of its type
   std::span<const std::size_t> outline_begins;        ///< index of the row's first vertex in `outlines`
@@ -97,8 +106,18 @@ class SensingView {
   /// Number of rows: one for each body that can move, sense, decide, be gripped or be pushed.
   std::size_t rows() const { return columns_.bodies.size(); }
   BodyId body(Row row) const { return columns_.bodies[row.index()]; }  ///< body of a row
+  /// Where the row of a body of the world is.
+  RowLocation location(BodyId body) const {
+    const Row row = columns_.rows[body.index()];
+    return row == k_elsewhere ? RowLocation::elsewhere : row.valid() ? RowLocation::here : RowLocation::none;
+  }
   /// Row of a body of the world. Static bodies have no row: for a static body the result is not valid().
-  Row row(BodyId body) const { return columns_.rows[body.index()]; }
+  /// Throws std::logic_error if location() is RowLocation::elsewhere.
+  Row row(BodyId body) const {
+    const Row row = columns_.rows[body.index()];
+    if (row == k_elsewhere) throw_elsewhere(body);
+    return row;
+  }
   /// Type of the row's body.
   const BodyType& type(Row row) const { return columns_.types[columns_.row_types[row.index()]]; }
   /// Slot of a row: its position among the rows of its type, and so its index in the tables of that type.
@@ -177,6 +196,7 @@ class SensingView {
  protected:
   friend struct DeviceBatch;  // gives a device the columns below, but only those of its own body
 
+  [[noreturn]] void throw_elsewhere(BodyId body) const;
   const Mount& joint_mount(Row row, std::int32_t joint) const {
     return columns_.joint_mounts[columns_.joint_begins[row.index()] + static_cast<std::size_t>(joint)];
   }

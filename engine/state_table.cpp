@@ -120,6 +120,26 @@ void StateTable::copy_row(std::size_t row, const StateTable& from) {
   }
 }
 
+void StateTable::add_rows(std::span<const BodyId> ids) {
+  for (const BodyId id : ids) {
+    ids_.push_back(id);
+    clear_row(ids_.size() - 1);
+  }
+}
+
+void StateTable::move_rows(std::span<const std::uint32_t> to) {
+  const std::vector<BodyId> ids = ids_;
+  const std::vector<std::byte> data = data_;
+  for (std::size_t r = 0; r < to.size(); ++r) ids_[to[r]] = ids[r];
+  for (std::size_t f = 0; f < fields_.size(); ++f) {
+    const std::size_t width = element_size(fields_[f].element) * fields_[f].columns;
+    if (width == 0) continue;  // a sensor without beams; data_ may be empty
+    for (std::size_t r = 0; r < to.size(); ++r)
+      std::memcpy(data_.data() + starts_[f] + to[r] * strides_[f], data.data() + starts_[f] + r * strides_[f],
+                  width);
+  }
+}
+
 std::uint64_t StateTable::hash_rows(std::size_t first, std::size_t last) const {
   std::uint64_t sum = stretches_.empty() && !sparse_.empty() ? 0 : hash_dense(first, last);
   for (const Sparse& field : sparse_) sum += field.hash_rows(ids_, data_.data(), first, last);

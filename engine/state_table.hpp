@@ -168,6 +168,14 @@ class StateTable {
   void fill_row(std::size_t row, std::byte value);  ///< sets every byte of a row's fields to `value`
   /// Copies the row of the same index from a table that has the same fields, layout and number of rows.
   void copy_row(std::size_t row, const StateTable& from);
+  /// Adds rows for these bodies at the end, with all bytes 0, or removes rows from the end, so that there are
+  /// `count` rows. The table has room for as many rows as it had bodies when it was made.
+  ///@{
+  void add_rows(std::span<const BodyId> ids);
+  void keep_rows(std::size_t count) { ids_.resize(count); }
+  ///@}
+  /// Moves each row r, with its body, to the row to[r]. `to` has each number below rows() once.
+  void move_rows(std::span<const std::uint32_t> to);
 
  private:
   /// Sum of the hashes of the fields that are not sparse.

@@ -181,10 +181,13 @@ void World::decide() {
 void World::decide_together(const BodyType& type, const BodyType::Controller& controller) {
   thread_local std::vector<Row> rows;  // reused, because this is called in every tick
   rows.clear();
-  for (const Row row : state_.rows)
-    if (row.valid() && &this->type(row) == &type && is_there(row) && !is_disabled(row) &&
+  for (std::size_t b = 0; b < state_.rows.size(); ++b) {
+    if (location(BodyId(b)) != RowLocation::here) continue;
+    const Row row = this->row(BodyId(b));
+    if (&this->type(row) == &type && is_there(row) && !is_disabled(row) &&
         (state_.now.tick - birth_tick(row)) % controller.period == 0)
       rows.push_back(row);
+  }
   if (!rows.empty()) decide(rows, type, controller);
 }
 

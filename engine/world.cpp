@@ -284,8 +284,8 @@ void World::restart(std::uint64_t seed, std::span<const BodySpec> bodies, const 
   bool has_scene_changed = false;
   for (std::size_t b = 0; b < bodies.size(); ++b)
     has_scene_changed =
-        has_scene_changed ||
-        (!state_.rows[b].valid() && bodies[b].pose_world_body != state_.spec.bodies[b].pose_world_body);
+        has_scene_changed || (location(BodyId(b)) == RowLocation::none &&
+                              bodies[b].pose_world_body != state_.spec.bodies[b].pose_world_body);
   state_.spec.seed = seed;
   std::ranges::copy(bodies, state_.spec.bodies.begin());
   Diagnostics diagnostics(state_.spec.files);  // stays empty: the constructor has made the same checks
@@ -332,8 +332,9 @@ bool World::restore(std::uint64_t tick, const Counters& counters, std::uint64_t 
 std::vector<BodyId> World::subscribed() const {
   std::vector<BodyId> bodies;
   for (std::size_t b = 0; b < state_.rows.size(); ++b)
-    if (const Row r = state_.rows[b]; r.valid() && state_.subscribed[r.index()] != 0)
-      bodies.push_back(BodyId(b));
+    if (const BodyId body(b);
+        location(body) == RowLocation::here && state_.subscribed[row(body).index()] != 0)
+      bodies.push_back(body);
   return bodies;
 }
 
@@ -434,7 +435,7 @@ FrameScene World::frame_scene() const {
   scene.limits = state_.spec.bounds;
   for (std::size_t b = 0; b < state_.spec.bodies.size(); ++b) {
     const BodySpec& body = state_.spec.bodies[b];
-    if (!state_.rows[b].valid())
+    if (location(BodyId(b)) == RowLocation::none)
       scene.fixed.push_back(
           {body.type.value, body.pose_world_body, body.color, false, static_cast<std::uint32_t>(b)});
     else if (state_.spec.starts(BodyId(b)))
@@ -452,8 +453,9 @@ Frame World::frame() const {
   LooksByColor looks;
   for (std::size_t b = 0; b < state_.rows.size(); ++b) {
     const BodySpec& body = state_.spec.bodies[b];
-    const Row r = state_.rows[b];
-    if (!r.valid() || !is_there(r)) continue;
+    if (location(BodyId(b)) != RowLocation::here) continue;
+    const Row r = row(BodyId(b));
+    if (!is_there(r)) continue;
     const Color color = shown_color(state_.view, r, 0).value_or(body.color);
     frame.mobile.push_back(
         {body.type.value, poses()[r.index()], color, stalled(r), static_cast<std::uint32_t>(b)});

@@ -20,6 +20,7 @@
 
 #include <array>
 #include <atomic>
+#include <cstddef>
 #include <cstdint>
 #include <exception>
 #include <functional>
@@ -134,6 +135,27 @@ class World {
   /// (DeviceKind::scope). The mode is slow: each call takes time proportional to the number of rows. Throws
   /// std::invalid_argument if the mode is switched on in a world with several threads or the grid ray engine.
   void hide_beyond_reach(bool on);
+  /// A test mode: gives every body another row and another slot, at random. `seed` and tick() select the new
+  /// rows and slots. All rows, slots, and references to rows of tables that the caller holds are then those
+  /// of other bodies. No result depends on rows and slots, so the run continues with the same bits
+  /// (docs/determinism.md). Throws std::logic_error if several ranks compute the world. Call this between
+  /// steps.
+  void shuffle_rows(std::uint64_t seed);
+  /// The data of a row that neither the spec nor other data determine: its state, and what programs have set.
+  struct RowState {
+    BodyId body;                   ///< body of the row
+    std::vector<std::byte> bytes;  ///< the data, for add_rows() of a world with the same spec
+  };
+  /// Removes the rows of bodies, and returns their data, in the order of `bodies`. location() of the bodies
+  /// is then RowLocation::elsewhere. If a body is carried or carries others, the list must have the whole
+  /// tree. Counts such as robots() still include the removed bodies. The world must get the rows back by
+  /// add_rows() before anything else is done with it. Throws std::invalid_argument if a body has no row in
+  /// this world, occurs twice, or comes without its tree, and std::logic_error if several ranks compute the
+  /// world. Call this between steps.
+  std::vector<RowState> remove_rows(std::span<const BodyId> bodies);
+  /// Adds rows that remove_rows() has removed, in any order. Throws std::invalid_argument if location() of a
+  /// body is not RowLocation::elsewhere. Call this between steps.
+  void add_rows(std::span<const RowState> added);
   std::uint64_t tick() const { return state_.now.tick; }  ///< number of completed ticks
   double tick_s() const { return state_.spec.tick_s; }    ///< length of a tick, s
   /// World time, s: tick() * tick_s().
@@ -206,7 +228,10 @@ class World {
   /// Number of robots that are in the world now.
   std::size_t robots() const { return robots_; }
   BodyId body(Row row) const { return state_.view.body(row); }  ///< body of a row
-  /// Row of a body. Static bodies have no row: for them the result is not valid().
+  /// Where the row of a body is.
+  RowLocation location(BodyId body) const { return state_.view.location(body); }
+  /// Row of a body. Static bodies have no row: for them the result is not valid(). Throws std::logic_error if
+  /// location() is RowLocation::elsewhere.
   Row row(BodyId body) const { return state_.view.row(body); }
   const BodyType& type(Row row) const { return state_.view.type(row); }  ///< type of the row's body
   /// Slot of a row: its position among the rows of its type, and so its index in the tables of that type.
@@ -223,6 +248,10 @@ class World {
     gather();
     return state_.tables;
   }
+  /// Index of the row's body in one of the tables(): the row, if all bodies have the component, else its
+  /// slot. If the table has no row for the body, the result is the index of another body, or is not below
+  /// StateTable::rows().
+  std::size_t row_in(const StateTable& table, Row row) const { return state_.row_in(table, row); }
   /// Pose of each row, world frame. A dead body has the pose at which it died; all values of an unborn body
   /// are 0.
   std::span<const Pose> poses() const { return state_.view.poses(); }
@@ -474,6 +503,12 @@ class World {
   void derive_state();
   /// The part of derive() for one row; also called for bodies that are born or die.
   void derive(Row row);
+  // engine/row_order.cpp
+  void begin_row_change(std::string_view what) const;
+  void move_rows(std::span<const std::uint32_t> to, std::span<const std::vector<std::uint32_t>> slots_to);
+  void derive_rows();
+  std::vector<std::byte> state_of(Row row);
+  void set_state(Row row, std::span<const std::byte> bytes);
   void build_ray_grid(Diagnostics& diagnostics);
   void report_overlaps(Diagnostics& diagnostics);
 
@@ -510,9 +545,9 @@ class World {
   void build_faults(const Registry& registry, Diagnostics& diagnostics);
   void build_fault(std::size_t at, const Registry& registry, Diagnostics& diagnostics);
   void build_conditions();
-  /// Rows of the bodies that a group names, in order of ids, before any random choice. If it names none,
-  /// reports an error at `where` and returns no rows.
-  std::vector<Row> rows_of(const GroupSpec& group, Where where, Diagnostics& diagnostics) const;
+  /// The bodies with rows that a group names, in order of ids, before any random choice. If it names none,
+  /// reports an error at `where` and returns no bodies.
+  std::vector<BodyId> bodies_of(const GroupSpec& group, Where where, Diagnostics& diagnostics) const;
   /// Computes from the tick which interventions have been applied: those whose tick is before the present
   /// one. The next step applies the interventions of the present tick.
   void derive_experiment();

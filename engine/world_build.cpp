@@ -278,8 +278,18 @@ void World::build_rows() {
   const std::vector<BodyId> bodies = rows_by_place();
   const auto reserve = [&bodies](auto&... columns) { (columns.reserve(bodies.size()), ...); };
   reserve(state_.bodies, state_.ids, state_.row_types, state_.slots, state_.outline_begins);
-  std::vector<std::uint32_t> slots(state_.types.size(), 0);
+  state_.pools.resize(state_.types.size());
+  for (const BodyId body : bodies) ++state_.pools[state_.spec.bodies[body.index()].type.index()].rows;
   std::size_t vertices = 0;
+  std::size_t joints = 0;
+  for (std::size_t t = 0; t < state_.types.size(); ++t) {
+    WorldState::Pool& pool = state_.pools[t];
+    pool.outlines = vertices;
+    pool.joints = static_cast<std::uint32_t>(joints);
+    vertices += pool.rows * state_.types[t].outline_vertices.size();
+    joints += pool.rows * state_.types[t].joints.size();
+  }
+  std::vector<std::uint32_t> slots(state_.types.size(), 0);
   for (const BodyId body : bodies) {
     const auto t = state_.spec.bodies[body.index()].type.value;
     const BodyType& type = state_.types[t];
@@ -287,9 +297,8 @@ void World::build_rows() {
     state_.bodies.push_back(body);
     state_.ids.push_back(body.value);
     state_.row_types.push_back(t);
+    state_.outline_begins.push_back(state_.outline_begin(t, slots[t]));
     state_.slots.push_back(slots[t]++);
-    state_.outline_begins.push_back(vertices);
-    vertices += type.outline_vertices.size();
     robots_at_start_ += type.drive.has_value() && state_.spec.starts(body);
   }
   state_.subscribed.resize(rows());
@@ -313,7 +322,8 @@ void World::build_scene() {
                           parts[p].returns.ranger, p});
   }
   state_.scene = partition::StaticScene(std::move(solids), state_.geometry.cell_m);
-  state_.fixed_targets = FixedTargets(state_.spec, [this](BodyId body) { return !row(body).valid(); });
+  state_.fixed_targets =
+      FixedTargets(state_.spec, [this](BodyId body) { return location(body) == RowLocation::none; });
   state_.index = partition::BodyIndex(state_.geometry);
   if (state_.spec.bounds) state_.index.reserve(*state_.spec.bounds);
 }

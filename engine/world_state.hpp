@@ -51,6 +51,14 @@ struct WorldState {
     k_out_of_bounds,  ///< the motion would have ended outside the bounds of the world
   };
 
+  /// The storage of the bodies of one type: places in the tables of the type and in the lists of vertices and
+  /// joints. The slot of a body is its place.
+  struct Pool {
+    std::size_t rows = 0;      ///< number of places: all bodies of the type
+    std::size_t outlines = 0;  ///< index in `outlines` of the first vertex of slot 0
+    std::uint32_t joints = 0;  ///< index in `joint_mounts` of the first joint of slot 0
+  };
+
   // Constants: made from the spec when the world is built.
   WorldSpec spec;  ///< the spec that the world was made from; constant except for the settings that
                    ///< World::set() adds
@@ -59,8 +67,9 @@ struct WorldState {
   partition::GridGeometry geometry;         ///< sizes of the cells and tiles of `index`
   partition::StaticScene scene;             ///< geometry of the static bodies
   FixedTargets fixed_targets;               ///< parts of static bodies that fiducial finders detect
+  std::vector<Pool> pools;                  ///< one per type, by TypeId
   std::vector<BodyId> bodies;               ///< public: body of each row
-  std::vector<Row> rows;                    ///< public: row of each body of the spec, by BodyId
+  std::vector<Row> rows;                    ///< public: see PublicColumns::rows; code reads view.row()
   std::vector<std::uint32_t> row_types;     ///< public: TypeId of each row
   std::vector<std::uint32_t> slots;         ///< public: index of each row among the rows of its type
   std::vector<std::uint32_t> ids;           ///< the ids of `bodies` as numbers (BodyId::value)
@@ -166,6 +175,14 @@ struct WorldState {
   }
   ///@}
 
+  /// Index in `outlines` of the first vertex of a slot of a type.
+  std::size_t outline_begin(std::uint32_t type, std::uint32_t slot) const {
+    return pools[type].outlines + slot * types[type].outline_vertices.size();
+  }
+  /// Index in `joint_mounts` of the first joint of a slot of a type.
+  std::uint32_t joint_begin(std::uint32_t type, std::uint32_t slot) const {
+    return pools[type].joints + slot * static_cast<std::uint32_t>(types[type].joints.size());
+  }
   /// Sets the obstacle shape and radius of a row to those of its type or, if its body is unborn or dead, to
   /// k_no_shape and the negative radius partition::k_not_there. Also updates `not_drawn`. If bodies can have
   /// joints or carry others, Links::reshape() must then compute the exact shape and radius.
@@ -180,13 +197,18 @@ struct WorldState {
   }
   /// Sets every field of the row's state to 0, in all tables.
   void clear(Row row);
+  /// Index of the row's body in a state table. If the table has no row for the body, the result is the index
+  /// of another body, or is not below StateTable::rows().
+  std::size_t row_in(const StateTable& table, Row row) const {
+    // A table has a row for each body, at the body's row, or for each body of one type, at the body's slot.
+    const std::size_t r = row.index();
+    return r < table.rows() && table.ids()[r] == bodies[r] ? r : slots[r];
+  }
   /// Calls visit(t, i) for each state table t that has a row for the row's body; i is the index of that row.
   template <class Visit>
   void for_tables_of(Row row, Visit&& visit) {
     for (std::size_t t = 0; t < tables.size(); ++t) {
-      // A table has a row for each body, or for each body of one type. If there is only one type, slots equal
-      // rows.
-      const std::size_t at = tables[t].rows() == row_count() ? row.index() : slots[row.index()];
+      const std::size_t at = row_in(tables[t], row);
       if (at < tables[t].rows() && tables[t].ids()[at] == bodies[row.index()]) visit(t, at);
     }
   }

@@ -140,7 +140,7 @@ WatchedJson inspection(Simulation& simulation, BodyId id) {
   const Pose pose = world.pose(id);
   json["pose"] = {pose.x, pose.y, pose.z, pose.heading};
   for (const StateTable& table : world.tables()) {
-    const std::size_t at = table.rows() == world.rows() ? row.index() : world.slot(row);
+    const std::size_t at = world.row_in(table, row);
     if (at >= table.rows() || table.ids()[at] != id || table.component() == "pose") continue;
     const bool runs = engine::SensedRows(world, table).exist(at);
     WatchedJson fields = WatchedJson::array();

@@ -361,7 +361,7 @@ Result<ControllerKind::Prepared> prepare_slot(const engine::Record&,
 
 class MeasureInPython : public engine::Measure {
  public:
-  MeasureInPython(const PythonMeasure& measure, std::vector<Row> robots)
+  MeasureInPython(const PythonMeasure& measure, std::vector<BodyId> robots)
       : measure_(measure), robots_(std::move(robots)) {}
 
   double value(engine::World& world) override {
@@ -377,12 +377,12 @@ class MeasureInPython : public engine::Measure {
 
  private:
   const PythonMeasure& measure_;
-  std::vector<Row> robots_;
+  std::vector<BodyId> robots_;
 };
 
 template <std::size_t k_slot>
 std::unique_ptr<engine::Measure> make_measure(const engine::World&, const engine::Record&,
-                                              std::vector<Row> robots) {
+                                              std::vector<BodyId> robots) {
   return std::make_unique<MeasureInPython>(*Slots<PythonMeasure>::all[k_slot], std::move(robots));
 }
 

@@ -95,7 +95,7 @@ CPP_BEFORE = {
         #include <engine/measure_kind.hpp>
         #include <troupe/registry.hpp>
         struct Crowding : troupe::engine::Measure {
-          Crowding(const troupe::engine::World&, std::vector<troupe::Row>) {}
+          Crowding(const troupe::engine::World&, std::vector<troupe::BodyId>) {}
           double value(troupe::engine::World&) override { return 0; }
         };""",
 }

@@ -176,7 +176,7 @@ class Planted(unittest.TestCase):
         names = [name for name, _ in builds.planted_faults()]
         self.assertEqual(names, ["address_tie", "birth_memory", "float_sum", "libm_sine", "light_reach", "odometry_at_birth", "racing_read",
                                  "rank_effect_order", "rank_float_sum", "rank_message_early", "rank_message_order", "rank_state_old",
-                                 "rank_undeclared", "rank_world_of_one"])
+                                 "rank_undeclared", "rank_world_of_one", "row_kept"])
         for name in names:
             with self.subTest(name=name), tempfile.TemporaryDirectory() as folder:
                 patch = builds.PLANTED / f"{name}.patch"

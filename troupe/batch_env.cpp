@@ -56,8 +56,8 @@ void put_number(std::byte* at, engine::Element element, double value) {
   }
 }
 
-/// Makes the world skip the controllers of the robots for which learns[row] is not 0: the policy commands
-/// these robots. `learns` must outlive the world.
+/// Makes the world skip the controllers of the robots for which `learns`, by BodyId, is not 0: the policy
+/// commands these robots. `learns` must outlive the world.
 void skip_controllers(engine::World& world, const std::vector<std::uint8_t>& learns) {
   world.on_decide([&learns](const engine::BodyType&, const engine::BodyType::Controller& controller,
                             const engine::DecideBatch& batch) {
@@ -71,7 +71,7 @@ void skip_controllers(engine::World& world, const std::vector<std::uint8_t>& lea
       count = 0;
     };
     for (const Row row : batch.rows) {
-      if (learns[row.index()] != 0) continue;
+      if (learns[batch.ids[row.index()].index()] != 0) continue;
       if (count == others.size()) decide();
       others[count++] = row;
     }
@@ -102,7 +102,7 @@ void BatchEnv::Impl::add_copy(const Simulation& world, std::size_t c) {
   Copy& copy = *copies.back();
   copy.first_seed = seed;
   engine::World& engine = copy.simulation.world();
-  copy.learns.resize(engine.rows());
+  copy.learns.resize(engine.spec().bodies.size());
   if (!spec.measures.empty()) {
     copy.measures.emplace(copy.simulation, spec.measures);
     if (c == 0) measure_columns.assign(copy.measures->columns().begin(), copy.measures->columns().end());
@@ -112,9 +112,8 @@ void BatchEnv::Impl::add_copy(const Simulation& world, std::size_t c) {
     swarm.subscribe();
     TeamCopy& bound = copy.teams.emplace_back();
     for (const BodyId id : swarm.ids()) {
-      const Row row = engine.row(id);
-      bound.rows.push_back(row);
-      if (std::exchange(copy.learns[row.index()], std::uint8_t{1}) != 0)
+      bound.ids.push_back(id);
+      if (std::exchange(copy.learns[id.index()], std::uint8_t{1}) != 0)
         refuse(fmt::format("robot \"{}\" is in two teams: a robot can be in only one team",
                            engine.spec().name(id)));
     }
@@ -199,19 +198,22 @@ void BatchEnv::Impl::act(std::size_t c) {
       const std::size_t at = c * team.robots + i;
       const bool is_finished = team.terminated[at] != 0;
       bound.was_terminated[i] = is_finished;
-      if (!world.is_there(bound.rows[i])) continue;
+      const Row row = world.row(bound.ids[i]);
+      if (!world.is_there(row)) continue;
       std::array<double, k_drive> drive{};
       for (std::size_t a = 0; a < columns && !is_finished; ++a) {
         const Action& action = team.actions_plan[a];
         const double given = std::clamp(team.actions[at * columns + a], -1.0, 1.0);
         const double asked = action.low + (given + 1) * 0.5 * action.span;
-        if (action.command < k_drive)
+        if (action.command < k_drive) {
           drive[action.command] = asked;
-        else
-          put_number(bound.commands[(action.command - k_drive) * team.robots + i], action.element, asked);
+        } else {
+          const DeviceField& command = bound.commands[(action.command - k_drive) * team.robots + i];
+          put_number(world.asked_of(*command.device).row(world.slot(row)) + command.field, action.element,
+                     asked);
+        }
       }
-      if (team.drives)
-        world.set_command(bound.rows[i], {drive[0], drive[1], drive[2], engine::ControlMode::velocity});
+      if (team.drives) world.set_command(row, {drive[0], drive[1], drive[2], engine::ControlMode::velocity});
     }
   }
 }

@@ -1,5 +1,6 @@
 #pragma once
 
+#include "engine/body_type.hpp"
 #include "partition/parallel.hpp"
 #include "troupe/batch_env.hpp"
 #include "troupe/measures.hpp"
@@ -15,7 +16,7 @@
 
 namespace troupe {
 
-/// The data of a BatchEnv. The constructor looks up all names, so that a step works on indices and addresses.
+/// The data of a BatchEnv. The constructor looks up all names, so that a step works on ids and indices.
 struct BatchEnv::Impl {
   using Of = BatchPart::Of;
   /// Number of commands of a drive: forward, left, turn.
@@ -64,13 +65,18 @@ struct BatchEnv::Impl {
     std::vector<std::uint8_t> terminated;
     std::vector<std::uint8_t> alive;
   };
+  /// A field of the readings of a device: its index. A field of the commands to a device: its offset, bytes.
+  struct DeviceField {
+    const engine::BodyType::Device* device;
+    std::size_t field;
+  };
   /// The data of a team in one copy of the world.
   struct TeamCopy {
-    std::vector<Row> rows;
-    std::vector<const std::byte*> readings;    // readings x robots
-    std::vector<std::vector<Row>> groups;      // the possible neighbours, for each part `nearest`
+    std::vector<BodyId> ids;
+    std::vector<DeviceField> readings;         // readings x robots
+    std::vector<std::vector<BodyId>> groups;   // the possible neighbours, for each part `nearest`
     std::vector<std::vector<BodyId>> targets;  // for each part `target`: one for all robots, or one per robot
-    std::vector<std::byte*> commands;          // commands of devices x robots
+    std::vector<DeviceField> commands;         // commands of devices x robots
     std::vector<double> before;                // rewards x robots: the rewarded numbers of the previous step
     std::vector<std::uint8_t> was_terminated;  // per robot: `terminated` before the step
     std::vector<std::uint8_t> was_alive;       // per robot: `alive` after the previous step
@@ -79,7 +85,7 @@ struct BatchEnv::Impl {
     explicit Copy(Simulation&& s) : simulation(std::move(s)) {}
     Simulation simulation;
     std::optional<Measures> measures;
-    std::vector<std::uint8_t> learns;  // per row: 1 if its robot is in a team
+    std::vector<std::uint8_t> learns;  // per body: 1 if it is in a team
     std::vector<TeamCopy> teams;
     std::uint64_t first_seed = 0;
     std::uint64_t episode = 0;
@@ -115,10 +121,11 @@ struct BatchEnv::Impl {
   static std::size_t array_index(const TeamData& team, std::string_view name);
   static void bind(const TeamData& team, Copy& copy, TeamCopy& bound);
   static void bind_readings(const TeamData& team, const Part& part, const std::vector<Model>& robots,
-                            TeamCopy& bound);
+                            const engine::World& world, TeamCopy& bound);
   static std::vector<BodyId> targets_of(const TeamData& team, const BatchPart& part,
                                         const std::vector<Model>& robots, const engine::World& world);
-  static void bind_commands(const TeamData& team, std::vector<Model>& robots, TeamCopy& bound);
+  static void bind_commands(const TeamData& team, std::vector<Model>& robots, const engine::World& world,
+                            TeamCopy& bound);
 
   // troupe/batch_env.cpp: the copies and their steps
   void add_copy(const Simulation& world, std::size_t c);

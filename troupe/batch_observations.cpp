@@ -50,7 +50,7 @@ class BatchEnv::Impl::RowReader {
         world_(copy.simulation.world()),
         team_(team),
         i_(i),
-        own_(team.rows[i]),
+        own_(world_.row(team.ids[i])),
         here_(world_.transform(own_)),
         out_(reinterpret_cast<float*>(row)) {}
 
@@ -95,7 +95,9 @@ class BatchEnv::Impl::RowReader {
   }
 
   void add_reading(const Part& part, engine::Element element) {
-    const std::byte* from = team_.readings[part.of_kind * team_.rows.size() + i_];
+    const DeviceField& reading = team_.readings[part.of_kind * team_.ids.size() + i_];
+    const std::byte* from =
+        world_.percepts(*reading.device).cell<std::byte>(world_.slot(own_), reading.field).data();
     const std::size_t size = engine::element_size(part.element);
     const bool is_raw = element != engine::Element::f32;
     if (is_raw || (part.element == engine::Element::f32 && part.spec->scale == 1)) {
@@ -118,7 +120,8 @@ class BatchEnv::Impl::RowReader {
     nearest.clear();
     const BatchPart& wanted = *part.spec;
     const double range2 = wanted.range_m * wanted.range_m;
-    for (const Row other : team_.groups[part.of_kind]) {  // in order of ids
+    for (const BodyId id : team_.groups[part.of_kind]) {  // in order of ids
+      const Row other = world_.row(id);
       if (other == own_ || !world_.is_there(other)) continue;
       const Vec2 way = world_.transform(other).position - here_.position;
       const double distance2 = way.x() * way.x() + way.y() * way.y();
@@ -181,7 +184,7 @@ void BatchEnv::Impl::observe(std::size_t c) {
     TeamData& team = teams[t];
     for (std::size_t i = 0; i < team.robots; ++i) {
       const std::size_t at = c * team.robots + i;
-      team.alive[at] = world.is_there(copy.teams[t].rows[i]);
+      team.alive[at] = world.is_there(world.row(copy.teams[t].ids[i]));
       for (ArrayData& array : team.arrays) {
         std::byte* out = array.bytes.data() + at * array.row_bytes();
         if (team.alive[at] != 0)

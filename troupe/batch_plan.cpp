@@ -87,7 +87,7 @@ void BatchEnv::Impl::check_array(const BatchTeam& team, const BatchArraySpec& ar
 void BatchEnv::Impl::plan(TeamData& team, Copy& first) {
   const BatchTeam& own = *team.spec;
   Simulation& simulation = first.simulation;
-  const BodyId robot = simulation.world().body(first.teams.back().rows.front());
+  const BodyId robot = first.teams.back().ids.front();
   std::array<std::size_t, 3> of_kind{};
   for (const BatchArraySpec& wanted : own.arrays) {
     ArrayData& array = team.arrays.emplace_back();
@@ -207,36 +207,35 @@ std::size_t BatchEnv::Impl::array_index(const TeamData& team, std::string_view n
 }
 
 /// Looks up, in one copy of the world, what the columns and actions of a team refer to, and stores it in
-/// `bound`: the addresses of readings and commands, the rows of possible neighbours, and the ids of targets.
+/// `bound`: the fields of readings and commands, and the ids of possible neighbours and targets.
 /// Throws if the robots of the team differ.
 void BatchEnv::Impl::bind(const TeamData& team, Copy& copy, TeamCopy& bound) {
   engine::World& world = copy.simulation.world();
   std::vector<Model> robots;
-  for (const Row row : bound.rows) robots.push_back(copy.simulation.model(world.body(row)));
+  for (const BodyId id : bound.ids) robots.push_back(copy.simulation.model(id));
   for (const ArrayData& array : team.arrays)
     for (const Part& part : array.parts) {
-      if (part.spec->of == Of::reading) bind_readings(team, part, robots, bound);
+      if (part.spec->of == Of::reading) bind_readings(team, part, robots, world, bound);
       if (part.spec->of == Of::nearest) {
-        std::vector<Row>& group = bound.groups.emplace_back();
         const Swarm swarm = copy.simulation.swarm(part.spec->name);  // throws for an unknown name
-        for (const BodyId id : swarm.ids()) group.push_back(world.row(id));
+        bound.groups.emplace_back(swarm.ids().begin(), swarm.ids().end());
       }
       if (part.spec->of == Of::target) bound.targets.push_back(targets_of(team, *part.spec, robots, world));
     }
-  bind_commands(team, robots, bound);
-  for (const Row row : bound.rows)
-    if (team.drives && !world.type(row).drive)
+  bind_commands(team, robots, world, bound);
+  for (const BodyId id : bound.ids)
+    if (team.drives && !world.type(world.row(id)).drive)
       refuse(
           fmt::format("robot \"{}\" of team \"{}\" has no drive, but an action of the team commands the "
                       "drive",
-                      world.spec().name(world.body(row)), team.spec->name));
+                      world.spec().name(id), team.spec->name));
   bound.before.resize(team.rewards_of.size() * robots.size());
   bound.was_terminated.resize(robots.size());
   bound.was_alive.resize(robots.size());
 }
 
 void BatchEnv::Impl::bind_readings(const TeamData& team, const Part& part, const std::vector<Model>& robots,
-                                   TeamCopy& bound) {
+                                   const engine::World& world, TeamCopy& bound) {
   for (const Model& robot : robots) {
     const Model::Reading reading = robot.reading(part.spec->field, part.spec->device);
     if (reading.field->columns != part.columns || reading.field->element != part.element)
@@ -246,7 +245,12 @@ void BatchEnv::Impl::bind_readings(const TeamData& team, const Part& part, const
                       team.spec->name, part.spec->field, part.columns, engine::element_name(part.element),
                       team.names.front(), reading.field->columns,
                       engine::element_name(reading.field->element), robot.name()));
-    bound.readings.push_back(reading.bytes.data());
+    // The device is the one whose table of readings has this field.
+    for (const engine::BodyType::Device& device : world.type(world.row(robot.id())).devices) {
+      const std::span<const engine::StateField> fields = world.percepts(device).fields();
+      for (std::size_t f = 0; f < fields.size(); ++f)
+        if (&fields[f] == reading.field) bound.readings.push_back({&device, f});
+    }
   }
 }
 
@@ -272,7 +276,8 @@ std::vector<BodyId> BatchEnv::Impl::targets_of(const TeamData& team, const Batch
   return targets;
 }
 
-void BatchEnv::Impl::bind_commands(const TeamData& team, std::vector<Model>& robots, TeamCopy& bound) {
+void BatchEnv::Impl::bind_commands(const TeamData& team, std::vector<Model>& robots,
+                                   const engine::World& world, TeamCopy& bound) {
   for (std::size_t a = 0; a < team.actions_plan.size(); ++a) {
     const BatchAction& action = team.spec->actions[a];
     if (team.actions_plan[a].command < k_drive) continue;
@@ -284,7 +289,10 @@ void BatchEnv::Impl::bind_commands(const TeamData& team, std::vector<Model>& rob
             fmt::format("robots of team \"{}\" differ: not all have command \"{}\" of device \"{}\" with the "
                         "same type of number; make two teams",
                         team.spec->name, action.command, action.device));
-      bound.commands.push_back(asked.bytes.data() + field->offset);
+      // The device is the one that has these fields of commands.
+      for (const engine::BodyType::Device& device : world.type(world.row(robot.id())).devices)
+        if (device.prepared.commands.data() == asked.fields.data())
+          bound.commands.push_back({&device, field->offset});
     }
   }
 }

@@ -9,6 +9,7 @@ namespace troupe {
 /// filled. has_stepped: false at the beginning of an episode; the rewards are then 0 and no end is tested.
 void BatchEnv::Impl::judge(std::size_t c, bool has_stepped) {
   Copy& copy = *copies[c];
+  const engine::World& world = copy.simulation.world();
   const bool has_stopped = has_stepped && copy.simulation.stopped().has_value();
   for (std::size_t t = 0; t < teams.size(); ++t) {
     TeamData& team = teams[t];
@@ -16,7 +17,7 @@ void BatchEnv::Impl::judge(std::size_t c, bool has_stepped) {
     for (std::size_t i = 0; i < team.robots; ++i) {
       const std::size_t at = c * team.robots + i;
       const bool is_alive = team.alive[at] != 0;
-      const bool is_dead = copy.simulation.world().presence(bound.rows[i]) == engine::Presence::dead;
+      const bool is_dead = world.presence(world.row(bound.ids[i])) == engine::Presence::dead;
       const bool was_finished = has_stepped && bound.was_terminated[i] != 0;
       const double reward = take_reward(team, bound, c, i);
       const std::optional<double> end =

@@ -43,7 +43,7 @@
 ///
 ///     struct Crowding : troupe::Measure {
 ///       static constexpr std::string_view text = "...";
-///       Crowding(const troupe::World& world, std::vector<troupe::Row> robots);
+///       Crowding(const troupe::World& world, std::vector<troupe::BodyId> robots);
 ///       double value(troupe::World& world) override;
 ///     };
 ///     TROUPE_MEASURE("crowding", Crowding)

@@ -25,7 +25,7 @@ void check_size(std::string_view what, std::size_t given, std::size_t robots) {
 
 Swarm Simulation::swarm(std::string_view of) {
   engine::World& world = this->world();
-  std::vector<Row> robots = engine::robots_of(world, of);
+  std::vector<BodyId> robots = engine::robots_of(world, of);
   if (robots.empty() && !of.empty()) {
     const std::vector<std::string> known = engine::names_of_robots(world);
     throw std::out_of_range(unknown_name("type or population of robots", of,
@@ -40,10 +40,10 @@ struct Swarm::Ranger {
   const engine::StateTable* readings = nullptr;
 };
 
-Swarm::Swarm(engine::World& world, std::vector<Row> rows) : world_(&world), rows_(std::move(rows)) {
-  ids_.reserve(size());
-  for (const Row row : rows_) ids_.push_back(world.body(row));
-}
+Swarm::Swarm(engine::World& world, std::vector<BodyId> ids) : world_(&world), ids_(std::move(ids)) {}
+
+/// The present row of robot i in the state tables.
+Row Swarm::row(std::size_t i) const { return world_->row(ids_[i]); }
 
 std::vector<std::string> Swarm::names() const {
   std::vector<std::string> names;
@@ -58,7 +58,7 @@ double Swarm::time_s() const { return world_->time_s(); }
 std::vector<std::string> Swarm::types() const {
   std::vector<std::string> types;
   for (const engine::BodyType& type : world_->types())
-    if (std::ranges::any_of(rows_, [&](Row row) { return &world_->type(row) == &type; }))
+    if (std::ranges::any_of(ids_, [&](BodyId id) { return &world_->type(world_->row(id)) == &type; }))
       types.push_back(type.name);
   return types;
 }
@@ -69,7 +69,7 @@ template <class Read>
 void Swarm::read(std::size_t room, Read&& one) const {
   world_->require_whole();
   check_size("elements", room, size());
-  for (std::size_t i = 0; i < size(); ++i) one(rows_[i], i);
+  for (std::size_t i = 0; i < size(); ++i) one(row(i), i);
 }
 
 /// Calls one(row, i) for each robot that `where` selects and that is in the world. given: number of elements
@@ -81,7 +81,7 @@ void Swarm::write(std::size_t given, std::span<const std::uint8_t> where, Write&
   check_size("elements", given, size());
   if (!where.empty()) check_size("elements of `where`", where.size(), size());
   for (std::size_t i = 0; i < size(); ++i)
-    if ((where.empty() || where[i] != 0) && world_->is_there(rows_[i])) one(rows_[i], i);
+    if ((where.empty() || where[i] != 0) && world_->is_there(row(i))) one(row(i), i);
 }
 
 void Swarm::alive(std::span<std::uint8_t> out) const {
@@ -128,17 +128,18 @@ void Swarm::for_rangers(std::string_view sensor, Visit&& visit) const {
   const engine::BodyType* type = nullptr;
   Ranger ranger;
   for (std::size_t i = 0; i < size(); ++i) {
-    if (const engine::BodyType& own = world_->type(rows_[i]); type != &own) {
-      ranger = ranger_of(rows_[i], sensor);
+    const Row row = this->row(i);
+    if (const engine::BodyType& own = world_->type(row); type != &own) {
+      ranger = ranger_of(row, sensor);
       type = &own;
     }
-    visit(ranger, rows_[i], i);
+    visit(ranger, row, i);
   }
 }
 
 std::size_t Swarm::beams(std::string_view sensor) const {
-  if (rows_.empty()) return 0;
-  const std::size_t beams = ranger_of(rows_.front(), sensor).device->prepared.bearings.size();
+  if (ids_.empty()) return 0;
+  const std::size_t beams = ranger_of(row(0), sensor).device->prepared.bearings.size();
   for_rangers(sensor, [&](const Ranger& ranger, Row, std::size_t i) {
     if (const std::size_t own = ranger.device->prepared.bearings.size(); own != beams)
       throw std::invalid_argument(
@@ -167,11 +168,11 @@ void Swarm::ranges(std::span<float> out, std::string_view sensor) const {
 }
 
 std::vector<double> Swarm::bearings(std::string_view sensor) const {
-  return rows_.empty() ? std::vector<double>() : ranger_of(rows_.front(), sensor).device->prepared.bearings;
+  return ids_.empty() ? std::vector<double>() : ranger_of(row(0), sensor).device->prepared.bearings;
 }
 
 double Swarm::range_bound(std::string_view sensor) const {
-  return rows_.empty() ? 0 : ranger_of(rows_.front(), sensor).device->prepared.reach_m;
+  return ids_.empty() ? 0 : ranger_of(row(0), sensor).device->prepared.reach_m;
 }
 
 /// A field of the readings or commands of a device of one type of robots, and the device.
@@ -256,8 +257,9 @@ void Swarm::for_cells(FindCells find, std::size_t bytes, std::string_view field,
   std::vector<Run> runs;
   const engine::BodyType* type = nullptr;
   for (std::size_t i = 0; i < size(); ++i) {
-    if (const engine::BodyType& own = world_->type(rows_[i]); type != &own) {
-      const Cells its = (this->*find)(rows_[i], field, device);
+    const Row row = this->row(i);
+    if (const engine::BodyType& own = world_->type(row); type != &own) {
+      const Cells its = (this->*find)(row, field, device);
       const engine::StateField& first = runs.empty() ? *its.field : *runs.front().cells.field;
       if (first.element != its.field->element || first.columns != its.field->columns)
         throw std::invalid_argument(fmt::format(
@@ -277,12 +279,12 @@ void Swarm::for_cells(FindCells find, std::size_t bytes, std::string_view field,
   }
   std::size_t i = 0;
   for (const Run& run : runs)
-    for (; i < run.end; ++i) visit(run.cells, rows_[i], i);
+    for (; i < run.end; ++i) visit(run.cells, row(i), i);
 }
 
 const engine::StateField& Swarm::reading_field(std::string_view field, std::string_view device) const {
-  if (rows_.empty()) throw std::logic_error("a swarm without robots has no readings");
-  return *readings_of(rows_.front(), field, device).field;
+  if (ids_.empty()) throw std::logic_error("a swarm without robots has no readings");
+  return *readings_of(row(0), field, device).field;
 }
 
 void Swarm::readings(std::span<std::byte> out, std::string_view field, std::string_view device) const {
@@ -297,10 +299,10 @@ void Swarm::readings(std::span<std::byte> out, std::string_view field, std::stri
 }
 
 std::span<const engine::StateField> Swarm::command_fields(std::string_view device) const {
-  if (rows_.empty()) throw std::logic_error("a swarm without robots has no commands");
+  if (ids_.empty()) throw std::logic_error("a swarm without robots has no commands");
   const auto takes = [](const engine::BodyType::Device& each) { return each.command_table.has_value(); };
   return device_of(
-             *world_, rows_.front(), "device that takes commands", device,
+             *world_, row(0), "device that takes commands", device,
              [&](const engine::BodyType::Device& each) { return takes(each) && each.name == device; }, takes)
       .prepared.commands;
 }
@@ -341,7 +343,7 @@ void Swarm::for_each(const std::function<void(std::size_t i, Model& robot)>& vis
   world_->parallel().for_each((size() + k_batch - 1) / k_batch, [&](std::size_t batch) {
     std::exception_ptr error;
     for (std::size_t i = batch * k_batch; i < std::min(size(), (batch + 1) * k_batch); ++i) {
-      if (!world_->is_there(rows_[i])) continue;
+      if (!world_->is_there(row(i))) continue;
       try {
         const Model::Visit turn(robots_[i]);
         visit(i, robots_[i]);

@@ -45,7 +45,7 @@ namespace troupe {
 /// std::logic_error until Simulation::reset().
 class Swarm {
  public:
-  std::size_t size() const { return rows_.size(); }     ///< number of robots, in the world or not
+  std::size_t size() const { return ids_.size(); }      ///< number of robots, in the world or not
   std::span<const BodyId> ids() const { return ids_; }  ///< ids of the robots, in ascending order
   std::vector<std::string> names() const;               ///< names of the robots, in the order of ids()
   std::uint64_t tick() const;                           ///< number of completed ticks
@@ -140,13 +140,14 @@ class Swarm {
   /// set_poses() throws the error of Model::set_pose() and moves no robot.
   void set_poses(std::span<const Pose> poses, std::span<const std::uint8_t> where = {});
 
-  /// Returns the swarm of the robots that have these rows of the state tables of `world`, which must outlive
-  /// the swarm. The rows must be sorted by the ids of the robots; this is not checked.
-  static Swarm of(engine::World& world, std::vector<Row> rows) { return {world, std::move(rows)}; }
+  /// Returns the swarm of these robots of `world`, which must outlive the swarm. The ids must be in ascending
+  /// order; this is not checked.
+  static Swarm of(engine::World& world, std::vector<BodyId> ids) { return {world, std::move(ids)}; }
 
  private:
   friend class Simulation;
-  Swarm(engine::World& world, std::vector<Row> rows);
+  Swarm(engine::World& world, std::vector<BodyId> ids);
+  Row row(std::size_t i) const;
   template <class Read>
   void read(std::size_t room, Read&& one) const;
   template <class Write>
@@ -164,7 +165,6 @@ class Swarm {
                  Visit&& visit) const;
 
   engine::World* world_;
-  std::vector<Row> rows_;  // by id
   std::vector<BodyId> ids_;
   std::vector<Model> robots_;  // filled by the first for_each()
 };

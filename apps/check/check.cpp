@@ -36,6 +36,7 @@ enum class Memory : std::uint8_t {
   kept,       ///< keeps them
   forgotten,  ///< discards them in each tick: World::forget()
   remade,     ///< in each tick replaces the world by a new one with the same state: engine/remade_world.hpp
+  shuffled,   ///< in each tick gives the bodies other rows: World::shuffle_rows()
 };
 
 /// One way to run the world. All variants must give the same results.
@@ -61,6 +62,7 @@ struct Variant {
       return;
     }
     if (memory == Memory::forgotten) world().forget();
+    if (memory == Memory::shuffled) world().shuffle_rows(1);
   }
 };
 
@@ -108,6 +110,7 @@ std::vector<Variant> load(const CheckOptions& options, const engine::Registry& r
     const unsigned threads = options.threads.front();
     add(threads, tile_size_m, Memory::forgotten, ", caches cleared");
     add(threads, tile_size_m, Memory::remade, ", world rebuilt");
+    add(threads, tile_size_m, Memory::shuffled, ", rows shuffled");
   }
   if (options.reach) {
     Variant& variant = add(1, options.tile_sizes_m.front(), Memory::kept, ", bodies beyond reach hidden");

@@ -22,9 +22,11 @@ order, and in each tick robots move to other ranks, both at random with the seed
 tick, the data that every rank computes are compared between the ranks. Under mpirun, --ranks is not allowed; instead,
 the world also runs on all processes.
 
---amnesia adds two variants. In one, all data that are not part of the state are overwritten with junk after each tick
-and computed again. In the other, the world is discarded after each tick and rebuilt from its description and its state,
-as in a resumed run. These variants find data that influence a later tick but are not part of the state.
+--amnesia adds three variants. In the first, all data that are not part of the state are overwritten with junk after
+each tick and computed again. In the second, the world is discarded after each tick and rebuilt from its description and
+its state, as in a resumed run. In the third, every body gets another place in memory after each tick. These variants
+find data that influence a later tick but are not part of the state, and code that confuses a body with its place in
+memory.
 
 --reach adds a variant in which every device computes one robot at a time. The kind of a device declares its reach (the
 distance up to which it reads other bodies), the state of other bodies that it reads, and the bodies that it changes.

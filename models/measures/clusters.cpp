@@ -40,12 +40,17 @@ class Clusters : public Measure {
     }
   };
 
-  Clusters(const World& world, const Params& params, const std::vector<Row>& robots)
-      : distance_(params.distance), parents_(world.rows()), sizes_(world.rows()), is_member_(world.rows()) {
+  Clusters(const World& world, const Params& params, const std::vector<BodyId>& robots)
+      : distance_(params.distance),
+        parents_(world.rows()),
+        sizes_(world.rows()),
+        is_member_(world.spec().bodies.size()),
+        counts_(world.rows()) {
     for (std::size_t row = 0; row < world.rows(); ++row)
-      is_member_[row] = params.bodies == Bodies::pushable && world.type(Row(row)).pushable;
+      is_member_[world.body(Row(row)).index()] =
+          params.bodies == Bodies::pushable && world.type(Row(row)).pushable;
     if (params.bodies == Bodies::robots)
-      for (const Row row : robots) is_member_[row.index()] = true;
+      for (const BodyId id : robots) is_member_[id.index()] = true;
   }
 
  protected:
@@ -57,20 +62,21 @@ class Clusters : public Measure {
   Count count(const World& world) {
     std::iota(parents_.begin(), parents_.end(), 0u);
     std::ranges::fill(sizes_, 0u);
-    const auto counts = [&](std::uint32_t row) { return is_member_[row] && world.is_there(Row(row)); };
+    for (std::size_t row = 0; row < world.rows(); ++row)
+      counts_[row] = is_member_[world.body(Row(row)).index()] && world.is_there(Row(row));
     Count found;
     for (std::uint32_t row = 0; row < world.rows(); ++row) {
-      if (!counts(row)) continue;
+      if (!counts_[row]) continue;
       ++found.bodies;
       const Vec2 here = world.transform(Row(row)).position;
       world.index().for_each_near(Box::around(here, distance_), [&](const partition::BodyCircle& circle) {
-        if (circle.row >= row || !counts(circle.row)) return;
+        if (circle.row >= row || !counts_[circle.row]) return;
         if ((world.transform(Row(circle.row)).position - here).squaredNorm() <= distance_ * distance_)
           parents_[root(row)] = root(circle.row);
       });
     }
     for (std::uint32_t row = 0; row < world.rows(); ++row)
-      if (counts(row)) ++sizes_[root(row)];
+      if (counts_[row]) ++sizes_[root(row)];
     for (const std::uint32_t size : sizes_) {
       found.clusters += size > 0;
       found.largest = std::max<std::size_t>(found.largest, size);
@@ -85,9 +91,11 @@ class Clusters : public Measure {
   }
 
   double distance_;
+  // Scratch memory of count(), except is_member_.
   std::vector<std::uint32_t> parents_;  // union-find forest, per row
   std::vector<std::uint32_t> sizes_;    // number of bodies in the cluster, at the row that is its root
-  std::vector<bool> is_member_;  // per row: whether the body is one of those whose clusters are counted
+  std::vector<bool> is_member_;         // per body: whether it is one of those whose clusters are counted
+  std::vector<bool> counts_;            // per row: whether it is one of them, and in the world
 };
 
 class ClusterCount : public Clusters {

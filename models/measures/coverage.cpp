@@ -23,12 +23,11 @@ constexpr double k_most_cells = 25e6;  // each takes two bytes of memory
 
 /// The box whose cells are counted, m, world frame. It is the bounds of the world or, if the world has none,
 /// the box around the static scene and the start positions of the robots.
-Box ground_of(const World& world, std::span<const Row> robots) {
+Box ground_of(const World& world, std::span<const BodyId> robots) {
   if (world.spec().bounds) return *world.spec().bounds;
   Box box = world.scene().bounds();
-  for (const Row row : robots)
-    if (const BodyId body = world.body(row); world.spec().starts(body))
-      box.extend(world.spec().bodies[body.index()].pose_world_body.position());
+  for (const BodyId body : robots)
+    if (world.spec().starts(body)) box.extend(world.spec().bodies[body.index()].pose_world_body.position());
   return box;
 }
 
@@ -43,7 +42,7 @@ class Coverage : public Measure {
     }
   };
 
-  Coverage(const World& world, const Params& params, std::vector<Row> robots)
+  Coverage(const World& world, const Params& params, std::vector<BodyId> robots)
       : robots_(std::move(robots)), grid_{params.cell, 0} {
     const Box ground = ground_of(world, robots_);
     if (ground.empty()) return;
@@ -72,7 +71,7 @@ class Coverage : public Measure {
     constexpr std::size_t k_block = 4096;
     world.parallel().for_each((robots_.size() + k_block - 1) / k_block, [&](std::size_t b) {
       for (std::size_t i = b * k_block; i < std::min(robots_.size(), (b + 1) * k_block); ++i)
-        if (world.is_there(robots_[i])) visit(world.transform(robots_[i]).position);
+        if (const Row row = world.row(robots_[i]); world.is_there(row)) visit(world.transform(row).position);
     });
   }
 
@@ -134,7 +133,7 @@ class Coverage : public Measure {
     return i;
   }
 
-  std::vector<Row> robots_;
+  std::vector<BodyId> robots_;
   partition::GridGeometry grid_;
   partition::Cell low_;
   std::size_t columns_ = 0;

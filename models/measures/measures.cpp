@@ -25,14 +25,16 @@ using engine::World;
 /// Base of the measures that are counts or means over a list of robots.
 class OfRobots : public Measure {
  public:
-  OfRobots(const World&, std::vector<Row> robots) : robots_(std::move(robots)) {}
+  OfRobots(const World&, std::vector<BodyId> robots) : robots_(std::move(robots)) {}
 
  protected:
-  std::span<const Row> robots() const { return robots_; }
+  std::span<const BodyId> robots() const { return robots_; }
+  /// The present row of robots()[i].
+  Row row(const World& world, std::size_t i) const { return world.row(robots_[i]); }
   /// Mean of term(i) over those robots()[i] that are in the world; NaN if there are none.
   template <class Term>
   double mean(World& world, Term&& term) const {
-    const auto is_there = [&](std::size_t i) { return world.is_there(robots_[i]); };
+    const auto is_there = [&](std::size_t i) { return world.is_there(row(world, i)); };
     return mean_of_some(world, engine::count_there(world, robots_), is_there, term);
   }
   /// Mean of term(i) over those `count` robots()[i] for which counts(i) is true; NaN if there are none.
@@ -43,20 +45,22 @@ class OfRobots : public Measure {
         world, robots_.size(), [&](std::size_t i) { return counts(i) ? static_cast<double>(term(i)) : 0.0; });
     return sum / static_cast<double>(count);
   }
+  /// Number of robots for whose rows holds(row) is true.
   template <class Holds>
-  double count(Holds&& holds) const {
-    return static_cast<double>(std::ranges::count_if(robots_, holds));
+  double count(const World& world, Holds&& holds) const {
+    return static_cast<double>(
+        std::ranges::count_if(robots_, [&](BodyId id) { return holds(world.row(id)); }));
   }
 
  private:
-  std::vector<Row> robots_;
+  std::vector<BodyId> robots_;
 };
 
 class Stalls : public OfRobots {
  public:
   using OfRobots::OfRobots;
   double value(World& world) override {
-    return count([&](Row row) { return world.stalled(row); });
+    return count(world, [&](Row row) { return world.stalled(row); });
   }
 };
 
@@ -64,7 +68,7 @@ class Held : public OfRobots {
  public:
   using OfRobots::OfRobots;
   double value(World& world) override {
-    return count([&](Row row) { return world.is_out_of_bounds(row); });
+    return count(world, [&](Row row) { return world.is_out_of_bounds(row); });
   }
 };
 
@@ -73,7 +77,7 @@ class Displacement : public OfRobots {
   using OfRobots::OfRobots;
   double value(World& world) override {
     return mean(world, [&](std::size_t i) {
-      const Row row = robots()[i];
+      const Row row = this->row(world, i);
       return (world.transform(row).position - world.origin(row)).norm();
     });
   }
@@ -81,18 +85,19 @@ class Displacement : public OfRobots {
 
 class PathLength : public OfRobots {
  public:
-  PathLength(const World& world, std::vector<Row> rows)
-      : OfRobots(world, std::move(rows)), lengths_(robots().size(), 0), tick_(world.tick()) {
-    for (const Row row : robots()) places_.push_back(world.transform(row).position);
+  PathLength(const World& world, std::vector<BodyId> robots)
+      : OfRobots(world, std::move(robots)), lengths_(this->robots().size(), 0), tick_(world.tick()) {
+    for (std::size_t i = 0; i < lengths_.size(); ++i)
+      places_.push_back(world.transform(row(world, i)).position);
   }
 
   void see(World& world) override {
     constexpr std::size_t k_block = 4096;
-    if (world.tick() != tick_) set_out_from(world.placed_before_step());
+    if (world.tick() != tick_) set_out_from(world, world.placed_before_step());
     tick_ = world.tick();
     world.parallel().for_each((lengths_.size() + k_block - 1) / k_block, [&](std::size_t b) {
       for (std::size_t i = b * k_block; i < std::min(lengths_.size(), (b + 1) * k_block); ++i) {
-        const Vec2& place = world.transform(robots()[i]).position;
+        const Vec2& place = world.transform(row(world, i)).position;
         if (world.has_lives()) begin_life(world, i);
         lengths_[i] += (place - places_[i]).norm();
         places_[i] = place;
@@ -110,8 +115,8 @@ class PathLength : public OfRobots {
   /// robot was born since the last tick, this is its birthplace. If it is not in the world, it is its present
   /// position, so that its path does not grow.
   void begin_life(const World& world, std::size_t i) {
-    const Row row = robots()[i];
-    const bool is_new = world.birth_tick(row) + 1 >= world.tick() && !world.spec().starts(world.body(row));
+    const Row row = this->row(world, i);
+    const bool is_new = world.birth_tick(row) + 1 >= world.tick() && !world.spec().starts(robots()[i]);
     if (!world.is_there(row))
       places_[i] = world.transform(row).position;
     else if (is_new)
@@ -120,24 +125,18 @@ class PathLength : public OfRobots {
 
   /// Sets the places_ of robots that a program moved between two ticks to their new positions, so that these
   /// moves are not counted. placed: the moved bodies and their new poses.
-  void set_out_from(std::span<const World::Placed> placed) {
-    if (placed.empty()) return;
-    if (numbers_.empty()) {
-      for (std::uint32_t i = 0; i < robots().size(); ++i) numbers_.emplace_back(robots()[i], i);
-      std::ranges::sort(numbers_, {}, by_row);
-    }
+  void set_out_from(const World& world, std::span<const World::Placed> placed) {
     for (const World::Placed& place : placed) {
-      const auto found = std::ranges::lower_bound(numbers_, place.row.index(), {}, by_row);
-      if (found != numbers_.end() && found->first == place.row)
-        places_[found->second] = place.pose.position();
+      const BodyId id = world.body(place.row);
+      const auto found = std::ranges::lower_bound(robots(), id);  // robots() is in order of ids
+      if (found != robots().end() && *found == id)
+        places_[static_cast<std::size_t>(found - robots().begin())] = place.pose.position();
     }
   }
-  static std::size_t by_row(const std::pair<Row, std::uint32_t>& number) { return number.first.index(); }
 
-  std::vector<double> lengths_;                         // m, per robot, in the order of robots()
-  std::vector<Vec2> places_;                            // position of each robot when see() last ran, m
-  std::vector<std::pair<Row, std::uint32_t>> numbers_;  // indices into robots(), by row; built when needed
-  std::uint64_t tick_;                                  // tick when see() last ran
+  std::vector<double> lengths_;  // m, per robot, in the order of robots()
+  std::vector<Vec2> places_;     // position of each robot when see() last ran, m
+  std::uint64_t tick_;           // tick when see() last ran
 };
 
 class MeanSpeed : public OfRobots {
@@ -145,7 +144,7 @@ class MeanSpeed : public OfRobots {
   using OfRobots::OfRobots;
   double value(World& world) override {
     return mean(world, [&](std::size_t i) {
-      const Row row = robots()[i];
+      const Row row = this->row(world, i);
       const engine::Velocity& v = world.velocities()[row.index()];
       return world.stalled(row) ? 0 : Vec2(v.x, v.y).norm();
     });
@@ -156,8 +155,8 @@ class Order : public OfRobots {
  public:
   using OfRobots::OfRobots;
   double value(World& world) override {
-    const double x = mean(world, [&](std::size_t i) { return world.transform(robots()[i]).rotation.cos; });
-    const double y = mean(world, [&](std::size_t i) { return world.transform(robots()[i]).rotation.sin; });
+    const double x = mean(world, [&](std::size_t i) { return world.transform(row(world, i)).rotation.cos; });
+    const double y = mean(world, [&](std::size_t i) { return world.transform(row(world, i)).rotation.sin; });
     return Vec2(x, y).norm();
   }
 };
@@ -166,10 +165,10 @@ class Spread : public OfRobots {
  public:
   using OfRobots::OfRobots;
   double value(World& world) override {
-    const double x = mean(world, [&](std::size_t i) { return world.transform(robots()[i]).position.x(); });
-    const double y = mean(world, [&](std::size_t i) { return world.transform(robots()[i]).position.y(); });
+    const double x = mean(world, [&](std::size_t i) { return world.transform(row(world, i)).position.x(); });
+    const double y = mean(world, [&](std::size_t i) { return world.transform(row(world, i)).position.y(); });
     return mean(world,
-                [&](std::size_t i) { return (world.transform(robots()[i]).position - Vec2(x, y)).norm(); });
+                [&](std::size_t i) { return (world.transform(row(world, i)).position - Vec2(x, y)).norm(); });
   }
 };
 
@@ -186,12 +185,12 @@ class ShareWithin : public OfRobots {
     }
   };
 
-  ShareWithin(const World& world, const Params& params, std::vector<Row> rows)
-      : OfRobots(world, std::move(rows)), circle_(params) {}
+  ShareWithin(const World& world, const Params& params, std::vector<BodyId> robots)
+      : OfRobots(world, std::move(robots)), circle_(params) {}
 
   double value(World& world) override {
     return mean(world, [&](std::size_t i) {
-      return (world.transform(robots()[i]).position - circle_.center).squaredNorm() <=
+      return (world.transform(row(world, i)).position - circle_.center).squaredNorm() <=
              circle_.radius * circle_.radius;
     });
   }
@@ -205,7 +204,6 @@ class OfState : public OfRobots {
   struct Cell {
     std::size_t table = k_none;
     std::size_t field = 0;
-    std::size_t row = 0;
     std::size_t of_sensed_rows = 0;  // index of the table's entry in sensed_rows_
   };
   static constexpr std::size_t k_none = std::numeric_limits<std::size_t>::max();
@@ -227,8 +225,8 @@ class OfState : public OfRobots {
     }
   };
 
-  OfState(const World& world, const Params& params, std::vector<Row> rows)
-      : OfState(world, params, std::move(rows), cells_of(world, params)) {}
+  OfState(const World& world, const Params& params, std::vector<BodyId> robots)
+      : OfState(world, params, std::move(robots), cells_of(world, params)) {}
 
  protected:
   /// Mean of term(number) over the present numbers (Params) of those robots that are in the world and whose
@@ -236,23 +234,27 @@ class OfState : public OfRobots {
   template <class Term>
   double mean_of(World& world, Term&& term) const {
     const std::span<const StateTable> tables = world.tables();
+    const auto table_row = [&](std::size_t i) {
+      return world.row_in(tables[cells_[i].table], row(world, i));
+    };
     const auto exists = [&](std::size_t i) {
-      return world.is_there(robots()[i]) && sensed_rows_[cells_[i].of_sensed_rows].exist(cells_[i].row);
+      return world.is_there(row(world, i)) && sensed_rows_[cells_[i].of_sensed_rows].exist(table_row(i));
     };
     std::size_t count = 0;
     for (std::size_t i = 0; i < cells_.size(); ++i) count += exists(i);
-    return mean_of_some(world, count, exists,
-                        [&](std::size_t i) { return term(number(tables[cells_[i].table], cells_[i])); });
+    return mean_of_some(world, count, exists, [&](std::size_t i) {
+      return term(number(tables[cells_[i].table], cells_[i].field, table_row(i)));
+    });
   }
 
  private:
   /// cells: the result of cells_of().
-  OfState(const World& world, const Params& params, std::vector<Row> rows, const std::vector<Cell>& cells)
-      : OfRobots(world, with(world, cells, std::move(rows))),
-        column_(static_cast<std::size_t>(params.column)) {
+  OfState(const World& world, const Params& params, std::vector<BodyId> robots,
+          const std::vector<Cell>& cells)
+      : OfRobots(world, with(cells, std::move(robots))), column_(static_cast<std::size_t>(params.column)) {
     std::vector<std::size_t> tables;  // those of the cells, each once
-    for (const Row row : robots()) {
-      Cell& cell = cells_.emplace_back(cells[world.body(row).index()]);
+    for (const BodyId id : this->robots()) {
+      Cell& cell = cells_.emplace_back(cells[id.index()]);
       const auto known = std::ranges::find(tables, cell.table);
       cell.of_sensed_rows = static_cast<std::size_t>(known - tables.begin());
       if (known == tables.end()) tables.push_back(cell.table);
@@ -260,8 +262,8 @@ class OfState : public OfRobots {
     for (const std::size_t table : tables) sensed_rows_.emplace_back(world, world.tables()[table]);
   }
 
-  /// For each body, in order of ids, the table, field and row that hold its number; `table` is k_none if the
-  /// body has no such number. A component of a device or a controller has one table per type. Throws
+  /// For each body, in order of ids, the table and field that hold its number; `table` is k_none if the body
+  /// has no such number. A component of a device or a controller has one table per type. Throws
   /// std::invalid_argument if no table has the component, or if a table of the component lacks the field or
   /// the column.
   static std::vector<Cell> cells_of(const World& world, const Params& params) {
@@ -277,8 +279,7 @@ class OfState : public OfRobots {
       if ((is_whole ? table.component() : known.back()) != component) continue;
       has_component = true;
       const std::size_t field = field_of(table, params);
-      for (std::size_t row = 0; row < table.rows(); ++row)
-        cells[table.ids()[row].index()] = {.table = t, .field = field, .row = row};
+      for (const BodyId id : table.ids()) cells[id.index()] = {.table = t, .field = field};
     }
     if (!has_component) {
       std::ranges::sort(known);
@@ -303,20 +304,20 @@ class OfState : public OfRobots {
     }
     throw std::invalid_argument(unknown_name("field", name, known));
   }
-  static std::vector<Row> with(const World& world, const std::vector<Cell>& cells, std::vector<Row> rows) {
-    std::erase_if(rows, [&](Row row) { return cells[world.body(row).index()].table == k_none; });
-    return rows;
+  static std::vector<BodyId> with(const std::vector<Cell>& cells, std::vector<BodyId> robots) {
+    std::erase_if(robots, [&](BodyId id) { return cells[id.index()].table == k_none; });
+    return robots;
   }
 
-  double number(const StateTable& table, const Cell& cell) const {
-    switch (table.fields()[cell.field].element) {
-      case Element::f64: return table.cell<double>(cell.row, cell.field)[column_];
-      case Element::f32: return table.cell<float>(cell.row, cell.field)[column_];
-      case Element::i64: return static_cast<double>(table.cell<std::int64_t>(cell.row, cell.field)[column_]);
-      case Element::i32: return table.cell<std::int32_t>(cell.row, cell.field)[column_];
-      case Element::u64: return static_cast<double>(table.cell<std::uint64_t>(cell.row, cell.field)[column_]);
-      case Element::u32: return table.cell<std::uint32_t>(cell.row, cell.field)[column_];
-      case Element::u8: return table.cell<std::uint8_t>(cell.row, cell.field)[column_];
+  double number(const StateTable& table, std::size_t field, std::size_t row) const {
+    switch (table.fields()[field].element) {
+      case Element::f64: return table.cell<double>(row, field)[column_];
+      case Element::f32: return table.cell<float>(row, field)[column_];
+      case Element::i64: return static_cast<double>(table.cell<std::int64_t>(row, field)[column_]);
+      case Element::i32: return table.cell<std::int32_t>(row, field)[column_];
+      case Element::u64: return static_cast<double>(table.cell<std::uint64_t>(row, field)[column_]);
+      case Element::u32: return table.cell<std::uint32_t>(row, field)[column_];
+      case Element::u8: return table.cell<std::uint8_t>(row, field)[column_];
     }
     return std::numeric_limits<double>::quiet_NaN();
   }
@@ -360,26 +361,26 @@ class Deaths : public Measure {
     }
   };
 
-  Deaths(const World& world, const Params& params, const std::vector<Row>&) {
+  Deaths(const World& world, const Params& params, const std::vector<BodyId>&) {
     const std::string& type = params.type;
     std::vector<std::string_view> known;
     for (std::size_t r = 0; r < world.rows(); ++r) {
       const std::string& name = world.type(Row(r)).name;
       known.push_back(name);
-      if (name == type) rows_.push_back(Row(r));
+      if (name == type) bodies_.push_back(world.body(Row(r)));
     }
-    if (!rows_.empty()) return;
+    if (!bodies_.empty()) return;
     std::ranges::sort(known);
     known.erase(std::unique(known.begin(), known.end()), known.end());
     throw std::invalid_argument(unknown_name("type of bodies that may die", type, known));
   }
   double value(World& world) override {
-    return static_cast<double>(
-        std::ranges::count_if(rows_, [&](Row row) { return world.presence(row) == engine::Presence::dead; }));
+    return static_cast<double>(std::ranges::count_if(
+        bodies_, [&](BodyId id) { return world.presence(world.row(id)) == engine::Presence::dead; }));
   }
 
  private:
-  std::vector<Row> rows_;
+  std::vector<BodyId> bodies_;
 };
 
 }  // namespace

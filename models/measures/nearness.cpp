@@ -19,19 +19,19 @@ constexpr std::size_t k_batch = 256;  // robots per task
 /// Base of the measures that find the neighbours of robots through the spatial index.
 class AmongRobots : public Measure {
  public:
-  AmongRobots(const World& world, std::vector<Row> robots)
-      : robots_(std::move(robots)), measured_(world.rows(), 0) {
-    for (const Row row : robots_) measured_[row.index()] = 1;
-  }
+  AmongRobots(const World& world, std::vector<BodyId> robots)
+      : robots_(std::move(robots)), measured_(world.rows(), 0) {}
 
  protected:
-  std::span<const Row> robots() const { return robots_; }
+  std::span<const BodyId> robots() const { return robots_; }
 
   /// Calls work(row) for all measured robots that are in the world, on several threads. The robots are
   /// visited in the order of the spatial index, in which robots that are near each other follow one another.
   /// So the data of neighbours are in the cache.
   template <class Work>
-  void for_each_robot(World& world, Work&& work) const {
+  void for_each_robot(World& world, Work&& work) {
+    std::ranges::fill(measured_, std::uint8_t{0});
+    for (const BodyId id : robots_) measured_[world.row(id).index()] = 1;
     const std::span<const std::uint32_t> order = world.index().order();
     world.parallel().for_each((order.size() + k_batch - 1) / k_batch, [&](std::size_t b) {
       for (const std::uint32_t row :
@@ -43,7 +43,8 @@ class AmongRobots : public Measure {
   /// Calls visit(d2) for other measured robots, where d2 is the squared distance (m^2) from the robot in
   /// `row` to the other robot. It searches the box of half-width `radius` (m) around the robot in `row`. It
   /// visits all robots in this box that are within the distance `reach` (m), and may visit some that are
-  /// farther away. `reach` is a reference because visit() may reduce it during the search.
+  /// farther away. `reach` is a reference because visit() may reduce it during the search. For the work of
+  /// for_each_robot().
   template <class Visit>
   void for_each_other(const World& world, std::uint32_t row, double radius, const double& reach,
                       Visit&& visit) const {
@@ -62,21 +63,24 @@ class AmongRobots : public Measure {
   }
 
  private:
-  std::vector<Row> robots_;
-  std::vector<std::uint8_t> measured_;  // per row, 1: the robot is measured
+  std::vector<BodyId> robots_;
+  std::vector<std::uint8_t> measured_;  // scratch memory of for_each_robot(): per row, 1: one of robots_
 };
 
 class MeanNearestDistance : public AmongRobots {
  public:
-  MeanNearestDistance(const World& world, std::vector<Row> robots)
-      : AmongRobots(world, std::move(robots)), distances_(world.rows(), 0) {}
+  MeanNearestDistance(const World& world, std::vector<BodyId> robots)
+      : AmongRobots(world, std::move(robots)), distances_(world.spec().bodies.size(), 0) {}
 
   double value(World& world) override {
     const std::size_t there = engine::count_there(world, robots());
     if (there < 2) return std::numeric_limits<double>::quiet_NaN();
-    for_each_robot(world, [&](std::uint32_t row) { distances_[row] = nearest(world, row); });
+    for_each_robot(world, [&](std::uint32_t row) {
+      double& distance = distances_[world.body(Row(row)).index()];
+      distance = nearest(world, row, distance);
+    });
     const double sum = engine::exact_sum(world, robots().size(), [&](std::size_t i) {
-      return world.is_there(robots()[i]) ? distances_[robots()[i].index()] : 0.0;
+      return world.is_there(world.row(robots()[i])) ? distances_[robots()[i].index()] : 0.0;
     });
     return sum / static_cast<double>(there);
   }
@@ -85,9 +89,10 @@ class MeanNearestDistance : public AmongRobots {
   /// Distance from the robot in `row` to the nearest other robot, m. Searches boxes of growing size, until
   /// the distance of the nearest robot found is at most the half-width of the box: then no robot outside the
   /// box is nearer. The search ends because the caller ensures that there is another robot. The first
-  /// half-width is slightly more than the distance at the last call. It affects only the computing time.
-  double nearest(const World& world, std::uint32_t row) const {
-    double radius = std::max(1.25 * distances_[row], 0.1 * world.geometry().cell_m);
+  /// half-width is slightly more than the distance `last` at the last call. It affects only the computing
+  /// time.
+  double nearest(const World& world, std::uint32_t row, double last) const {
+    double radius = std::max(1.25 * last, 0.1 * world.geometry().cell_m);
     for (;;) {
       double best = std::numeric_limits<double>::infinity();
       for_each_other(world, row, radius, best,
@@ -97,7 +102,7 @@ class MeanNearestDistance : public AmongRobots {
     }
   }
 
-  std::vector<double> distances_;  // per row, distance to the nearest other robot at the last value(), m
+  std::vector<double> distances_;  // per body, distance to the nearest other robot at the last value(), m
 };
 
 class Neighbours : public AmongRobots {
@@ -112,7 +117,7 @@ class Neighbours : public AmongRobots {
     }
   };
 
-  Neighbours(const World& world, const Params& params, std::vector<Row> robots)
+  Neighbours(const World& world, const Params& params, std::vector<BodyId> robots)
       : AmongRobots(world, std::move(robots)), radius_(params.radius), counts_(world.rows(), 0) {}
 
   double value(World& world) override {
@@ -125,13 +130,14 @@ class Neighbours : public AmongRobots {
       counts_[row] = count;
     });
     std::uint64_t sum = 0;
-    for (const Row row : robots()) sum += world.is_there(row) ? counts_[row.index()] : 0;
+    for (const BodyId id : robots())
+      if (const Row row = world.row(id); world.is_there(row)) sum += counts_[row.index()];
     return static_cast<double>(sum) / static_cast<double>(there);
   }
 
  private:
   double radius_;
-  std::vector<std::uint32_t> counts_;  // per row, number of neighbours
+  std::vector<std::uint32_t> counts_;  // scratch memory of value(): per row, number of neighbours
 };
 
 }  // namespace

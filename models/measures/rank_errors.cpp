@@ -26,16 +26,17 @@ class RankErrors : public Measure {
     }
   };
 
-  RankErrors(const World& world, const Params& params, std::vector<Row> robots)
+  RankErrors(const World& world, const Params& params, std::vector<BodyId> robots)
       : robots_(std::move(robots)), center_(params.center), met_(world.spec().types.size(), 0) {
     ranked_.reserve(robots_.size());
   }
 
   double value(World& world) override {
     ranked_.clear();
-    for (const Row row : robots_) {
+    for (const BodyId id : robots_) {
+      const Row row = world.row(id);
       if (!world.is_there(row)) continue;
-      const std::size_t type = world.spec().bodies[world.body(row).index()].type.index();
+      const std::size_t type = world.spec().bodies[id.index()].type.index();
       ranked_.push_back({(world.transform(row).position - center_).squaredNorm(), type});
     }
     // Of two robots at equal distances, the one of the earlier type comes first, so that the pair counts as
@@ -56,7 +57,7 @@ class RankErrors : public Measure {
   }
 
  private:
-  std::vector<Row> robots_;
+  std::vector<BodyId> robots_;
   Vec2 center_;
   std::vector<std::pair<double, std::size_t>> ranked_;  // squared distance, type
   std::vector<std::uint64_t> met_;  // per type, number of robots counted so far, from the centre outwards

@@ -96,6 +96,20 @@ TEST(StateTable, HashDoesNotDependOnTheRow) {
   EXPECT_EQ(table.hash_row(2), other.hash_row(0));
 }
 
+TEST(StateTable, RowsMoveWithTheirBodies) {
+  for (const Layout layout : {Layout::columns, Layout::rows}) {
+    StateTable table("thing", HashGroup::sensor, layout, k_fields, k_ids);
+    fill(table);
+    const std::vector<std::uint64_t> before = hashes(table);
+    table.move_rows(std::vector<std::uint32_t>{2, 0, 1});
+    EXPECT_EQ(table.ids()[0], k_ids[1]);
+    EXPECT_EQ(table.ids()[1], k_ids[2]);
+    EXPECT_EQ(table.ids()[2], k_ids[0]);
+    EXPECT_EQ(hashes(table), (std::vector<std::uint64_t>{before[1], before[2], before[0]}));
+    EXPECT_EQ(table.cell<double>(2, 1)[0], 1.5);
+  }
+}
+
 TEST(StateTable, HashSeesEveryBitOfEveryField) {
   for (const Layout layout : {Layout::columns, Layout::rows}) {
     StateTable table("pose", HashGroup::pose, layout, k_fields, k_ids);

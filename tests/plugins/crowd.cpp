@@ -9,16 +9,16 @@ struct Extent : troupe::Measure {
   static constexpr std::string_view formula = "max_(i, j) |x_i - x_j|";
   static constexpr troupe::Unit unit = troupe::Unit::meters;
 
-  Extent(const troupe::World&, std::vector<troupe::Row> its_robots) : robots(std::move(its_robots)) {}
+  Extent(const troupe::World&, std::vector<troupe::BodyId> its_robots) : robots(std::move(its_robots)) {}
   double value(troupe::World& world) override {
     double farthest = 0;
-    for (const troupe::Row a : robots)
-      for (const troupe::Row b : robots)
-        farthest = std::max(farthest, (world.transform(a).position - world.transform(b).position).norm());
+    const auto place = [&](troupe::BodyId id) { return world.transform(world.row(id)).position; };
+    for (const troupe::BodyId a : robots)
+      for (const troupe::BodyId b : robots) farthest = std::max(farthest, (place(a) - place(b)).norm());
     return farthest;
   }
 
-  std::vector<troupe::Row> robots;
+  std::vector<troupe::BodyId> robots;
 };
 TROUPE_MEASURE("crowd", Extent)
 
@@ -33,16 +33,16 @@ struct Beyond : troupe::Measure {
   };
   static constexpr std::string_view text = "ticks in which the first robot was beyond a line";
 
-  Beyond(const troupe::World&, const Params& its_params, std::vector<troupe::Row> its_robots)
+  Beyond(const troupe::World&, const Params& its_params, std::vector<troupe::BodyId> its_robots)
       : params(its_params), robots(std::move(its_robots)) {}
   void see(troupe::World& world) override {
-    ticks += world.transform(robots.front()).position.x() > params.x;
+    ticks += world.transform(world.row(robots.front())).position.x() > params.x;
   }
   double value(troupe::World&) override { return ticks; }
   std::span<std::byte> memory() override { return std::as_writable_bytes(std::span(&ticks, 1)); }
 
   Params params;
-  std::vector<troupe::Row> robots;
+  std::vector<troupe::BodyId> robots;
   double ticks = 0;
 };
 TROUPE_MEASURE("beyond", Beyond)

@@ -83,7 +83,7 @@ enum class Moment { made, seen, read };
 template <Moment k_moment>
 struct Counts : troupe::Measure {
   static constexpr std::string_view text = "counts nothing";
-  Counts(const troupe::World&, const std::vector<troupe::Row>&) {
+  Counts(const troupe::World&, const std::vector<troupe::BodyId>&) {
     if (k_moment == Moment::made) throw 42;
   }
   void see(troupe::World& world) override {

@@ -208,6 +208,24 @@ TEST(BatchEnv, CopiesAreTheWorldAlone) {
   }
 }
 
+TEST(BatchEnv, DoesNotDependOnTheRowsOfRobots) {
+  const Simulation world = learning_room();
+  BatchEnv plain(world, spec_of(2));
+  BatchEnv shuffled(world, spec_of(2));
+  plain.reset();
+  shuffled.reset();
+  for (std::size_t step = 0; step < 15; ++step) {
+    for (std::size_t copy = 0; copy < 2; ++copy) shuffled.simulation(copy).world().shuffle_rows(step);
+    for (BatchEnv* batch : {&plain, &shuffled}) {
+      act(*batch, step);
+      batch->step();
+    }
+    EXPECT_EQ(given(shuffled), given(plain)) << "step " << step;
+    for (std::size_t copy = 0; copy < 2; ++copy)
+      EXPECT_EQ(shuffled.simulation(copy).state_hash(), plain.simulation(copy).state_hash());
+  }
+}
+
 TEST(BatchEnv, ThreadsAndOtherCopiesDoNotShow) {
   const Simulation world = learning_room();
   std::vector<std::vector<std::byte>> runs;

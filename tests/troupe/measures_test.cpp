@@ -103,15 +103,15 @@ TEST_F(MeasuresOfASimulation, ListWhatIsWrong) {
 /// The greatest x of all robots.
 class Front : public engine::Measure {
  public:
-  Front(const engine::World&, std::vector<Row> robots) : robots_(std::move(robots)) {}
+  Front(const engine::World&, std::vector<BodyId> robots) : robots_(std::move(robots)) {}
   double value(engine::World& world) override {
     double front = -1e9;
-    for (const Row row : robots_) front = std::max(front, world.transform(row).position.x());
+    for (const BodyId id : robots_) front = std::max(front, world.transform(world.row(id)).position.x());
     return front;
   }
 
  private:
-  std::vector<Row> robots_;
+  std::vector<BodyId> robots_;
 };
 
 TEST_F(MeasuresOfASimulation, MayBeOnesOwn) {

@@ -8,8 +8,10 @@
 #include <algorithm>
 #include <cstring>
 #include <map>
+#include <memory>
 #include <set>
 #include <stdexcept>
+#include <utility>
 
 namespace troupe::worldio {
 namespace {
@@ -99,19 +101,24 @@ RecordedComponent component_of(const StateTable& table, std::vector<std::string>
   return component;
 }
 
-/// Returns, for each row of the table, the index of its body in `bodies`, which must be sorted.
-std::vector<std::uint32_t> places(const StateTable& table, std::span<const BodyId> bodies) {
-  std::vector<std::uint32_t> places;
-  places.reserve(table.rows());
-  for (const BodyId id : table.ids())
-    places.push_back(static_cast<std::uint32_t>(std::ranges::lower_bound(bodies, id) - bodies.begin()));
-  return places;
+/// For each body of a world, by BodyId, its row in a recording.
+using RecordedRows = std::shared_ptr<const std::vector<std::uint32_t>>;
+
+/// Returns, for each body of `bodies`, its index among them or, if `of_type`, among those of them that have
+/// its type. `bodies` must be in the order of ids.
+RecordedRows recorded_rows(const World& world, std::span<const BodyId> bodies, bool of_type) {
+  std::vector<std::uint32_t> rows(world.spec().bodies.size());
+  std::vector<std::uint32_t> counts(world.types().size(), 0);  // if not `of_type`, only the first is used
+  for (const BodyId id : bodies)
+    rows[id.index()] = counts[of_type ? world.spec().bodies[id.index()].type.index() : 0]++;
+  return std::make_shared<const std::vector<std::uint32_t>>(std::move(rows));
 }
 
 /// Adds the sensors of each type as components of their own, because the number of readings differs between
 /// types.
-void add_sensors(const World& world, std::span<const std::string> names,
+void add_sensors(const World& world, std::span<const BodyId> bodies, std::span<const std::string> names,
                  std::vector<RecordedComponent>& components) {
+  const RecordedRows recorded = recorded_rows(world, bodies, true);
   const std::vector<std::string> type_names = recorded_type_names(world);
   for (std::size_t t = 0; t < world.types().size(); ++t) {
     UniqueNames sensor_names;
@@ -121,12 +128,10 @@ void add_sensors(const World& world, std::span<const std::string> names,
       if (sensor.table == 0) continue;  // a type without bodies has no tables
       std::vector<std::size_t> fields = chosen_fields(table, names);
       if (fields.empty()) continue;
-      std::vector<BodyId> bodies(table.ids().begin(), table.ids().end());
-      std::ranges::sort(bodies);
       components.push_back(
           component_of(table, {"sensors", type_names[t], name}, std::move(fields), table.rows()));
       components.back().sources.push_back(
-          {sensor.table, places(table, bodies), sensor.kind->is_sensor() ? &sensor : nullptr});
+          {sensor.table, recorded, sensor.kind->is_sensor() ? &sensor : nullptr});
     }
   }
 }
@@ -142,7 +147,8 @@ void leave_out_absent(const World& world, const RecordedComponent& component,
     for (std::size_t f = 0; f < component.fields.size(); ++f) {
       const engine::StateField& field = component.fields[f];
       const std::size_t width = engine::element_size(field.element) * field.columns;
-      std::ranges::fill(fields[f].subspan(width * source.recorded[r], width), absent(field));
+      const std::size_t recorded = (*source.recorded)[table.ids()[r].index()];
+      std::ranges::fill(fields[f].subspan(width * recorded, width), absent(field));
     }
   }
 }
@@ -221,6 +227,7 @@ std::vector<RecordedComponent> recorded_components(const World& world, std::span
     }
 
   const std::vector<BodyId> bodies = recorded_bodies(world);
+  const RecordedRows recorded = recorded_rows(world, bodies, false);
   std::vector<RecordedComponent> components;
   for (std::size_t t = 0; t < world.tables().size(); ++t) {
     const StateTable& table = world.tables()[t];
@@ -231,14 +238,18 @@ std::vector<RecordedComponent> recorded_components(const World& world, std::span
     if (component == components.end())
       component = components.insert(components.end(), component_of(table, steps_of(table.component()),
                                                                    std::move(fields), bodies.size()));
-    component->sources.push_back({t, places(table, bodies)});
+    component->sources.push_back({t, recorded});
   }
   for (RecordedComponent& component : components) {
     std::size_t rows = 0;
-    for (const RecordedComponent::Source& source : component.sources) rows += source.recorded.size();
-    component.everywhere = rows == component.rows;
+    for (const RecordedComponent::Source& source : component.sources)
+      rows += world.tables()[source.table].rows();
+    if (rows == component.rows) continue;
+    component.has.assign(component.rows, 0);
+    for (const RecordedComponent::Source& source : component.sources)
+      for (const BodyId id : world.tables()[source.table].ids()) component.has[(*recorded)[id.index()]] = 1;
   }
-  add_sensors(world, names, components);
+  add_sensors(world, bodies, names, components);
   return components;
 }
 
@@ -249,8 +260,11 @@ std::byte absent(const engine::StateField& field) {
 
 void gather(const World& world, const RecordedComponent& component,
             std::span<const std::span<std::byte>> fields) {
+  thread_local std::vector<std::uint32_t> rows;  // reused, because this is called for every frame
   for (const RecordedComponent::Source& source : component.sources) {
     const StateTable& table = world.tables()[source.table];
+    rows.clear();
+    for (const BodyId id : table.ids()) rows.push_back((*source.recorded)[id.index()]);
     for (std::size_t f = 0; f < component.fields.size(); ++f) {
       const std::size_t width =
           engine::element_size(component.fields[f].element) * component.fields[f].columns;
@@ -259,12 +273,12 @@ void gather(const World& world, const RecordedComponent& component,
       const std::byte* from = table.cell<std::byte>(0, component.columns[f]).data();
       std::byte* const into = fields[f].data();
       if (width == 8) {  // one number per row: a loop of its own, since other widths are rare or long
-        for (const std::uint32_t row : source.recorded) {
+        for (const std::uint32_t row : rows) {
           std::memcpy(into + std::size_t{8} * row, from, 8);
           from += stride;
         }
       } else {
-        for (const std::uint32_t row : source.recorded) {
+        for (const std::uint32_t row : rows) {
           std::memcpy(into + width * row, from, width);
           from += stride;
         }

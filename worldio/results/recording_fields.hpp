@@ -4,6 +4,7 @@
 
 #include <cstddef>
 #include <cstdint>
+#include <memory>
 #include <optional>
 #include <span>
 #include <string>
@@ -23,13 +24,16 @@ struct RecordedComponent {
   std::string frame;              ///< frame of the values: "world", "body", "sensor", "joint" (at rest) or
                                   ///< "carrier"; empty: none
   std::size_t rows = 0;           ///< number of rows
-  bool everywhere = true;         ///< whether the bodies of all rows have the component
+  /// For each row, 1 if its body has the component, else 0; empty: all bodies have it.
+  std::vector<std::uint8_t> has;
   std::vector<engine::StateField> fields;  ///< the recorded fields of the component
   std::vector<std::size_t> columns;        ///< for each field, its index in the fields of the tables
   /// One table of the state from which the component is copied.
   struct Source {
-    std::size_t table;                    ///< index into World::tables()
-    std::vector<std::uint32_t> recorded;  ///< for each row of the table, its row in the recording
+    std::size_t table;  ///< index into World::tables()
+    /// For each body of the world, by BodyId, its row in the recording. The values of bodies that are not in
+    /// the table have no meaning.
+    std::shared_ptr<const std::vector<std::uint32_t>> recorded;
     /// The sensor whose readings the table stores; null for other tables.
     const engine::BodyType::Device* sensor = nullptr;
   };

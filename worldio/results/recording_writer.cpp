@@ -197,15 +197,12 @@ void RecordingWriter::create_outputs() {
       describe(dataset, field.unit, component.frame, field.text);
       add_output(std::move(dataset), component.bytes(f), absent(field));
     }
-    if (component.everywhere || component.path.front() != "state") continue;
-    std::vector<std::uint8_t> has(component.rows, 0);
-    for (const RecordedComponent::Source& source : component.sources)
-      for (const std::uint32_t row : source.recorded) has[row] = 1;
+    if (component.has.empty()) continue;
     std::vector<std::string> path = component.path;
     path.front() = "has";
     path.insert(path.begin(), "bodies");
     group_at(file_, std::span(path).first(path.size() - 1))
-        .write(path.back(), std::span<const std::uint8_t>(has));
+        .write(path.back(), std::span<const std::uint8_t>(component.has));
   }
   const std::vector<std::string> state{"state"};
   Hdf5Dataset alive = group_at(file_, state)

@@ -1,0 +1,34 @@
+#include "engine/sensing_view.hpp"
+
+#include <gtest/gtest.h>
+
+#include <stdexcept>
+#include <vector>
+
+namespace troupe::engine {
+namespace {
+
+TEST(SensingView, TheRowOfABodyIsHereOrElsewhereOrThereIsNone) {
+  WorldSpec spec;
+  spec.bodies.resize(3);
+  spec.bodies[2].name = spec.names.add("far");
+  const std::vector<Row> rows{Row(), Row(0), k_elsewhere};
+  PublicColumns columns;
+  columns.spec = &spec;
+  columns.rows = rows;
+  const SensingView view(columns);
+  EXPECT_EQ(view.location(BodyId(0)), RowLocation::none);
+  EXPECT_EQ(view.location(BodyId(1)), RowLocation::here);
+  EXPECT_EQ(view.location(BodyId(2)), RowLocation::elsewhere);
+  EXPECT_FALSE(view.row(BodyId(0)).valid());
+  EXPECT_EQ(view.row(BodyId(1)), Row(0));
+  try {
+    static_cast<void>(view.row(BodyId(2)));
+    ADD_FAILURE() << "the row of a body elsewhere was returned";
+  } catch (const std::logic_error& error) {
+    EXPECT_STREQ(error.what(), "internal error: the row of \"far\" was asked for, but another rank has it");
+  }
+}
+
+}  // namespace
+}  // namespace troupe::engine
