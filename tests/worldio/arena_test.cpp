@@ -354,6 +354,18 @@ TEST_F(IncludeTest, ErrorsOfExtends) {
       ElementsAre("maze.json:2: error: /types/a/extends: expected the name of a type, found the number 3"));
 }
 
+TEST_F(IncludeTest, AWrongBaseHidesNoOtherError) {
+  EXPECT_THAT(
+      load("\"types\": {\"a\": {\"extends\": \"b\"},\n\"b\": {\"extends\": \"a\", \"fidget\": 3}}").found,
+      ElementsAre("maze.json:2: error: /types/a/extends: the types extend each other in a circle: a "
+                  "extends b extends a",
+                  testing::StartsWith("maze.json:3: error: /types/b: unknown key \"fidget\"; known: ")));
+  EXPECT_THAT(load("\"types\": {\"a\": {\"extends\": \"bass\",\n\"fidget\": 3}, \"base\": {\"size_m\": [1, 1, 1]}}")
+                  .found,
+              ElementsAre(testing::HasSubstr("unknown type \"bass\""),
+                          testing::StartsWith("maze.json:3: error: /types/a: unknown key \"fidget\"")));
+}
+
 TEST_F(IncludeTest, AnErrorOfABaseIsReportedOnce) {
   const std::string base = R"("base": {"size_m": [1, 1, 1],
   "mass": 3,
