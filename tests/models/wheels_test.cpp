@@ -61,6 +61,22 @@ struct Turret {
   }
 };
 
+TEST(Wheels, ControllersOfTheirPartSwitchItsDevices) {
+  Turret turret("switcher");
+  turret.scene.wall(0.9, -1, 1, 1);
+  World world = turret.world();
+  std::vector<float> ranges;
+  for (int tick = 0; tick < 9; ++tick) {
+    world.step();
+    ranges.push_back(turret.range(world));
+  }
+  // The command of tick t takes effect in tick t + 1.
+  EXPECT_LT(ranges[3], ranges[2]) << "it runs in tick 4";
+  EXPECT_EQ(ranges[4], ranges[3]) << "it is off from tick 5";
+  EXPECT_EQ(ranges[6], ranges[3]) << "to tick 7";
+  EXPECT_LT(ranges[7], ranges[6]) << "and runs again in tick 8";
+}
+
 TEST(Wheels, SensorsOnTheirPartSeeNoFartherThanTheyDeclare) {
   Turret turret("switcher");
   turret.scene.body("r", turret.scene.robot("bot", {box(0.4, 0.4)}), {3, 0, 0, 0});
