@@ -451,8 +451,7 @@ Result<ChosenValue> RecordedRun::find_value(const std::string& name) const {
       return reading;
     }
   }
-  if (const auto present = present_name(name))
-    return Error{worldio::wrong_spelling("value", name, *present)};
+  if (const auto present = present_name(name)) return Error{worldio::wrong_spelling("value", name, *present)};
   std::vector<std::string> known;
   for (const Array& array : impl_->reader.arrays())
     known.push_back(fmt::format("{}.{}", engine::given_name(array.component), array.field.name));

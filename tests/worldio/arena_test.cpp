@@ -82,8 +82,7 @@ TEST(Arena, WallsWithoutAColourHaveTheOneThatTheReferenceStates) {
   };
   const std::string arena = R"("arena": {"size_m": [4, 2])";
   const LoadedArena plain(world(arena + "}"));
-  const LoadedArena colored(
-      world(arena + ", \"color\": " + stated(document_table<ArenaDocument>()) + "}"));
+  const LoadedArena colored(world(arena + ", \"color\": " + stated(document_table<ArenaDocument>()) + "}"));
   ASSERT_THAT(colored.found, IsEmpty());
   EXPECT_EQ(plain.spec.bodies[1].color, colored.spec.bodies[1].color);
   const std::string lines = R"("floorplans": [{"name": "w", "walls_m": [[0, 0], [1, 0]])";
@@ -360,10 +359,11 @@ TEST_F(IncludeTest, AWrongBaseHidesNoOtherError) {
       ElementsAre("maze.json:2: error: /types/a/extends: the types extend each other in a circle: a "
                   "extends b extends a",
                   testing::StartsWith("maze.json:3: error: /types/b: unknown key \"fidget\"; known: ")));
-  EXPECT_THAT(load("\"types\": {\"a\": {\"extends\": \"bass\",\n\"fidget\": 3}, \"base\": {\"size_m\": [1, 1, 1]}}")
-                  .found,
-              ElementsAre(testing::HasSubstr("unknown type \"bass\""),
-                          testing::StartsWith("maze.json:3: error: /types/a: unknown key \"fidget\"")));
+  EXPECT_THAT(
+      load("\"types\": {\"a\": {\"extends\": \"bass\",\n\"fidget\": 3}, \"base\": {\"size_m\": [1, 1, 1]}}")
+          .found,
+      ElementsAre(testing::HasSubstr("unknown type \"bass\""),
+                  testing::StartsWith("maze.json:3: error: /types/a: unknown key \"fidget\"")));
 }
 
 TEST_F(IncludeTest, AnErrorOfABaseIsReportedOnce) {

@@ -788,7 +788,8 @@ void FloorplanDocument::describe(DocumentKeys<FloorplanDocument>& d) {
           .at_key = true});
   d.value<&FloorplanDocument::pose>("pose",
                                     "pose of the centre of the image; for a ROS map, pose of the map frame");
-  d.other<&FloorplanDocument::color>(Form::color, "color", "colour of the walls").or_default("[0.3, 0.3, 0.3]");
+  d.other<&FloorplanDocument::color>(Form::color, "color", "colour of the walls")
+      .or_default("[0.3, 0.3, 0.3]");
   describe_returns<FloorplanDocument, &FloorplanDocument::returns>(d);
   d.check<check_floorplan>();
 }
