@@ -47,7 +47,8 @@ std::vector<std::uint8_t> Blinkers::tables_read_by(const DeviceKind& kind) const
       reads[device.table] = declares(device.kind->name) || (runs && device.kind->is_spent != nullptr) ||
                             (!fields.empty() && declares(fields.front().name));
       if (device.command_table)
-        reads[*device.command_table] = declares(std::string(device.kind->name) + "/command");
+        reads[*device.command_table] =
+            declares(std::string(device.kind->name) + "/command") || (runs && device.kind->drives);
     }
   }
   return reads;

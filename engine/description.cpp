@@ -1,6 +1,7 @@
 #include "engine/description.hpp"
 
 #include "base/diagnostics.hpp"
+#include "base/number_text.hpp"
 
 #include <algorithm>
 #include <cmath>
@@ -91,6 +92,16 @@ std::int64_t integer_of(const Value& value, std::int64_t least, std::int64_t mos
     throw std::invalid_argument("must be from " + std::to_string(least) + " to " + std::to_string(most) +
                                 ", found " + std::to_string(x));
   return x;
+}
+
+void check_integer(double number, std::int64_t least, std::uint64_t most) {
+  // The first double above the range: `most` itself may not be a double.
+  const double end = 2 * static_cast<double>(most / 2 + 1);
+  if (!(number >= static_cast<double>(least) && number < end))
+    throw std::invalid_argument("must be from " + std::to_string(least) + " to " + std::to_string(most) +
+                                ", found " + plain_number(number));
+  if (std::trunc(number) != number)
+    throw std::invalid_argument("must be a whole number, found " + plain_number(number));
 }
 
 std::size_t choice_of(const Value& value, std::span<const std::string_view> choices) {

@@ -271,6 +271,8 @@ Value numbers_value(const double* numbers, std::size_t count);
 /// and std::invalid_argument if it has not exactly `count` numbers.
 std::span<const double> numbers_of(const Value& value, std::size_t count);
 std::int64_t integer_of(const Value& value, std::int64_t least, std::int64_t most);
+/// Throws std::invalid_argument if a number of a list is not an integer from `least` to `most`.
+void check_integer(double number, std::int64_t least, std::uint64_t most);
 std::size_t choice_of(const Value& value, std::span<const std::string_view> choices);
 Value color_value(const Color& color);
 void set_color(Color& color, const Value& value);
@@ -397,6 +399,11 @@ constexpr MemberType plain_type() {
       type.is_state = true;
       type.element = element_of<E>();
     }
+    // The limits of 64-bit integers are no doubles: set() checks them.
+    if constexpr (std::is_integral_v<E> && sizeof(E) < sizeof(std::int64_t)) {
+      type.min = static_cast<double>(std::numeric_limits<E>::min());
+      type.max = static_cast<double>(std::numeric_limits<E>::max());
+    }
     type.get = [](const void* m) {
       std::array<double, k_size> numbers;
       const E* from = static_cast<const M*>(m)->data();
@@ -405,6 +412,9 @@ constexpr MemberType plain_type() {
     };
     type.set = [](void* m, const Value& value) {
       const std::span<const double> numbers = numbers_of(value, k_size);
+      if constexpr (std::is_integral_v<E>)
+        for (const double number : numbers)
+          check_integer(number, std::numeric_limits<E>::min(), std::numeric_limits<E>::max());
       E* to = static_cast<M*>(m)->data();
       for (std::size_t i = 0; i < k_size; ++i) to[i] = static_cast<E>(numbers[i]);
     };

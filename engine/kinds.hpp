@@ -267,7 +267,8 @@ struct DeviceKind {
     /// The reach of the device: radius of a disc around the origin of its body, m. `sense` and `act` must
     /// not read the data of a body whose enclosing circle is outside the disc, except for bodies that move
     /// together with the device's own body (SensingView::same_tree()). For bodies with joints, the engine
-    /// adds BodyType::joint_reach to the radius. Tests enforce this rule with World::hide_beyond_reach().
+    /// adds to the radius the larger of BodyType::joint_reach and the present distance of the device's joint
+    /// from its rest position. Tests enforce this rule with World::hide_beyond_reach().
     double reach_m = 0;
     /// The reach for which the cells of the spatial index are chosen, m; not set: reach_m. A device that
     /// rarely searches far sets a smaller value, because a large one makes the cells coarse for all other

@@ -118,6 +118,9 @@ Birth World::give_birth(std::size_t reserve, const Pose& pose) {
   if (unborn(reserve) == 0) return {BirthStatus::used_up, {}};
   const BodyId id(state_.spec.reserves[reserve].first.index() + next_born_[reserve]);
   const Row row = this->row(id);
+  for (const BodyType::Device& device : type(row).devices)
+    if (device.command_table)  // a program may have kept a reference to this command, and written to it
+      state_.tables[*device.command_table].clear_row(slot(row));
   state_.life(row).presence = static_cast<std::uint8_t>(Presence::there);
   --state_.now.absent;
   start(row, pose);

@@ -100,7 +100,9 @@ void MeasureSet::begin() {
 void MeasureSet::see() {
   world_.require_whole();
   const bool is_same_run = world_.spec().seed == seen_seed_;
-  if (is_same_run && world_.tick() == seen_) return;
+  // At tick 0 the measures begin again, even if they have seen that tick: a reset may have undone changes
+  // that the program made before the first step.
+  if (is_same_run && world_.tick() == seen_ && seen_ > 0) return;
   if (!is_same_run || world_.tick() != seen_ + 1) begin();
   note_present();
   see_all(world_, parts_, columns_, measures_);

@@ -68,8 +68,10 @@ std::vector<Sharing> sharing_of(const World& world) {
           shows_state(world, *device.kind) || (!fields.empty() && is_read(world, fields.front().name));
       sharing[device.table] = is_sent ? Sharing::sent : Sharing::kept;
       if (device.command_table)
-        sharing[*device.command_table] = shows_commands(world, *device.kind) ? Sharing::sent : Sharing::kept;
-      // Whether a device is switched on is a bit of the command.
+        sharing[*device.command_table] =
+            shows_commands(world, *device.kind) || (is_running_read && device.kind->drives) ? Sharing::sent
+                                                                                            : Sharing::kept;
+      // Whether a device is switched on is a bit of the command to the drive.
       if (is_running_read && device.switch_bit != 0) of("command") = Sharing::sent;
     }
     for (const BodyType::Controller& controller : type.controllers)

@@ -11,6 +11,7 @@
 #include "partition/ray_grid.hpp"
 #include "partition/static_scene.hpp"
 
+#include <algorithm>
 #include <cstddef>
 #include <cstdint>
 #include <optional>
@@ -210,7 +211,12 @@ class SensingView {
     return device.active || columns_.subscribed[row.index()] != 0;
   }
   bool is_on(Row row, const BodyType::Device& device) const {
-    return device.switch_bit == 0 || (command(row).off & device.switch_bit) == 0;
+    if (device.switch_bit == 0) return true;
+    if ((command(row).off & device.switch_bit) != 0) return false;
+    // A controller on a part with a drive of its own gives its command to that drive.
+    return std::ranges::none_of(type(row).devices, [&](const BodyType::Device& drive) {
+      return drive.kind->drives && (commands(drive).as<Command>(slot(row)).off & device.switch_bit) != 0;
+    });
   }
   bool works(Row row, const BodyType::Device& device) const {
     if (columns_.now->impaired == 0) return true;

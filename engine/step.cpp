@@ -97,7 +97,13 @@ void World::for_seeing(std::span<const Row> rows, const BodyType& type, const Bo
   if (!blinkers_) return work(rows);
   for (const Row& row : rows) {
     const std::size_t emitted = effects_.emitted().size();
-    blinkers_->hide_from(row, *device.kind, device.prepared.reach_m + type.joint_reach);
+    // A drive on a part (DeviceKind::drives) declares no joint_reach_m: the largest would make the cells of
+    // the spatial index too wide. What is mounted on the part has moved with it.
+    const double shift =
+        device.joint == k_rigid
+            ? 0
+            : state_.mounts(row)[static_cast<std::size_t>(device.joint)].transform.position.norm();
+    blinkers_->hide_from(row, *device.kind, device.prepared.reach_m + std::max(type.joint_reach, shift));
     work(std::span(&row, 1));
     blinkers_->show_hidden(row, *device.kind);
     blinkers_->check_targets(device, effects_.emitted().subspan(emitted));

@@ -35,21 +35,24 @@ ObstacleShape make_obstacle_shape(std::span<const ConvexPrism> pieces) {
 }
 
 ObstacleShape inset(const ObstacleShape& shape, double depth) {
-  std::vector<ConvexPrism> pieces = shape.pieces;
-  for (ConvexPrism& piece : pieces) {
-    const Ring ring = piece.outline;
-    const auto inward = [&ring](std::size_t edge) {  // unit normal of the edge from this corner to the next
-      const Vec2 along = ring[(edge + 1) % ring.size()] - ring[edge];
-      const double length = along.norm();
-      return length > 0 ? Vec2(-along.y() / length, along.x() / length) : Vec2(0, 0);
-    };
-    for (std::size_t i = 0; i < ring.size(); ++i) {
-      const Vec2 before = inward((i + ring.size() - 1) % ring.size());
-      const Vec2 after = inward(i);
-      piece.outline[i] += depth / (1 + before.dot(after)) * (before + after);
-    }
-  }
+  std::vector<ConvexPrism> pieces(shape.pieces.size());
+  for (std::size_t p = 0; p < pieces.size(); ++p) inset(shape.pieces[p], depth, pieces[p]);
   return make_obstacle_shape(pieces);
+}
+
+void inset(const ConvexPrism& piece, double depth, ConvexPrism& out) {
+  out = piece;
+  const Ring& ring = piece.outline;
+  const auto inward = [&ring](std::size_t edge) {  // unit normal of the edge from this corner to the next
+    const Vec2 along = ring[(edge + 1) % ring.size()] - ring[edge];
+    const double length = along.norm();
+    return length > 0 ? Vec2(-along.y() / length, along.x() / length) : Vec2(0, 0);
+  };
+  for (std::size_t i = 0; i < ring.size(); ++i) {
+    const Vec2 before = inward((i + ring.size() - 1) % ring.size());
+    const Vec2 after = inward(i);
+    out.outline[i] += depth / (1 + before.dot(after)) * (before + after);
+  }
 }
 
 namespace {

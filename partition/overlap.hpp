@@ -40,6 +40,9 @@ ObstacleShape make_obstacle_shape(std::span<const ConvexPrism> pieces);
 /// shape by at most `depth` does not overlap the result. Edges of a piece narrower than twice `depth` would
 /// cross over, so `depth` should be less than half of ObstacleShape::thinnest.
 ObstacleShape inset(const ObstacleShape& shape, double depth);
+/// Writes one piece with its edges moved inwards by `depth`, m, to `out`, which must be another object. The
+/// outline of `out` keeps its memory.
+void inset(const ConvexPrism& piece, double depth, ConvexPrism& out);
 
 /// True if the two shapes share area at a common height. Shapes that only touch do not overlap. The pieces
 /// are compared as polygons with separating axes, in double. The caller must pass the body with the lower id

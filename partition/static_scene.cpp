@@ -221,8 +221,17 @@ bool StaticScene::overlaps_solid(std::size_t solid, const PlacedShape& shape) co
 bool StaticScene::blocks(std::size_t solid, const PlacedShape& before, const PlacedShape& there) const {
   if (!overlaps_solid(solid, before)) return true;
   const auto is_deep = [&](const PlacedShape& placed) {
-    const ObstacleShape inner = inset(placed.shape(), k_rounding_m);
-    return overlaps_solid(solid, PlacedShape(inner, placed.transform(), placed.z()));
+    // Its memory is reused, because steps call this for every body that touches an obstacle.
+    thread_local ObstacleShape inner;
+    inner.pieces.resize(1);
+    ConvexPrism& inner_piece = inner.pieces.front();
+    for (const ConvexPrism& piece : placed.shape().pieces) {
+      inset(piece, k_rounding_m, inner_piece);
+      inner.vertices = inner_piece.outline.size();
+      inner.radius = placed.shape().radius;
+      if (overlaps_solid(solid, PlacedShape(inner, placed.transform(), placed.z()))) return true;
+    }
+    return false;
   };
   return !is_deep(before) && is_deep(there);
 }

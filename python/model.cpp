@@ -202,8 +202,8 @@ void bind_models(py::module_& module) {
       .def("command", &command, py::arg("device"),
            "Sets fields of the command of a device by name: robot.command(\"lamp\", shows=1, red=1). Other "
            "fields of the\ncommand keep their values. The command applies from the next step on. Returns the "
-           "whole command as a dict.\nRaises LookupError for an unknown device or field, and ValueError for "
-           "a value that the field cannot represent.")
+           "whole command as a dict.\nRaises LookupError for an unknown device or field, ValueError for a "
+           "value that the field cannot represent, and\nRuntimeError for a robot that is not in the world.")
       .def(
           "random", [](HeldModel& m, const std::string& name) { return m.use().random(name); },
           py::arg("name"),

@@ -9,6 +9,7 @@
 #include <cstdint>
 #include <memory>
 #include <optional>
+#include <span>
 #include <string>
 #include <string_view>
 #include <utility>
@@ -116,7 +117,8 @@ struct BatchEnv::Impl {
   Part plan(const BatchPart& part, Simulation& simulation, BodyId robot) const;
   void plan_actions(TeamData& team, Simulation& simulation, BodyId robot) const;
   static void plan_drive_action(const BatchAction& action, bool has_drive, TeamData& team);
-  static void plan_device_action(const BatchAction& action, const Model::Asked& asked, TeamData& team);
+  static void plan_device_action(const BatchAction& action, std::span<const engine::StateField> fields,
+                                 TeamData& team);
   Column find(const TeamData& team, const BatchColumn& column, std::string_view what) const;
   static std::size_t array_index(const TeamData& team, std::string_view name);
   static void bind(const TeamData& team, Copy& copy, TeamCopy& bound);

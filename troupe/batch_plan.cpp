@@ -139,7 +139,7 @@ void BatchEnv::Impl::plan_actions(TeamData& team, Simulation& simulation, BodyId
     if (action.device.empty())
       plan_drive_action(action, has_drive, team);
     else
-      plan_device_action(action, simulation.model(robot).asked(action.device), team);
+      plan_device_action(action, simulation.model(robot).command_fields(action.device), team);
   }
 }
 
@@ -161,13 +161,13 @@ void BatchEnv::Impl::plan_drive_action(const BatchAction& action, bool has_drive
                                .span = action.high - action.low});
 }
 
-/// `asked`: the commands of the device, of any robot of the team.
-void BatchEnv::Impl::plan_device_action(const BatchAction& action, const Model::Asked& asked,
+/// `fields`: the fields of the command of the device.
+void BatchEnv::Impl::plan_device_action(const BatchAction& action, std::span<const engine::StateField> fields,
                                         TeamData& team) {
-  const auto field = std::ranges::find(asked.fields, action.command, &engine::StateField::name);
-  if (field == asked.fields.end())
+  const auto field = std::ranges::find(fields, action.command, &engine::StateField::name);
+  if (field == fields.end())
     throw std::out_of_range(fmt::format("device \"{}\": {}", action.device,
-                                        unknown_name("command", action.command, known_names(asked.fields))));
+                                        unknown_name("command", action.command, known_names(fields))));
   if (field->columns != 1)
     refuse(fmt::format("command \"{}\" of device \"{}\" has {} numbers, but an action sets only one",
                        action.command, action.device, field->columns));
@@ -282,16 +282,16 @@ void BatchEnv::Impl::bind_commands(const TeamData& team, std::vector<Model>& rob
     const BatchAction& action = team.spec->actions[a];
     if (team.actions_plan[a].command < k_drive) continue;
     for (Model& robot : robots) {
-      const Model::Asked asked = robot.asked(action.device);
-      const auto field = std::ranges::find(asked.fields, action.command, &engine::StateField::name);
-      if (field == asked.fields.end() || field->element != team.actions_plan[a].element)
+      const std::span<const engine::StateField> fields = robot.command_fields(action.device);
+      const auto field = std::ranges::find(fields, action.command, &engine::StateField::name);
+      if (field == fields.end() || field->element != team.actions_plan[a].element)
         refuse(
             fmt::format("robots of team \"{}\" differ: not all have command \"{}\" of device \"{}\" with the "
                         "same type of number; make two teams",
                         team.spec->name, action.command, action.device));
       // The device is the one that has these fields of commands.
       for (const engine::BodyType::Device& device : world.type(world.row(robot.id())).devices)
-        if (device.prepared.commands.data() == asked.fields.data())
+        if (device.prepared.commands.data() == fields.data())
           bound.commands.push_back({&device, field->offset});
     }
   }

@@ -144,7 +144,7 @@ Result<ChosenValue> find_value(const World& world, const std::string& name) {
     return reading;
   }
   if (const auto right = worldio::name_for_path(world, name))
-    return Error{fmt::format("unknown value \"{}\": its name is \"{}\"", name, *right)};
+    return Error{worldio::wrong_spelling("value", name, *right)};
   const std::vector<std::string> known = value_names(world);
   return Error{unknown_name("value", name, {known.begin(), known.end()})};
 }

@@ -142,16 +142,22 @@ Eigen::Vector3d Model::size() const {
   return spec.types[spec.bodies[place_->body.index()].type.index()].parts[place_->part].size;
 }
 
-void Model::command(engine::ControlMode mode, double x, double y, double turn) {
-  refuse_others_in_for_each();
-  if (const auto* wheels = place_->wheels()) {
-    place_->world->asked_of(*wheels).as<engine::Command>(place_->slot()) = {x, y, turn, mode};
-    return;
-  }
-  if (!place_->type().drive) throw std::logic_error(fmt::format("\"{}\" has no drive", place_->name));
+void Model::refuse_absent() const {
   if (!is_alive())
     throw std::logic_error(
         fmt::format("\"{}\" is not in the world: it is not yet born, or dead", place_->name));
+}
+
+void Model::command(engine::ControlMode mode, double x, double y, double turn) {
+  refuse_others_in_for_each();
+  const auto* wheels = place_->wheels();
+  if (wheels == nullptr && !place_->type().drive)
+    throw std::logic_error(fmt::format("\"{}\" has no drive", place_->name));
+  refuse_absent();
+  if (wheels != nullptr) {
+    place_->world->asked_of(*wheels).as<engine::Command>(place_->slot()) = {x, y, turn, mode};
+    return;
+  }
   place_->world->set_command(place_->row(), {x, y, turn, mode});
 }
 
@@ -285,17 +291,27 @@ std::byte* Model::asked(std::string_view wanted, std::size_t bytes,
                     "struct has the fields {} in {} bytes",
                     device->name, name(), device->kind->name, names_of(device->prepared.commands),
                     device->prepared.command_bytes, names_of(fields), bytes));
+  refuse_absent();
   return place_->world->asked_of(*device).row(place_->slot());
+}
+
+const engine::BodyType::Device& Model::Place::commanded(std::string_view wanted) const {
+  const auto takes = [](const engine::BodyType::Device& d) { return d.command_table.has_value(); };
+  const auto* device = find([&](const engine::BodyType::Device& d) { return takes(d) && d.name == wanted; });
+  if (!device) throw_unknown("device that takes commands", wanted, takes);
+  return *device;
 }
 
 Model::Asked Model::asked(std::string_view wanted) {
   refuse_others_in_for_each();
-  const auto takes = [](const engine::BodyType::Device& d) { return d.command_table.has_value(); };
-  const auto* device =
-      place_->find([&](const engine::BodyType::Device& d) { return takes(d) && d.name == wanted; });
-  if (!device) place_->throw_unknown("device that takes commands", wanted, takes);
-  return {device->prepared.commands,
-          {place_->world->asked_of(*device).row(place_->slot()), device->prepared.command_bytes}};
+  const engine::BodyType::Device& device = place_->commanded(wanted);
+  refuse_absent();
+  return {device.prepared.commands,
+          {place_->world->asked_of(device).row(place_->slot()), device.prepared.command_bytes}};
+}
+
+std::span<const engine::StateField> Model::command_fields(std::string_view device) const {
+  return place_->commanded(device).prepared.commands;
 }
 
 std::optional<Model::Energy> Model::energy() const {

@@ -61,6 +61,9 @@ struct Model::Place {
   /// Returns the device named `wanted` of this model. Throws std::out_of_range, with the known names, if
   /// there is none.
   const engine::BodyType::Device& device(std::string_view wanted) const;
+  /// Returns the device named `wanted` of this model, which takes commands. Throws std::out_of_range, with
+  /// the known names, if there is none.
+  const engine::BodyType::Device& commanded(std::string_view wanted) const;
 };
 
 }  // namespace troupe

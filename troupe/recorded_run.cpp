@@ -7,6 +7,7 @@
 #include "troupe/value_names.hpp"
 #include "worldio/results/hdf5_file.hpp"
 #include "worldio/results/recorded_scene.hpp"
+#include "worldio/results/recording_fields.hpp"
 #include "worldio/results/recording_reader.hpp"
 
 #include <fmt/format.h>
@@ -450,8 +451,7 @@ Result<ChosenValue> RecordedRun::find_value(const std::string& name) const {
       return reading;
     }
   }
-  if (const auto present = present_name(name))
-    return Error{fmt::format("unknown value \"{}\": its name is \"{}\"", name, *present)};
+  if (const auto present = present_name(name)) return Error{worldio::wrong_spelling("value", name, *present)};
   std::vector<std::string> known;
   for (const Array& array : impl_->reader.arrays())
     known.push_back(fmt::format("{}.{}", engine::given_name(array.component), array.field.name));

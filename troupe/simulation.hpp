@@ -305,12 +305,13 @@ class Model {
   /// and units. Throws std::out_of_range, with the known names, if there is no such device.
   std::span<const engine::StateField> fields(std::string_view device) const;
   /// Returns a reference to the command of a device, which a program may write between two steps. The command
-  /// applies from the next step on. The reference is valid while the simulation lives. `Command` is the
-  /// command struct of the kind of device (models::GripperCommand, models::LedCommand, ...). An empty
-  /// `device` means the first device that takes this struct. If a controller of the robot uses the device,
-  /// the controller overrides the command. Throws std::out_of_range, with the known names, if there is no
-  /// such device, and std::invalid_argument if the device takes another struct, with other field names or
-  /// another size.
+  /// applies from the next step on. The reference is valid while the simulation lives. A body is born with
+  /// commands of 0, whatever was written to the reference before its birth. `Command` is the command struct
+  /// of the kind of device (models::GripperCommand, models::LedCommand, ...). An empty `device` means the
+  /// first device that takes this struct. If a controller of the robot uses the device, the controller
+  /// overrides the command. Throws std::out_of_range, with the known names, if there is no such device,
+  /// std::invalid_argument if the device takes another struct, with other field names or another size, and
+  /// std::logic_error, as set_speed() does, for a body that is not in the world.
   template <class Command>
   Command& command(std::string_view device = {}) {
     static const std::vector<engine::StateField> fields = engine::memory_fields<Command>();
@@ -322,9 +323,14 @@ class Model {
     std::span<std::byte> bytes;                  ///< the command, as the command struct of the kind of device
   };
   /// Returns the command of the device of this name, which a program may write between two steps. The bytes
-  /// stay valid while the simulation lives. Throws std::out_of_range if this model has no device of this name
-  /// that takes commands.
+  /// stay valid while the simulation lives; what is written before the birth of the body has no effect, as in
+  /// command(). Throws std::out_of_range if this model has no device of this name that takes commands, and
+  /// std::logic_error for a body that is not in the world.
   Asked asked(std::string_view device);
+  /// Returns descriptions of the fields of the command that the device of this name takes, also for a body
+  /// that is not in the world. Throws std::out_of_range if this model has no device of this name that takes
+  /// commands.
+  std::span<const engine::StateField> command_fields(std::string_view device) const;
 
   /// State of a power pack: its charge, and the energy that it dissipated, received and gave since tick 0, J
   /// (docs/energy.md).
@@ -361,6 +367,7 @@ class Model {
   };
   static void refuse_in_for_each(const engine::World& world, std::string_view what);
   void refuse_others_in_for_each() const;
+  void refuse_absent() const;
   void command(engine::ControlMode mode, double x, double y, double turn);
   std::shared_ptr<const Place> place_;
 };

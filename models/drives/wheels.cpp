@@ -22,7 +22,9 @@ using engine::Record;
 using engine::Velocity;
 
 // Limit of the distance of the part from its rest position. The bounding circle of its body must contain all
-// positions of the part. Without a limit, the circle would be unbounded.
+// positions of the part. Without a limit, the circle would be unbounded. The kind does not declare this limit
+// as DeviceKind::Prepared::joint_reach_m: the cells of the spatial index would become too wide for the far
+// smaller circles that bodies usually have.
 constexpr double k_most_reach_m = 100;
 
 enum class Law : std::uint8_t { diff, omni, car };

@@ -62,5 +62,28 @@ TEST_P(WarmStep, AllocatesNothing) {
   }
 }
 
+TEST(Allocations, ARobotThatOverlapsAWallNeedsNone) {
+  Simulation simulation = Simulation::from_text(R"({
+    "troupe": 1,
+    "types": {
+      "wall": {"size_m": [4, 0.2, 1]},
+      "bot": {"blocks": [{"points_m": [[0, 0], [0.2, 0], [0.2, 0.4], [0, 0.4]], "z_m": [0, 0.2]},
+                         {"points_m": [[0.2, 0], [0.4, 0], [0.4, 0.4], [0.2, 0.4]], "z_m": [0, 0.1]}],
+              "size_m": [0.4, 0.4, 0.2], "drive": {"kind": "diff"}}
+    },
+    "models": [{"name": "wall", "type": "wall"}, {"name": "r", "type": "bot", "pose": {"y_m": 1}}]
+  })",
+                                                "walled.json", {.threads = 1});
+  Model robot = simulation.find("r");
+  robot.set_pose({0, 0.25, 0, 0});
+  robot.set_speed(0.05, 0);
+  for (int tick = 0; tick < 10; ++tick) simulation.step();
+  EXPECT_EQ(allocations_in([&] {
+              for (int tick = 0; tick < 10; ++tick) simulation.step();
+            }),
+            0u);
+  EXPECT_NEAR(robot.pose().x, 0.1, 1e-9) << "the wall does not hold a robot that is in it";
+}
+
 }  // namespace
 }  // namespace troupe

@@ -6,6 +6,8 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <cmath>
+#include <limits>
 #include <stdexcept>
 
 namespace troupe::engine {
@@ -235,6 +237,66 @@ TEST(Description, WhatAMemberCannotHoldIsRefused) {
   Record record(table.fields.size());
   value(record, table, "angle") = "left";
   EXPECT_THROW(from_record<All>(record), std::bad_variant_access);
+}
+
+struct Wholes {
+  std::array<std::uint8_t, 2> bytes{1, 2};
+  std::array<bool, 2> flags{true, false};
+  std::array<std::int16_t, 1> small{};
+  std::array<std::int64_t, 1> wide{};
+  std::array<std::uint64_t, 1> unsigned_wide{};
+  std::optional<std::array<std::uint8_t, 1>> byte_or_none;
+  std::vector<std::array<std::uint8_t, 2>> pairs;
+
+  static constexpr void describe(Description<Wholes>& d) {
+    d.member<&Wholes::bytes>("bytes");
+    d.member<&Wholes::flags>("flags");
+    d.member<&Wholes::small>("small");
+    d.member<&Wholes::wide>("wide");
+    d.member<&Wholes::unsigned_wide>("unsigned_wide");
+    d.member<&Wholes::byte_or_none>("byte_or_none");
+    d.member<&Wholes::pairs>("pairs");
+  }
+};
+
+TEST(Description, IntegersOfAnArrayAreWholeAndInTheirRange) {
+  const FieldTable& table = described<Wholes>();
+  Wholes wholes;
+  const auto refused = [&](std::string_view name, std::vector<double> given) -> std::string {
+    try {
+      set(field(table, name), &wholes, std::move(given));
+    } catch (const std::invalid_argument& error) {
+      return error.what();
+    }
+    return {};
+  };
+  EXPECT_EQ(refused("bytes", {7, 300}), "\"bytes\" must be from 0 to 255, found 300");
+  EXPECT_EQ(wholes.bytes, (std::array<std::uint8_t, 2>{1, 2})) << "no element is set";
+  EXPECT_EQ(refused("bytes", {-1, 0}), "\"bytes\" must be from 0 to 255, found -1");
+  EXPECT_EQ(refused("bytes", {1e30, 0}), "\"bytes\" must be from 0 to 255, found 1e+30");
+  EXPECT_EQ(refused("bytes", {std::nan(""), 0}), "\"bytes\" must be from 0 to 255, found nan");
+  EXPECT_EQ(refused("bytes", {1.5, 0}), "\"bytes\" must be a whole number, found 1.5");
+  EXPECT_EQ(refused("flags", {0, 2}), "\"flags\" must be from 0 to 1, found 2");
+  EXPECT_EQ(refused("flags", {0.5, 1}), "\"flags\" must be a whole number, found 0.5");
+  EXPECT_EQ(refused("small", {-32769}), "\"small\" must be from -32768 to 32767, found -32769");
+  EXPECT_EQ(refused("wide", {0x1p63}),
+            "\"wide\" must be from -9223372036854775808 to 9223372036854775807, found 9.223372037e+18");
+  EXPECT_EQ(refused("unsigned_wide", {0x1p64}),
+            "\"unsigned_wide\" must be from 0 to 18446744073709551615, found 1.844674407e+19");
+  EXPECT_EQ(refused("unsigned_wide", {-1}),
+            "\"unsigned_wide\" must be from 0 to 18446744073709551615, found -1");
+  EXPECT_EQ(refused("byte_or_none", {256}), "\"byte_or_none\" must be from 0 to 255, found 256");
+  EXPECT_EQ(refused("bytes", {0, 255}), "");
+  EXPECT_EQ(refused("flags", {0, 1}), "");
+  EXPECT_EQ(refused("small", {-32768}), "");
+  EXPECT_EQ(refused("wide", {-0x1p63}), "");
+  EXPECT_EQ(refused("unsigned_wide", {0x1p63}), "");
+  EXPECT_EQ(wholes.bytes, (std::array<std::uint8_t, 2>{0, 255}));
+  EXPECT_EQ(wholes.flags, (std::array<bool, 2>{false, true}));
+  EXPECT_EQ(wholes.wide.front(), std::numeric_limits<std::int64_t>::min());
+  EXPECT_EQ(wholes.unsigned_wide.front(), std::uint64_t{1} << 63);
+  EXPECT_EQ(field(table, "bytes").max, 255) << "readers of files refuse it with the place in the file";
+  EXPECT_EQ(field(table, "small").min, -32768);
 }
 
 struct Outer {

@@ -295,6 +295,24 @@ TEST(Measures, ToBePutElsewhereIsNoWay) {
   EXPECT_NEAR(measures(world, specs).value(0), 0, 1e-12);
 }
 
+TEST(Measures, AResetBeforeTheFirstStepBeginsThemAgain) {
+  test::SceneBuilder scene;
+  const BodyId a = scene.body("a", scene.robot("bot", {test::box(0.4, 0.4)}));
+  scene.spec.bounds = Box::around(Vec2::Zero(), 10);
+  World world = scene.world();
+  const World::Placed there{world.row(a), {-5, 5, 0, 0}};
+  world.set_poses({&there, 1});
+  const std::vector<MeasureSpec> specs{spec("coverage")};
+  MeasureSet set = measures(world, specs);
+  world.reset();
+  set.see();
+  EXPECT_EQ(set.values(), measures(world, specs).values());
+  const double at_start = set.value(0);
+  world.step();
+  set.see();
+  EXPECT_EQ(set.value(0), at_start) << "the robot has never been anywhere else";
+}
+
 TEST(Measures, AreTheSameBitsOnAnyThreadsAndTiles) {
   std::vector<std::vector<std::uint64_t>> runs;
   for (const engine::WorldOptions& options : {engine::WorldOptions{1, 0}, engine::WorldOptions{2, 0},

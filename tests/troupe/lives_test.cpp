@@ -1,6 +1,7 @@
 // Births and deaths as programs and files see them: worlds/colony.json and the API.
 
 #include "engine/world.hpp"
+#include "models/devices/led.hpp"
 #include "models/devices/power.hpp"
 #include "models/devices/spawner.hpp"
 #include "tests/support/scratch.hpp"
@@ -207,6 +208,44 @@ TEST_F(Lives, ProgramsBearAndRemove) {
   simulation.reset();
   EXPECT_EQ(simulation.state_hash(), hash);
   EXPECT_EQ(simulation.unborn("more"), 2u);
+}
+
+TEST_F(Lives, DevicesTakeNoCommandsBeforeTheBirthOrAfterTheDeath) {
+  Simulation simulation(write("w.json", R"({
+    "troupe": 1,
+    "types": {
+      "bot": {"size_m": [0.4, 0.4, 0.4], "drive": {"kind": "diff"},
+              "devices": [{"name": "lamp", "kind": "led"},
+                          {"name": "feet", "kind": "wheels", "pose": {"z_m": 0.4}, "size_m": [0.1, 0.1, 0.1]}]}
+    },
+    "populations": [{"name": "more", "type": "bot", "count": 0, "reserve": 2,
+                     "place": {"rule": "grid", "region_m": [[0, 2], [1, 3]], "pitch_m": 1}}]
+  })"));
+  const std::uint64_t hash = simulation.state_hash();
+  Model first = simulation.find("more0");
+  const auto expect_refused = [&] {
+    try {
+      first.command<models::LedCommand>("lamp");
+      FAIL();
+    } catch (const std::logic_error& error) {
+      EXPECT_STREQ(error.what(), "\"more0\" is not in the world: it is not yet born, or dead");
+    }
+    EXPECT_THROW(first.asked("lamp"), std::logic_error);
+    EXPECT_THROW(simulation.find("more0.feet").set_speed(1, 0), std::logic_error);
+    EXPECT_EQ(first.command_fields("lamp").front().name, "shows");
+    EXPECT_THROW(first.command_fields("eye"), std::out_of_range);
+  };
+  expect_refused();
+  ASSERT_TRUE(simulation.spawn("more", {}));
+  models::LedCommand& lamp = first.command<models::LedCommand>("lamp");
+  simulation.find("more0.feet").set_speed(1, 0);
+  simulation.reset();
+  EXPECT_EQ(simulation.state_hash(), hash);
+  lamp.show(1, 0, 0);
+  ASSERT_TRUE(simulation.spawn("more", {}));
+  EXPECT_EQ(lamp.shows, 0) << "a body is born without commands";
+  simulation.remove(first);
+  expect_refused();
 }
 
 TEST_F(Lives, WhatIsWrongIsTold) {

@@ -2,8 +2,10 @@
 #include "engine/description.hpp"
 #include "tests/support/scratch.hpp"
 #include "tests/worldio/json_test_world.hpp"
+#include "worldio/json/document_table.hpp"
 #include "worldio/json/json_world.hpp"
 #include "worldio/json/wall_line.hpp"
+#include "worldio/json/world_document.hpp"
 
 #include <fmt/format.h>
 #include <gmock/gmock.h>
@@ -70,6 +72,25 @@ TEST(Arena, IsBoundsAndWallsOutsideOfThem) {
   for (const Vec2& wall : {Vec2(2.1, 0), Vec2(2.15, 1.15), Vec2(-2.15, 1.19), Vec2(0, -1.1)})
     EXPECT_TRUE(is_solid(walls, wall)) << wall.transpose();
   for (const Solid& wall : walls.solids) EXPECT_EQ(wall.z, (ZInterval{0, 0.3}));
+}
+
+TEST(Arena, WallsWithoutAColourHaveTheOneThatTheReferenceStates) {
+  const auto stated = [](const DocumentTable& table) {
+    return std::string(std::ranges::find(table.keys, "color", [](const DocumentKey& key) {
+                         return key.field.name;
+                       })->by_default);
+  };
+  const std::string arena = R"("arena": {"size_m": [4, 2])";
+  const LoadedArena plain(world(arena + "}"));
+  const LoadedArena colored(world(arena + ", \"color\": " + stated(document_table<ArenaDocument>()) + "}"));
+  ASSERT_THAT(colored.found, IsEmpty());
+  EXPECT_EQ(plain.spec.bodies[1].color, colored.spec.bodies[1].color);
+  const std::string lines = R"("floorplans": [{"name": "w", "walls_m": [[0, 0], [1, 0]])";
+  const LoadedArena bare(world(lines + "}]"));
+  const LoadedArena painted(
+      world(lines + ", \"color\": " + stated(document_table<FloorplanDocument>()) + "}]"));
+  ASSERT_THAT(painted.found, IsEmpty());
+  EXPECT_EQ(bare.spec.bodies[1].color, painted.spec.bodies[1].color);
 }
 
 TEST(Arena, MayHaveNoWallsAndOtherBounds) {
@@ -330,6 +351,19 @@ TEST_F(IncludeTest, ErrorsOfExtends) {
   EXPECT_THAT(
       load(R"("types": {"a": {"extends": 3, "size_m": [1, 1, 1]}})").found,
       ElementsAre("maze.json:2: error: /types/a/extends: expected the name of a type, found the number 3"));
+}
+
+TEST_F(IncludeTest, AWrongBaseHidesNoOtherError) {
+  EXPECT_THAT(
+      load("\"types\": {\"a\": {\"extends\": \"b\"},\n\"b\": {\"extends\": \"a\", \"fidget\": 3}}").found,
+      ElementsAre("maze.json:2: error: /types/a/extends: the types extend each other in a circle: a "
+                  "extends b extends a",
+                  testing::StartsWith("maze.json:3: error: /types/b: unknown key \"fidget\"; known: ")));
+  EXPECT_THAT(
+      load("\"types\": {\"a\": {\"extends\": \"bass\",\n\"fidget\": 3}, \"base\": {\"size_m\": [1, 1, 1]}}")
+          .found,
+      ElementsAre(testing::HasSubstr("unknown type \"bass\""),
+                  testing::StartsWith("maze.json:3: error: /types/a: unknown key \"fidget\"")));
 }
 
 TEST_F(IncludeTest, AnErrorOfABaseIsReportedOnce) {

@@ -788,7 +788,8 @@ void FloorplanDocument::describe(DocumentKeys<FloorplanDocument>& d) {
           .at_key = true});
   d.value<&FloorplanDocument::pose>("pose",
                                     "pose of the centre of the image; for a ROS map, pose of the map frame");
-  d.other<&FloorplanDocument::color>(Form::color, "color", "colour of the walls").or_default("gray30");
+  d.other<&FloorplanDocument::color>(Form::color, "color", "colour of the walls")
+      .or_default("[0.3, 0.3, 0.3]");
   describe_returns<FloorplanDocument, &FloorplanDocument::returns>(d);
   d.check<check_floorplan>();
 }
@@ -804,7 +805,7 @@ void ArenaDocument::describe(DocumentKeys<ArenaDocument>& d) {
   d.value<&ArenaDocument::height>("height", meters, above(0), at_most(k_max_size_m), "height of the walls");
   d.value<&ArenaDocument::thickness>("thickness", meters, above(0), at_most(k_max_size_m),
                                      "thickness of the walls, which are outside the free floor");
-  d.other<&ArenaDocument::color>(Form::color, "color", "colour of the walls").or_default("gray30");
+  d.other<&ArenaDocument::color>(Form::color, "color", "colour of the walls").or_default("[0.3, 0.3, 0.3]");
 }
 
 void ModelDocument::describe(DocumentKeys<ModelDocument>& d) {

@@ -214,6 +214,10 @@ std::optional<std::string> name_for_path(const World& world, std::string_view na
   return std::nullopt;
 }
 
+std::string wrong_spelling(std::string_view what, std::string_view name, std::string_view right) {
+  return fmt::format("unknown {} \"{}\": its name is \"{}\"", what, name, right);
+}
+
 std::vector<RecordedComponent> recorded_components(const World& world, std::span<const std::string> names) {
   const std::vector<std::string> known = recordable_names(world);
   for (const std::string& name : names)
@@ -222,7 +226,7 @@ std::vector<RecordedComponent> recorded_components(const World& world, std::span
           return !chosen_fields(table, std::span(&name, 1)).empty();
         })) {
       if (const auto right = name_for_path(world, name))
-        throw std::invalid_argument(fmt::format("unknown field \"{}\": its name is \"{}\"", name, *right));
+        throw std::invalid_argument(wrong_spelling("field", name, *right));
       throw std::invalid_argument(unknown_name("field", name, {known.begin(), known.end()}));
     }
 

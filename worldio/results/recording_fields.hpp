@@ -62,6 +62,10 @@ std::vector<std::string> recordable_names(const engine::World& world);
 /// "sensors/minibot/eye.ranges". Empty for all other names.
 std::optional<std::string> name_for_path(const engine::World& world, std::string_view name);
 
+/// Returns the message about a name in a spelling that is not accepted, although its meaning is clear:
+/// `unknown field "minibot/eye/ranges": its name is "eye.ranges"`. what: "field"; right: the accepted name.
+std::string wrong_spelling(std::string_view what, std::string_view name, std::string_view right);
+
 /// Returns the components that the names select, each once: first those in /state, in the order of the tables
 /// of the state, then those in /sensors, by type. recordable_names() describes the names. Throws
 /// std::invalid_argument for an unknown name, with a message such as `unknown field "posse"` and the known

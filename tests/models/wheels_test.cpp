@@ -1,0 +1,95 @@
+#include "models/drives/wheels.hpp"
+
+#include "engine/world.hpp"
+#include "tests/support/devices.hpp"
+
+#include <gtest/gtest.h>
+
+#include <vector>
+
+namespace troupe::models {
+namespace {
+
+using engine::World;
+using test::box;
+using test::SceneBuilder;
+
+/// Drives ahead at 0.5 m/s and switches the first device that it may use off from tick 4 to tick 6.
+struct Switcher {
+  static constexpr bool switches = true;
+
+  Result<std::vector<std::size_t>> choose(std::span<const engine::DeviceInfo>, std::vector<bool>&) {
+    return std::vector<std::size_t>{0};
+  }
+  void operator()(const engine::Percept& percept, Random&, engine::Actions& actions) const {
+    actions.set_speed(0.5, 0, 0);
+    actions.switch_device(0, percept.tick < 4 || percept.tick > 6);
+  }
+};
+
+/// A post with a turret on it, which has a drive of its own, a ranger that sees 1 m far, and a controller.
+struct Turret {
+  SceneBuilder scene;
+  engine::Registry registry = test::registry();
+  BodyId body;
+
+  explicit Turret(const std::string& controller) {
+    registry.controllers.push_back(engine::make_controller_kind<Switcher>("switcher", ""));
+    const TypeId type = scene.type("post", {box(0.2, 0.2, 0.5)});
+    engine::TypeSpec& spec = scene[type];
+    const std::size_t feet = test::add_device(spec, "feet", "wheels", {0, 0, 0.5, 0});
+    spec.parts.push_back({.name = "feet",
+                          .kind = "position",
+                          .joint = spec.devices[feet].moves,
+                          .pose_body_part = {0, 0, 0.5, 0}});
+    spec.devices[feet].part = 1;
+    engine::DeviceSpec eye = test::ranger("eye", {{.range_max = 1}});
+    eye.part = 1;
+    eye.joint = spec.devices[feet].moves;
+    eye.pose_body_device = {0, 0, 0.5, 0};
+    spec.devices.push_back(eye);
+    spec.controllers = {{.kind = controller, .part = 1, .params = {}, .where = {}}};
+    body = scene.body("p", type);
+  }
+  World world() const {
+    Diagnostics diagnostics;
+    return {scene.spec, registry, {.threads = 1}, diagnostics};
+  }
+  float range(const World& world) const {
+    const Row row = world.row(body);
+    return world.percepts(world.type(row).devices[1]).cell<float>(world.slot(row), 0)[0];
+  }
+};
+
+TEST(Wheels, ControllersOfTheirPartSwitchItsDevices) {
+  Turret turret("switcher");
+  turret.scene.wall(0.9, -1, 1, 1);
+  World world = turret.world();
+  std::vector<float> ranges;
+  for (int tick = 0; tick < 9; ++tick) {
+    world.step();
+    ranges.push_back(turret.range(world));
+  }
+  // The command of tick t takes effect in tick t + 1.
+  EXPECT_LT(ranges[3], ranges[2]) << "it runs in tick 4";
+  EXPECT_EQ(ranges[4], ranges[3]) << "it is off from tick 5";
+  EXPECT_EQ(ranges[6], ranges[3]) << "to tick 7";
+  EXPECT_LT(ranges[7], ranges[6]) << "and runs again in tick 8";
+}
+
+TEST(Wheels, SensorsOnTheirPartSeeNoFartherThanTheyDeclare) {
+  Turret turret("switcher");
+  turret.scene.body("r", turret.scene.robot("bot", {box(0.4, 0.4)}), {3, 0, 0, 0});
+  World world = turret.world();
+  World blinkered = turret.world();
+  blinkered.hide_beyond_reach(true);
+  for (int tick = 0; tick < 50; ++tick) {
+    world.step();
+    blinkered.step();
+    ASSERT_EQ(world.hashes().state, blinkered.hashes().state) << "tick " << world.tick();
+  }
+  EXPECT_LT(turret.range(world), 1) << "the sensor has come near the robot";
+}
+
+}  // namespace
+}  // namespace troupe::models
