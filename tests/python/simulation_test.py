@@ -299,6 +299,25 @@ print(eight.threads)
         self.assertEqual(world.tick, 1)
 
 
+    def test_an_infinite_command_is_an_error_as_nan_is(self):
+        for infinity in (math.inf, -math.inf):
+            for act, asked in (
+                (lambda swarm, x=infinity: swarm.set_speeds(x, 0), "a speed"),
+                (lambda swarm, x=infinity: swarm.set_speeds(0, x), "a speed"),
+                (lambda swarm, x=infinity: swarm.accelerate(x, 0), "an acceleration"),
+                (lambda swarm, x=infinity: swarm.go_to(0, x, 0), "to a goal"),
+            ):
+                world = troupe.Simulation(ROOM)
+                act(world.swarm("r3"))
+                with self.assertRaisesRegex(troupe.StepError, f'"r3" was commanded {asked} that is not a finite number'):
+                    world.step()
+        stack = 'position( name "base" size [1 1 0.4] position( name "top" size [0.3 0.3 0.2] drive "omni" ) )'
+        world = troupe.Simulation.from_text(stack, "stack.world")
+        world.find("base.top").set_speed(math.inf, 0)
+        with self.assertRaisesRegex(troupe.StepError, 'a drive on a part of "base" was commanded a velocity that is not a finite'):
+            world.step()
+
+
 class Callbacks(InAFolder):
     def test_are_called_in_order_behind_every_step(self):
         world = troupe.Simulation(ROOM)
