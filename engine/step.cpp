@@ -23,6 +23,10 @@ std::string_view asked_for(ControlMode mode) {
   return "a speed";
 }
 
+bool is_finite(double x, double y, double turn) {
+  return std::isfinite(x) && std::isfinite(y) && std::isfinite(turn);
+}
+
 Velocity scaled(const Velocity& v, double by) { return {v.x * by, v.y * by, v.turn * by}; }
 
 }  // namespace
@@ -239,7 +243,8 @@ void World::drive(std::span<const Row> rows, const BodyType::Drive& drive,
   }
   for (std::size_t i = 0; i < rows.size(); ++i) {
     const Velocity v = has_slow ? scaled(velocities[i], speed_scale(rows[i])) : velocities[i];
-    if (!std::isfinite(v.x) || !std::isfinite(v.y) || !std::isfinite(v.turn)) {
+    const Command& command = commands[i];  // drives clamp an infinite command to a finite velocity
+    if (!is_finite(command.x, command.y, command.turn) || !is_finite(v.x, v.y, v.turn)) {
       std::uint32_t lowest = faulty.load();
       const std::uint32_t id = body(rows[i]).value;
       while (id < lowest && !faulty.compare_exchange_weak(lowest, id)) {

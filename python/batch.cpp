@@ -14,6 +14,7 @@
 #include <optional>
 #include <stdexcept>
 #include <string>
+#include <type_traits>
 #include <utility>
 #include <vector>
 
@@ -95,6 +96,10 @@ class Members {
     if (!members_.contains(name)) return;
     const py::object value = members_.attr("pop")(name);
     try {
+      // cast<py::list>() would make a list of a text, too, and raise Python's TypeError for None.
+      if (std::is_same_v<T, py::list> && !py::isinstance<py::list>(value) &&
+          !py::isinstance<py::tuple>(value))
+        throw py::cast_error();
       into = value.cast<T>();
     } catch (const py::cast_error&) {
       throw py::type_error(

@@ -68,10 +68,11 @@ class Held {
   void work(const std::function<void(Simulation&)>& task);
   /// The simulation, for code that runs during a step, in which use() throws.
   const Simulation& use_while_stepping() const { return simulation_; }
-  /// Returns the simulation as use() does, for functions that a callback of on_tick() must not call. Throws
-  /// std::logic_error in such a callback. what: name of the function, for the error text.
+  /// Returns the simulation as use() does, for functions that a callback of on_tick(), run_for() or
+  /// run_until() must not call. Throws std::logic_error in such a callback. what: name of the function, for
+  /// the error text.
   Simulation& use_outside(std::string_view what);
-  /// While an object of this class exists, callbacks of on_tick() are running, and use_outside() throws.
+  /// While an object of this class exists, a callback is running, and use_outside() throws.
   class Calling {
    public:
     explicit Calling(Held& held) : calling_(held.calling_) { calling_ = true; }
@@ -91,6 +92,10 @@ class Held {
   bool stepping_ = false;  // read and written only with the interpreter's lock
 };
 using Holder = std::shared_ptr<Held>;
+
+/// Returns a parameter that is a length or a time, 0 for the default. Throws std::invalid_argument for a
+/// value that is negative, NaN or above `most`. what: the parameter and its unit, as in "every_s (s)".
+double from_zero(std::string_view what, double value, double most);
 
 /// Two numbers, or None.
 using Two = std::optional<std::array<double, 2>>;

@@ -111,6 +111,11 @@ py::dict message_command(std::span<const engine::StateField> fields, const std::
   const py::array rows = py::module_::import("numpy").attr("ascontiguousarray")(message);
   if (rows.ndim() == 0 || rows.shape(0) != robots)
     refuse("message", rows, static_cast<std::size_t>(robots), "a `bytes`, or one row per robot");
+  if (rows.dtype().attr("hasobject").cast<bool>())
+    throw py::value_error(fmt::format(
+        "message: the elements of the array are Python objects (dtype {}), whose bytes are addresses: give a "
+        "`bytes`, or an array of numbers or bytes",
+        std::string(py::str(rows.dtype()))));
   const py::ssize_t length = robots > 0 ? rows.nbytes() / robots : 0;
   const auto field = std::ranges::find(fields, "payload", &engine::StateField::name);
   if (field == fields.end()) throw std::out_of_range(fmt::format("the device \"{}\" is not a radio", device));

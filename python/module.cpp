@@ -145,7 +145,9 @@ Simulation& Held::use() {
 Simulation& Held::use_outside(std::string_view what) {
   if (calling_)
     throw std::logic_error(
-        fmt::format("{} is not allowed in a callback of on_tick(): call it outside the callback", what));
+        fmt::format("{} is not allowed in a callback of on_tick(), run_for() or run_until(): call it outside "
+                    "the callback",
+                    what));
   return use();
 }
 

@@ -1,5 +1,6 @@
 #include "base/diagnostics.hpp"
 #include "engine/events.hpp"
+#include "engine/ticks.hpp"
 #include "engine/world.hpp"
 #include "python/bindings.hpp"
 
@@ -168,7 +169,9 @@ void bind_observers(py::module_& module) {
       "Recording(...) as recording`, or call close() at the end.")
       .def(py::init([](const std::filesystem::path& file, const Holder& held,
                        const std::vector<std::string>& fields, double every_s, bool replace) {
-             return HeldRecording{held, Recording(file, held->use(), {fields, every_s, replace})};
+             return HeldRecording{
+                 held, Recording(file, held->use(),
+                                 {fields, from_zero("every_s", every_s, engine::k_most_seconds), replace})};
            }),
            py::arg("file"), py::arg("simulation").none(false), py::arg("fields") = py::tuple(),
            py::arg("every_s") = 0.0, py::arg("replace") = false)

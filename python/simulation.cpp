@@ -9,6 +9,7 @@
 #include <algorithm>
 #include <array>
 #include <filesystem>
+#include <limits>
 #include <optional>
 #include <stdexcept>
 #include <string>
@@ -27,6 +28,12 @@ PictureOptions picture_options(int width, int height, const std::string& camera,
   return {width, height, camera, center_m, angle_rad, across_m, layers, color_by, color_range, background};
 }
 
+double from_zero(std::string_view what, double value, double most) {
+  if (value >= 0 && value <= most) return value;
+  throw std::invalid_argument(
+      fmt::format("{} is {}: give a number from 0, which means the default, to {}", what, value, most));
+}
+
 namespace {
 
 namespace fs = std::filesystem;
@@ -40,12 +47,29 @@ std::string json_of(const py::object& value, const py::object& indent = py::none
       .cast<std::string>();
 }
 
+/// Converts a value of the option `set` to JSON. Throws ValueError for a text with half of a surrogate pair:
+/// its JSON is invalid, and the reader of settings takes invalid JSON for a text without quotes.
+std::string setting_of(const py::object& value) {
+  std::string json = json_of(value);
+  const py::object text = py::module_::import("json").attr("dumps")(value, py::arg("ensure_ascii") = false);
+  if (PyUnicode_AsUTF8(text.ptr()) != nullptr) return json;
+  PyErr_Clear();
+  throw py::value_error(fmt::format(
+      "set: the value {} contains half of a surrogate pair: give a text that UTF-8 can represent", json));
+}
+
 /// Converts the option `set`, a dict from JSON pointers to values, to pairs of pointer and JSON text.
 std::vector<std::pair<std::string, std::string>> settings_of(const std::optional<py::dict>& set) {
   std::vector<std::pair<std::string, std::string>> settings;
   if (set)
-    for (const auto& [pointer, value] : *set)
-      settings.emplace_back(pointer.cast<std::string>(), json_of(py::reinterpret_borrow<py::object>(value)));
+    for (const auto& [pointer, value] : *set) try {
+        settings.emplace_back(pointer.cast<std::string>(),
+                              setting_of(py::reinterpret_borrow<py::object>(value)));
+      } catch (const py::cast_error&) {
+        throw py::type_error(
+            fmt::format("set: the key {} is not a JSON pointer: give a text such as \"/seed\"",
+                        std::string(py::repr(pointer))));
+      }
   return settings;
 }
 
@@ -56,8 +80,13 @@ std::vector<std::pair<std::string, std::size_t>> robots_of(const Robots& robots)
   if (const std::size_t* count = std::get_if<std::size_t>(&robots)) return {{"", *count}};
   std::vector<std::pair<std::string, std::size_t>> sizes;
   if (const py::dict* named = std::get_if<py::dict>(&robots))
-    for (const auto& [name, count] : *named)
-      sizes.emplace_back(name.cast<std::string>(), count.cast<std::size_t>());
+    for (const auto& [name, count] : *named) try {
+        sizes.emplace_back(name.cast<std::string>(), count.cast<std::size_t>());
+      } catch (const py::cast_error&) {
+        throw py::type_error(
+            fmt::format("robots: found {}: {}; give the name of a population and a whole number from 0",
+                        std::string(py::repr(name)), std::string(py::repr(count))));
+      }
   return sizes;
 }
 
@@ -70,6 +99,10 @@ std::optional<RangingEngine> ranging_of(const std::optional<std::string>& name) 
   return static_cast<RangingEngine>(found - engine::k_ranging_engines.begin());
 }
 
+double tile_size(double metres) {
+  return from_zero("tile_size_m", metres, std::numeric_limits<double>::max());
+}
+
 using Seed = std::optional<std::uint64_t>;
 using Text = std::optional<std::string>;
 using Settings = std::optional<py::dict>;
@@ -78,7 +111,7 @@ SimulationOptions options_of(const Robots& robots, unsigned threads, const Seed&
                              const Settings& set, Paths search_path, Paths plugin_path,
                              const py::list& controllers, double tile_size_m, unsigned ranks) {
   return {.threads = threads,
-          .tile_size_m = tile_size_m,
+          .tile_size_m = tile_size(tile_size_m),
           .seed = seed,
           .ranging = ranging_of(ranging),
           .robots = robots_of(robots),
@@ -121,7 +154,7 @@ Holder resume(const fs::path& checkpoint, unsigned threads, const Settings& set,
               Paths plugin_path, const py::list& controllers, bool across_plugins, double tile_size_m,
               unsigned ranks) {
   const ResumeOptions options{.threads = threads,
-                              .tile_size_m = tile_size_m,
+                              .tile_size_m = tile_size(tile_size_m),
                               .set = settings_of(set),
                               .across_versions = across_versions,
                               .plugin_path = std::move(plugin_path),
@@ -158,7 +191,9 @@ void advance(const py::object& self, std::uint64_t ticks, bool to_its_end,
   if (callbacks.empty() && !after) return held->step(ticks, to_its_end);
   for (; ticks > 0 && !(to_its_end && held->use().stopped()); --ticks) {
     step_and_call(self, held, callbacks);
-    if (after) call(*after, self);
+    if (!after) continue;
+    const Held::Calling calling(*held);
+    call(*after, self);
   }
 }
 
@@ -182,6 +217,7 @@ bool run_until(const py::object& self, const py::function& done, double at_most_
   std::uint64_t ticks = engine::ticks_until(at_most_s, simulation.tick_s());
   for (; ticks > 0 && !held->use().stopped(); --ticks) {
     advance(self, 1, true);
+    const Held::Calling calling(*held);
     if (call(done, self).cast<bool>()) return true;
   }
   return false;
@@ -520,7 +556,8 @@ SimulationClass bind_simulation(py::module_& module) {
           "record",
           [](const Holder& held, const fs::path& file, const std::vector<std::string>& fields, double every_s,
              bool replace) {
-            held->use().record(file, {fields, every_s, replace});
+            held->use().record(file,
+                               {fields, from_zero("every_s", every_s, engine::k_most_seconds), replace});
           },
           py::arg("file"), py::kw_only(), py::arg("fields") = py::tuple(), py::arg("every_s") = 0.0,
           py::arg("replace") = false,

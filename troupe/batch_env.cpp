@@ -56,6 +56,15 @@ void put_number(std::byte* at, engine::Element element, double value) {
   }
 }
 
+/// Returns the element of `all` with this index. Throws std::out_of_range if there is none. what: name of an
+/// element, for the error text.
+template <class T>
+T& element_at(std::vector<T>& all, std::size_t index, std::string_view what) {
+  if (index < all.size()) return all[index];
+  throw std::out_of_range(
+      fmt::format("{} {} does not exist: give a number from 0 to {}", what, index, all.size() - 1));
+}
+
 /// Makes the world skip the controllers of the robots for which `learns`, by BodyId, is not 0: the policy
 /// commands these robots. `learns` must outlive the world.
 void skip_controllers(engine::World& world, const std::vector<std::uint8_t>& learns) {
@@ -247,14 +256,20 @@ BatchEnv& BatchEnv::operator=(BatchEnv&&) noexcept = default;
 
 const BatchSpec& BatchEnv::spec() const { return impl_->spec; }
 std::size_t BatchEnv::copies() const { return impl_->copies.size(); }
-std::size_t BatchEnv::robots(std::size_t team) const { return impl_->teams.at(team).robots; }
-std::vector<std::string> BatchEnv::names(std::size_t team) const { return impl_->teams.at(team).names; }
-const Simulation& BatchEnv::simulation(std::size_t copy) const { return impl_->copies.at(copy)->simulation; }
-Simulation& BatchEnv::simulation(std::size_t copy) { return impl_->copies.at(copy)->simulation; }
+std::size_t BatchEnv::robots(std::size_t team) const { return element_at(impl_->teams, team, "team").robots; }
+std::vector<std::string> BatchEnv::names(std::size_t team) const {
+  return element_at(impl_->teams, team, "team").names;
+}
+const Simulation& BatchEnv::simulation(std::size_t copy) const {
+  return element_at(impl_->copies, copy, "copy")->simulation;
+}
+Simulation& BatchEnv::simulation(std::size_t copy) {
+  return element_at(impl_->copies, copy, "copy")->simulation;
+}
 unsigned BatchEnv::threads() const { return impl_->parallel.threads(); }
 
 BatchEnv::Array BatchEnv::array(std::size_t team, std::string_view name) const {
-  Impl::TeamData& of = impl_->teams.at(team);
+  Impl::TeamData& of = element_at(impl_->teams, team, "team");
   Impl::ArrayData& array = of.arrays[Impl::array_index(of, name)];
   return {array.element, array.columns, array.bytes};
 }
@@ -267,10 +282,18 @@ std::span<const float> BatchEnv::floats(std::size_t team, std::string_view name)
   return {reinterpret_cast<const float*>(found.bytes.data()), found.bytes.size() / sizeof(float)};
 }
 
-std::span<double> BatchEnv::actions(std::size_t team) { return impl_->teams.at(team).actions; }
-std::span<double> BatchEnv::rewards(std::size_t team) { return impl_->teams.at(team).rewards; }
-std::span<std::uint8_t> BatchEnv::terminated(std::size_t team) { return impl_->teams.at(team).terminated; }
-std::span<const std::uint8_t> BatchEnv::alive(std::size_t team) const { return impl_->teams.at(team).alive; }
+std::span<double> BatchEnv::actions(std::size_t team) {
+  return element_at(impl_->teams, team, "team").actions;
+}
+std::span<double> BatchEnv::rewards(std::size_t team) {
+  return element_at(impl_->teams, team, "team").rewards;
+}
+std::span<std::uint8_t> BatchEnv::terminated(std::size_t team) {
+  return element_at(impl_->teams, team, "team").terminated;
+}
+std::span<const std::uint8_t> BatchEnv::alive(std::size_t team) const {
+  return element_at(impl_->teams, team, "team").alive;
+}
 std::span<const std::uint8_t> BatchEnv::truncated() const { return impl_->truncated; }
 
 std::span<const std::uint8_t> BatchEnv::over() {

@@ -95,14 +95,18 @@ Pose moved(const Pose& q, const Velocity& v, double dt) {
   return {q.x + way.x(), q.y + way.y(), q.z, q.heading + v.turn * dt};
 }
 
+bool is_finite(double x, double y, double turn) {
+  return std::isfinite(x) && std::isfinite(y) && std::isfinite(turn);
+}
+
 void Wheels::act(const DeviceBatch& batch) const {
   for (std::size_t i = 0; i < batch.rows.size(); ++i) {
     auto& state = batch.state.as<WheelsState>(batch.slot(i));
     const Pose& q = batch.joint(i, 0);
     const Pose at = compose(batch.mount(i), compose(rest, q));
-    const Velocity v = drive(batch.commands->as<Command>(batch.slot(i)), at, batch.period_s,
-                             {state.forward, state.left, state.turn});
-    if (!std::isfinite(v.x) || !std::isfinite(v.y) || !std::isfinite(v.turn))
+    const auto& command = batch.commands->as<Command>(batch.slot(i));
+    const Velocity v = drive(command, at, batch.period_s, {state.forward, state.left, state.turn});
+    if (!is_finite(command.x, command.y, command.turn) || !is_finite(v.x, v.y, v.turn))
       throw engine::StepError(fmt::format(
           "tick {}: a drive on a part of \"{}\" was commanded a velocity that is not a finite number",
           batch.view.tick(), batch.view.spec().name(batch.body(i))));

@@ -13,6 +13,8 @@ from . import _core
 if TYPE_CHECKING:
     import pandas
 
+_OWN_COLUMNS = frozenset(("run", "seed", "ticks", "time_s", "stopped_by", "state_hash", "error"))
+
 Rows = Tuple[Dict[str, Any], List[Dict[str, Any]]]
 
 
@@ -28,6 +30,27 @@ def _statistic(name: str, values: List[float]) -> float:
             total += value
         return total / len(known)
     return min(known) if name == "min" else max(known)
+
+
+def _column(measure: str, statistic: str) -> str:
+    return measure if statistic == "last" else f"{measure}_{statistic}"
+
+
+def _check_columns(name: str, study: Dict[str, Any], measures: List[str]) -> None:
+    """Raises InputError if two columns of the results would have one name."""
+    columns = [_column(measure, statistic) for measure in measures for statistic in study["statistics"]]
+    columns += sorted(_OWN_COLUMNS.intersection(measures).difference(columns))  # in a series, measures are columns too
+    taken = set(_OWN_COLUMNS)
+    for column in columns:
+        if column in taken:
+            raise _core.InputError(f'{name}: error: the table of results already has a column "{column}": '
+                                   'give the measure of this column another "name"')
+        taken.add(column)
+    taken.update(measures)
+    for index, (parameter, _) in enumerate(study["parameters"]):
+        if parameter in taken:
+            raise _core.InputError(f'{name}: error: /parameters/{index}: a measure has the column "{parameter}" of the '
+                                   'table of results: give this parameter another "name"')
 
 
 def _wanted(measures: Sequence[str]) -> List[Union[str, Dict[str, Any]]]:
@@ -66,8 +89,7 @@ def _make(world: Any, name: str, study: Dict[str, Any], index: int, options: Dic
     row = {**head, "seed": seed, "ticks": simulation.tick, "time_s": simulation.time_s}
     for k, column in enumerate(measures.columns):
         for statistic in study["statistics"]:
-            key = column if statistic == "last" else f"{column}_{statistic}"
-            row[key] = _statistic(statistic, [values[k] for values in looks])
+            row[_column(column, statistic)] = _statistic(statistic, [values[k] for values in looks])
     row["stopped_by"] = simulation.stopped or ""
     row["state_hash"] = f"{simulation.state_hash():016x}"
     return row, series
@@ -114,7 +136,7 @@ def sweep(study: Union[str, "os.PathLike[str]", Mapping[str, Any]], *, series: O
 
     # Errors of the study or its world are raised here; errors of single runs become rows.
     first = _core.Simulation(world, threads=1, **({**options, "name": name} if isinstance(world, Mapping) else options))
-    _core.Measures(first, _wanted(read["measures"]))
+    _check_columns(name, read, list(_core.Measures(first, _wanted(read["measures"])).columns))
     del first
     rows: List[Dict[str, Any]] = []
     looks: List[Dict[str, Any]] = []

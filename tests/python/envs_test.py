@@ -172,6 +172,28 @@ class Checkers(unittest.TestCase):
                 pettingzoo.test.parallel_seed_test(lambda task=task: troupe.envs.ParallelEnv(task), num_cycles=50)
 
 
+    def test_actions_have_the_shape_of_the_space(self):
+        env = troupe.envs.Env(Short(2))
+        env.reset(seed=1)
+        for action in (0.7, [0.7], [[0.7, 0.7]], [0.1, 0.2, 0.3], None):
+            with self.assertRaisesRegex(ValueError, r"action: must have the shape \(2,\), found \("):
+                env.step(action)
+        discrete = troupe.envs.Env(Looker())
+        discrete.reset(seed=1)
+        with self.assertRaisesRegex(ValueError, r"action: must have the shape \(\), found \(1,\)"):
+            discrete.step([0])
+
+    def test_one_copy_uses_one_thread(self):
+        for make in (troupe.envs.Env, troupe.envs.ParallelEnv):
+            with self.assertRaisesRegex(TypeError, "uses one thread: omit threads, or use VectorEnv"):
+                make(Short(2), threads=2)
+
+    def test_a_step_needs_a_reset(self):
+        for env in (troupe.envs.Env(Short(2)), troupe.envs.ParallelEnv(Short(2))):
+            with self.assertRaisesRegex(RuntimeError, r"call reset\(\) before the first step"):
+                env.step(np.zeros(2) if isinstance(env, gymnasium.Env) else {})
+
+
 class Vector(unittest.TestCase):
     def same_as_sync(self, make_task, mode, steps=70):
         names = troupe.envs.ParallelEnv(make_task()).possible_agents
@@ -259,6 +281,11 @@ class Vector(unittest.TestCase):
             with self.assertRaisesRegex(error, text):
                 env.reset(options={"reset_mask": wrong})
 
+    def test_the_seeds_of_copies_begin_again_at_0(self):
+        env = troupe.envs.VectorEnv(Short(2), 6)
+        env.reset(seed=2**64 - 1)
+        self.assertEqual(env.batch.core.seeds.tolist(), [2**64 - 1, 0, 1])
+
     def test_seeds_may_be_a_list(self):
         for seeds in ([7, 3, 7], [None, 5, 0], (2, 2, 9), np.array([4, 1, 4])):
             with self.subTest(seeds=seeds):
@@ -296,7 +323,14 @@ class Vector(unittest.TestCase):
         self.assertEqual(set(troupe.envs.TASKS), {name[7:-3] for name in gymnasium.registry if name.startswith("troupe/")})
 
     def test_says_what_is_wrong(self):
+        teamless = Short(2)
+        teamless.teams = None
         for wrong, text in (
+            (lambda: troupe.envs.Env(teamless), "Short has no teams: set its member `teams`"),
+            (lambda: troupe.envs.VectorEnv(teamless, 2), "Short has no teams: set its member `teams`"),
+            (lambda: troupe.envs.Navigation(size=0), "size=0: give the length of a side of the room, above 0.2 m"),
+            (lambda: troupe.envs.VectorEnv(Short(2), 2).reset(seed=2**64), "seed: found 18446744073709551616: give a whole number from 0 to"),
+            (lambda: troupe.envs.Env(Short(2)).reset(seed=2**64), "seed: found 18446744073709551616: give a whole number from 0 to"),
             (lambda: troupe.envs.VectorEnv(Short(2), 3), "2 robots learn in each copy: give a multiple of 2"),
             (lambda: troupe.envs.VectorEnv(Walkers(), 2), "needs a task with one team, but Walkers has 2"),
             (lambda: troupe.envs.VectorEnv(Short(2), 2, render_mode="ansi"), 'unknown render_mode "ansi"; known: human, rgb_array'),
@@ -502,6 +536,14 @@ class Human(unittest.TestCase):
         batch = troupe.envs.VectorEnv(Short(2), 4).batch.core
         with self.assertRaisesRegex(IndexError, "copy 2 does not exist: give a number from 0 to 1"):
             batch.view(2)
+        for call in (batch.tick, batch.state_hash, batch.picture):
+            with self.assertRaisesRegex(LookupError, "copy 2 does not exist: give a number from 0 to 1"):
+                call(2)
+        for call in (batch.robots, batch.names, batch.actions, batch.rewards, batch.terminated, batch.alive):
+            with self.assertRaisesRegex(LookupError, "team 1 does not exist: give a number from 0 to 0"):
+                call(1)
+        with self.assertRaisesRegex(TypeError, 'batch: the value None cannot be converted to the type of the member "teams"'):
+            troupe.BatchEnv(troupe.Simulation(ROOM), {"teams": None})
 
 
 class Benchmark(unittest.TestCase):

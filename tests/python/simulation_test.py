@@ -75,6 +75,16 @@ class Loading(InAFolder):
             troupe.Simulation(7)
         with self.assertRaises(TypeError):
             troupe.Simulation(ROOM, seed=-1)
+        for size in (-1, math.nan, math.inf):
+            with self.assertRaisesRegex(ValueError, f"tile_size_m is {size:g}: give a number from 0"):
+                troupe.Simulation(ROOM, tile_size_m=size)
+        for robots in ({"r": -1}, {"r": 1.5}, {3: 1}):
+            with self.assertRaisesRegex(TypeError, "robots: found .*; give the name of a population and a whole number from 0"):
+                troupe.Simulation(ROOM, robots=robots)
+        with self.assertRaisesRegex(TypeError, "set: the key 1 is not a JSON pointer: give a text"):
+            troupe.Simulation(ROOM, set={1: 2})
+        with self.assertRaisesRegex(ValueError, r'set: the value "\\ud800" contains half of a surrogate pair'):
+            troupe.Simulation(ROOM, set={"/title": "\ud800"})
 
     def test_warnings_are_told(self):
         world = troupe.Simulation.from_text('position( name "a" colour "red" )', "a.world")
@@ -289,6 +299,25 @@ print(eight.threads)
         self.assertEqual(world.tick, 1)
 
 
+    def test_an_infinite_command_is_an_error_as_nan_is(self):
+        for infinity in (math.inf, -math.inf):
+            for act, asked in (
+                (lambda swarm, x=infinity: swarm.set_speeds(x, 0), "a speed"),
+                (lambda swarm, x=infinity: swarm.set_speeds(0, x), "a speed"),
+                (lambda swarm, x=infinity: swarm.accelerate(x, 0), "an acceleration"),
+                (lambda swarm, x=infinity: swarm.go_to(0, x, 0), "to a goal"),
+            ):
+                world = troupe.Simulation(ROOM)
+                act(world.swarm("r3"))
+                with self.assertRaisesRegex(troupe.StepError, f'"r3" was commanded {asked} that is not a finite number'):
+                    world.step()
+        stack = 'position( name "base" size [1 1 0.4] position( name "top" size [0.3 0.3 0.2] drive "omni" ) )'
+        world = troupe.Simulation.from_text(stack, "stack.world")
+        world.find("base.top").set_speed(math.inf, 0)
+        with self.assertRaisesRegex(troupe.StepError, 'a drive on a part of "base" was commanded a velocity that is not a finite'):
+            world.step()
+
+
 class Callbacks(InAFolder):
     def test_are_called_in_order_behind_every_step(self):
         world = troupe.Simulation(ROOM)
@@ -342,9 +371,15 @@ class Callbacks(InAFolder):
             "on_tick": lambda s: s.on_tick(None),
         }.items():
             world.on_tick(act)
-            with self.assertRaisesRegex(RuntimeError, rf"^{name}\(\) is not allowed in a callback of on_tick\(\): call it outside the callback$"):
+            text = rf"^{name}\(\) is not allowed in a callback of on_tick\(\), run_for\(\) or run_until\(\): call it outside the callback$"
+            with self.assertRaisesRegex(RuntimeError, text):
                 world.step()
             world.on_tick(None)
+            other = troupe.Simulation(ROOM)
+            for run in (lambda: other.run_for(1, act), lambda: other.run_until(act, 1)):
+                with self.assertRaisesRegex(RuntimeError, text):
+                    run()
+            self.assertEqual(other.tick, 2)
         world.on_tick(lambda simulation: 1 / 0)
         with self.assertRaises(ZeroDivisionError):
             world.step()
@@ -831,6 +866,11 @@ class Looking(InAFolder):
         self.assertGreater(os.path.getsize("run.h5"), 1000)
         with self.assertRaises(troupe.InputError):
             troupe.Recording("run.h5", world)  # the file exists
+        for every in (-1, math.nan, math.inf):
+            for record in (world.record, lambda file, **options: troupe.Recording(file, world, **options)):
+                with self.assertRaisesRegex(ValueError, f"every_s is {every:g}: give a number from 0"):
+                    record("other.h5", every_s=every)
+        self.assertFalse(os.path.exists("other.h5"))
 
     def test_a_run_records_itself(self):
         world = troupe.Simulation(ROOM, seed=9)

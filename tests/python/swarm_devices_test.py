@@ -96,12 +96,17 @@ class Devices(unittest.TestCase):
             (ValueError, "a message of 16 bytes is longer than the payload",
              lambda: self.swarm.say(np.zeros((6, 2)))),
             (ValueError, "message has shape .5,.", lambda: self.swarm.say(np.zeros(5))),
+            (ValueError, "message: the elements of the array are Python objects",
+             lambda: self.swarm.say(np.array([object()] * 6))),
+            (ValueError, "message: the elements of the array are Python objects",
+             lambda: self.swarm.say(np.zeros(6, [("text", "O")]))),
             (ValueError, "does not fit into the payload", lambda: self.swarm.heard("S9")),
             (ValueError, "where, of float64, has shape", lambda: self.swarm.command("lamp", red=1, where=np.zeros(6))),
         ):
             with self.subTest(text), self.assertRaisesRegex(error, text):
                 call()
         self.assertEqual(self.swarm.commands("lamp")["red"].tolist(), [0] * 6)
+        self.assertFalse(self.swarm.commands("radio")["payload"].any())
 
 
 class TenThousand(unittest.TestCase):

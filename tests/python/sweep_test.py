@@ -76,6 +76,21 @@ class Sweep(unittest.TestCase):
         self.assertTrue(math.isnan(table["coverage"][1]))
 
 
+    def test_columns_have_different_names(self):
+        def study(parameter, *measures):
+            return {**STUDY, "measures": measures,
+                    "parameters": [{"set": "/populations/0/count", "name": parameter, "values": [2]}]}
+
+        for wrong, text in (
+            (study("displacement_m", "displacement"), '/parameters/0: a measure has the column "displacement_m"'),
+            (study("stalls_mean", "stalls"), '/parameters/0: a measure has the column "stalls_mean"'),
+            (study("robots", {"kind": "stalls", "name": "run"}), 'already has a column "run": give the measure'),
+            (study("robots", "stalls", {"kind": "alive", "name": "stalls_mean"}), 'already has a column "stalls_mean": give the measure'),
+        ):
+            with self.subTest(text), self.assertRaisesRegex(troupe.InputError, text):
+                troupe.sweep(wrong)
+
+
 class Plot(unittest.TestCase):
     def setUp(self):
         scratch = tempfile.TemporaryDirectory()

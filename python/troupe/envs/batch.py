@@ -18,6 +18,13 @@ _ONLY = "observation"  # name of the array of a team whose observation is a sing
 _OF_SPACE = ("low", "high", "shape")  # members of a part that define its observation space
 
 
+def checked_seed(seed: Any) -> int:
+    """Returns a seed as an int. Raises ValueError if it is not from 0 to 2^64 - 1."""
+    if not 0 <= int(seed) < 2**64:
+        raise ValueError(f"seed: found {seed}: give a whole number from 0 to {2**64 - 1}")
+    return int(seed)
+
+
 class Batch:
     """Copies of the world of a task (a troupe.BatchEnv), with the observations, actions and rewards of the task.
 
@@ -34,9 +41,9 @@ class Batch:
         if not isinstance(task, Task):
             raise TypeError(f"task: must be a troupe.envs.Task, found {task!r}")
         self.task = task
-        self.teams = [dataclasses.replace(team) for team in task.teams]
-        if not self.teams:
+        if not task.teams:
             raise ValueError(f"{type(task).__name__} has no teams: set its member `teams` to a list of Teams")
+        self.teams = [dataclasses.replace(team) for team in task.teams]
         if robot is not None:
             if len(self.teams) != 1:
                 raise ValueError(f"robot={robot!r} needs a task with one team, but {type(task).__name__} has {len(self.teams)}: omit robot")
@@ -73,7 +80,7 @@ class Batch:
         """Begins an episode in some copies. which: one bool per copy, True for copies that begin one; None: all copies.
         seeds: one seed per copy. A copy without a seed (None, or an empty list) begins its next episode, whose seed is
         derived from the last seed that the copy was given (at first: the seed of the world plus the index of the copy)."""
-        self.core.reset(which, list(seeds))
+        self.core.reset(which, [None if seed is None else checked_seed(seed) for seed in seeds])
         self.task.begin(self, np.ones(self.copies, np.bool_) if which is None else which)
 
     def step(self, actions: Sequence[Any], begins: Optional[Flags] = None) -> None:
@@ -139,6 +146,14 @@ class Batch:
         return spaces.Box(
             np.array(lows + [-1.0] * columns, np.float32), np.array(highs + [1.0] * columns, np.float32), dtype=np.float32
         )
+
+
+def one_copy(task: Task, **options: Any) -> Batch:
+    """Returns a Batch with one copy of the world, for which more than one thread is of no use. options: those of Batch,
+    except threads, which raises TypeError."""
+    if "threads" in options:
+        raise TypeError("threads: an environment with one copy of the world uses one thread: omit threads, or use VectorEnv")
+    return Batch(task, 1, threads=1, **options)
 
 
 def _shape_of(parts: List[Dict[str, Any]]) -> Any:

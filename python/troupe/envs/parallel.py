@@ -9,9 +9,9 @@ import numpy as np
 import numpy.typing as npt
 from pettingzoo import ParallelEnv as _ParallelEnv
 
-from .batch import Batch
+from .batch import Batch, one_copy
 from .render import RENDER_MODES, RENDER_SIZE, Renderer
-from .single import first_of
+from .single import checked, first_of
 from .task import Task
 
 _PerAgent = Dict[str, Any]
@@ -44,7 +44,7 @@ class ParallelEnv(_ParallelEnv):
         self.task = task
         self.render_mode = render_mode
         self.renderer = Renderer(render_mode, render_size)
-        self._batch: Optional[Batch] = Batch(task, 1, threads=1, **options)
+        self._batch: Optional[Batch] = one_copy(task, **options)
         self._places: Dict[str, Tuple[int, int]] = {}  # team and row of each agent
         for team, names in enumerate(self._batch.names):
             for row, name in enumerate(names):
@@ -53,6 +53,7 @@ class ParallelEnv(_ParallelEnv):
                 self._places[name] = (team, row)
         self.possible_agents = list(self._places)
         self.agents: List[str] = []
+        self._was_reset = False
         self._met: Dict[str, bool] = {}  # whether each agent of this episode is finished
         self._observation_spaces = {name: _same(self._batch.observation_spaces[t]) for name, (t, _) in self._places.items()}
         self._action_spaces = {name: _same(self._batch.action_spaces[t]) for name, (t, _) in self._places.items()}
@@ -75,6 +76,7 @@ class ParallelEnv(_ParallelEnv):
         `options` is ignored."""
         self.batch.reset(seeds=[] if seed is None else [seed])
         self.renderer.begin(self.batch)
+        self._was_reset = True
         self.agents = [agent for agent in self.possible_agents if self._is_alive(agent)]
         self._met = {agent: False for agent in self.agents}
         return self._observations(self.agents), {agent: {} for agent in self.agents}
@@ -84,8 +86,10 @@ class ParallelEnv(_ParallelEnv):
         all zeros (in a discrete space the action with the index 0). Returns (observations, rewards, terminations,
         truncations, infos), dicts by agent, of the robots that were agents before the step and of robots born in the
         step; all dicts are empty if there are no agents. Raises ValueError for a name that is not in `agents`, and for
-        an action of a wrong shape."""
+        an action of a wrong shape, and RuntimeError before the first reset()."""
         batch = self.batch
+        if not self._was_reset:
+            raise RuntimeError("step(): call reset() before the first step")
         if not self.agents:
             return {}, {}, {}, {}, {}
         strangers = sorted(map(str, set(actions) - set(self.agents)))
@@ -97,10 +101,7 @@ class ParallelEnv(_ParallelEnv):
             tables.append(table)
         for agent, action in actions.items():
             team, row = self._places[agent]
-            given = np.asarray(action)
-            if given.shape != tables[team].shape[2:]:
-                raise ValueError(f"action of {agent}: must have the shape {tables[team].shape[2:]}, found {given.shape}")
-            tables[team][0, row] = given
+            tables[team][0, row] = checked(action, batch.action_spaces[team], f"action of {agent}")
         batch.step(tables)
         told = [agent for agent in self.possible_agents if agent in self.agents or self._is_born(agent)]
         truncated = bool(batch.core.truncated[0])

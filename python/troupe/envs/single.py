@@ -8,7 +8,7 @@ import gymnasium
 import numpy as np
 import numpy.typing as npt
 
-from .batch import Batch
+from .batch import Batch, one_copy
 from .render import RENDER_MODES, RENDER_SIZE, Renderer
 from .task import Task
 
@@ -18,6 +18,16 @@ def first_of(observations: Any, *index: int) -> Any:
     if isinstance(observations, dict):
         return {name: array[index] for name, array in observations.items()}
     return observations[index]
+
+
+def checked(action: Any, space: "gymnasium.Space[Any]", what: str) -> npt.NDArray[Any]:
+    """Returns an action as an array. Raises ValueError unless it has the shape of the action space. what: the name of
+    the action in the error text."""
+    given = np.asarray(action)
+    shape = space.shape or ()
+    if given.shape != shape:
+        raise ValueError(f"{what}: must have the shape {shape}, found {given.shape}")
+    return given
 
 
 class Env(gymnasium.Env[Any, Any]):
@@ -49,8 +59,8 @@ class Env(gymnasium.Env[Any, Any]):
         self.render_mode = render_mode
         self.renderer = Renderer(render_mode, render_size)
         if robot is None:
-            robot = Batch(task, 1, threads=1, **options).names[0][0]
-        self._batch: Optional[Batch] = Batch(task, 1, threads=1, robot=robot, **options)
+            robot = one_copy(task, **options).names[0][0]
+        self._batch: Optional[Batch] = one_copy(task, robot=robot, **options)
         self.robot = robot
         self.observation_space = self._batch.observation_spaces[0]
         self.action_space = self._batch.action_spaces[0]
@@ -72,7 +82,7 @@ class Env(gymnasium.Env[Any, Any]):
 
     def step(self, action: Any) -> Tuple[Any, float, bool, bool, Dict[str, Any]]:
         batch = self.batch
-        batch.step([np.asarray(action)[np.newaxis, np.newaxis]])
+        batch.step([checked(action, self.action_space, "action")[np.newaxis, np.newaxis]])
         return (
             first_of(batch.observations(), 0, 0),
             float(batch.core.rewards()[0, 0]),

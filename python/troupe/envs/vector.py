@@ -10,7 +10,7 @@ from gymnasium.vector import AutoresetMode
 from gymnasium.vector import VectorEnv as _VectorEnv
 from gymnasium.vector.utils import batch_space
 
-from .batch import Batch, Flags
+from .batch import Batch, Flags, checked_seed
 from .render import RENDER_MODES, RENDER_SIZE, Renderer
 from .task import Task
 
@@ -33,9 +33,9 @@ class VectorEnv(_VectorEnv[Any, Any, Any]):
                     infos["finished"] is True for the robot. Its rewards in the steps after that step are 0. If a robot
                     has not been born yet, infos["alive"] is False for the robot, its observation and its rewards are 0,
                     and its episode ends with that of its copy
-    seeds           after reset(seed=s) the first episode of copy c has the seed s + c. s may also be a list with one
-                    seed per copy, or, as in Gymnasium, per environment; all environments of a copy then need the same
-                    seed. The seeds of later episodes of the copy are derived from this seed
+    seeds           after reset(seed=s) the first episode of copy c has the seed s + c, modulo 2^64. s may also be a list
+                    with one seed per copy, or, as in Gymnasium, per environment; all environments of a copy then need
+                    the same seed. The seeds of later episodes of the copy are derived from this seed
     """
 
     def __init__(
@@ -50,7 +50,7 @@ class VectorEnv(_VectorEnv[Any, Any, Any]):
         render_size: Tuple[int, int] = RENDER_SIZE,
         **options: Any,
     ) -> None:
-        if len(task.teams) != 1:
+        if task.teams and len(task.teams) != 1:
             raise ValueError(
                 f"VectorEnv needs a task with one team, but {type(task).__name__} has {len(task.teams)}: "
                 "set its member `teams` to a list of one Team, or use ParallelEnv for several teams"
@@ -179,7 +179,7 @@ class VectorEnv(_VectorEnv[Any, Any, Any]):
         if seed is None:
             return []
         if isinstance(seed, (int, np.integer)):
-            return [int(seed) + copy for copy in range(self.copies)]
+            return [(checked_seed(seed) + copy) % 2**64 for copy in range(self.copies)]
         seeds = [None if each is None else int(each) for each in seed]
         if len(seeds) == self.copies:
             return seeds
