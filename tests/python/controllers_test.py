@@ -205,6 +205,11 @@ class Controllers(InAFolder):
         self.assertNotIn("libpython", needed)
         self.assertNotIn("libpython", subprocess.run(["ldd", PROGRAM], check=True, capture_output=True, text=True).stdout)
 
+    def test_a_script_is_not_replaced(self):
+        made = self.troupe("run", "w.json", "--for", "0.1", "--controller", "roam.py", "--hash-log", "roam.py", code=2)
+        self.assertIn("roam.py: error: cannot be written: it is a script, which this command reads", made.stderr)
+        self.assertEqual((self.folder / "roam.py").read_text(), ROAM)
+
     def test_a_sweep_uses_both(self):
         self.write("study.json", '{"troupe_study": 1, "world": "w.json", "seeds": {"from": 1, "count": 3}, "measures": ["roam:reach"]}')
         self.troupe("sweep", "study.json", "-o", "out", "--controller", "roam.py", "--threads", "2")
