@@ -10,6 +10,8 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <cstddef>
+#include <cstring>
 #include <optional>
 #include <string>
 #include <string_view>
@@ -19,6 +21,10 @@
 namespace troupe::apps {
 namespace fs = std::filesystem;
 namespace {
+
+// Keys under which checkpoints contain the starts of tables.
+constexpr const char* k_measures_start = "table of measures";
+constexpr const char* k_events_start = "table of events";
 
 std::string header_of(const Measures& measures) {
   std::string header = "tick,time_s";
@@ -37,6 +43,27 @@ std::string time_text(double time_s) { return fmt::format("{:.12g}", time_s); }
 bool goes_on(const fs::path& file, const Simulation& simulation) {
   std::error_code ignored;
   return simulation.resumed_at_tick() && fs::is_regular_file(file, ignored);
+}
+
+/// Returns the start of a table that the checkpoint contains under the key `name`, or nothing.
+std::optional<CsvFile::Start> saved_start(const Simulation& simulation, const std::string& name) {
+  const auto saved = simulation.saved_memory(name);
+  CsvFile::Start start;
+  if (!saved || saved->size() != sizeof start) return std::nullopt;
+  std::memcpy(&start, saved->data(), sizeof start);
+  return start;
+}
+
+/// Makes checkpoints contain, under the key `name`, the lines of a table that a resumed run keeps: those
+/// before `keep_before` ticks after the tick of the checkpoint.
+void save_start(Simulation& simulation, const std::string& name, const CsvFile& csv,
+                std::uint64_t keep_before) {
+  simulation.on_save(name, [&simulation, &csv, keep_before] {
+    const CsvFile::Start start = csv.before(simulation.tick() + keep_before);
+    std::vector<std::byte> memory(sizeof start);
+    std::memcpy(memory.data(), &start, sizeof start);
+    return memory;
+  });
 }
 
 /// Returns the key under which a checkpoint stores the data that these measures keep between ticks. Measures
@@ -72,12 +99,17 @@ MeasuresTable::MeasuresTable(const fs::path& file, Simulation& simulation, Measu
       measures_(remembering(file, simulation, std::move(measures))),
       every_(every),
       memory_name_(memory_name(measures_)),
-      csv_(goes_on(file, simulation) ? CsvFile(file, header_of(measures_), simulation.tick())
-                                     : CsvFile(file, header_of(measures_))) {
+      csv_(goes_on(file, simulation)
+               ? CsvFile(file, header_of(measures_), saved_start(simulation, k_measures_start))
+               : CsvFile(file, header_of(measures_))) {
   simulation_.on_save(memory_name_, [this] { return measures_.memory(); });
+  save_start(simulation_, k_measures_start, csv_, 0);  // the line of its tick is written again
 }
 
-MeasuresTable::~MeasuresTable() { simulation_.on_save(memory_name_, nullptr); }
+MeasuresTable::~MeasuresTable() {
+  simulation_.on_save(memory_name_, nullptr);
+  simulation_.on_save(k_measures_start, nullptr);
+}
 
 void MeasuresTable::observe(const Simulation& simulation) {
   measures_.see();
@@ -88,10 +120,15 @@ void MeasuresTable::observe(const Simulation& simulation) {
   csv_.flush(simulation.tick());
 }
 
-EventsTable::EventsTable(const fs::path& file, const Simulation& simulation)
-    : watch_(simulation.world()),
-      csv_(goes_on(file, simulation) ? CsvFile(file, k_events_header, simulation.tick() + 1)
-                                     : CsvFile(file, k_events_header)) {}
+EventsTable::EventsTable(const fs::path& file, Simulation& simulation)
+    : simulation_(simulation),
+      watch_(simulation.world()),
+      csv_(goes_on(file, simulation) ? CsvFile(file, k_events_header, saved_start(simulation, k_events_start))
+                                     : CsvFile(file, k_events_header)) {
+  save_start(simulation_, k_events_start, csv_, 1);
+}
+
+EventsTable::~EventsTable() { simulation_.on_save(k_events_start, nullptr); }
 
 void EventsTable::observe(const Simulation& simulation) {
   const engine::World& world = simulation.world();
