@@ -8,6 +8,7 @@
 #include "engine/ticks.hpp"
 #include "partition/transport.hpp"
 #include "troupe/build_info.hpp"
+#include "troupe/effective_options.hpp"
 #include "troupe/input_files.hpp"
 #include "troupe/simulation_impl.hpp"
 #include "worldio/json/experiment_json.hpp"
@@ -343,7 +344,8 @@ Simulation::Hashes Simulation::hashes() const {
 
 std::string Simulation::hash_log_header() const {
   std::string out = fmt::format("# troupe hash log 1\n# version: {}\n", version_line());
-  for (const auto& [key, value] : effective_options()) out += fmt::format("# {}: {}\n", key, value);
+  for (const auto& [key, value] : effective_options())
+    out += fmt::format("# {}: {}\n", to_one_line(key), to_one_line(value));
   return out;
 }
 
