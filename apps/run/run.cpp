@@ -142,6 +142,11 @@ ExitCode run_checked(const RunOptions& options) {
   try {
     const bool tells_time = std::ranges::any_of(runs, [](const auto& run) { return run->tells_time(); });
     step_to_end(runs, is_over, !options.quiet && !tells_time);
+  } catch (const InputError& error) {
+    // An act of the session is impossible. The exit code k_bad_input would say that nothing was written.
+    for (const auto& run : runs) run->save_at_least();
+    fmt::print(stderr, "{}\n", error.what());
+    return k_failed;
   } catch (...) {
     // An output that fails ends the run, but the checkpoint is still saved.
     for (const auto& run : runs) run->save_at_least();

@@ -368,6 +368,23 @@ TEST_F(Run, TheSnapshotIsAPngOfTheSizeThatWasAskedFor) {
   EXPECT_EQ(png.substr(16, 8), std::string({0, 0, 1, 64, 0, 0, 0, static_cast<char>(200)}));  // big-endian
 }
 
+TEST_F(Run, ASessionThatCannotBeRepeatedIsAFailureAfterItsFirstTicks) {
+  ASSERT_EQ(troupe({"run", "room.world", "--for", "0.1", "--hash-log", "first.log"}).code, 0);
+  nlohmann::json header{{"troupe_session", 1}, {"tick", 0}, {"hash", ticks("first.log")[0].substr(2, 16)}};
+  for (const std::string& line : lines_of(read("first.log"))) {
+    const auto colon = line.find(": ");
+    if (!line.starts_with("# ") || colon == line.npos) continue;
+    const std::string key = line.substr(2, colon - 2);
+    (key == "version" ? header : header["options"])[key] = line.substr(colon + 2);
+  }
+  write("s.jsonl", header.dump() + "\n" + R"({"tick":2,"n":1,"do":"release","robot":"r99"})" + "\n");
+  const Outcome outcome =
+      troupe({"run", "room.world", "--for", "1", "--session", "s.jsonl", "--hash-log", "h.log"});
+  EXPECT_EQ(outcome.code, 1) << outcome.err;
+  EXPECT_THAT(outcome.err, StartsWith("s.jsonl:2: error: at tick 2: "));
+  EXPECT_EQ(ticks("h.log").size(), 3u);
+}
+
 TEST_F(Run, FilesThatTheWorldReadsAreNotReplaced) {
   const std::string image = std::string("P5 3 3 255\n") + std::string(9, '\0');
   const std::vector<std::pair<std::string, std::string>> inputs{
