@@ -304,6 +304,26 @@ TEST_F(Tables, ThatCannotGoOnAreRefusedAndLeftAsTheyAre) {
   EXPECT_EQ(read("m.csv"), before);
 }
 
+TEST_F(Tables, KeepTheirPeriodWhenTheRunIsResumed) {
+  if (!worldio::has_hdf5()) GTEST_SKIP() << "this build has no HDF5";
+  const auto resumed = [&](std::vector<std::string> more) {
+    run({"--for", "1", "--checkpoint", "c.h5", "--force", "--measures", "m.csv", "--measure", "stalls",
+         "--measure-every", "0.4"});
+    more.insert(more.begin(),
+                {"resume", "c.h5", "--quiet", "--for", "2", "--measure", "stalls", "--measures"});
+    const Outcome outcome = troupe(more);
+    EXPECT_EQ(outcome.code, 0) << outcome.err;
+    std::vector<std::string> times;
+    for (const std::string& line : lines_of(read(more[8])))
+      times.push_back(line.substr(line.find(',') + 1, line.rfind(',') - line.find(',') - 1));
+    return times;
+  };
+  EXPECT_THAT(resumed({"m.csv"}), ElementsAre("time_s", "0", "0.4", "0.8", "1.2", "1.6", "2"));
+  EXPECT_THAT(resumed({"m.csv", "--measure-every", "0.5"}),
+              ElementsAre("time_s", "0", "0.4", "0.8", "1", "1.5", "2"));
+  EXPECT_THAT(resumed({"new.csv"}), ElementsAre("time_s", "1", "2"));
+}
+
 TEST_F(Tables, OfOtherRunsAreRefusedAndLeftAsTheyAre) {
   if (!worldio::has_hdf5()) GTEST_SKIP() << "this build has no HDF5";
   run({"--for", "20", "--events", "e.csv", "--measures", "m.csv", "--measure", "stalls"});
