@@ -2,9 +2,11 @@
 
 #include "apps/options.hpp"
 #include "apps/outputs.hpp"
+#include "troupe/input_files.hpp"
 #include "troupe/plugins.hpp"
 #include "troupe/registry.hpp"
 #include "worldio/convert.hpp"
+#include "worldio/load.hpp"
 #include "worldio/whole_file.hpp"
 
 #include <CLI/CLI.hpp>
@@ -13,6 +15,7 @@
 #include <cstdio>
 #include <string>
 #include <system_error>
+#include <vector>
 
 namespace troupe::apps {
 namespace {
@@ -45,6 +48,20 @@ void check(const ConvertOptions& options) {
     throw OutputError(fmt::format("{}: error: the file exists; --force replaces it", options.out.string()));
 }
 
+/// Throws OutputError if OUT exists and is one of the files that IN is read from. The conversion itself also
+/// reads OUT, to compare it with IN, so the files of IN are found by loading it once more.
+void check_inputs(const ConvertOptions& options, const engine::Registry& registry,
+                  const worldio::LoadOptions& load) {
+  std::error_code ignored;
+  if (!std::filesystem::exists(options.out, ignored)) return;
+  Diagnostics found;  // the conversion reports the errors of IN
+  std::vector<Input> inputs;
+  for (const std::filesystem::path& file :
+       input_files(worldio::load_world(options.in, registry, load, found)))
+    inputs.push_back({file, "a file of the world"});
+  check_outputs(inputs, {options.out});
+}
+
 }  // namespace
 
 void add_convert_options(CLI::App& command, ConvertOptions& options) {
@@ -71,6 +88,7 @@ ExitCode convert(const ConvertOptions& options) {
     worldio::LoadOptions load;
     load.set = options.set;
     load.search_path = with_environment({}).search_path;
+    check_inputs(options, registry, load);
     Diagnostics diagnostics;
     const worldio::ConvertedWorld world =
         worldio::convert_world(options.in, options.out, registry, load, diagnostics);

@@ -1,48 +1,21 @@
 #include "apps/csv.hpp"
 
-#include "apps/options.hpp"
 #include "apps/outputs.hpp"
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <array>
 #include <cerrno>
 #include <charconv>
 #include <cmath>
 #include <cstring>
 #include <iterator>
+#include <span>
 #include <stdexcept>
 
 namespace troupe::apps {
 namespace fs = std::filesystem;
-namespace {
-
-/// Returns the number of bytes of a table before its first line whose tick is at least `keep_before`. Throws
-/// OutputError if the file is not a table with this header.
-std::uintmax_t bytes_to_keep(const fs::path& file, std::string_view header, std::uint64_t keep_before) {
-  std::ifstream stream(file, std::ios::binary);
-  if (!stream) refuse_output(file, std::strerror(errno));
-  std::string line;
-  // An incomplete last line does not count.
-  const auto next = [&] { return std::getline(stream, line) && !stream.eof(); };
-  if (!next() || line != header)
-    refuse_output(file, fmt::format("this table cannot be continued after the checkpoint, because its first "
-                                    "line is not \"{}\": choose another file",
-                                    header));
-  std::uintmax_t bytes = line.size() + 1;
-  while (next()) {
-    const auto tick = number<std::uint64_t>(std::string_view(line).substr(0, line.find(',')));
-    if (!tick)
-      refuse_output(file, fmt::format("this table cannot be continued after the checkpoint, because one of "
-                                      "its lines does not begin with a tick (\"{}\"): choose another file",
-                                      line));
-    if (*tick >= keep_before) break;
-    bytes += line.size() + 1;
-  }
-  return bytes;
-}
-
-}  // namespace
 
 CsvFile::CsvFile(const fs::path& file, std::string_view header)
     : file_(file), stream_(file, std::ios::binary) {
@@ -50,13 +23,36 @@ CsvFile::CsvFile(const fs::path& file, std::string_view header)
   pending_ = fmt::format("{}\n", header);
 }
 
-CsvFile::CsvFile(const fs::path& file, std::string_view header, std::uint64_t keep_before) : file_(file) {
-  std::error_code ignored;
-  const bool is_new = !fs::exists(file, ignored);
-  if (!is_new) fs::resize_file(file, bytes_to_keep(file, header, keep_before));
+CsvFile::CsvFile(const fs::path& file, std::string_view header, const std::optional<Start>& start)
+    : file_(file) {
+  const auto fail = [&](std::string_view reason) {
+    refuse_output(file, fmt::format("this table cannot be continued after the checkpoint, because {}: choose "
+                                    "another file",
+                                    reason));
+  };
+  std::ifstream old(file, std::ios::binary);
+  if (!old) refuse_output(file, std::strerror(errno));
+  const std::string first = fmt::format("{}\n", header);
+  std::string found(first.size(), '\0');
+  if (!old.read(found.data(), static_cast<std::streamsize>(found.size())) || found != first)
+    fail(fmt::format("its first line is not \"{}\"", header));
+  if (!start) fail("the checkpoint was saved by a run without this table");
+  old.seekg(0);
+  for (std::array<char, 65536> piece; written_.bytes < start->bytes && old;) {
+    old.read(piece.data(), static_cast<std::streamsize>(
+                               std::min<std::uint64_t>(start->bytes - written_.bytes, piece.size())));
+    count({piece.data(), static_cast<std::size_t>(old.gcount())});
+  }
+  if (written_ != *start) fail("it is not the table that the run had written when the checkpoint was saved");
+  fs::resize_file(file, start->bytes);
   stream_.open(file, std::ios::binary | std::ios::app);
   if (!stream_) refuse_output(file, std::strerror(errno));
-  if (is_new) pending_ = fmt::format("{}\n", header);
+  if (start->bytes == 0) pending_ = first;
+}
+
+void CsvFile::count(std::string_view text) {
+  hash_.add(std::as_bytes(std::span(text)));
+  written_ = {written_.bytes + text.size(), hash_.hash()};
 }
 
 void CsvFile::separate() {
@@ -96,10 +92,13 @@ void CsvFile::end_line() {
 void CsvFile::flush(std::uint64_t tick) {
   if (pending_.empty()) return;
   stream_ << pending_ << std::flush;
-  pending_.clear();
   if (!stream_)
     throw std::runtime_error(
         fmt::format("{}: error: writing failed at tick {}: {}", file_.string(), tick, std::strerror(errno)));
+  if (tick != last_tick_) before_ = written_;
+  last_tick_ = tick;
+  count(pending_);
+  pending_.clear();
 }
 
 std::string csv_cell(std::string_view text) {

@@ -1,8 +1,11 @@
 #pragma once
 
+#include "base/hash.hpp"
+
 #include <cstdint>
 #include <filesystem>
 #include <fstream>
+#include <optional>
 #include <string>
 #include <string_view>
 
@@ -16,11 +19,17 @@ class CsvFile {
   /// Creates or empties the file. `header` is the line of column names, without line break. Throws
   /// OutputError if the file cannot be opened.
   CsvFile(const std::filesystem::path& file, std::string_view header);
-  /// Continues the table of an earlier run. Keeps the lines before the first line whose tick is at least
-  /// `keep_before`. Removes all other lines and an incomplete last line. Creates the file if it does not
-  /// exist. Throws OutputError, and does not change the file, if its first line is not `header` or a line to
-  /// keep does not begin with a tick.
-  CsvFile(const std::filesystem::path& file, std::string_view header, std::uint64_t keep_before);
+  /// The lines of a table up to some tick. A checkpoint stores this, so that a resumed run detects the table
+  /// of another run.
+  struct Start {
+    std::uint64_t bytes = 0;  ///< length, with the first line
+    std::uint64_t hash = 0;   ///< hash of these bytes; 0 if there are none
+    friend bool operator==(const Start&, const Start&) = default;
+  };
+  /// Continues the table of an earlier run: keeps `start` and removes what follows. Throws OutputError, and
+  /// does not change the file, if the first line of the file is not `header`, if there is no start, or if the
+  /// file does not begin with it.
+  CsvFile(const std::filesystem::path& file, std::string_view header, const std::optional<Start>& start);
 
   /// Appends a number as a cell to the current line. A double is written as the shortest text that reads back
   /// as the same number, or as `inf`, `-inf` or `nan`.
@@ -33,14 +42,21 @@ class CsvFile {
   /// Writes the finished lines to the file. Call it only after end_line(), not within a line. tick: the
   /// current tick of the run, for the error. Throws std::runtime_error if writing fails.
   void flush(std::uint64_t tick);
+  /// The lines that were flushed before a tick, which must be that of the last flush or a later tick.
+  Start before(std::uint64_t tick) const { return last_tick_ && *last_tick_ >= tick ? before_ : written_; }
 
  private:
   void separate();
+  void count(std::string_view text);
 
   std::filesystem::path file_;
   std::ofstream stream_;
   std::string pending_;
   bool line_begun_ = false;
+  HashStream hash_;  // of the lines in the file
+  Start written_;    // the lines in the file
+  Start before_;     // without those of the last tick
+  std::optional<std::uint64_t> last_tick_;
 };
 
 /// Returns a text as a cell of a table. If the text contains a comma, a quote or a line break, the cell is in

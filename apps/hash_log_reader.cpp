@@ -1,6 +1,7 @@
 #include "apps/hash_log_reader.hpp"
 
 #include "base/diagnostics.hpp"
+#include "troupe/effective_options.hpp"
 #include "worldio/files.hpp"
 
 #include <fmt/format.h>
@@ -88,8 +89,8 @@ void HashLogReader::read_header(const std::string& line) {
   const auto colon = line.find(": ");
   if (!line.starts_with("# ") || colon == line.npos)
     fail(fmt::format("\"{}\" is not a header line; expected # KEY: VALUE", line.substr(0, k_shown)));
-  const std::string key = line.substr(2, colon - 2);
-  if (!header_.entries.emplace(key, RunHeader::Entry{line.substr(colon + 2), number_}).second)
+  const std::string key = from_one_line(line.substr(2, colon - 2));
+  if (!header_.entries.emplace(key, RunHeader::Entry{from_one_line(line.substr(colon + 2)), number_}).second)
     fail(fmt::format("the header \"{}\" occurs twice", key));
 }
 

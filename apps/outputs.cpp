@@ -2,7 +2,9 @@
 
 #include "apps/hash_log_reader.hpp"
 #include "apps/options.hpp"
+#include "engine/world.hpp"
 #include "troupe/effective_options.hpp"
+#include "troupe/input_files.hpp"
 
 #include <fmt/format.h>
 #include <unistd.h>
@@ -87,15 +89,6 @@ void refuse_output(const fs::path& file, std::string_view reason) {
   throw OutputError(fmt::format("{}: error: cannot be written: {}", file.string(), reason));
 }
 
-bool same_file(const fs::path& a, const fs::path& b) {
-  std::error_code ignored;
-  // The paths are made absolute first, because weakly_canonical() does not change a relative name that does
-  // not exist yet.
-  return !a.empty() && !b.empty() &&
-         fs::weakly_canonical(fs::absolute(a, ignored), ignored) ==
-             fs::weakly_canonical(fs::absolute(b, ignored), ignored);
-}
-
 void check_outputs(const std::vector<Input>& inputs, const std::vector<fs::path>& outputs) {
   for (auto output = outputs.begin(); output != outputs.end(); ++output) {
     if (output->empty()) continue;
@@ -108,6 +101,16 @@ void check_outputs(const std::vector<Input>& inputs, const std::vector<fs::path>
       if (!other->empty() && same_file(*output, *other))
         refuse_output(*output, "another output has the same name: choose another file name");
   }
+}
+
+void add_inputs(const Simulation& simulation, std::vector<Input>& inputs) {
+  if (simulation.resumed_at_tick()) return;  // a checkpoint contains its world
+  for (const fs::path& file : input_files(simulation.world().spec()))
+    inputs.push_back({file, "a file of the world"});
+}
+
+void add_inputs(std::span<const std::shared_ptr<const Script>> scripts, std::vector<Input>& inputs) {
+  for (const auto& script : scripts) inputs.push_back({script->file, "a script"});
 }
 
 void check_folder(const fs::path& folder) {

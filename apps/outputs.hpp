@@ -2,6 +2,7 @@
 
 #include "apps/observers/observer.hpp"
 #include "apps/run/run_output.hpp"
+#include "troupe/script.hpp"
 #include "troupe/simulation.hpp"
 
 #include <cstdint>
@@ -9,6 +10,7 @@
 #include <fstream>
 #include <memory>
 #include <optional>
+#include <span>
 #include <stdexcept>
 #include <string>
 #include <string_view>
@@ -36,11 +38,13 @@ struct Input {
 /// neither a folder, nor one of `inputs`, nor another output. Empty paths are skipped. The function creates
 /// nothing, so that an invalid world leaves no files.
 void check_outputs(const std::vector<Input>& inputs, const std::vector<std::filesystem::path>& outputs);
+/// Appends the files that the world of a simulation was read from. A resumed simulation has none.
+void add_inputs(const Simulation& simulation, std::vector<Input>& inputs);
+/// Appends the files of scripts.
+void add_inputs(std::span<const std::shared_ptr<const Script>> scripts, std::vector<Input>& inputs);
 /// Checks that files can be written into a folder. If the folder does not exist yet, checks that its parent
 /// folder exists and is writable. Ignores an empty path. Creates nothing. Throws OutputError.
 void check_folder(const std::filesystem::path& folder);
-/// Whether two paths name the same file, which need not exist yet. False if one is empty.
-bool same_file(const std::filesystem::path& a, const std::filesystem::path& b);
 
 /// Writes a hash log. Each line is written to the file at the end of its tick.
 class HashLog : public Observer {

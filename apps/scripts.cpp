@@ -23,6 +23,15 @@ namespace {
 ReadScript g_read_script;     // NOLINT: one interpreter per process
 bool g_wants_python = false;  // NOLINT: an option of the process
 
+/// What Python executes. `-m troupe` would search the working folder first, where a json.py would hide the
+/// module json of Python. `-c` puts the working folder first, too, as ""; it becomes the last folder, so that
+/// a script can still import modules from it.
+constexpr const char* k_run_package =
+    "import sys\n"
+    "if sys.path[:1] == ['']: sys.path.append(sys.path.pop(0))\n"
+    "from troupe.__main__ import main\n"
+    "sys.exit(main())\n";
+
 std::string environment(const char* name) {
   const char* value = std::getenv(name);  // NOLINT(concurrency-mt-unsafe): nothing writes the environment
   return value ? value : "";
@@ -75,7 +84,7 @@ void run_in_python(int argc, const char* const* argv) {
                     launcher->name, launcher->ranks));
   add_package_path();
   const std::string python = interpreter();
-  std::vector<const char*> arguments{python.c_str(), "-m", "troupe"};
+  std::vector<const char*> arguments{python.c_str(), "-c", k_run_package};
   for (int i = 1; i < argc; ++i) arguments.push_back(argv[i]);
   arguments.push_back(nullptr);
   execvp(python.c_str(), const_cast<char* const*>(arguments.data()));

@@ -12,7 +12,7 @@ class App;
 }  // namespace CLI
 
 /// The option --controller, which names a Python script with controllers. The program does not link Python.
-/// If the option is given, the program replaces itself by `python3 -m troupe` with the same arguments. The
+/// If the option is given, the program replaces itself by the Python package with the same arguments. The
 /// package `troupe` contains the same commands; it calls set_script_reader() before run_command_line().
 namespace troupe::apps {
 
@@ -28,7 +28,8 @@ void add_controller_option(CLI::App& app, std::vector<std::shared_ptr<const Scri
 
 /// Whether a parsed command line has --controller, and this process has no script reader.
 bool python_is_wanted();
-/// Replaces this process by `python3 -m troupe` with the arguments argv[1] to argv[argc - 1]. The interpreter
+/// Replaces this process by the program in the Python package `troupe`, with the arguments argv[1] to
+/// argv[argc - 1]. Python searches modules in the working folder last. The interpreter
 /// is that of the environment variable TROUPE_PYTHON, or else the one for which the Python package was built,
 /// or, if that does not exist, the first python3 on PATH. Throws InputError if the interpreter cannot be
 /// executed, or if a launcher such as mpirun started several processes.

@@ -111,6 +111,13 @@ struct Film {
   std::unique_ptr<apps::Filming> filming;
 };
 
+/// Throws OutputError if a file cannot be written, or if the simulation was read from it.
+void check_output(const Holder& held, const std::filesystem::path& file) {
+  std::vector<apps::Input> inputs;
+  apps::add_inputs(held->use(), inputs);
+  apps::check_outputs(inputs, {file});
+}
+
 /// The robots of a call of decide(). The object can be used only during this call.
 class RobotBatch {
  public:
@@ -583,6 +590,7 @@ void bind_script(py::module_& module) {
                  .look = picture_options(width, height, camera, layers, center_m, angle_rad, across_m,
                                          color_by, color_range, background)};
              Film film{held, std::make_unique<apps::Filming>(files, SimulationSource(held->use()))};
+             check_output(held, file);
              apps::check_film(files);
              film.filming->open();
              return film;
@@ -604,9 +612,9 @@ void bind_script(py::module_& module) {
         film.held->work([&](Simulation& simulation) { film.filming->observe(simulation); });
       });
 
-  module.def(
-      "_check_output", [](const std::filesystem::path& file) { apps::check_outputs({}, {file}); },
-      py::arg("file"), "Raises RuntimeError if a file of this name cannot be written.");
+  module.def("_check_output", &check_output, py::arg("simulation"), py::arg("file"),
+             "Raises RuntimeError if a file of this name cannot be written, or if the simulation was read "
+             "from it.");
   module.def(
       "_write_replay_page",
       [](const std::filesystem::path& recording, const std::filesystem::path& page, bool replace) {

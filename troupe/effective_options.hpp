@@ -2,6 +2,8 @@
 
 #include <algorithm>
 #include <array>
+#include <cstddef>
+#include <string>
 #include <string_view>
 
 namespace troupe {
@@ -12,6 +14,28 @@ constexpr bool changes_no_result(std::string_view option) {
   constexpr std::array<std::string_view, 5> k_options{"threads", "tile_m", "simd", "ranks",
                                                       "resumed_at_tick"};
   return std::ranges::find(k_options, option) != k_options.end();
+}
+
+/// Returns a key or value of effective_options() as it is written in the header of a hash log, in one line: a
+/// line break becomes `\n`, and a backslash `\\`.
+inline std::string to_one_line(std::string_view text) {
+  std::string line;
+  for (const char c : text) {
+    if (c == '\n' || c == '\\') line += '\\';
+    line += c == '\n' ? 'n' : c;
+  }
+  return line;
+}
+
+/// Returns the text from which to_one_line() made `line`.
+inline std::string from_one_line(std::string_view line) {
+  std::string text;
+  for (std::size_t i = 0; i < line.size(); ++i) {
+    const bool is_escape = line[i] == '\\' && i + 1 < line.size();
+    if (is_escape) ++i;
+    text += is_escape && line[i] == 'n' ? '\n' : line[i];
+  }
+  return text;
 }
 
 }  // namespace troupe

@@ -8,6 +8,8 @@
 #include "engine/ticks.hpp"
 #include "partition/transport.hpp"
 #include "troupe/build_info.hpp"
+#include "troupe/effective_options.hpp"
+#include "troupe/input_files.hpp"
 #include "troupe/simulation_impl.hpp"
 #include "worldio/json/experiment_json.hpp"
 
@@ -42,6 +44,18 @@ void Simulation::Impl::refuse_in_callbacks(std::string_view what) const {
 void Simulation::Impl::require_own(const Model& model) const {
   if (model.place_->world != world.get())
     throw std::logic_error(fmt::format("\"{}\" is a model of another simulation", model.name()));
+}
+
+void Simulation::Impl::refuse_to_replace_inputs(const std::filesystem::path& output) const {
+  std::vector<std::filesystem::path> inputs;
+  if (!resumed_at) inputs = input_files(world->spec());
+  for (const Plugins::Library& library : plugins->libraries()) inputs.push_back(library.file);
+  for (const std::filesystem::path& input : inputs)
+    if (same_file(output, input))
+      throw std::runtime_error(
+          fmt::format("{}: error: cannot be written: this simulation was read from the file: choose another "
+                      "file name",
+                      output.string()));
 }
 
 Pictures& Simulation::Impl::pictures_of(const Simulation& simulation, const PictureOptions& options) {
@@ -112,6 +126,7 @@ void Simulation::record(const std::filesystem::path& file, const RecordingOption
     throw std::logic_error(
         fmt::format("{}: this run is already being recorded; call stop_recording() first", file.string()));
   impl_->world->require_whole();
+  impl_->refuse_to_replace_inputs(file);
   impl_->recording = std::make_unique<Recording>(file, *this, options);
 }
 
@@ -329,7 +344,8 @@ Simulation::Hashes Simulation::hashes() const {
 
 std::string Simulation::hash_log_header() const {
   std::string out = fmt::format("# troupe hash log 1\n# version: {}\n", version_line());
-  for (const auto& [key, value] : effective_options()) out += fmt::format("# {}: {}\n", key, value);
+  for (const auto& [key, value] : effective_options())
+    out += fmt::format("# {}: {}\n", to_one_line(key), to_one_line(value));
   return out;
 }
 
@@ -420,6 +436,7 @@ void Simulation::snapshot(const std::filesystem::path& png, int width, int heigh
 }
 
 void Simulation::snapshot(const std::filesystem::path& png, const PictureOptions& options) const {
+  impl_->refuse_to_replace_inputs(png);
   Pictures& pictures = impl_->pictures_of(*this, options);
   pictures.write(pictures.take(*this), png);
 }

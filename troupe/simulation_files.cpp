@@ -299,6 +299,7 @@ std::optional<std::uint64_t> Simulation::resumed_at_tick() const { return impl_-
 
 void Simulation::save(const std::filesystem::path& checkpoint) const {
   impl_->world->require_whole();
+  impl_->refuse_to_replace_inputs(checkpoint);
   worldio::FileHeader header = effective_options();
   header.insert(header.begin(), {"version", version_line()});
   header.emplace_back("title", title());

@@ -63,6 +63,8 @@ struct Simulation::Impl {
   void refuse_in_callbacks(std::string_view what) const;
   /// Throws std::logic_error for a model of another simulation.
   void require_own(const Model& model) const;
+  /// Throws std::runtime_error if an output would replace a file that the simulation was read from.
+  void refuse_to_replace_inputs(const std::filesystem::path& output) const;
   /// Returns `pictures`, which it makes again if the last call had other options.
   Pictures& pictures_of(const Simulation& simulation, const PictureOptions& options);
 

@@ -5,6 +5,7 @@
 #include "apps/outputs.hpp"
 #include "apps/run/run_options.hpp"
 #include "engine/ticks.hpp"
+#include "troupe/input_files.hpp"
 
 #include <CLI/CLI.hpp>
 #include <fmt/format.h>

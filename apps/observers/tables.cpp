@@ -10,6 +10,9 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <cstddef>
+#include <cstdint>
+#include <cstring>
 #include <optional>
 #include <string>
 #include <string_view>
@@ -19,6 +22,11 @@
 namespace troupe::apps {
 namespace fs = std::filesystem;
 namespace {
+
+// Keys under which checkpoints contain the starts of tables.
+constexpr const char* k_measures_start = "table of measures";
+constexpr const char* k_events_start = "table of events";
+constexpr const char* k_measures_interval = "interval of measures";  // key of the interval, ticks
 
 std::string header_of(const Measures& measures) {
   std::string header = "tick,time_s";
@@ -37,6 +45,33 @@ std::string time_text(double time_s) { return fmt::format("{:.12g}", time_s); }
 bool goes_on(const fs::path& file, const Simulation& simulation) {
   std::error_code ignored;
   return simulation.resumed_at_tick() && fs::is_regular_file(file, ignored);
+}
+
+/// Returns the value that the checkpoint contains under the key `name`, or nothing.
+template <class Value>
+std::optional<Value> saved(const Simulation& simulation, const std::string& name) {
+  const auto memory = simulation.saved_memory(name);
+  Value value{};
+  if (!memory || memory->size() != sizeof value) return std::nullopt;
+  std::memcpy(&value, memory->data(), sizeof value);
+  return value;
+}
+
+/// Returns a value as the memory of a checkpoint.
+template <class Value>
+std::vector<std::byte> memory_of(const Value& value) {
+  std::vector<std::byte> memory(sizeof value);
+  std::memcpy(memory.data(), &value, sizeof value);
+  return memory;
+}
+
+/// Makes checkpoints contain, under the key `name`, the lines of a table that a resumed run keeps: those
+/// before `keep_before` ticks after the tick of the checkpoint.
+void save_start(Simulation& simulation, const std::string& name, const CsvFile& csv,
+                std::uint64_t keep_before) {
+  simulation.on_save(name, [&simulation, &csv, keep_before] {
+    return memory_of(csv.before(simulation.tick() + keep_before));
+  });
 }
 
 /// Returns the key under which a checkpoint stores the data that these measures keep between ticks. Measures
@@ -72,12 +107,19 @@ MeasuresTable::MeasuresTable(const fs::path& file, Simulation& simulation, Measu
       measures_(remembering(file, simulation, std::move(measures))),
       every_(every),
       memory_name_(memory_name(measures_)),
-      csv_(goes_on(file, simulation) ? CsvFile(file, header_of(measures_), simulation.tick())
-                                     : CsvFile(file, header_of(measures_))) {
+      csv_(goes_on(file, simulation)
+               ? CsvFile(file, header_of(measures_), saved<CsvFile::Start>(simulation, k_measures_start))
+               : CsvFile(file, header_of(measures_))) {
   simulation_.on_save(memory_name_, [this] { return measures_.memory(); });
+  save_start(simulation_, k_measures_start, csv_, 0);  // the line of its tick is written again
+  simulation_.on_save(k_measures_interval, [this] { return memory_of(every_); });
 }
 
-MeasuresTable::~MeasuresTable() { simulation_.on_save(memory_name_, nullptr); }
+MeasuresTable::~MeasuresTable() {
+  simulation_.on_save(memory_name_, nullptr);
+  simulation_.on_save(k_measures_start, nullptr);
+  simulation_.on_save(k_measures_interval, nullptr);
+}
 
 void MeasuresTable::observe(const Simulation& simulation) {
   measures_.see();
@@ -88,10 +130,16 @@ void MeasuresTable::observe(const Simulation& simulation) {
   csv_.flush(simulation.tick());
 }
 
-EventsTable::EventsTable(const fs::path& file, const Simulation& simulation)
-    : watch_(simulation.world()),
-      csv_(goes_on(file, simulation) ? CsvFile(file, k_events_header, simulation.tick() + 1)
-                                     : CsvFile(file, k_events_header)) {}
+EventsTable::EventsTable(const fs::path& file, Simulation& simulation)
+    : simulation_(simulation),
+      watch_(simulation.world()),
+      csv_(goes_on(file, simulation)
+               ? CsvFile(file, k_events_header, saved<CsvFile::Start>(simulation, k_events_start))
+               : CsvFile(file, k_events_header)) {
+  save_start(simulation_, k_events_start, csv_, 1);
+}
+
+EventsTable::~EventsTable() { simulation_.on_save(k_events_start, nullptr); }
 
 void EventsTable::observe(const Simulation& simulation) {
   const engine::World& world = simulation.world();
@@ -133,13 +181,20 @@ class MeasuresOutput : public ClonedOutput<MeasuresOutput> {
     if (file_.empty()) return nullptr;
     const auto measures = std::make_shared<Measures>(simulation, names_);
     return [this, &simulation, measures](Observers& observers) {
-      const double every_s = every_s_.value_or(simulation.world().spec().measure_every_s);
-      observers.push_back(std::make_unique<MeasuresTable>(
-          file_, simulation, std::move(*measures), engine::period_ticks(every_s, simulation.tick_s())));
+      observers.push_back(
+          std::make_unique<MeasuresTable>(file_, simulation, std::move(*measures), interval(simulation)));
     };
   }
 
  private:
+  /// Returns the interval of the lines, ticks: that of --measure-every, or else that of the table that is
+  /// continued, or else that of the world.
+  std::uint64_t interval(const Simulation& simulation) const {
+    if (!every_s_ && goes_on(file_, simulation))
+      if (const auto every = saved<std::uint64_t>(simulation, k_measures_interval)) return *every;
+    return engine::period_ticks(every_s_.value_or(simulation.world().spec().measure_every_s),
+                                simulation.tick_s());
+  }
   /// Adds the measures that a value of --measure names: `stalls,displacement:leaders`, or one JSON object as
   /// in the list `measures` of a world file.
   void add_names(const std::string& text) {
@@ -159,7 +214,7 @@ class MeasuresOutput : public ClonedOutput<MeasuresOutput> {
 
   fs::path file_;
   std::vector<std::string> names_;  // in the syntax of Measures; empty: those of the world
-  std::optional<double> every_s_;   // --measure-every; not given: the interval of the world file
+  std::optional<double> every_s_;   // --measure-every, see interval()
 };
 
 class EventsOutput : public ClonedOutput<EventsOutput> {

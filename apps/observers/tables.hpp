@@ -45,12 +45,14 @@ class EventsTable : public Observer {
  public:
   /// Creates the table, which will contain the events after the current tick. If the simulation was resumed
   /// from a checkpoint, an existing table is continued. Throws OutputError if the file cannot be written or
-  /// continued.
-  EventsTable(const std::filesystem::path& file, const Simulation& simulation);
+  /// continued. The simulation must outlive this object.
+  EventsTable(const std::filesystem::path& file, Simulation& simulation);
+  ~EventsTable() override;
 
   void observe(const Simulation& simulation) override;
 
  private:
+  Simulation& simulation_;
   engine::EventWatch watch_;
   CsvFile csv_;
 };

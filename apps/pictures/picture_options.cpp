@@ -191,7 +191,11 @@ void add_look_options(CLI::App& app, PictureOptions& look) {
                 throw CLI::ValidationError("--background", known.error().text);
             });
   add_value(app, "--color-by", "COMPONENT.FIELD", "Colour robots by a field of the state",
-            [&look](const std::string& text) { look.color_by = text; });
+            [&look](const std::string& text) {
+              if (text.empty())
+                refuse("--color-by", text, "a field of the state, as in --color-by velocity.x");
+              look.color_by = text;
+            });
   add_value(app, "--color-range", "LOW,HIGH",
             "Values at the ends of the colour scale (default: smallest and largest of each picture)",
             [&look](const std::string& text) {

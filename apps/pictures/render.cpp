@@ -188,7 +188,9 @@ void render_checked(const RenderOptions& options) {
   const PictureFiles& wanted = options.pictures;
   std::vector<fs::path> outputs = snapshot_files(wanted);
   outputs.push_back(wanted.film);
-  check_outputs({{options.world, "the file to draw"}}, outputs);
+  std::vector<Input> inputs{{options.world, "the file to draw"}};
+  add_inputs(options.simulation.scripts, inputs);
+  check_outputs(inputs, outputs);
   check_film(wanted);
   const bool is_checkpoint = worldio::is_checkpoint(options.world);
   if (!is_checkpoint && is_hdf5(options.world)) {
@@ -207,10 +209,14 @@ void render_checked(const RenderOptions& options) {
   if (is_checkpoint) refuse_given(options, k_of_checkpoints, "checkpoint");
   if (!wanted.snapshot.empty()) {
     Simulation simulation = load(options, is_checkpoint);
+    add_inputs(simulation, inputs);
+    check_outputs(inputs, outputs);
     draw_simulation(options, simulation);
   }
   if (!wanted.film.empty() && !stop_requested()) {
     Simulation simulation = load(options, is_checkpoint);
+    add_inputs(simulation, inputs);
+    check_outputs(inputs, outputs);
     film_simulation(options, simulation);
   }
 }

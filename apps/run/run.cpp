@@ -52,15 +52,18 @@ std::vector<RunOptions> one_for_each_world(const RunOptions& options) {
 }
 
 /// Calls check_outputs() for the inputs and outputs of all worlds. It is called before loading, and again
-/// after loading, because a world file may name a recording.
-void check_files(const std::vector<RunOptions>& each) {
+/// after loading, because a world file may name a recording. read: the files that the worlds were then read
+/// from.
+void check_files(const std::vector<RunOptions>& each, const std::vector<Input>& read = {}) {
   std::vector<Input> inputs;
   std::vector<fs::path> outputs;
   for (const RunOptions& options : each) {
     inputs.push_back({options.world, options.is_checkpoint ? "the checkpoint" : "the world"});
     if (!options.session.empty()) inputs.push_back({options.session, "the session"});
+    add_inputs(options.simulation.scripts, inputs);
     std::ranges::copy(options.outputs.files(options), std::back_inserter(outputs));
   }
+  std::ranges::copy(read, std::back_inserter(inputs));
   check_outputs(inputs, outputs);
 }
 
@@ -121,8 +124,12 @@ ExitCode run_checked(const RunOptions& options) {
   check_files(each);
   const Runs runs = load(each);
   stop_on_signals();
-  for (std::size_t i = 0; i < runs.size(); ++i) each[i] = runs[i]->take_names_from_world();
-  check_files(each);
+  std::vector<Input> read;
+  for (std::size_t i = 0; i < runs.size(); ++i) {
+    each[i] = runs[i]->take_names_from_world();
+    add_inputs(runs[i]->simulation(), read);
+  }
+  check_files(each, read);
   const auto is_over = [&] {
     return stop_requested() || (options.wall_limit_s && seconds_since(start) >= *options.wall_limit_s);
   };
@@ -135,6 +142,11 @@ ExitCode run_checked(const RunOptions& options) {
   try {
     const bool tells_time = std::ranges::any_of(runs, [](const auto& run) { return run->tells_time(); });
     step_to_end(runs, is_over, !options.quiet && !tells_time);
+  } catch (const InputError& error) {
+    // An act of the session is impossible. The exit code k_bad_input would say that nothing was written.
+    for (const auto& run : runs) run->save_at_least();
+    fmt::print(stderr, "{}\n", error.what());
+    return k_failed;
   } catch (...) {
     // An output that fails ends the run, but the checkpoint is still saved.
     for (const auto& run : runs) run->save_at_least();

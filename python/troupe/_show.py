@@ -60,7 +60,7 @@ def replay(
         raise TypeError(f"replay(): fields must be a list of names, as in [{fields!r}], found {fields!r}")
     if not replace and os.path.exists(file):
         raise FileExistsError(f"{os.fspath(file)}: the file exists; replace=True replaces it")
-    _check_output(file)
+    _check_output(self, file)
     with tempfile.TemporaryDirectory() as folder:
         recording = os.path.join(folder, "run.h5")
         self.record(recording, every_s=every_s, fields=list(fields))

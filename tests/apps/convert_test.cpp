@@ -74,6 +74,17 @@ TEST_F(ConvertCommand, AFileThatIsThereIsReplacedOnlyWithForce) {
                         "choose another file name"));
 }
 
+TEST_F(ConvertCommand, AnIncludedFileIsNotReplaced) {
+  const std::string types = R"({"types": {"box": {"size_m": [1, 1, 1]}}})";
+  write("types.json", types);
+  write("all.json", R"({"troupe": 1, "include": ["types.json"]})");
+  const Outcome outcome = troupe({"convert", "all.json", "types.json", "--force"});
+  EXPECT_EQ(outcome.code, 2);
+  EXPECT_THAT(outcome.err, HasSubstr("types.json: error: cannot be written: it is a file of the world, which "
+                                     "this command reads: choose another file name"));
+  EXPECT_EQ(read("types.json"), types);
+}
+
 TEST_F(ConvertCommand, NothingIsWrittenOfAWorldThatIsWrong) {
   write("w.world", "model( size [1 0 1] )\n");
   EXPECT_THAT(refused({"convert", "w.world", "w.json"}).err, StartsWith("w.world:1: error: \"size\""));

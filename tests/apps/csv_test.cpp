@@ -38,51 +38,70 @@ TEST_F(Csv, TextsStandInQuotesWhereTheyNeedThem) {
   EXPECT_EQ(csv_cell(""), "");
 }
 
-/// The table after it was gone on with from a tick, with one more line.
+/// A table of two lines, and its start before the second line.
 class GoneOnWith : public Csv {
  protected:
-  std::string table(const std::string& before, std::uint64_t keep_before) {
-    const std::filesystem::path file = write("t.csv", before);
-    CsvFile csv(file, "tick,a", keep_before);
-    csv.add(keep_before).add(0.5).end_line();
-    csv.flush(keep_before);
-    return content(file);
+  GoneOnWith() {
+    CsvFile csv(file_, "tick,a");
+    csv.add(std::uint64_t{0}).add(1.0).end_line();
+    csv.flush(0);
+    csv.add(std::uint64_t{5}).add(2.0).end_line();
+    csv.flush(5);
+    start_ = csv.before(5);
+    whole_ = csv.before(6);
   }
+  /// The table after one more line behind a start of it.
+  std::string table(const CsvFile::Start& start) {
+    CsvFile csv(file_, "tick,a", start);
+    csv.add(std::uint64_t{7}).add(0.5).end_line();
+    csv.flush(7);
+    return content(file_);
+  }
+
+  const std::filesystem::path file_ = folder_ / "t.csv";
+  CsvFile::Start start_, whole_;
 };
 
-TEST_F(GoneOnWith, LinesFromTheTickOnAreDropped) {
-  EXPECT_EQ(table("tick,a\n0,1\n5,2\n10,3\n15,4\n", 10), "tick,a\n0,1\n5,2\n10,0.5\n");
-  EXPECT_EQ(table("tick,a\n0,1\n5,2\n", 10), "tick,a\n0,1\n5,2\n10,0.5\n");
-  EXPECT_EQ(table("tick,a\n12,1\n", 10), "tick,a\n10,0.5\n");
-  EXPECT_EQ(table("tick,a\n", 10), "tick,a\n10,0.5\n");
+TEST_F(GoneOnWith, KeepsTheStartAndDropsTheRest) {
+  const std::string before = content(file_);
+  EXPECT_EQ(table(whole_), before + "7,0.5\n");
+  EXPECT_EQ(table(start_), "tick,a\n0,1\n7,0.5\n");
+  write("t.csv", before + "6,3\n12,0.");
+  EXPECT_EQ(table(whole_), before + "7,0.5\n");
+  EXPECT_EQ(table(CsvFile::Start()), "tick,a\n7,0.5\n");
 }
 
-TEST_F(GoneOnWith, ALineThatWasCutOffIsDropped) {
-  EXPECT_EQ(table("tick,a\n0,1\n5,2.3", 10), "tick,a\n0,1\n10,0.5\n");
-  EXPECT_EQ(table("tick,a\n0,1\n1", 10), "tick,a\n0,1\n10,0.5\n");
-}
-
-TEST_F(GoneOnWith, WhatIsNotThereIsMade) {
-  const std::filesystem::path file = folder_ / "new.csv";
-  CsvFile csv(file, "tick,a", 7);
-  csv.flush(7);
-  EXPECT_EQ(content(file), "tick,a\n");
+TEST_F(GoneOnWith, HasTheStartThatItHadWithoutABreak) {
+  {
+    CsvFile csv(file_, "tick,a", start_);
+    csv.add(std::uint64_t{5}).add(2.0).end_line();
+    csv.flush(5);
+    EXPECT_EQ(csv.before(5), start_);
+    EXPECT_EQ(csv.before(6), whole_);
+  }
+  EXPECT_NE(start_, whole_);
 }
 
 TEST_F(GoneOnWith, AnotherTableIsRefusedAndLeftAsItIs) {
-  for (const char* other : {"tick,b\n0,1\n", "", "tick,a", "tick,a\nx,1\n"}) {
-    const std::filesystem::path file = write("t.csv", other);
+  const auto refused = [&](const std::string& other, const std::optional<CsvFile::Start>& start,
+                           const std::string& reason) {
+    write("t.csv", other);
     try {
-      const CsvFile csv(file, "tick,a", 10);
+      const CsvFile csv(file_, "tick,a", start);
       ADD_FAILURE() << other;
     } catch (const OutputError& error) {
-      EXPECT_THAT(
-          error.what(),
-          HasSubstr(
-              "t.csv: error: cannot be written: this table cannot be continued after the checkpoint, "));
+      EXPECT_THAT(error.what(),
+                  HasSubstr("t.csv: error: cannot be written: this table cannot be continued after the "
+                            "checkpoint, because " +
+                            reason + ": choose another file"));
     }
-    EXPECT_EQ(content(file), other);
-  }
+    EXPECT_EQ(content(file_), other);
+  };
+  for (const char* other : {"tick,b\n0,1\n", "", "tick,a"})
+    refused(other, start_, "its first line is not \"tick,a\"");
+  refused("tick,a\n0,1\n", std::nullopt, "the checkpoint was saved by a run without this table");
+  for (const char* other : {"tick,a\n0,3\n", "tick,a\n0,", "tick,a\n"})
+    refused(other, start_, "it is not the table that the run had written when the checkpoint was saved");
 }
 
 }  // namespace

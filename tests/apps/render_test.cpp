@@ -62,6 +62,19 @@ TEST_F(Render, AWorldIsDrawnAsItBeginsAndAtOtherTimes) {
   EXPECT_NE(pixels("p.png"), first_);
 }
 
+TEST_F(Render, AnImageOfTheWorldIsNotReplaced) {
+  const std::string image = std::string("P5 3 3 255\n") + std::string(9, '\0');
+  write("plan.png", image);  // the content of an image decides its format
+  write("w.json", R"({"troupe": 1, "floorplans": [
+      {"name": "plan", "bitmap": "plan.png", "size_m": [3, 3, 1]}]})");
+  const Outcome outcome = troupe({"render", "w.json", "-o", "plan.png"});
+  EXPECT_EQ(outcome.code, 2);
+  EXPECT_EQ(outcome.err,
+            "plan.png: error: cannot be written: it is a file of the world, which this command reads: choose "
+            "another file name\n");
+  EXPECT_EQ(read("plan.png"), image);
+}
+
 TEST_F(Render, SeveralTimesAreSeveralPictures) {
   const Outcome outcome =
       troupe({"render", "room.world", "-o", "q-{time}.png", "--at", "0.2,0", "--size", "96x64"});

@@ -77,6 +77,15 @@ TEST_F(Resume, CutsALogThatIsAheadOfTheCheckpoint) {
   EXPECT_EQ(ticks("h.log"), std::vector<std::string>(straight.begin(), straight.begin() + 21));
 }
 
+TEST_F(Resume, OptionsWithALineBreakAreOneLineOfTheLog) {
+  write("two\nlines \\n.world", read("room.world"));
+  good({"run", "two\nlines \\n.world", "--for", "1", "--checkpoint", "c.h5", "--hash-log", "h.log"});
+  EXPECT_THAT(lines_of(read("h.log")), Contains("# world: two\\nlines \\\\n.world"));
+  EXPECT_EQ(troupe({"diff", "h.log", "h.log"}).code, 0);
+  good({"resume", "c.h5", "--for", "2", "--hash-log", "h.log"});
+  EXPECT_EQ(ticks("h.log").size(), 21u);
+}
+
 TEST_F(Resume, LeavesTheLogOfAnotherRunAlone) {
   good({"run", "room.world", "--for", "1", "--checkpoint", "c.h5"});
   good({"run", "room.world", "--for", "2", "--seed", "9", "--hash-log", "seed.log"});

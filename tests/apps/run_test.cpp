@@ -368,6 +368,56 @@ TEST_F(Run, TheSnapshotIsAPngOfTheSizeThatWasAskedFor) {
   EXPECT_EQ(png.substr(16, 8), std::string({0, 0, 1, 64, 0, 0, 0, static_cast<char>(200)}));  // big-endian
 }
 
+TEST_F(Run, ASessionThatCannotBeRepeatedIsAFailureAfterItsFirstTicks) {
+  ASSERT_EQ(troupe({"run", "room.world", "--for", "0.1", "--hash-log", "first.log"}).code, 0);
+  nlohmann::json header{{"troupe_session", 1}, {"tick", 0}, {"hash", ticks("first.log")[0].substr(2, 16)}};
+  for (const std::string& line : lines_of(read("first.log"))) {
+    const auto colon = line.find(": ");
+    if (!line.starts_with("# ") || colon == line.npos) continue;
+    const std::string key = line.substr(2, colon - 2);
+    (key == "version" ? header : header["options"])[key] = line.substr(colon + 2);
+  }
+  write("s.jsonl", header.dump() + "\n" + R"({"tick":2,"n":1,"do":"release","robot":"r99"})" + "\n");
+  const Outcome outcome =
+      troupe({"run", "room.world", "--for", "1", "--session", "s.jsonl", "--hash-log", "h.log"});
+  EXPECT_EQ(outcome.code, 1) << outcome.err;
+  EXPECT_THAT(outcome.err, StartsWith("s.jsonl:2: error: at tick 2: "));
+  EXPECT_EQ(ticks("h.log").size(), 3u);
+}
+
+TEST_F(Run, FilesThatTheWorldReadsAreNotReplaced) {
+  const std::string image = std::string("P5 3 3 255\n") + std::string(9, '\0');
+  const std::vector<std::pair<std::string, std::string>> inputs{
+      {"plan.pgm", image},
+      {"map.pgm", image},
+      {"map.yaml", "image: map.pgm\nresolution: 1\norigin: [5, 5, 0]\n"},
+      {"types.json", R"({"types": {"box": {"size_m": [1, 1, 1]}}})"},
+      {"w.json", R"({"troupe": 1, "include": ["types.json"], "floorplans": [
+          {"name": "plan", "bitmap": "plan.pgm", "size_m": [3, 3, 1]}, {"name": "map", "bitmap": "map.yaml"}]})"},
+  };
+  for (const auto& [name, text] : inputs) write(name, text);
+  const std::vector<std::string> before = files();
+  for (const auto& [name, text] : inputs) {
+    for (const std::string option : {"--hash-log", "--events"}) {
+      const Outcome outcome = troupe({"run", "w.json", "--quiet", "--for", "1", option, name});
+      EXPECT_EQ(outcome.code, 2);
+      EXPECT_THAT(outcome.err,
+                  MatchesRegex(name + ": error: cannot be written: it is (the world|a file of the world), "
+                                      "which this command reads: choose another file name\n"));
+    }
+    EXPECT_EQ(read(name), text);
+  }
+  EXPECT_EQ(files(), before);
+}
+
+TEST_F(Run, HardLinksAreTheFilesThatTheyLinkTo) {
+  std::filesystem::create_hard_link(path("room.world"), path("link"));
+  const Outcome outcome = troupe({"run", "room.world", "--for", "1", "--hash-log", "link"});
+  EXPECT_EQ(outcome.code, 2);
+  EXPECT_THAT(outcome.err, HasSubstr("link: error: cannot be written: it is the world"));
+  EXPECT_EQ(read("room.world"), k_room);
+}
+
 TEST_F(Run, OutputsThatCannotBeWrittenAreRefusedBeforeTheRun) {
   const std::vector<std::pair<std::vector<std::string>, std::string>> cases{
       {{"--hash-log", "none/h.log"}, "none/h.log: error: cannot be written: there is no folder none"},

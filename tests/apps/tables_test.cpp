@@ -304,6 +304,58 @@ TEST_F(Tables, ThatCannotGoOnAreRefusedAndLeftAsTheyAre) {
   EXPECT_EQ(read("m.csv"), before);
 }
 
+TEST_F(Tables, KeepTheirPeriodWhenTheRunIsResumed) {
+  if (!worldio::has_hdf5()) GTEST_SKIP() << "this build has no HDF5";
+  const auto resumed = [&](std::vector<std::string> more) {
+    run({"--for", "1", "--checkpoint", "c.h5", "--force", "--measures", "m.csv", "--measure", "stalls",
+         "--measure-every", "0.4"});
+    more.insert(more.begin(),
+                {"resume", "c.h5", "--quiet", "--for", "2", "--measure", "stalls", "--measures"});
+    const Outcome outcome = troupe(more);
+    EXPECT_EQ(outcome.code, 0) << outcome.err;
+    std::vector<std::string> times;
+    for (const std::string& line : lines_of(read(more[8])))
+      times.push_back(line.substr(line.find(',') + 1, line.rfind(',') - line.find(',') - 1));
+    return times;
+  };
+  EXPECT_THAT(resumed({"m.csv"}), ElementsAre("time_s", "0", "0.4", "0.8", "1.2", "1.6", "2"));
+  EXPECT_THAT(resumed({"m.csv", "--measure-every", "0.5"}),
+              ElementsAre("time_s", "0", "0.4", "0.8", "1", "1.5", "2"));
+  EXPECT_THAT(resumed({"new.csv"}), ElementsAre("time_s", "1", "2"));
+}
+
+TEST_F(Tables, OfOtherRunsAreRefusedAndLeftAsTheyAre) {
+  if (!worldio::has_hdf5()) GTEST_SKIP() << "this build has no HDF5";
+  run({"--for", "20", "--events", "e.csv", "--measures", "m.csv", "--measure", "stalls"});
+  run({"--for", "1", "--checkpoint", "without.h5"});
+  run({"--for", "20", "--seed", "9", "--checkpoint", "other.h5", "--events", "e9.csv", "--measures", "m9.csv",
+       "--measure", "stalls"});
+  const auto refused = [&](const std::string& checkpoint, const std::string& file,
+                           const std::vector<std::string>& options, const std::string& reason) {
+    const std::string before = read(file);
+    std::vector<std::string> arguments{"resume", checkpoint, "--for", "21"};
+    arguments.insert(arguments.end(), options.begin(), options.end());
+    const Outcome outcome = troupe(arguments);
+    EXPECT_EQ(outcome.code, 2);
+    EXPECT_THAT(lines_of(outcome.err),
+                ElementsAre(file +
+                            ": error: cannot be written: this table cannot be continued after the "
+                            "checkpoint, because " +
+                            reason + ": choose another file"));
+    EXPECT_EQ(read(file), before);
+  };
+  const std::vector<std::string> events{"--events", "e.csv"};
+  const std::vector<std::string> measures{"--measures", "m.csv", "--measure", "stalls"};
+  for (const char* checkpoint : {"without.h5", "other.h5"}) {
+    const std::string reason =
+        checkpoint == std::string_view("other.h5")
+            ? "it is not the table that the run had written when the checkpoint was saved"
+            : "the checkpoint was saved by a run without this table";
+    refused(checkpoint, "e.csv", events, reason);
+    refused(checkpoint, "m.csv", measures, reason);
+  }
+}
+
 TEST_F(Tables, DescribeTellsWhatIsMeasured) {
   const Outcome list = troupe({"describe"});
   EXPECT_THAT(lines_of(list.out), Contains("measures"));

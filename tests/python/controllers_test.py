@@ -205,6 +205,18 @@ class Controllers(InAFolder):
         self.assertNotIn("libpython", needed)
         self.assertNotIn("libpython", subprocess.run(["ldd", PROGRAM], check=True, capture_output=True, text=True).stdout)
 
+    def test_modules_in_the_working_folder_do_not_hide_those_of_python(self):
+        for name in ("json", "random", "typing"):
+            self.write(f"{name}.py", "raise SystemExit('imported from the working folder')\n")
+        self.write("beside.py", "")
+        self.write("my.py", "import beside\n" + ROAM.replace("class roam", "class my"))
+        self.troupe("run", "w.json", "--for", "0.1", "--controller", "my.py")
+
+    def test_a_script_is_not_replaced(self):
+        made = self.troupe("run", "w.json", "--for", "0.1", "--controller", "roam.py", "--hash-log", "roam.py", code=2)
+        self.assertIn("roam.py: error: cannot be written: it is a script, which this command reads", made.stderr)
+        self.assertEqual((self.folder / "roam.py").read_text(), ROAM)
+
     def test_a_sweep_uses_both(self):
         self.write("study.json", '{"troupe_study": 1, "world": "w.json", "seeds": {"from": 1, "count": 3}, "measures": ["roam:reach"]}')
         self.troupe("sweep", "study.json", "-o", "out", "--controller", "roam.py", "--threads", "2")

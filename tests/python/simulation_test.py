@@ -5,6 +5,7 @@ import gc
 import json
 import math
 import os
+import pathlib
 import signal
 import subprocess
 import sys
@@ -892,6 +893,25 @@ class Looking(InAFolder):
         self.assertEqual(troupe.Simulation.resume("c.h5").resumed_at_tick, 0)
         self.assertRegex(world.hash_log_header(), "^# troupe hash log 1\n# version: ")
         self.assertTrue(world.hash_log_line().startswith(f"0 {world.state_hash():016x} pose="))
+
+    def test_files_that_the_world_was_read_from_are_not_replaced(self):
+        inputs = {
+            "w.json": b'{"troupe": 1, "floorplans": [{"name": "plan", "bitmap": "plan.png", "size_m": [3, 3, 1]}]}',
+            "plan.png": b"P5 3 3 255\n" + bytes(9),
+        }
+        for name, content in inputs.items():
+            pathlib.Path(name).write_bytes(content)
+        world = troupe.Simulation("w.json")
+        for name, content in inputs.items():
+            for write in (
+                world.save,
+                world.snapshot,
+                lambda file: world.record(file, replace=True),
+                lambda file: world.replay(file, 1, replace=True),
+            ):
+                with self.assertRaisesRegex(RuntimeError, f"^{name}: error: cannot be written: "):
+                    write(name)
+            self.assertEqual(pathlib.Path(name).read_bytes(), content)
 
     def test_many_are_put_at_once(self):
         world = troupe.Simulation(ROOM)

@@ -1,0 +1,18 @@
+#pragma once
+
+#include "engine/world_spec.hpp"
+
+#include <filesystem>
+#include <vector>
+
+namespace troupe {
+
+/// The files that a world was read from, as far as they exist: the world file, the files that it includes,
+/// its images and ROS maps, and the scripts that gave it controllers. Empty for a world that a program built.
+std::vector<std::filesystem::path> input_files(const engine::WorldSpec& world);
+
+/// Whether two paths name the same file, which need not exist yet. Links to one file, hard or symbolic, are
+/// the same file. False if one of the paths is empty.
+bool same_file(const std::filesystem::path& a, const std::filesystem::path& b);
+
+}  // namespace troupe
