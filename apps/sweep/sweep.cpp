@@ -407,6 +407,8 @@ ExitCode sweep_checked(SweepOptions options, RankDeal& deal) {
     throw InputError(
         "troupe sweep: error: -o DIR is required: the folder for the results of the runs and the tables");
   const auto [identity, measures] = identify(study, options, deal.rank() == 0);
+  worldio::check_columns(study, measures, diagnostics);
+  diagnostics.throw_if_errors();
   check_folder(options.folder);
   if (fs::exists(options.folder))
     check_outputs({}, {csv_file(options.folder), hdf5_file(options.folder), options.folder / "series.csv"});
@@ -425,7 +427,7 @@ ExitCode sweep_checked(SweepOptions options, RankDeal& deal) {
     options.quiet = options.quiet || deal.rank() > 0;
   }
   SweepJournal journal(journal_file(options.folder, options.part, options.parts), identity);
-  SweepTable table{.study = study, .measures = measure_columns(measures, study.statistics)};
+  SweepTable table{.study = study, .measures = worldio::measure_columns(measures, study.statistics)};
   Ended here{.failed = make_all(study, runs, options, journal, deal)};
   here.was_stopped = stop_requested();
   Ended ended = gathered(here, deal);

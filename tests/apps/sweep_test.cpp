@@ -49,6 +49,17 @@ TEST_F(Sweep, MakesATableWithARowARun) {
   EXPECT_THAT(lines[6], EndsWith("," + run.out.substr(hash, 16) + ","));
 }
 
+TEST_F(Sweep, RefusesColumnsOfTheSameNameBeforeTheRuns) {
+  write("same.json", R"({"troupe_study": 1, "world": "w.json", "for_s": 1,
+    "parameters": [{"set": "/populations/0/count", "name": "stalls", "values": [2, 5]}]})");
+  const Outcome outcome = troupe({"sweep", "same.json", "-o", "out"});
+  EXPECT_EQ(outcome.code, 2);
+  EXPECT_EQ(outcome.err,
+            "same.json:2: error: /parameters/0: a measure has the column \"stalls\" of the table of results: "
+            "give this parameter another \"name\"\n");
+  EXPECT_FALSE(std::filesystem::exists(path("out")));
+}
+
 TEST_F(Sweep, GivesTheSameTableOnAnyThreadsAndInAnyParts) {
   ASSERT_EQ(troupe({"sweep", "study.json", "-o", "one", "--threads", "1"}).code, 0);
   ASSERT_EQ(troupe({"sweep", "study.json", "-o", "four", "--threads", "4"}).code, 0);

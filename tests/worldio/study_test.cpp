@@ -143,6 +143,32 @@ TEST_F(StudyFile, ValuesAreFiniteOrAnError) {
   for (const auto& row : drawn) EXPECT_LE(std::stod(row[0]), 1.7976931348623157e308);
 }
 
+TEST_F(StudyFile, NamesOfColumnsAreUnique) {
+  const auto errors = [&](const std::string& members, const std::vector<std::string>& measures) {
+    const Study read = study(members);
+    EXPECT_THAT(findings(diagnostics_), IsEmpty());
+    check_columns(read, measures, diagnostics_);
+    std::vector<std::string> texts;
+    for (const std::string& text : findings(diagnostics_))
+      texts.push_back(text.substr(text.rfind("study.json")));
+    return texts;
+  };
+  EXPECT_THAT(errors(R"("statistics": ["last", "mean"])", {"x", "y"}), IsEmpty());
+  const std::string parameter = R"("parameters": [
+    {"set": "/x", "values": [1]},
+    {"set": "/y", "name": "coverage_mean", "values": [1]}], "statistics": ["mean"])";
+  EXPECT_THAT(errors(parameter, {"cover"}), IsEmpty());
+  EXPECT_THAT(errors(parameter, {"coverage"}),
+              ElementsAre("study.json:4: error: /parameters/1: a measure has the column \"coverage_mean\" of the "
+                          "table of results: give this parameter another \"name\""));
+  EXPECT_THAT(errors(parameter, {"x"}), ElementsAre(HasSubstr("study.json:3: error: /parameters/0")));
+  EXPECT_THAT(errors(R"("statistics": ["mean"])", {"run"}),
+              ElementsAre("study.json: error: the table of results already has a column \"run\": give the "
+                          "measure of this column another \"name\""));
+  EXPECT_THAT(errors(R"("statistics": ["last", "mean"])", {"state_hash", "x", "x_mean"}),
+              ElementsAre(HasSubstr("column \"state_hash\""), HasSubstr("column \"x_mean\"")));
+}
+
 TEST_F(StudyFile, SaysWhatIsWrongAndWhere) {
   EXPECT_THAT(wrong(R"("parameters": [{"set": "/x", "value": [1]}])"),
               testing::Contains(HasSubstr("study.json:2: error: /parameters/0: missing \"values\"")));
