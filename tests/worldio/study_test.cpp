@@ -190,6 +190,23 @@ TEST_F(StudyFile, SaysWhatIsWrongAndWhere) {
               ElementsAre(HasSubstr("the table of results already has a column \"seed\"")));
   EXPECT_THAT(wrong(R"("parameters": [{"set": "/x", "values": [1]}, {"set": "/x", "values": [2]}])"),
               ElementsAre(HasSubstr("/parameters/1: the table of results already has a column \"x\"")));
+  EXPECT_THAT(wrong(R"("parameters": [{"set": "/x", "name": "a", "values": [1]},
+    {"set": "/x", "name": "b", "values": [2]}])"),
+              ElementsAre("study.json:2: error: /parameters/0: \"/x\" has no effect, because /parameters/1 sets the "
+                          "same value: remove one of them"));
+  EXPECT_THAT(wrong(R"("parameters": [{"set": "/x/-", "name": "a", "values": [1]},
+    {"set": "/x/-", "name": "b", "values": [2]}])"),
+              IsEmpty());
+  constexpr const char* k_seed = R"("parameters": [{"set": "/seed", "name": "first", "values": [1]}])";
+  EXPECT_THAT(wrong(k_seed), IsEmpty());
+  EXPECT_THAT(wrong(std::string(k_seed) + R"(, "seeds": [5])"),
+              ElementsAre("study.json:2: error: /parameters/0: \"/seed\" has no effect, because \"seeds\" sets the "
+                          "seed of each run: remove one of them"));
+  constexpr const char* k_end = R"("parameters": [{"set": "/quit_time_s", "values": [1]}])";
+  EXPECT_THAT(wrong(k_end), IsEmpty());
+  EXPECT_THAT(wrong(std::string(k_end) + R"(, "for_ms": 5)"),
+              ElementsAre("study.json:2: error: /parameters/0: \"/quit_time_s\" has no effect, because \"for_s\" of "
+                          "the study sets the end of each run: remove one of them"));
   EXPECT_THAT(wrong(R"("measures": ["coverag"])"), ElementsAre(HasSubstr("did you mean \"coverage\"?")));
   EXPECT_THAT(wrong(R"("statistics": ["median"])"), ElementsAre(HasSubstr("known: last, max, mean, min")));
   EXPECT_THAT(wrong(R"("statistics": ["mean", "mean"])"), ElementsAre(HasSubstr("already in the list")));

@@ -146,6 +146,7 @@ class StudyReader {
     if (const Value samples = read_field(object, whole("samples", 1, k_most_runs, "")); samples.given())
       study_.samples = static_cast<std::size_t>(samples.integer());
     object.finish();
+    check_effects(root);
     if (!diagnostics.has_errors()) check_runs(root);
     return std::move(study_);
   }
@@ -176,6 +177,7 @@ class StudyReader {
   static Choice read_interval(const JsonCursor& at, Kind kind);
   void read_seeds(JsonObject& object);
   void read_measures(JsonObject& object);
+  void check_effects(const JsonCursor& at) const;
   void check_runs(const JsonCursor& at);
 
   const std::filesystem::path& file_;
@@ -325,6 +327,28 @@ void StudyReader::read_measures(JsonObject& object) {
     study_.measure_every_s = every.number();
 }
 
+/// Reports parameters whose values cannot change any run, because something else sets the same value
+/// afterwards.
+void StudyReader::check_effects(const JsonCursor& at) const {
+  const auto& all = study_.parameters;
+  for (std::size_t p = 0; p < all.size(); ++p) {
+    const std::string& pointer = all[p].pointer;
+    const auto report = [&](const std::string& why) {
+      at.error_at(all[p].where,
+                  fmt::format("/parameters/{}: \"{}\" has no effect, because {}", p, pointer, why));
+    };
+    if (pointer == "/seed" && !study_.seeds.empty())
+      report("\"seeds\" sets the seed of each run: remove one of them");
+    if ((pointer == "/quit_time_s" || pointer == "/quit_time_ms") && study_.for_s)
+      report("\"for_s\" of the study sets the end of each run: remove one of them");
+    const bool appends = pointer.ends_with("/-");  // each of several such parameters appends another entry
+    const auto later = std::find_if(all.begin() + static_cast<std::ptrdiff_t>(p) + 1, all.end(),
+                                    [&](const Study::Parameter& one) { return one.pointer == pointer; });
+    if (!pointer.empty() && !appends && later != all.end())
+      report(fmt::format("/parameters/{} sets the same value: remove one of them", later - all.begin()));
+  }
+}
+
 void StudyReader::check_runs(const JsonCursor& at) {
   auto count = static_cast<double>(std::max<std::size_t>(study_.seeds.size(), 1));
   if (study_.samples) count *= static_cast<double>(*study_.samples);
@@ -385,8 +409,8 @@ std::vector<std::string> measure_columns(const std::vector<std::string>& measure
   std::vector<std::string> names;
   for (const std::string& measure : measures)
     for (const Statistic statistic : statistics)
-      names.push_back(statistic == Statistic::last ? measure
-                                                   : fmt::format("{}_{}", measure, statistic_name(statistic)));
+      names.push_back(
+          statistic == Statistic::last ? measure : fmt::format("{}_{}", measure, statistic_name(statistic)));
   return names;
 }
 
@@ -405,10 +429,11 @@ void check_columns(const Study& study, const std::vector<std::string>& measures,
   taken.insert(measures.begin(), measures.end());
   for (std::size_t p = 0; p < study.parameters.size(); ++p)
     if (taken.contains(study.parameters[p].name))
-      diagnostics.error(study.parameters[p].where,
-                        fmt::format("/parameters/{}: a measure has the column \"{}\" of the table of results: "
-                                    "give this parameter another \"name\"",
-                                    p, study.parameters[p].name));
+      diagnostics.error(
+          study.parameters[p].where,
+          fmt::format("/parameters/{}: a measure has the column \"{}\" of the table of results: "
+                      "give this parameter another \"name\"",
+                      p, study.parameters[p].name));
 }
 
 Study load_study(const std::filesystem::path& file, const engine::Registry& registry,

@@ -80,14 +80,14 @@ struct Study {
   std::vector<std::pair<std::string, std::string>> settings(const Run& run) const;
 };
 
-/// Returns the names of the columns that measures have in the table of results: for each measure one column per
-/// statistic. For the measure `coverage`, the statistic `last` is in the column `coverage` and `mean` in
+/// Returns the names of the columns that measures have in the table of results: for each measure one column
+/// per statistic. For the measure `coverage`, the statistic `last` is in the column `coverage` and `mean` in
 /// `coverage_mean`. measures: names of the measures, with units (Measures::columns()).
 std::vector<std::string> measure_columns(const std::vector<std::string>& measures,
                                          const std::vector<Statistic>& statistics);
 
-/// Adds an error for each column of a measure whose name another column of the study's tables has: a parameter,
-/// another measure, or a column of every table, such as `seed`. measures: as in measure_columns().
+/// Adds an error for each column of a measure whose name another column of the study's tables has: a
+/// parameter, another measure, or a column of every table, such as `seed`. measures: as in measure_columns().
 void check_columns(const Study& study, const std::vector<std::string>& measures, Diagnostics& diagnostics);
 
 inline constexpr std::size_t k_most_runs = 1000000;  ///< greatest number of runs of a study
