@@ -60,6 +60,15 @@ TEST_F(Sweep, RefusesColumnsOfTheSameNameBeforeTheRuns) {
   EXPECT_FALSE(std::filesystem::exists(path("out")));
 }
 
+TEST_F(Sweep, ErrorsOfParametersNameTheirPlaceInTheStudy) {
+  write("wrong.json", R"({"troupe_study": 1, "world": "w.json", "for_s": 1, "parameters": [
+    {"set": "/seed", "name": "s", "values": [1]},
+    {"set": "/nix/0", "values": [1]}]})");
+  const Outcome outcome = troupe({"sweep", "wrong.json", "-o", "out"});
+  EXPECT_EQ(outcome.code, 2);
+  EXPECT_THAT(outcome.err, StartsWith("wrong.json:3: error: /parameters/1: the world has no key \"nix\""));
+}
+
 TEST_F(Sweep, GivesTheSameTableOnAnyThreadsAndInAnyParts) {
   ASSERT_EQ(troupe({"sweep", "study.json", "-o", "one", "--threads", "1"}).code, 0);
   ASSERT_EQ(troupe({"sweep", "study.json", "-o", "four", "--threads", "4"}).code, 0);
@@ -213,7 +222,8 @@ TEST_F(Sweep, WhatIsWrongIsToldBeforeAnythingIsWritten) {
   std::string study(k_study);
   study.replace(study.find("/populations/0/count"), 20, "/populations/7/count");
   write("study.json", study);
-  refused({"sweep", "study.json", "-o", "out"}, "--set /populations/7/count");
+  refused({"sweep", "study.json", "-o", "out"},
+          "study.json:2: error: /parameters/0: /populations has 1 entries");
   study = k_study;
   study.insert(1, R"("series": "yes", )");
   write("study.json", study);

@@ -224,7 +224,10 @@ std::string JsonNode::describe() const {
     std::string operator()(bool x) const { return x ? "true" : "false"; }
     std::string operator()(std::int64_t x) const { return fmt::format("the number {}", x); }
     std::string operator()(std::uint64_t x) const { return fmt::format("the number {}", x); }
-    std::string operator()(double x) const { return fmt::format("the number {}", x); }
+    std::string operator()(double x) const {
+      const std::string text = fmt::format("{}", x);  // "5" for 5.0, which would read like a whole number
+      return fmt::format("the number {}{}", text, text.find_first_of(".e") == text.npos ? ".0" : "");
+    }
     std::string operator()(const std::string& x) const { return fmt::format("the text \"{}\"", x); }
     std::string operator()(const List& x) const { return fmt::format("a list of length {}", x.size()); }
     std::string operator()(const Object&) const { return "an object"; }
