@@ -13,7 +13,9 @@
 #include <CLI/CLI.hpp>
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <any>
+#include <cstddef>
 #include <cstdio>
 #include <exception>
 #include <functional>
@@ -21,6 +23,7 @@
 #include <stdexcept>
 #include <string>
 #include <string_view>
+#include <utility>
 #include <vector>
 
 namespace troupe::apps {
@@ -69,6 +72,24 @@ std::string usage_text(const CLI::App& app, const CLI::ParseError& error) {
     }
   }
   return fmt::format("{}: error: {}; see {} --help\n", name, message, name);
+}
+
+/// Returns the arguments after the program's name. Splits `--option=` into `--option` and an empty value, if
+/// the option takes a value: CLI11 would take the next argument as its value.
+std::vector<std::string> split_arguments(const CLI::App& app, int argc, const char* const* argv) {
+  std::vector<std::string> arguments(argv + std::min(argc, 1), argv + argc);
+  const auto commands = app.get_subcommands(
+      [&](const CLI::App* one) { return !arguments.empty() && one->get_name() == arguments.front(); });
+  for (std::size_t i = 1; !commands.empty() && i < arguments.size(); ++i) {
+    if (arguments[i].find('=') + 1 != arguments[i].size()) continue;
+    const std::string name = arguments[i].substr(0, arguments[i].size() - 1);
+    const CLI::Option* option =
+        name.starts_with("--") ? commands.front()->get_option_no_throw(name) : nullptr;
+    if (!option || option->get_items_expected_max() == 0) continue;
+    arguments[i] = name;
+    arguments.emplace(arguments.begin() + static_cast<std::ptrdiff_t>(i) + 1);
+  }
+  return arguments;
 }
 
 /// Returns the text that --version prints.
@@ -129,7 +150,9 @@ int run_command_line(int argc, const char* const* argv, const std::function<void
     std::vector<ProgramCommand> commands = program_commands();
     add_commands(app, commands);
     try {
-      app.parse(argc, argv);
+      std::vector<std::string> arguments = split_arguments(app, argc, argv);
+      std::ranges::reverse(arguments);  // as CLI11 expects them
+      app.parse(std::move(arguments));
     } catch (const CLI::ParseError& error) {
       if (error.get_exit_code() == static_cast<int>(CLI::ExitCodes::Success)) return told(app.exit(error));
       print_common_error(usage_text(app, error));

@@ -106,6 +106,16 @@ Result<> check_change(const DriveKind& kind, const Record& before, const Record&
   return kind.check(params);
 }
 
+/// Calls a function with diagnostics, and adds its findings to `diagnostics`, each with the JSON pointer
+/// `/KEY/INDEX` of the part of the experiment in front of its message.
+template <class Build>
+void build_part(std::string_view key, std::size_t index, Diagnostics& diagnostics, Build&& build) {
+  Diagnostics own(diagnostics.files());
+  build(own);
+  for (const Finding& finding : own.findings())
+    diagnostics.error(finding.where, fmt::format("/{}/{}: {}", key, index, finding.message));
+}
+
 }  // namespace
 
 // ---- Compiling the spec
@@ -159,7 +169,8 @@ void World::build_experiment(const Registry& registry, Diagnostics& diagnostics)
   std::map<std::uint32_t, TypeSpec> types;  // by type id, with all settings so far applied
   std::size_t most = 0;
   for (Experiment::Intervention& intervention : e.interventions) {
-    build_intervention(intervention, registry, types, diagnostics);
+    build_part("at", intervention.spec, diagnostics,
+               [&](Diagnostics& own) { build_intervention(intervention, registry, types, own); });
     most = std::max(most, intervention.whom.size());
   }
   build_faults(registry, diagnostics);
@@ -175,7 +186,7 @@ void World::build_faults(const Registry& registry, Diagnostics& diagnostics) {
   e.faults.clear();
   e.first_fault_events.clear();
   for (std::size_t i = 0; i < state_.spec.experiment.faults.size(); ++i)
-    build_fault(i, registry, diagnostics);
+    build_part("faults", i, diagnostics, [&](Diagnostics& own) { build_fault(i, registry, own); });
   diagnostics.throw_if_errors();
   std::ranges::make_heap(e.first_fault_events, is_later);
   e.fault_events.reserve(e.first_fault_events.size());

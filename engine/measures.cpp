@@ -63,6 +63,13 @@ MeasureSet::MeasureSet(World& world, const Registry& registry, std::span<const M
       continue;
     }
     std::string column = column_name(spec, *kind);
+    if (column == "tick" || column == "time_s") {  // the first columns of every table of measures
+      diagnostics.error(spec.where,
+                        fmt::format("a measure cannot have the column \"{}\", which is the time in "
+                                    "tables of measures: give it another \"name\"",
+                                    column));
+      continue;
+    }
     if (std::ranges::find(columns_, column) != columns_.end()) {
       diagnostics.error(
           spec.where,

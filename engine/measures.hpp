@@ -21,7 +21,7 @@ namespace troupe::engine {
 class MeasureSet {
  public:
   /// Begins to measure with the present state. Reports these errors to `diagnostics`, at the positions of
-  /// the specs in the file: unknown kinds or robots, two columns with the same name, and any exception that
+  /// the specs in the file: unknown kinds or robots, equal or reserved column names, and any exception that
   /// MeasureKind::make throws, for example because parameters name something unknown or need too much
   /// memory. Measures with errors are left out. Exceptions of foreign measures (MeasureKind::is_foreign)
   /// propagate, unless they are std::logic_error. World and registry must outlive the set.

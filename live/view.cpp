@@ -18,6 +18,7 @@
 #include <array>
 #include <cmath>
 #include <exception>
+#include <limits>
 #include <span>
 #include <stdexcept>
 #include <system_error>
@@ -37,6 +38,7 @@ constexpr std::chrono::seconds k_most_behind{1};  // a run that is later than th
 constexpr std::size_t k_spare = 3;  // one picture is being filled, one encoded, and one is the newest
 constexpr std::size_t k_most_messages = 1024;  // messages queued for the simulation
 constexpr std::uint64_t k_most_steps = 1000000000;
+constexpr std::uint64_t k_most_columns = 1000000000;
 constexpr std::uintmax_t k_most_file_bytes = 10'000'000'000;  // of all files that viewers request
 constexpr std::array<std::string_view, 5> k_looking{"inspect", "plot", "color", "layers",
                                                     "parameters"};  // requests of read-only viewers
@@ -179,8 +181,13 @@ void View::Impl::received(std::uint64_t client, bool may_steer, std::string_view
         client, R"({"type":"refused","reason":"a message must be a JSON object with the text \"do\""})");
   }
   if (what == "drawn") return server_->drawn(client);
-  const auto id = json.value("id", Json());
-  const std::string said = id.is_number_unsigned() ? fmt::format(R"("id":{},)", id.get<std::uint64_t>()) : "";
+  const auto id = json.value("id", Json(0U));
+  if (!id.is_number_unsigned()) {
+    refused("a message with an invalid \"id\"");
+    return server_->send(client,
+                         R"({"type":"refused","reason":"\"id\" must be a whole number from 0 to 2^64 - 1"})");
+  }
+  const std::string said = json.contains("id") ? fmt::format(R"("id":{},)", id.get<std::uint64_t>()) : "";
   if (!may_steer && std::ranges::find(k_looking, what.get<std::string>()) == k_looking.end()) {
     refused("a command of a read-only viewer");
     return server_->send(client,
@@ -352,20 +359,18 @@ class View::Impl::Request {
 
   const std::string& what() const { return what_; }
   bool has(const char* key) const { return json_.contains(key) && !json_[key].is_null(); }
-  std::uint64_t id() const {
-    const Json id = json_.value("id", Json());
-    return id.is_number_unsigned() ? id.get<std::uint64_t>() : 0;
-  }
+  std::uint64_t id() const { return json_.value("id", std::uint64_t{0}); }  // checked when it was received
   double number(const char* key, double least, double most) const {
     const Json value = json_.value(key, Json());
     if (!value.is_number() || !(value.get<double>() >= least && value.get<double>() <= most))
       throw ActRefused(fmt::format("\"{}\" must be a number from {} to {}", key, least, most));
     return value.get<double>();
   }
-  std::uint64_t whole(const char* key) const {
+  std::uint64_t whole(const char* key, std::uint64_t least, std::uint64_t most) const {
     const Json value = json_.value(key, Json());
-    if (!value.is_number_unsigned())
-      throw ActRefused(fmt::format("\"{}\" must be a whole number, at least 0", key));
+    if (!value.is_number_unsigned() || value.get<std::uint64_t>() < least ||
+        value.get<std::uint64_t>() > most)
+      throw ActRefused(fmt::format("\"{}\" must be a whole number from {} to {}", key, least, most));
     return value.get<std::uint64_t>();
   }
   /// A name; empty for null and for a missing key.
@@ -447,10 +452,7 @@ bool View::Impl::obey_clock(const Request& request) {
   } else if (request.what() == "pause") {
     if (playing_) steps_ = 1;  // pauses after the next tick, because the hash log line is computed then
   } else if (request.what() == "step") {
-    const std::uint64_t ticks =
-        request.has("ticks")
-            ? static_cast<std::uint64_t>(request.number("ticks", 1, static_cast<double>(k_most_steps)))
-            : 1;
+    const std::uint64_t ticks = request.has("ticks") ? request.whole("ticks", 1, k_most_steps) : 1;
     play(steps_ + ticks);  // in addition to the ticks that remain of an earlier request
   } else if (request.what() == "until") {
     const double time_s = request.number("time_s", 0, engine::k_most_seconds);
@@ -492,7 +494,8 @@ bool View::Impl::obey_watch(const Request& request, Client& client) {
       return true;
     }
     ColorValue color{.component = request.name("component"), .field = request.name("field"), .column = {}};
-    if (request.has("column")) color.column = static_cast<std::uint32_t>(request.number("column", 0, 1e9));
+    if (request.has("column"))
+      color.column = static_cast<std::uint32_t>(request.whole("column", 0, k_most_columns));
     if (!has_value(world, color))
       throw ActRefused(fmt::format("there is no field \"{}\"{} in the component \"{}\"", color.field,
                                    color.column ? fmt::format(" with a column {}", *color.column) : "",
@@ -514,7 +517,7 @@ bool View::Impl::postpone(const Request& request, std::uint64_t client) {
   Job job{.client = client, .id = request.id(), .seed = {}};
   if (request.what() == "restart") {
     check_restart();  // before a tick is computed for it
-    if (request.has("seed")) job.seed = request.whole("seed");
+    if (request.has("seed")) job.seed = request.whole("seed", 0, std::numeric_limits<std::uint64_t>::max());
   } else if (request.what() == "checkpoint") {
     job.what = What::checkpoint;
   } else if (request.what() == "record") {

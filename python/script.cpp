@@ -634,7 +634,11 @@ void bind_script(py::module_& module) {
           try {
             return scripts_of(sources).front();
           } catch (const py::error_already_set& error) {
-            throw InputError(std::string(py::str(error.value())));
+            // Exceptions that are not derived from Exception, such as KeyboardInterrupt, are not replaced by
+            // an InputError, which names the file.
+            const bool names_file = error.matches(py::module_::import("troupe").attr("InputError"));
+            throw InputError(names_file ? std::string(py::str(error.value()))
+                                        : error_text(error, file.string()));
           }
         });
         std::vector<const char*> words;

@@ -257,7 +257,9 @@ std::string Painter::draw_vector(const Frame& frame, const View& view, VectorFor
   const Composition composition = compose(frame, view);
   const VectorDrawing drawing = vector_drawing(composition.projection, composition.layers,
                                                composition.writing, theme_of(view.background));
-  return format == VectorFormat::svg ? svg_text(drawing, texts) : pdf_text(drawing, texts);
+  FileTexts metadata = texts;
+  for (auto& [key, value] : metadata) value = printable_utf8(value);
+  return format == VectorFormat::svg ? svg_text(drawing, metadata) : pdf_text(drawing, metadata);
 }
 
 Picture draw(const FrameScene& scene, const Frame& frame, const View& view) {

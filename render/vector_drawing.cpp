@@ -3,6 +3,7 @@
 #include "render/scene_layers.hpp"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <cstddef>
 #include <optional>
@@ -148,29 +149,36 @@ void close_lines(VectorPath& path) {
   path.is_closed = true;
 }
 
-/// Replaces control characters, and bytes that are not valid UTF-8, by question marks: neither SVG nor PDF
-/// allows them.
-std::string as_utf8(std::string_view text) {
+/// Whether XML and cairo allow a character in a text. They forbid surrogates, and both or one of them the
+/// control characters and the noncharacters, such as U+FFFF.
+bool is_printable(char32_t code) {
+  const bool is_control = code < 0x20 || code == 0x7f;
+  const bool is_surrogate = code >= 0xd800 && code < 0xe000;
+  const bool is_noncharacter = (code >= 0xfdd0 && code < 0xfdf0) || (code & 0xfffeU) == 0xfffeU;
+  return !is_control && !is_surrogate && !is_noncharacter && code <= 0x10ffff;
+}
+
+}  // namespace
+
+std::string printable_utf8(std::string_view text) {
+  constexpr std::array<char32_t, 4> k_least{0, 0x80, 0x800, 0x10000};  // smaller ones are overlong forms
   std::string out;
   for (std::size_t i = 0; i < text.size();) {
     const auto first = static_cast<unsigned char>(text[i]);
     const std::size_t more = first < 0x80 ? 0 : first >= 0xf0 ? 3 : first >= 0xe0 ? 2 : 1;
-    bool is_right = first >= 0x20 && first != 0x7f && (first < 0x80 || (first >= 0xc2 && first < 0xf5)) &&
-                    i + more < text.size();
-    for (std::size_t k = 1; is_right && k <= more; ++k)
-      is_right = (static_cast<unsigned char>(text[i + k]) & 0xc0U) == 0x80U;
-    if (is_right && more > 1) {  // refuses overlong forms, surrogates, and code points above U+10FFFF
-      const auto second = static_cast<unsigned char>(text[i + 1]);
-      is_right = !(first == 0xe0 && second < 0xa0) && !(first == 0xed && second >= 0xa0) &&
-                 !(first == 0xf0 && second < 0x90) && !(first == 0xf4 && second >= 0x90);
+    bool is_right = (first < 0x80 || (first >= 0xc0 && first < 0xf8)) && i + more < text.size();
+    char32_t code = more == 0 ? first : first & (0x3fU >> more);
+    for (std::size_t k = 1; is_right && k <= more; ++k) {
+      const auto next = static_cast<unsigned char>(text[i + k]);
+      is_right = (next & 0xc0U) == 0x80U;
+      code = code << 6U | (next & 0x3fU);
     }
+    is_right = is_right && code >= k_least[more] && is_printable(code);
     out += is_right ? text.substr(i, more + 1) : "?";
     i += is_right ? more + 1 : 1;
   }
   return out;
 }
-
-}  // namespace
 
 VectorDrawing vector_drawing(const Projection& projection, std::span<const AnyLayer> layers,
                              const Writing& writing, const Theme& theme) {
@@ -214,7 +222,7 @@ VectorDrawing vector_drawing(const Projection& projection, std::span<const AnyLa
   }
   for (const Text& text : writing.texts)
     drawing.items.emplace_back(
-        VectorText{.text = as_utf8(text.text),
+        VectorText{.text = printable_utf8(text.text),
                    .pen = Vec2(paths.middle.x() + text.pen.x(), paths.middle.y() - text.pen.y()),
                    .ends_at_pen = text.ends_at_pen,
                    .cap_height = 6 * text.unit,

@@ -6,6 +6,7 @@
 #include "render/theme.hpp"
 
 #include <string>
+#include <string_view>
 #include <utility>
 #include <variant>
 #include <vector>
@@ -41,13 +42,16 @@ struct VectorDrawing {
 
 /// The layers and the lettering of a map (is_from_above()) as a drawing. Consecutive triangles of a fan are
 /// joined to a polygon, and consecutive strokes to a line. The triangles of flat layers are sorted by height,
-/// because a drawing has no depth buffer. Invalid UTF-8 and control characters in texts become question
-/// marks.
+/// because a drawing has no depth buffer. Texts are passed through printable_utf8().
 VectorDrawing vector_drawing(const Projection& projection, std::span<const AnyLayer> layers,
                              const Writing& writing, const Theme& theme);
 
-/// The drawing as the content of an SVG 1.1 file with the metadata `texts`. Texts of the drawing are stored
-/// as text, not as paths.
+/// Replaces bytes that are not valid UTF-8, control characters and Unicode noncharacters by question marks,
+/// because SVG or PDF does not allow them.
+std::string printable_utf8(std::string_view text);
+
+/// The drawing as the content of an SVG 1.1 file with the metadata `texts`, which are valid UTF-8. Texts of
+/// the drawing are stored as text, not as paths.
 std::string svg_text(const VectorDrawing& drawing, const FileTexts& texts);
 /// The drawing as the content of a PDF 1.5 file with embedded fonts and the metadata `texts`. Throws
 /// std::runtime_error if cairo is missing or too old, with the package to install in the message, or if cairo

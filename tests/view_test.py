@@ -721,6 +721,21 @@ class Attacked(unittest.TestCase):
                 except ConnectionError:
                     pass  # invalid UTF-8, or disconnected
 
+    def test_ids_and_counts_are_whole_numbers(self):
+        with self.view.open() as client:
+            def answer_to(text):
+                client.send(text)
+                answer = client.receive()
+                while not isinstance(answer, dict) or answer["type"] == "state":
+                    answer = client.receive()
+                return answer
+            for number in ('"7"', "-1", "null", "1.5"):
+                answer = answer_to('{"do": "pause", "id": %s}' % number)
+                self.assertEqual(answer, {"type": "refused", "reason": '"id" must be a whole number from 0 to 2^64 - 1'})
+            self.assertEqual(answer_to('{"do": "pause"}'), {"type": "done", "id": 0})
+            self.assertEqual(answer_to('{"do": "step", "ticks": 1.5, "id": 7}'),
+                             {"type": "refused", "id": 7, "reason": '"ticks" must be a whole number from 1 to 1000000000'})
+
     def test_half_open_connections(self):
         soft, hard = resource.getrlimit(resource.RLIMIT_NOFILE)
         resource.setrlimit(resource.RLIMIT_NOFILE, (max(soft, min(hard, 4096)), hard))

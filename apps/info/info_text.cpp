@@ -36,6 +36,17 @@ class Lines {
     cut_off_ = stream_.eof();
     return !cut_off_;
   }
+  /// Reads the next complete row of a table into `row`: a line, and the lines after it as long as a quoted
+  /// cell is open. Returns false if there is none.
+  bool next_row(std::string& row) {
+    if (!next(row)) return false;
+    for (std::string line; std::ranges::count(row, '"') % 2 == 1; row += '\n' + line)
+      if (!next(line)) {
+        cut_off_ = true;
+        return false;
+      }
+    return true;
+  }
   std::size_t number() const { return number_; }
   bool cut_off() const { return cut_off_; }
   /// The value of "complete" in the summary.
@@ -49,7 +60,7 @@ class Lines {
   bool cut_off_ = false;
 };
 
-/// Returns the first `count` cells of a line of a table, or all cells if it has fewer. The cells must have no
+/// Returns the first `count` cells of a row of a table, or all cells if it has fewer. The cells must have no
 /// quotes.
 std::vector<std::string_view> first_cells(std::string_view line, std::size_t count) {
   std::vector<std::string_view> cells;
@@ -130,14 +141,14 @@ Summary summary_of_measures(const fs::path& file) {
   Lines lines(file);
   Summary summary{{"kind", "table of measures"}};
   std::string line;
-  if (lines.next(line)) {
+  if (lines.next_row(line)) {
     std::string columns = line.substr(std::min(line.size(), k_measures_mark.size()));
     summary.emplace_back("measures", columns);
   }
   std::optional<Span> first;
   Span last;
   std::size_t count = 0;
-  while (lines.next(line)) {
+  while (lines.next_row(line)) {
     last = span_of(file, lines, first_cells(line, 2));
     if (!first) first = last;
     ++count;
@@ -152,12 +163,12 @@ Summary summary_of_events(const fs::path& file) {
   Lines lines(file);
   Summary summary{{"kind", "table of events"}};
   std::string line;
-  lines.next(line);
+  lines.next_row(line);
   std::optional<Span> first;
   Span last;
   std::size_t count = 0;
   std::map<std::string, std::size_t, std::less<>> kinds;
-  while (lines.next(line)) {
+  while (lines.next_row(line)) {
     const std::vector<std::string_view> cells = first_cells(line, 3);
     last = span_of(file, lines, cells);
     if (!first) first = last;

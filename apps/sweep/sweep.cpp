@@ -34,6 +34,7 @@
 #include <map>
 #include <mutex>
 #include <optional>
+#include <sstream>
 #include <stdexcept>
 #include <string>
 #include <thread>
@@ -185,6 +186,23 @@ std::pair<std::string, std::vector<std::string>> identify(const Study& study, co
                                  spec.dump(), simulation.state_hash(), version_line());
   for (const auto& script : options.scripts) text += fmt::format("\n{:016x}", script->contents);
   return {hex(hash_text(text)), {measures.columns().begin(), measures.columns().end()}};
+}
+
+/// Returns the errors of a run, one per line, in which positions in the study replace `--set POINTER`, with
+/// which the run sets the parameters of the study.
+std::string at_parameters(const Study& study, const std::string& errors, const Diagnostics& diagnostics) {
+  std::string text;
+  std::istringstream lines(errors);
+  for (std::string line; std::getline(lines, line);) {
+    for (std::size_t p = 0; p < study.parameters.size(); ++p) {
+      const std::string mark = fmt::format("--set {}: error: ", study.parameters[p].pointer);
+      if (line.starts_with(mark))
+        line = diagnostics.text({Severity::error, study.parameters[p].where,
+                                 fmt::format("/parameters/{}: {}", p, line.substr(mark.size()))});
+    }
+    text += (text.empty() ? "" : "\n") + line;
+  }
+  return text;
 }
 
 /// Prints the number of finished runs on standard error, if that is a terminal.
@@ -406,7 +424,15 @@ ExitCode sweep_checked(SweepOptions options, RankDeal& deal) {
   if (options.folder.empty())
     throw InputError(
         "troupe sweep: error: -o DIR is required: the folder for the results of the runs and the tables");
-  const auto [identity, measures] = identify(study, options, deal.rank() == 0);
+  const auto [identity, measures] = [&] {
+    try {
+      return identify(study, options, deal.rank() == 0);
+    } catch (const InputError& error) {
+      throw InputError(at_parameters(study, error.what(), diagnostics));
+    }
+  }();
+  worldio::check_columns(study, measures, diagnostics);
+  diagnostics.throw_if_errors();
   check_folder(options.folder);
   if (fs::exists(options.folder))
     check_outputs({}, {csv_file(options.folder), hdf5_file(options.folder), options.folder / "series.csv"});
@@ -425,7 +451,7 @@ ExitCode sweep_checked(SweepOptions options, RankDeal& deal) {
     options.quiet = options.quiet || deal.rank() > 0;
   }
   SweepJournal journal(journal_file(options.folder, options.part, options.parts), identity);
-  SweepTable table{.study = study, .measures = measure_columns(measures, study.statistics)};
+  SweepTable table{.study = study, .measures = worldio::measure_columns(measures, study.statistics)};
   Ended here{.failed = make_all(study, runs, options, journal, deal)};
   here.was_stopped = stop_requested();
   Ended ended = gathered(here, deal);

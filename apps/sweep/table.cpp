@@ -116,17 +116,6 @@ void write_file(const fs::path& file, const std::string& bytes) {
 
 }  // namespace
 
-std::vector<std::string> measure_columns(const std::vector<std::string>& measures,
-                                         const std::vector<worldio::Statistic>& statistics) {
-  std::vector<std::string> names;
-  for (const std::string& measure : measures)
-    for (const worldio::Statistic statistic : statistics)
-      names.push_back(statistic == worldio::Statistic::last
-                          ? measure
-                          : fmt::format("{}_{}", measure, worldio::statistic_name(statistic)));
-  return names;
-}
-
 void write_csv(const SweepTable& table, const fs::path& file) {
   const std::vector<Column> columns = columns_of(table);
   std::string text;

@@ -11,11 +11,6 @@
 
 namespace troupe::apps {
 
-/// Returns the names of the columns of SweepOutcome::values: for each measure one column per statistic. For
-/// the measure `coverage`, the statistic `last` is in the column `coverage` and `mean` in `coverage_mean`.
-std::vector<std::string> measure_columns(const std::vector<std::string>& measures,
-                                         const std::vector<worldio::Statistic>& statistics);
-
 /// The results of all runs of a study, from which the tables are written.
 struct SweepTable {
   const worldio::Study& study;                   ///< study to which the runs belong

@@ -87,7 +87,8 @@ def _line_and_text(file: str, error: BaseException, trace: Optional[TracebackTyp
     lines = [frame.lineno for frame in traceback.extract_tb(trace) if os.path.abspath(frame.filename) == path]
     if not lines and isinstance(error, ResultError):
         return error.lineno, str(error)
-    return (lines[-1] or 0) if lines else 0, f"{type(error).__name__}: {error}"
+    text = f": {error}" if str(error) else ""
+    return (lines[-1] or 0) if lines else 0, f"{type(error).__name__}{text}"
 
 
 def error_text(file: str, error: BaseException, trace: Optional[TracebackType]) -> str:

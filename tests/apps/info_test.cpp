@@ -76,6 +76,9 @@ TEST_F(Info, OfATableOfMeasures) {
   EXPECT_THAT(info("copy"),
               ElementsAre("copy", "kind table of measures", "measures stalls,displacement_m", "lines 4",
                           "ticks 0 to 15, 0 to 1.5 s", "complete no: cut off in line 6"));
+  write("lines", "tick,time_s,\"stalls:a\nb\"\n0,0,1\n5,0.5,1\n");
+  EXPECT_THAT(info("lines"),
+              AllOf(Contains("lines 2"), Contains("ticks 0 to 5, 0 to 0.5 s"), Contains("complete yes")));
   write("copy", "tick,time_s,order\n0,0,1\nx,1,1\n");
   EXPECT_EQ(error_of("copy"), "copy:3: error: the line must begin with a tick and a time in seconds\n");
 }
@@ -88,6 +91,12 @@ TEST_F(Info, OfATableOfEvents) {
         "9,0.9,stall_begins,r,5,0,0,0\n");
   EXPECT_THAT(info("e"), ElementsAre("e", "kind table of events", "events 3", "stall_begins 2",
                                      "stall_ends 1", "ticks 3 to 9, 0.3 to 0.9 s", "complete yes"));
+  write("broken",
+        "tick,time_s,event,robot,id,x_m,y_m,heading_rad\n"
+        "3,0.3,stall_begins,\"a\nb \"\"c\"\"\",4,0,0,0\n"
+        "5,0.5,stall_ends,\"a\nb");
+  EXPECT_THAT(info("broken"), ElementsAre("broken", "kind table of events", "events 1", "stall_begins 1",
+                                          "ticks 3 to 3, 0.3 to 0.3 s", "complete no: cut off in line 5"));
   run({"--events", "own"});
   EXPECT_THAT(info("own"), AllOf(Contains("kind table of events"), Contains("complete yes")));
   write("none", "tick,time_s,event,robot,id,x_m,y_m,heading_rad\n");

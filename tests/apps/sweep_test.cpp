@@ -49,6 +49,26 @@ TEST_F(Sweep, MakesATableWithARowARun) {
   EXPECT_THAT(lines[6], EndsWith("," + run.out.substr(hash, 16) + ","));
 }
 
+TEST_F(Sweep, RefusesColumnsOfTheSameNameBeforeTheRuns) {
+  write("same.json", R"({"troupe_study": 1, "world": "w.json", "for_s": 1,
+    "parameters": [{"set": "/populations/0/count", "name": "stalls", "values": [2, 5]}]})");
+  const Outcome outcome = troupe({"sweep", "same.json", "-o", "out"});
+  EXPECT_EQ(outcome.code, 2);
+  EXPECT_EQ(outcome.err,
+            "same.json:2: error: /parameters/0: a measure has the column \"stalls\" of the table of results: "
+            "give this parameter another \"name\"\n");
+  EXPECT_FALSE(std::filesystem::exists(path("out")));
+}
+
+TEST_F(Sweep, ErrorsOfParametersNameTheirPlaceInTheStudy) {
+  write("wrong.json", R"({"troupe_study": 1, "world": "w.json", "for_s": 1, "parameters": [
+    {"set": "/seed", "name": "s", "values": [1]},
+    {"set": "/nix/0", "values": [1]}]})");
+  const Outcome outcome = troupe({"sweep", "wrong.json", "-o", "out"});
+  EXPECT_EQ(outcome.code, 2);
+  EXPECT_THAT(outcome.err, StartsWith("wrong.json:3: error: /parameters/1: the world has no key \"nix\""));
+}
+
 TEST_F(Sweep, GivesTheSameTableOnAnyThreadsAndInAnyParts) {
   ASSERT_EQ(troupe({"sweep", "study.json", "-o", "one", "--threads", "1"}).code, 0);
   ASSERT_EQ(troupe({"sweep", "study.json", "-o", "four", "--threads", "4"}).code, 0);
@@ -202,7 +222,8 @@ TEST_F(Sweep, WhatIsWrongIsToldBeforeAnythingIsWritten) {
   std::string study(k_study);
   study.replace(study.find("/populations/0/count"), 20, "/populations/7/count");
   write("study.json", study);
-  refused({"sweep", "study.json", "-o", "out"}, "--set /populations/7/count");
+  refused({"sweep", "study.json", "-o", "out"},
+          "study.json:2: error: /parameters/0: /populations has 1 entries");
   study = k_study;
   study.insert(1, R"("series": "yes", )");
   write("study.json", study);

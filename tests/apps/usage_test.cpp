@@ -142,6 +142,8 @@ INSTANTIATE_TEST_SUITE_P(
         WrongUsage{room({"-q"}), in_run("unknown option \"-q\"")},
         WrongUsage{room({"--for"}), in_run("--for must be given once, with one value")},
         WrongUsage{room({"--for", "1", "--for", "2"}), in_run("--for must be given once, with one value")},
+        WrongUsage{room({"--seed=", "--for", "1"}),
+                   in_run("--seed: \"\" is not a whole number from 0 to 2^64 - 1")},
         WrongUsage{room({"--for", "ten"}),
                    in_run("--for: \"ten\" is not a time in seconds, from 0 to 1000000000000")},
         WrongUsage{room({"--for", "10s"}),

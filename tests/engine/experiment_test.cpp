@@ -425,16 +425,17 @@ TEST(Experiment, WhatCannotBeDoneIsToldWithItsPlace) {
     return errors([&](Squad& row) { row.scene.spec.experiment.at = {spec}; });
   };
   EXPECT_THAT(doing(at(1, Action::remove, population("rs"))),
-              HasSubstr("w.json:7: error: unknown population \"rs\"; known: r"));
+              HasSubstr("w.json:7: error: /at/0: unknown population \"rs\"; known: r"));
   EXPECT_THAT(doing(at(1, Action::disable, {By::type, "bto", {}, {}})),
               HasSubstr("unknown type \"bto\"; known: bot (did you mean \"bot\"?)"));
   EXPECT_THAT(doing(at(1, Action::enable, model("r9"))),
               HasSubstr("unknown model \"r9\"; known: r0, r1, r2"));
   EXPECT_THAT(doing(at(1, Action::remove, model("wall4"))),
               HasSubstr("\"wall4\" is a static body: interventions and faults can only act on bodies that"));
-  EXPECT_THAT(doing(at(1.5, Action::add, population("r"))),
-              HasSubstr("w.json:7: error: at 1.5 s: no body can be added to \"r\": no population has a "
-                        "\"reserve\""));
+  EXPECT_THAT(
+      doing(at(1.5, Action::add, population("r"))),
+      HasSubstr("w.json:7: error: /at/0: at 1.5 s: no body can be added to \"r\": no population has a "
+                "\"reserve\""));
   InterventionSpec outside = at(1, Action::move, model("r0"));
   outside.pose = Pose{1e6, 0, 0, 0};
   EXPECT_THAT(doing(outside),
@@ -455,11 +456,12 @@ TEST(Experiment, WhatCannotBeDoneIsToldWithItsPlace) {
   const auto failing = [&](FaultSpec spec) {
     return errors([&](Squad& row) { row.scene.spec.experiment.faults = {spec}; });
   };
-  EXPECT_THAT(failing(fault(population("r"), 0, "dead_sensors", {{"sensors", "eye, ear"}})),
-              HasSubstr("w.json:7: error: fault \"dead_sensors\": unknown sensor of type \"bot\" \"ear\"; "
-                        "known: eye"));
+  EXPECT_THAT(
+      failing(fault(population("r"), 0, "dead_sensors", {{"sensors", "eye, ear"}})),
+      HasSubstr("w.json:7: error: /faults/0: fault \"dead_sensors\": unknown sensor of type \"bot\" \"ear\"; "
+                "known: eye"));
   EXPECT_THAT(failing(fault(population("q"), 0, "drop_out", {{"rate", 1.0}})),
-              HasSubstr("unknown population \"q\"; known: r"));
+              HasSubstr("error: /faults/0: unknown population \"q\"; known: r"));
 }
 
 // ---- determinism

@@ -64,6 +64,8 @@ TEST(World, TimesRoundUpToTicksWhateverTheirQuotientRoundsTo) {
   EXPECT_EQ(ticks_until(0.71, 0.1), 8u);
   EXPECT_EQ(ticks_until(0, 0.1), 0u);
   EXPECT_EQ(ticks_until(-1, 0.1), 0u);
+  EXPECT_EQ(ticks_until(1e-10, 0.1), 0u);  // one billionth of a tick
+  EXPECT_EQ(ticks_until(2e-10, 0.1), 1u);
   EXPECT_EQ(ticks_until(60, 0.1), 600u);
   EXPECT_EQ(ticks_until(1e300, 1e-300), 1000000000000000u);
 }

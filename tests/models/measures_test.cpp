@@ -676,8 +676,10 @@ TEST(Measures, PolarisationIsOrderAndNotAmongTheUsualOnes) {
 TEST(Measures, SayWhatIsWrongWithThem) {
   World world = crowd().world();
   Diagnostics diagnostics;
-  const std::vector<MeasureSpec> specs{spec("stals"), spec("stalls", "trucks"), spec("order"), spec("order"),
-                                       spec("coverage", "", {{"cell", 0.001}})};
+  std::vector<MeasureSpec> specs{spec("stals"), spec("stalls", "trucks"),
+                                 spec("order"), spec("order"),
+                                 spec("order"), spec("coverage", "", {{"cell", 0.001}})};
+  specs[4].name = "tick";
   const MeasureSet set(world, test::registry(), specs, diagnostics);
   std::vector<std::string> texts;
   for (const Finding& finding : diagnostics.findings()) texts.push_back(diagnostics.text(finding));
@@ -689,6 +691,8 @@ TEST(Measures, SayWhatIsWrongWithThem) {
           "error: unknown type or population of robots \"trucks\"; known: m, minibot, t, truck (did you mean "
           "\"truck\"?)",
           "error: two measures have the column \"order\": give one of them another \"name\"",
+          "error: a measure cannot have the column \"tick\", which is the time in tables of measures: give "
+          "it another \"name\"",
           AllOf(HasSubstr("error: coverage: "), HasSubstr(" million cells of 0.001 m, but at most 25 million "
                                                           "are allowed: give a larger \"cell_m\""))));
 }

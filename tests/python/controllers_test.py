@@ -251,6 +251,8 @@ class Controllers(InAFolder):
         for change, code, text in (
             (("import troupe\n", "import troupe\nfor\n"), 2, "my.py:3: error: SyntaxError: "),
             (("import troupe\n", "import troupe\nnope\n"), 2, "my.py:3: error: NameError: name 'nope' is not defined"),
+            (("import troupe\n", "import troupe\nraise ValueError\n"), 2, "my.py:3: error: ValueError\n"),
+            (("import troupe\n", "import troupe\nraise KeyboardInterrupt\n"), 2, "my.py:3: KeyboardInterrupt\n"),
             (('robots = "r"', 'robots = "s"'), 2,
              f'my.py:{class_line}: error: controller roam: unknown type, population or robot "s"; known: bot, r'),
             (('"u4"', '"u8x"'), 2, f"my.py:{class_line}: error: roam.memory['steps'] is 'u8x': expected a NumPy"),

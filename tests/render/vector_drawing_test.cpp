@@ -113,6 +113,11 @@ TEST(VectorDrawing, NamesThatAreNoTextAreMadeOne) {
   sheet.frame.names = {"a\x01<\xff\xc3\xa9\xed\xa0\x80"};
   EXPECT_THAT(sheet.svg(), HasSubstr(">a?&lt;?\xc3\xa9???"
                                      "</text>"));
+  // Noncharacters, an overlong form and a character above U+10FFFF; but U+FFFD and U+10000 are text.
+  sheet.frame.names = {
+      "\xef\xbf\xbf|\xef\xb7\x90|\xf0\x9f\xbf\xbe|\xc0\xa0|\xf4\x90\x80\x80|\xef\xbf\xbd\xf0\x90\x80\x80"};
+  EXPECT_THAT(sheet.svg(), HasSubstr(">???|???|????|??|????|\xef\xbf\xbd\xf0\x90\x80\x80</text>"));
+  EXPECT_THAT(sheet.svg({{"world", "a\x01\xff.json"}}), HasSubstr("<desc>world: a??.json</desc>"));
 }
 
 TEST(VectorDrawing, OnlyMapsCanBeDrawnAsPaths) {
@@ -123,11 +128,12 @@ TEST(VectorDrawing, OnlyMapsCanBeDrawnAsPaths) {
 
 TEST(VectorDrawing, APdfHoldsThePage) {
   Sheet sheet;
-  sheet.frame.names = {"\xff"};
+  sheet.frame.names = {"\xff\xef\xbf\xbf"};
   sheet.view.layers.names = true;
   std::string pdf;
   try {
-    pdf = Painter(sheet.scene).draw_vector(sheet.frame, sheet.view, VectorFormat::pdf, {{"world", "a.json"}});
+    pdf = Painter(sheet.scene)
+              .draw_vector(sheet.frame, sheet.view, VectorFormat::pdf, {{"world", "\xff.json"}});
   } catch (const std::runtime_error& error) {
     EXPECT_THAT(error.what(), HasSubstr("apt install libcairo2"));
     GTEST_SKIP() << error.what();

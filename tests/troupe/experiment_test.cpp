@@ -265,8 +265,12 @@ TEST_F(StopWhen, WhatIsWrongIsToldWithItsPlace) {
   };
   EXPECT_THAT(error_of(R"("stop_when": ["displacement:q > 3"])"),
               HasSubstr("w.json:4: error: unknown type or population of robots \"q\"; known: bot"));
-  EXPECT_THAT(error_of(R"("at": [{"time_s": 3, "remove": {"population": "r"}}])"),
-              HasSubstr("w.json:4: error: unknown population \"r\""));
+  EXPECT_THAT(
+      error_of(
+          R"("at": [{"time_s": 5, "enable": {"type": "bot"}}, {"time_s": 3, "remove": {"population": "r"}}])"),
+      HasSubstr("w.json:4: error: /at/1: unknown population \"r\""));
+  EXPECT_THAT(error_of(R"("faults": [{"population": "r", "drop_out": {"rate_per_s": 1}}])"),
+              HasSubstr("w.json:4: error: /faults/0: unknown population \"r\""));
 }
 
 TEST_F(StopWhen, ThereIsNothingToStopWhereNothingIsSaid) {

@@ -91,6 +91,9 @@ TEST(JsonDocument, SyntaxErrorsNameTheLine) {
             "'{', or a literal");
   EXPECT_EQ(error("{} {}"),
             "maze.json:1: error: syntax error while parsing value - unexpected '{'; expected end of input");
+  using std::string_view_literals::operator""sv;
+  EXPECT_EQ(error("{\"a\": 1}\n\0garbage {{{"sv),
+            "maze.json:2: error: the text contains a NUL byte (U+0000), which is not allowed in JSON");
 }
 
 TEST(JsonDocument, RepeatedKeysAreErrors) {

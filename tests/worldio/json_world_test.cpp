@@ -463,6 +463,8 @@ INSTANTIATE_TEST_SUITE_P(
               "maze.json:3: error: /seed: expected a whole number from 0 to 2^64 - 1, found the number -7"},
         Wrong{R"("seed": 7)", R"("seed": 7.5)",
               "maze.json:3: error: /seed: expected a whole number from 0 to 2^64 - 1, found the number 7.5"},
+        Wrong{R"("seed": 7)", R"("seed": 7.0)",
+              "maze.json:3: error: /seed: expected a whole number from 0 to 2^64 - 1, found the number 7.0"},
         Wrong{R"("seed": 7)", R"("title": 7)",
               "maze.json:3: error: /title: expected the world's title, found the number 7"},
         Wrong{R"("seed": 7)", R"("tick_s": 0)",

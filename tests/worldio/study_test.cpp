@@ -143,6 +143,33 @@ TEST_F(StudyFile, ValuesAreFiniteOrAnError) {
   for (const auto& row : drawn) EXPECT_LE(std::stod(row[0]), 1.7976931348623157e308);
 }
 
+TEST_F(StudyFile, NamesOfColumnsAreUnique) {
+  const auto errors = [&](const std::string& members, const std::vector<std::string>& measures) {
+    const Study read = study(members);
+    EXPECT_THAT(findings(diagnostics_), IsEmpty());
+    check_columns(read, measures, diagnostics_);
+    std::vector<std::string> texts;
+    for (const std::string& text : findings(diagnostics_))
+      texts.push_back(text.substr(text.rfind("study.json")));
+    return texts;
+  };
+  EXPECT_THAT(errors(R"("statistics": ["last", "mean"])", {"x", "y"}), IsEmpty());
+  const std::string parameter = R"("parameters": [
+    {"set": "/x", "values": [1]},
+    {"set": "/y", "name": "coverage_mean", "values": [1]}], "statistics": ["mean"])";
+  EXPECT_THAT(errors(parameter, {"cover"}), IsEmpty());
+  EXPECT_THAT(
+      errors(parameter, {"coverage"}),
+      ElementsAre("study.json:4: error: /parameters/1: a measure has the column \"coverage_mean\" of the "
+                  "table of results: give this parameter another \"name\""));
+  EXPECT_THAT(errors(parameter, {"x"}), ElementsAre(HasSubstr("study.json:3: error: /parameters/0")));
+  EXPECT_THAT(errors(R"("statistics": ["mean"])", {"run"}),
+              ElementsAre("study.json: error: the table of results already has a column \"run\": give the "
+                          "measure of this column another \"name\""));
+  EXPECT_THAT(errors(R"("statistics": ["last", "mean"])", {"state_hash", "x", "x_mean"}),
+              ElementsAre(HasSubstr("column \"state_hash\""), HasSubstr("column \"x_mean\"")));
+}
+
 TEST_F(StudyFile, SaysWhatIsWrongAndWhere) {
   EXPECT_THAT(wrong(R"("parameters": [{"set": "/x", "value": [1]}])"),
               testing::Contains(HasSubstr("study.json:2: error: /parameters/0: missing \"values\"")));
@@ -162,12 +189,42 @@ TEST_F(StudyFile, SaysWhatIsWrongAndWhere) {
               testing::Contains(HasSubstr("not both")));
   EXPECT_THAT(wrong(R"("parameters": [{"set": "/seed", "values": [1]}])"),
               ElementsAre(HasSubstr("the table of results already has a column \"seed\"")));
-  EXPECT_THAT(wrong(R"("parameters": [{"set": "/x", "values": [1]}, {"set": "/x", "values": [2]}])"),
-              ElementsAre(HasSubstr("/parameters/1: the table of results already has a column \"x\"")));
+  EXPECT_THAT(
+      wrong(R"("parameters": [{"set": "/x", "values": [1]}, {"set": "/y", "name": "x", "values": [2]}])"),
+      ElementsAre(HasSubstr("/parameters/1: the table of results already has a column \"x\"")));
+  EXPECT_THAT(
+      wrong(R"("parameters": [{"set": "/x", "name": "a", "values": [1]},
+    {"set": "/x", "name": "b", "values": [2]}])"),
+      ElementsAre("study.json:2: error: /parameters/0: \"/x\" has no effect, because /parameters/1 sets the "
+                  "same value: remove one of them"));
+  EXPECT_THAT(wrong(R"("parameters": [{"set": "/x/-", "name": "a", "values": [1]},
+    {"set": "/x/-", "name": "b", "values": [2]}])"),
+              IsEmpty());
+  constexpr const char* k_seed = R"("parameters": [{"set": "/seed", "name": "first", "values": [1]}])";
+  EXPECT_THAT(wrong(k_seed), IsEmpty());
+  EXPECT_THAT(
+      wrong(std::string(k_seed) + R"(, "seeds": [5])"),
+      ElementsAre("study.json:2: error: /parameters/0: \"/seed\" has no effect, because \"seeds\" sets the "
+                  "seed of each run: remove one of them"));
+  constexpr const char* k_end = R"("parameters": [{"set": "/quit_time_s", "values": [1]}])";
+  EXPECT_THAT(wrong(k_end), IsEmpty());
+  EXPECT_THAT(
+      wrong(std::string(k_end) + R"(, "for_ms": 5)"),
+      ElementsAre("study.json:2: error: /parameters/0: \"/quit_time_s\" has no effect, because \"for_s\" of "
+                  "the study sets the end of each run: remove one of them"));
   EXPECT_THAT(wrong(R"("measures": ["coverag"])"), ElementsAre(HasSubstr("did you mean \"coverage\"?")));
   EXPECT_THAT(wrong(R"("statistics": ["median"])"), ElementsAre(HasSubstr("known: last, max, mean, min")));
   EXPECT_THAT(wrong(R"("statistics": ["mean", "mean"])"), ElementsAre(HasSubstr("already in the list")));
   EXPECT_THAT(wrong(R"("seeds": [])"), ElementsAre(HasSubstr("at least one seed")));
+  EXPECT_THAT(wrong(R"("seeds": [9007199254740991])"), IsEmpty());
+  EXPECT_THAT(
+      wrong(R"("seeds": [9007199254740992])"),
+      ElementsAre(
+          "study.json:2: error: /seeds/0: must be from 0 to 9007199254740991, found 9007199254740992"));
+  EXPECT_THAT(wrong(R"("parameters": [{"set": "/x", "integers": [1, 2147483648]}], "samples": 2)"),
+              IsEmpty());
+  EXPECT_THAT(wrong(R"("parameters": [{"set": "/x", "integers": [0, 2147483648]}], "samples": 2)"),
+              ElementsAre(HasSubstr("that differ by at most 2^31 - 1, found 0 and 2147483648")));
   EXPECT_THAT(wrong(R"("seeds": 4)"), ElementsAre(HasSubstr("expected a list of seeds")));
   EXPECT_THAT(
       wrong(

@@ -45,6 +45,11 @@ class CountingIterator {
   Progress* progress_;
 };
 
+/// Returns the line, from 1, of the character at this position of a text.
+std::uint32_t line_at(std::string_view text, std::size_t position) {
+  return 1 + static_cast<std::uint32_t>(std::ranges::count(text.substr(0, position), '\n'));
+}
+
 void report_repeated(const JsonNode::Object& members, bool fixed_place, Diagnostics& diagnostics) {
   std::unordered_map<std::string_view, Where> seen;
   for (const JsonMember& member : members) {
@@ -105,10 +110,7 @@ class TreeBuilder {
     for (const std::string_view end : {"expected '}'", "expected ']'"})
       if (what.ends_with(end)) what.insert(what.size() - 3, "',' or ");
     Where where = start_;
-    if (!fixed_place_) {
-      const std::size_t before = std::min(position > 0 ? position - 1 : 0, text_.size());
-      where.line = 1 + static_cast<std::uint32_t>(std::count(text_.begin(), text_.begin() + before, '\n'));
-    }
+    if (!fixed_place_) where.line = line_at(text_, position > 0 ? position - 1 : 0);
     constexpr int k_out_of_range = 406;  // nlohmann's id for a number that is too large for a double
     const bool has_pointer = error.id == k_out_of_range && !open_.empty();
     diagnostics_.error(where, has_pointer ? fmt::format("{}: {}", next_pointer(), what) : what);
@@ -222,7 +224,10 @@ std::string JsonNode::describe() const {
     std::string operator()(bool x) const { return x ? "true" : "false"; }
     std::string operator()(std::int64_t x) const { return fmt::format("the number {}", x); }
     std::string operator()(std::uint64_t x) const { return fmt::format("the number {}", x); }
-    std::string operator()(double x) const { return fmt::format("the number {}", x); }
+    std::string operator()(double x) const {
+      const std::string text = fmt::format("{}", x);  // "5" for 5.0, which would read like a whole number
+      return fmt::format("the number {}{}", text, text.find_first_of(".e") == text.npos ? ".0" : "");
+    }
     std::string operator()(const std::string& x) const { return fmt::format("the text \"{}\"", x); }
     std::string operator()(const List& x) const { return fmt::format("a list of length {}", x.size()); }
     std::string operator()(const Object&) const { return "an object"; }
@@ -232,6 +237,12 @@ std::string JsonNode::describe() const {
 
 std::optional<JsonNode> parse_json(std::string_view text, Where start, bool fixed_place,
                                    Diagnostics& diagnostics) {
+  // nlohmann's parser takes a NUL byte as the end of the text, and would ignore everything after it.
+  if (const std::size_t nul = text.find('\0'); nul != text.npos) {
+    diagnostics.error(fixed_place ? start : Where{start.file, line_at(text, nul)},
+                      "the text contains a NUL byte (U+0000), which is not allowed in JSON");
+    return std::nullopt;
+  }
   const std::size_t before = diagnostics.findings().size();
   Progress progress;
   TreeBuilder builder(text, progress, start, fixed_place, diagnostics);

@@ -18,6 +18,7 @@
 #include <array>
 #include <cmath>
 #include <limits>
+#include <set>
 
 namespace troupe::worldio {
 namespace {
@@ -29,6 +30,9 @@ using engine::Value;
 
 constexpr std::int64_t k_version = 1;
 constexpr std::array<std::string_view, 4> k_statistics{"last", "mean", "min", "max"};
+/// The columns that the tables of every study have.
+constexpr std::array<std::string_view, 7> k_own_columns{"run",        "seed",       "ticks", "time_s",
+                                                        "stopped_by", "state_hash", "error"};
 
 const Field k_for{.name = "for", .unit = Unit::seconds, .min = 0, .max = 1e12};
 const Field k_measure_every{
@@ -124,6 +128,7 @@ class StudyReader {
 
   Study read(const JsonNode& document, Diagnostics& diagnostics) {
     const JsonCursor root(document, diagnostics);
+    study_.where = {document.where.file, 0};
     JsonObject object(root);
     read_version(object);
     if (const JsonNode* node = object.find("$schema"))
@@ -141,6 +146,7 @@ class StudyReader {
     if (const Value samples = read_field(object, whole("samples", 1, k_most_runs, "")); samples.given())
       study_.samples = static_cast<std::size_t>(samples.integer());
     object.finish();
+    check_effects(root);
     if (!diagnostics.has_errors()) check_runs(root);
     return std::move(study_);
   }
@@ -171,6 +177,7 @@ class StudyReader {
   static Choice read_interval(const JsonCursor& at, Kind kind);
   void read_seeds(JsonObject& object);
   void read_measures(JsonObject& object);
+  void check_effects(const JsonCursor& at) const;
   void check_runs(const JsonCursor& at);
 
   const std::filesystem::path& file_;
@@ -180,7 +187,7 @@ class StudyReader {
 
 void StudyReader::read_parameter(const JsonCursor& at) {
   JsonObject object(at);
-  Study::Parameter parameter;
+  Study::Parameter parameter{.name = {}, .pointer = {}, .where = at.node().where};
   const std::string_view k_what = "a JSON pointer into the world, as in \"/populations/0/count\"";
   if (const JsonNode* node = object.require("set", k_what)) {
     const JsonCursor cursor(at, "set", *node);
@@ -195,12 +202,10 @@ void StudyReader::read_parameter(const JsonCursor& at) {
   if (const JsonNode* node = object.find("name"))
     if (const std::string* name = read_text(JsonCursor(at, "name", *node), "the name of the column"))
       parameter.name = *name;
-  constexpr std::array<std::string_view, 7> k_taken{"run",        "seed",       "ticks", "time_s",
-                                                    "stopped_by", "state_hash", "error"};
   const auto& before = study_.parameters;
   if (!parameter.name.empty() &&
       (std::ranges::find(before, parameter.name, &Study::Parameter::name) != before.end() ||
-       std::ranges::find(k_taken, parameter.name) != k_taken.end()))
+       std::ranges::find(k_own_columns, parameter.name) != k_own_columns.end()))
     at.error(
         fmt::format("the table of results already has a column \"{}\": give this parameter another \"name\"",
                     parameter.name));
@@ -322,6 +327,28 @@ void StudyReader::read_measures(JsonObject& object) {
     study_.measure_every_s = every.number();
 }
 
+/// Reports parameters whose values cannot change any run, because something else sets the same value
+/// afterwards.
+void StudyReader::check_effects(const JsonCursor& at) const {
+  const auto& all = study_.parameters;
+  for (std::size_t p = 0; p < all.size(); ++p) {
+    const std::string& pointer = all[p].pointer;
+    const auto report = [&](const std::string& why) {
+      at.error_at(all[p].where,
+                  fmt::format("/parameters/{}: \"{}\" has no effect, because {}", p, pointer, why));
+    };
+    if (pointer == "/seed" && !study_.seeds.empty())
+      report("\"seeds\" sets the seed of each run: remove one of them");
+    if ((pointer == "/quit_time_s" || pointer == "/quit_time_ms") && study_.for_s)
+      report("\"for_s\" of the study sets the end of each run: remove one of them");
+    const bool appends = pointer.ends_with("/-");  // each of several such parameters appends another entry
+    const auto later = std::find_if(all.begin() + static_cast<std::ptrdiff_t>(p) + 1, all.end(),
+                                    [&](const Study::Parameter& one) { return one.pointer == pointer; });
+    if (!pointer.empty() && !appends && later != all.end())
+      report(fmt::format("/parameters/{} sets the same value: remove one of them", later - all.begin()));
+  }
+}
+
 void StudyReader::check_runs(const JsonCursor& at) {
   auto count = static_cast<double>(std::max<std::size_t>(study_.seeds.size(), 1));
   if (study_.samples) count *= static_cast<double>(*study_.samples);
@@ -375,6 +402,38 @@ std::vector<std::pair<std::string, std::string>> Study::settings(const Run& run)
   std::vector<std::pair<std::string, std::string>> set;
   for (std::size_t p = 0; p < parameters.size(); ++p) set.emplace_back(parameters[p].pointer, run.values[p]);
   return set;
+}
+
+std::vector<std::string> measure_columns(const std::vector<std::string>& measures,
+                                         const std::vector<Statistic>& statistics) {
+  std::vector<std::string> names;
+  for (const std::string& measure : measures)
+    for (const Statistic statistic : statistics)
+      names.push_back(
+          statistic == Statistic::last ? measure : fmt::format("{}_{}", measure, statistic_name(statistic)));
+  return names;
+}
+
+void check_columns(const Study& study, const std::vector<std::string>& measures, Diagnostics& diagnostics) {
+  std::vector<std::string> columns = measure_columns(measures, study.statistics);
+  std::set<std::string_view> taken(k_own_columns.begin(), k_own_columns.end());
+  // The columns of series.csv are those of the statistic `last`.
+  for (const std::string& measure : measures)
+    if (taken.contains(measure) && std::ranges::find(columns, measure) == columns.end())
+      columns.push_back(measure);
+  for (const std::string& column : columns)
+    if (!taken.insert(column).second)
+      diagnostics.error(study.where, fmt::format("the table of results already has a column \"{}\": give the "
+                                                 "measure of this column another \"name\"",
+                                                 column));
+  taken.insert(measures.begin(), measures.end());
+  for (std::size_t p = 0; p < study.parameters.size(); ++p)
+    if (taken.contains(study.parameters[p].name))
+      diagnostics.error(
+          study.parameters[p].where,
+          fmt::format("/parameters/{}: a measure has the column \"{}\" of the table of results: "
+                      "give this parameter another \"name\"",
+                      p, study.parameters[p].name));
 }
 
 Study load_study(const std::filesystem::path& file, const engine::Registry& registry,

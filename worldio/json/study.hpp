@@ -27,6 +27,7 @@ struct Study {
   struct Parameter {
     std::string name;     ///< name of its column in the table of results
     std::string pointer;  ///< JSON pointer into the world, as in --set
+    Where where;          ///< position in the study, for messages
   };
   /// The values of the parameters and the seed of one run.
   struct Run {
@@ -34,6 +35,7 @@ struct Study {
     std::optional<std::uint64_t> seed;  ///< empty: the seed of the world
   };
 
+  Where where;                  ///< the study file, for messages
   std::filesystem::path world;  ///< path of the world file, already joined with the folder of the study
   /// World time at which each run ends at the latest, s. Empty: the quit time of the world.
   std::optional<double> for_s;
@@ -77,6 +79,16 @@ struct Study {
   /// parameter. The seed is not among them.
   std::vector<std::pair<std::string, std::string>> settings(const Run& run) const;
 };
+
+/// Returns the names of the columns that measures have in the table of results: for each measure one column
+/// per statistic. For the measure `coverage`, the statistic `last` is in the column `coverage` and `mean` in
+/// `coverage_mean`. measures: names of the measures, with units (Measures::columns()).
+std::vector<std::string> measure_columns(const std::vector<std::string>& measures,
+                                         const std::vector<Statistic>& statistics);
+
+/// Adds an error for each column of a measure whose name another column of the study's tables has: a
+/// parameter, another measure, or a column of every table, such as `seed`. measures: as in measure_columns().
+void check_columns(const Study& study, const std::vector<std::string>& measures, Diagnostics& diagnostics);
 
 inline constexpr std::size_t k_most_runs = 1000000;  ///< greatest number of runs of a study
 
