@@ -38,7 +38,7 @@ struct Life {
 };
 
 /// The impairments of a body (it is disabled, or faults have occurred): a row of the component `condition`.
-/// All members are zero for an unimpaired body.
+/// All members are zero for an unimpaired body, and for a body that is not in the world.
 struct Condition {
   /// The reasons why all devices, controllers and the drive of a body are stopped; both may apply.
   enum Out : std::uint8_t {
