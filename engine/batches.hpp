@@ -95,7 +95,7 @@ void for_blocks(const WorldState& state, partition::Parallel& parallel, Work&& w
 /// Calls work(rows) for those of `rows` that are due in the present tick, once for each run of due rows that
 /// follow one another in `rows`. A row is due if the number of ticks since the birth of its body (or since
 /// tick 0) is a multiple of `period`, which is at least 1. In a world without births, either all rows are due
-/// or none: `rows` is then passed as a whole, even if it is empty.
+/// or none. If `rows` is empty, work() may be called once with an empty span.
 template <class Work>
 void for_due(const WorldState& state, std::span<const Row> rows, std::uint64_t period, Work&& work) {
   if (period == 1 || !state.life_table) {

@@ -46,7 +46,7 @@ struct MeasureKind {
   /// Whether code in another language, such as Python, computes the measure. The values of such a measure
   /// need not have the same bits in every run, and MeasureSet passes on its exceptions unchanged.
   bool is_foreign = false;
-  FieldTable params;  ///< fields of its parameters
+  FieldTable params;  ///< table of the parameters of a measure of this kind
   /// Whether the measure is computed if the user chooses no measures. It is if it is not an alias and all
   /// its parameters have default values.
   bool is_usual() const { return same_as.empty() && std::ranges::all_of(params.defaults(), &Value::given); }
