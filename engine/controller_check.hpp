@@ -54,9 +54,10 @@ std::string finding_text(const World& world, const ControllerFinding& finding);
 ///     std::thread other([&] { findings = check.repeat(); });  // repeats them twice, without effect
 ///     other.join();                                           // before the next step
 ///
-/// order    The repetitions process the robots in reverse order, in batches of another size, on the thread
-///          that calls repeat(). A collective controller (ControllerKind::is_collective) may depend on its
-///          whole batch, and so gets the batch of the step again, in the same order.
+/// order    The repetitions process the robots in reverse order, in other batches (unless there are so few
+///          robots that one batch holds them all), on the thread that calls repeat(). A collective controller
+///          (ControllerKind::is_collective) may depend on its whole batch, and so gets the batch of the step
+///          again, in the same order.
 /// storage  Readings, estimated poses, memories and commands are copied at the decision, because the robot
 ///          may be dead when its decision is repeated. Memories and the commands to devices are copied field
 ///          by field to other addresses, into storage filled with junk. The second repetition uses a newly

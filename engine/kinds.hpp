@@ -189,7 +189,7 @@ struct SoughtMarks {
 /// The flags that a device holds. As in Stage, a flag is a coloured token that bodies hold and exchange.
 struct HeldFlags {
   std::size_t count = 0;       ///< number of flags that it holds now
-  std::uint64_t received = 0;  ///< number of flags that it received from other bodies since the start
+  std::uint64_t received = 0;  ///< number received from other bodies since the device came into the world
 };
 
 /// The argument of DeviceKind::draw: the device of one row.

@@ -36,7 +36,7 @@ class Measure {
 /// A kind of measure. A measure can be computed for all robots, for some of them, or for one.
 struct MeasureKind {
   std::string_view name;        ///< name of the measure and of its column
-  Unit unit = Unit::none;       ///< SI unit of the values; the column's name ends with it
+  Unit unit = Unit::none;       ///< SI unit of the values; MeasureSet adds it to the name of the column
   std::string_view text;        ///< description in one line
   std::string_view definition;  ///< exact definition, and its source
   std::string_view formula;     ///< the definition as a formula, with n robots i at positions x_i

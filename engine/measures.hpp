@@ -29,7 +29,8 @@ class MeasureSet {
   MeasureSet(World& world, const Registry& registry, std::span<const MeasureSpec> specs,
              Diagnostics& diagnostics);
 
-  /// Names of the columns, with the SI unit as a suffix: `displacement_m`, `stalls:leaders`.
+  /// Names of the columns, in the order of the specs, with the SI unit after the name of the measure:
+  /// `displacement_m`, `displacement_m:leaders`, `stalls:leaders`.
   std::span<const std::string> columns() const { return columns_; }
   /// Updates the measures. Call this after every step. Does nothing if the tick and the seed of the world are
   /// those of the last call (or of the constructor), and the tick is not 0. All measures begin again with the
