@@ -44,8 +44,9 @@ struct Act {
   std::array<double, 3> speed{};
   std::string device;  ///< for `command`: name of the device, which must take commands
   /// For `command`: names of fields of the device's command struct, each with its new numbers: one finite
-  /// number for each column of the field. The element type of the field must be able to represent the number:
-  /// an integer type holds only integers within its range, for 64 bits below 2^53 in magnitude.
+  /// number for each column of the field. A field of an integer type takes only whole numbers within its
+  /// range (with 64 bits: from -2^53, or 0 if unsigned, to 2^53 - 1). A field of type float rounds the
+  /// number, which must not exceed the largest float in magnitude.
   std::vector<std::pair<std::string, std::vector<double>>> values;
   /// For `set`: JSON text with the new values, as Simulation::set() takes it. Example:
   /// `{"drive": {"velocity_max_x_mps": 0.5}}`.

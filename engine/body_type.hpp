@@ -18,14 +18,14 @@ namespace troupe::engine {
 struct RayOutline {
   std::uint32_t first = 0;  ///< index of its first vertex in BodyType::outline_vertices
   std::uint32_t count = 0;  ///< number of its vertices
-  ZInterval z;              ///< height interval, body frame
+  ZInterval z;              ///< height interval at rest, body frame, m
   /// Intensity that rangers read (Returns::ranger); below 0: beams of rangers pass through the outline.
   float ranger_return = 1;
-  std::uint32_t part = 0;  ///< index of its part in the type
+  std::uint32_t part = 0;  ///< part that it belongs to: index into TypeSpec::parts
   /// Number of its solid, unique in the type. All outlines of a solid together bound one region (even-odd
   /// rule): an outline inside another is a hole.
   std::uint32_t solid = 0;
-  std::int32_t joint = k_rigid;  ///< index of the joint that moves it; k_rigid: none
+  std::int32_t joint = k_rigid;  ///< joint that it is mounted on: index into BodyType::joints; k_rigid: none
 };
 
 /// A compiled TypeSpec: the data that bodies of one type share. It is constant during a run, except for
@@ -73,7 +73,7 @@ struct BodyType {
     const DriveKind* kind;      ///< kind of the drive; the registry owns it
     std::any data;              ///< result of DriveKind::prepare
     std::uint64_t period;       ///< ticks from one run to the next
-    Localization localization;  ///< how its robots estimate their poses
+    Localization localization;  ///< how the robots of the type estimate their poses
     /// State table of the odometry estimates: index into World::tables(). Not set: the robots have no
     /// odometry.
     std::optional<std::size_t> odometry_table = std::nullopt;

@@ -32,8 +32,10 @@ enum class Presence : std::uint8_t {
 struct Life {
   /// Number of ticks that were completed when the body was born; 0 if it was present at tick 0 or is unborn.
   std::uint64_t birth = 0;
-  double x = 0;               ///< x of its position at birth, m, world frame; 0 if it was present at tick 0
-  double y = 0;               ///< y of its position at birth, m, world frame; 0 if it was present at tick 0
+  /// x of its position at birth, m, world frame; 0 if it was present at tick 0 or is unborn.
+  double x = 0;
+  /// y of its position at birth, m, world frame; 0 if it was present at tick 0 or is unborn.
+  double y = 0;
   std::uint8_t presence = 0;  ///< whether the body is in the world: a value of Presence
 };
 

@@ -23,8 +23,9 @@ enum class EventType : std::uint8_t {
   grip,          ///< the robot began to carry another body (Event::other)
   birth,         ///< the body was born, and so entered the world
   death,         ///< the body died, and so left the world
-  fails,         ///< the robot was disabled, or a fault stopped it completely; not if it was stopped before
-  recovers,      ///< the robot is in the world, and no longer disabled or stopped by a fault
+  /// the robot was disabled, or a fault stopped it completely; no event if it was already stopped
+  fails,
+  recovers,  ///< the robot is in the world, and no longer disabled or stopped by a fault
 };
 
 /// Name and text of an event type in tables and recordings. Both have static storage.

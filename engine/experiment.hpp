@@ -39,7 +39,7 @@ struct Experiment {
   };
   /// Sorted by tick; within a tick in the order of ExperimentSpec::at.
   std::vector<Intervention> interventions;
-  std::size_t next = 0;  ///< index of the next intervention to be applied; the list size: none
+  std::size_t next = 0;  ///< index of the next intervention to be applied; interventions.size(): none
   /// Number of interventions that World::set() has added since construction, World::reset() or
   /// World::restart(). Their specs are the last ones of ExperimentSpec::at.
   std::size_t made = 0;

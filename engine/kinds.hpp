@@ -67,7 +67,7 @@ struct ModelKind {
 /// the functions is an index into `rows`. engine/sensing_view.hpp has the functions of `view`.
 struct DeviceBatch {
   const SensingView& view;     ///< the world: constants, and where all bodies are
-  const std::any& data;        ///< result of DeviceKind::prepare
+  const std::any& data;        ///< DeviceKind::Prepared::data of the device
   std::span<const Row> rows;   ///< rows of the batch; all of one type
   StateTable& state;           ///< state of the device, by slot; hooks may write only to the slots of `rows`
   const StateTable* commands;  ///< commands from controllers, by slot; null if the kind takes none
@@ -195,7 +195,7 @@ struct HeldFlags {
 /// The argument of DeviceKind::draw: the device of one row.
 struct DeviceView {
   const World& world;       ///< the world, between two ticks
-  const std::any& data;     ///< result of DeviceKind::prepare
+  const std::any& data;     ///< DeviceKind::Prepared::data of the device
   const StateTable& state;  ///< state of the device, by slot
   std::size_t slot = 0;     ///< index of the row in `state`
   std::uint32_t body = 0;   ///< index of the device's body in Frame::mobile
@@ -593,7 +593,7 @@ struct DecisionError {
 
 /// A device of a type, as ControllerKind::prepare receives it to choose the inputs of a controller.
 struct DeviceInfo {
-  std::string_view name;                 ///< name of the device (DeviceSpec::name)
+  std::string_view name;                 ///< name of the device (BodyType::Device::name)
   std::string_view kind;                 ///< kind of the device (DeviceKind::name)
   const DeviceKind::Prepared& prepared;  ///< the compiled device
   /// Pose of the device with all joints at rest, m and rad. Its frame is that of the drive which the
