@@ -39,8 +39,8 @@ struct ReceivedOrder {
   partition::MessageReader rest;                      ///< reads the message from the end of its head
   std::shared_ptr<const partition::Message> message;  ///< the whole message, to which `rest` refers
 };
-/// Waits for the next message from the rank `from`. Throws partition::RankError if that rank failed or
-/// cannot be reached, and std::logic_error if the message is shorter than a head.
+/// Waits for the next message from the rank `from`. Throws partition::RankError if a rank failed or does not
+/// answer, and std::logic_error if the message is shorter than a head.
 ReceivedOrder receive_order(partition::Transport& transport, unsigned from);
 
 }  // namespace troupe::engine

@@ -21,7 +21,7 @@ namespace troupe::engine {
 
 /// Where the row of a body is, that is, its data in the state tables.
 enum class RowLocation : std::uint8_t {
-  none,       ///< the body is static: it has no row, and its pose never changes
+  none,       ///< the body is static: it has no row, and its pose does not change during a run
   here,       ///< in this world
   elsewhere,  ///< in the world of another rank
 };

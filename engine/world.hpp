@@ -74,8 +74,8 @@ class World {
   /// find, such as a controller that needs a sensor which its robot does not have, and StepError if a hook
   /// `start` of a kind throws. If bodies overlap at tick 0, one warning gives the number of overlapping
   /// pairs, counted up to 10,000. If `diagnostics` is thorough, each of the first hundred pairs gets a
-  /// warning of its own instead, and one more warning gives the number of the other pairs. Bodies that extend
-  /// below the floor (z = 0) also cause a warning. The registry must outlive the world.
+  /// warning of its own instead, and one more warning gives the number of any further pairs. Bodies that
+  /// extend below the floor (z = 0) also cause a warning. The registry must outlive the world.
   World(WorldSpec spec, const Registry& registry, const WorldOptions& options, Diagnostics& diagnostics);
   World(WorldSpec, Registry&&, const WorldOptions&, Diagnostics&) = delete;
   World(const World&) = delete;
@@ -134,13 +134,15 @@ class World {
   /// Switches on or off a test mode that detects device kinds that read or change data which they do not
   /// declare. In this mode the hooks `sense` and `act` of a device are called for one row at a time. During
   /// each call, the bodies whose enclosing circles are outside the reach of the device
-  /// (DeviceKind::Prepared::reach_m) are not in the spatial index, and their poses, outlines and state are
-  /// junk. In the state of the remaining bodies, except the device's own body, the components that the kind
-  /// does not declare to read (DeviceKind::reads) are junk. If no kind reads more than it declares, the
-  /// hashes of the run stay the same (docs/determinism.md). A step throws a StepError if an effect of a
-  /// device changes the state of a body that is outside the scope which the kind of the device declares
-  /// (DeviceKind::scope). The mode is slow: each call takes time proportional to the number of rows. Throws
-  /// std::invalid_argument if the mode is switched on in a world with several threads or the grid ray engine.
+  /// (DeviceKind::Prepared::reach_m, plus the reach of the joints of its body) are not in the spatial index,
+  /// and their poses, outlines and state are junk. Bodies that move together with the device's body
+  /// (same_tree()) are not hidden. In the state of the remaining bodies, except the device's own body, the
+  /// components that the kind does not declare to read (DeviceKind::reads) are junk. If no kind reads more
+  /// than it declares, the hashes of the run stay the same (docs/determinism.md). A step throws a StepError
+  /// if an effect of a device has a target, or changes the state of a body, outside the scope that the kind
+  /// of the device declares (DeviceKind::scope). The mode is slow: each call takes time proportional to the
+  /// number of rows. Throws std::invalid_argument if the mode is switched on in a world with several threads
+  /// or the grid ray engine.
   void hide_beyond_reach(bool on);
   /// A test mode: gives every body another row and another slot, at random. `seed` and tick() select the new
   /// rows and slots. All rows, slots, and references to rows of tables that the caller holds are then those
@@ -303,13 +305,15 @@ class World {
     touch();
     state_.tables[WorldState::k_command].as<Command>(row.index()) = command;
   }
-  Mount mount(Row row, std::int32_t joint) const {
-    return state_.view.mount(row, joint);
-  }                                                                 ///< see SensingView::mount()
-  double radius(Row row) const { return state_.view.radius(row); }  ///< see SensingView::radius()
-  double lift(Row row, std::int32_t joint) const {
-    return state_.view.lift(row, joint);
-  }  ///< see SensingView::lift()
+  /// Transform from the body frame to the world frame for the parts and devices on a joint of the row's body.
+  /// `joint` is an index into BodyType::joints or k_rigid. Details: SensingView::mount().
+  Mount mount(Row row, std::int32_t joint) const { return state_.view.mount(row, joint); }
+  /// Upper bound on the distance of any point of the row's body from its origin, m; negative if the body is
+  /// not in the world. Details: SensingView::radius().
+  double radius(Row row) const { return state_.view.radius(row); }
+  /// Height by which a joint of the row's body, and the joints that carry it, have raised the parts on the
+  /// joint above their rest position, m; 0 for k_rigid. `joint` is as in mount().
+  double lift(Row row, std::int32_t joint) const { return state_.view.lift(row, joint); }
   /// Present pose of a joint (an index into BodyType::joints) relative to its rest pose, m and rad.
   const Pose& joint_state(Row row, std::size_t joint) const { return state_.joint_state(row, joint); }
   /// The body that carries the row's body; std::nullopt if it is not carried.

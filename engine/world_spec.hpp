@@ -104,11 +104,13 @@ struct DeviceSpec {
   std::int32_t joint = k_rigid;  ///< index of the joint that it is mounted on; k_rigid: none
   /// Index of the first of the joints that it moves (DeviceKind::joints); k_rigid: it moves none.
   std::int32_t moves = k_rigid;
-  Record params;          ///< one value for each field of the kind's table
-  Pose pose_body_device;  ///< frame in which the kind's parameters are given, with joints at rest
-  double period_s = 0;    ///< time from one run to the next, s; 0: it runs in every tick
-  bool active = true;     ///< true: it runs even if no controller and no program reads it
-  Where where;            ///< position in the file, for messages
+  Record params;  ///< one value for each field of the kind's table
+  /// Pose of the device's frame in the body frame, with joints at rest. Parameters that are poses or points
+  /// are given in the device's frame.
+  Pose pose_body_device;
+  double period_s = 0;  ///< time from one run to the next, s; 0: it runs in every tick
+  bool active = true;   ///< true: it runs even if no controller and no program reads it
+  Where where;          ///< position in the file, for messages
 };
 
 /// The drive of the bodies of a type.
