@@ -443,7 +443,7 @@ class DocumentKeys {
   struct Noted {
     std::string_view name;                  ///< a text that contains the name of the struct
     std::size_t count = 0;                  ///< number of its members
-    std::vector<std::string_view> members;  ///< engine::detail::tag() of those that were given
+    std::vector<std::string_view> members;  ///< those that were given, by engine::detail::tag()
   };
   template <class C>
   static constexpr std::string_view name_of() {

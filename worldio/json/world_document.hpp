@@ -39,7 +39,7 @@ class DocumentKeys;
 inline constexpr std::int64_t k_format_version = 1;      ///< the only version of the format
 inline constexpr double k_max_size_m = k_world_reach_m;  ///< maximum of sizes and absolute coordinates, m
 inline constexpr std::size_t k_most_block_points =
-    1000;  ///< greatest number of points of an outline; the time of check_outline() grows with its square
+    1000;  ///< most points of a block or a line of walls; the time of check_outline() grows with their square
 
 /// The place of an object in its file, and the places of the values of its keys, for error messages. The
 /// parameters of a kind have no places of their own.
@@ -84,9 +84,9 @@ struct BlockDocument : Placed {
 /// angles on a circle around its position. The reader replaces the object before it is read into a struct
 /// (worldio/json/json_ring.hpp), so that the other structs have no member for a ring.
 struct RingDocument : Placed {
-  std::int64_t count = 0;  ///< number of copies; required
+  std::int64_t count = 0;  ///< number of copies, at least 1; required
   double radius = 0;       ///< radius of the circle, m
-  double start = 0;        ///< direction of the first copy, rad, relative to the heading of the object
+  double start = 0;        ///< direction of the first copy, rad, counter-clockwise from the object's heading
   static void describe(DocumentKeys<RingDocument>& d);  ///< adds the keys of this struct to `d`
 };
 
@@ -116,7 +116,7 @@ struct ImageDocument {
   std::optional<double> height;     ///< height of the walls of a map or of lines, m; empty: 1
   Unknown unknown = Unknown::free;  ///< how unknown cells of a map are treated
   Margins margins = Margins::trim;  ///< the part of the image that is scaled to `size`
-  bool boundary = false;            ///< true: adds four walls just inside the edges of the image
+  bool boundary = false;  ///< true: adds four walls just inside the edges of the scaled image or map
 };
 
 /// A device of a type or part: a sensor or another device.
@@ -323,7 +323,7 @@ struct GroupDocument : Placed {
 /// Births of bodies from the reserve of a population.
 struct AddDocument : Placed {
   std::string population;             ///< a population with a reserve
-  std::optional<std::int64_t> count;  ///< number of births; empty: all bodies of the reserve
+  std::optional<std::int64_t> count;  ///< number of births; empty: all bodies that remain in the reserve
   std::optional<Pose> pose;           ///< pose of each new body, world frame; empty: random
   std::optional<Box> region;          ///< region of random poses, m; empty: the world's bounds
   static void describe(DocumentKeys<AddDocument>& d);  ///< adds the keys of this struct to `d`
@@ -384,14 +384,14 @@ struct ExperimentDocument : Placed {
 /// What a run records.
 struct RecordDocument : Placed {
   std::string file;  ///< path of the recording; empty: a run records only if the caller names a file
-  std::optional<double> every;      ///< simulated time between frames, s; empty: 0.1
+  std::optional<double> every;      ///< simulated time between frames, s, above 0; empty: 0.1
   std::vector<std::string> fields;  ///< names of fields of the state to record; empty: only the poses
   static void describe(DocumentKeys<RecordDocument>& d);  ///< adds the keys of this struct to `d`
 };
 
 /// Properties of the ground, which is body 0 of every world.
 struct GroundDocument : Placed {
-  std::string alias;                                      ///< another name of the ground
+  std::string alias;                                      ///< another name of the ground; required
   static void describe(DocumentKeys<GroundDocument>& d);  ///< adds the keys of this struct to `d`
 };
 

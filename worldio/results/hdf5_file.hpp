@@ -15,7 +15,8 @@
 namespace troupe::worldio {
 
 /// The exception that is thrown if a file cannot be read or written, or if its content is not what a reader
-/// expects. The message is `run.h5: error: ...` with the reason. The HDF5 library itself prints nothing.
+/// expects. The message is `run.h5: error: ...` with the reason; only if the HDF5 library cannot be
+/// initialised, it names no file. The HDF5 library itself prints nothing.
 class Hdf5Error : public std::runtime_error {
  public:
   using std::runtime_error::runtime_error;
@@ -135,7 +136,7 @@ class Hdf5Dataset : public Hdf5Object {
   }
   void append_bytes(std::span<const std::byte> from);
   /// Sets the number of rows of an extendible dataset: removes the last rows, or adds rows whose values are
-  /// Hdf5Chunks::fill.
+  /// Hdf5Chunks::fill. Throws if the dataset is a single value or is not extendible.
   void resize(std::size_t rows);
   /// Hands the written data to the operating system. From then on, the data survives if the process is
   /// killed, and readers in SWMR mode (Hdf5File::start_swmr()) see it.
@@ -231,7 +232,7 @@ class Hdf5File : public Hdf5Group {
   /// Returns the present bytes of a file in memory. They begin with the user block, which is zero.
   std::vector<std::byte> image();
   /// Writes the remaining data and closes the file. All datasets and groups of the file must have been
-  /// destroyed before. Throws Hdf5Error if one of them still exists, or if the data cannot be written. Does
+  /// destroyed before. Throws Hdf5Error if one of them still exists, or if writing or closing fails. Does
   /// nothing if the file is already closed or abandoned.
   void close();
   /// Gives up the file without closing it: the file on the disk stays as it is. Call this after a failed
