@@ -15,7 +15,7 @@ namespace troupe::live {
 /// steps the world fills it, and the thread of the server encodes it.
 struct Picture {
   std::uint64_t number = 0;  ///< number of the picture, from 1
-  std::string state;         ///< members of the JSON object (docs/live.md) that every client receives
+  std::string state;         ///< JSON members, without braces, that every client receives (docs/live.md)
   /// Further members of this object that only one client receives, by number of the client: for example, the
   /// state of the robot that the client inspects.
   std::map<std::uint64_t, std::string> own;

@@ -49,8 +49,8 @@ class ViewServer {
     /// header `Host` names this machine or one of these proxies.
     std::vector<std::string> hosts;
     std::string page;        ///< HTML text of the page
-    std::string token;       ///< token for full control
-    std::string look_token;  ///< token for read-only access
+    std::string token;       ///< the text that a client must send first for full control
+    std::string look_token;  ///< the text that a client must send first for read-only access
   };
   /// Opens the port. Connections wait until start(). `backend` must outlive the server. Throws
   /// std::runtime_error if Options::bind is not an IP address, if the address or the port is not available,

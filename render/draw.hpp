@@ -44,8 +44,7 @@ struct Layers {
   /// A red outline with a white rim around bodies whose last motion was blocked or would have ended out of
   /// bounds (FrameBody::stalled).
   bool stalls = true;
-  bool scale =
-      true;  ///< from above: a scale bar; in other views, with `grid`: the distance between its lines
+  bool scale = true;   ///< from above: a scale bar; else, with `grid`: the distance of its lines
   bool clock = true;   ///< the simulated time
   bool speed = false;  ///< only with `clock`: the speed of the simulation, Frame::times_real_time, if above 0
   bool legend = true;  ///< legend of the colour scale, if bodies are coloured by Frame::values

@@ -51,7 +51,7 @@ struct Placed {
     Where where;  ///< place of the value
   };
   Where where;            ///< where the object begins in its file
-  std::vector<Key> keys;  ///< in the order in which describe() adds them
+  std::vector<Key> keys;  ///< the keys that the object has, in the order in which describe() adds them
 
   bool says(std::string_view key) const;  ///< whether `keys` has a Key of this name
   /// The place of a key's value; that of the object if `keys` has no Key of this name.
@@ -261,7 +261,7 @@ struct PlaceDocument : Placed {
   std::optional<double> pitch;  ///< grid: distance between neighbouring cells, m; required
   double jitter = 0;            ///< grid: maximum random displacement of each coordinate, m
   std::optional<std::array<double, 2>> mean;       ///< gaussian: mean of the origins, m; required
-  std::optional<std::array<double, 2>> deviation;  ///< gaussian: standard deviations, m; required
+  std::optional<std::array<double, 2>> deviation;  ///< gaussian: along x and y, m; required
   std::optional<double> distance;  ///< poisson_disc: minimum distance of two origins, m; required
   /// free_floor: point from which the floor must be reachable, m; empty: a point of the largest connected
   /// floor.
@@ -416,7 +416,7 @@ struct WorldDocument : Placed {
   std::optional<GroundDocument> ground;  ///< properties of the ground
   std::optional<RecordDocument> record;  ///< what a run records
   std::optional<engine::Record> watch;   ///< display of the time, and pace: engine::watch_fields()
-  std::optional<engine::Record> window;  ///< a view of the world: window_fields()
+  std::optional<engine::Record> window;  ///< the view of `--camera window`: window_fields()
   bool mortal = false;            ///< true: programs may remove and disable bodies, even if nothing else does
   Check overlaps = Check::error;  ///< how a model that overlaps a body at the start is treated
   Check same_names = Check::error;                          ///< how bodies with the same name are treated
