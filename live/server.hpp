@@ -27,7 +27,8 @@ class ViewBackend {
   virtual std::string opened(std::uint64_t client, bool may_steer) = 0;
   /// Called when a client has sent a text.
   virtual void received(std::uint64_t client, bool may_steer, std::string_view text) = 0;
-  /// Called when a client has disconnected. No function is called for this client afterwards.
+  /// Called when a client has disconnected, also because the server stops. No function is called for this
+  /// client afterwards.
   virtual void closed(std::uint64_t client) = 0;
   /// Returns the newest picture, encoded for this client; nothing if that picture was already sent to the
   /// client, or if there is no picture yet.

@@ -60,7 +60,7 @@ class View {
   /// address, if the address or the port is not available, if the file cannot be written, and in builds
   /// without TROUPE_VIEW.
   View(Simulation& simulation, const Options& options);
-  explicit View(Simulation& simulation);  ///< as above, with the default options
+  explicit View(Simulation& simulation);  ///< the same as View(simulation, Options())
   /// Ends the session and disconnects all viewers.
   ~View();
   View(const View&) = delete;

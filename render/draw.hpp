@@ -134,10 +134,10 @@ class Painter {
   Picture draw(const engine::Frame& frame, const View& view);
   /// Draws a view from above as vector graphics and returns the content of an SVG 1.1 or PDF file. The size
   /// of the picture is that of the view, with pixels of 1/96 inch. `texts` are stored in the file; characters
-  /// of their values that the formats do not allow become question marks. Throws
-  /// std::runtime_error if the view is not from above, or if View::region is not finite or has no area. For a
-  /// PDF it also throws if cairo is missing or too old, and the message names the package to install. OSMesa
-  /// is not needed.
+  /// of their values that the formats do not allow become question marks. Throws std::runtime_error if the
+  /// view is not from above, or if View::region is not finite or has no area. For a PDF it also throws if
+  /// cairo is missing or too old, and the message names the package to install, or if cairo fails. OSMesa is
+  /// not needed.
   std::string draw_vector(const engine::Frame& frame, const View& view, VectorFormat format,
                           const FileTexts& texts);
 

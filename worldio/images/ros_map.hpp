@@ -20,7 +20,7 @@ struct RosMap {
   enum class Mode { trinary, scale, raw };
 
   std::filesystem::path image;    ///< path of the image: that in the file, joined with the folder of the file
-  Where where_image;              ///< place of the value of `image`
+  Where where_image;              ///< place of the value of `image` in the YAML file
   double resolution_m = 0;        ///< edge length of a cell, m
   Pose pose_map_corner;           ///< `origin` of the file: pose of the image's lower left corner, map frame
   double occupied_thresh = 0.65;  ///< cells with a greater probability of occupancy are solid

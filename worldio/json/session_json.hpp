@@ -45,11 +45,10 @@ struct Session {
 };
 
 /// These functions return the header, the line of an act, and the last line of a session, without line ends.
-/// `tick` is the
-/// number of ticks that were completed when the act was performed or the session ended. `n` is the number of
-/// the line; the first line after the header has number 1. The functions throw std::invalid_argument for text
-/// that is not UTF-8. Numbers of the act must be finite, and Act::setting must be valid JSON if the act is of
-/// kind `set`.
+/// `tick` is the number of ticks that were completed when the act was performed or the session ended. `n` is
+/// the number of the line; the first line after the header has number 1. The functions throw
+/// std::invalid_argument for text that is not UTF-8. Numbers of the act must be finite, and Act::setting must
+/// be valid JSON if the act is of kind `set`.
 ///@{
 std::string header_line(const SessionHeader& header);
 std::string act_line(std::uint64_t tick, std::uint64_t n, const engine::Act& act);

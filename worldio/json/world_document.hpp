@@ -198,7 +198,8 @@ struct PartDocument : Placed {
 /// A type: the properties that bodies of the same construction share.
 struct TypeDocument : PartDocument {
   std::optional<DriveDocument> drive;  ///< drive; empty: the bodies do not move by themselves
-  std::optional<std::vector<std::string>> device_order;  ///< names of all devices in order; empty: file order
+  std::optional<std::vector<std::string>> device_order;  ///< names of all devices, in the order in which
+                                                         ///< controllers choose among them; empty: file order
   static void describe(DocumentKeys<TypeDocument>& d);   ///< adds the keys of this struct to `d`
 };
 
@@ -215,8 +216,8 @@ struct FloorplanDocument : Placed {
   static void describe(DocumentKeys<FloorplanDocument>& d);  ///< adds the keys of this struct to `d`
 };
 
-/// A rectangular arena about the origin of the world: it extends the bounds of the world, and has a body
-/// `arena` that consists of the four walls.
+/// A rectangular arena about the origin of the world: it extends the bounds of the world and, unless `walls`
+/// is false, has a body `arena` that consists of the four walls.
 struct ArenaDocument : Placed {
   std::optional<std::array<double, 2>> size;  ///< free floor along x and y, m; required
   bool walls = true;                          ///< false: no walls, only bounds
@@ -228,7 +229,7 @@ struct ArenaDocument : Placed {
 
 /// A single body.
 struct ModelDocument : Placed {
-  std::string name;        ///< unique in the world, unless WorldDocument::same_names allows repeated names
+  std::string name;        ///< name of the body; unique, unless WorldDocument::same_names allows repetitions
   std::string alias;       ///< another name; empty: none
   std::string type;        ///< a key of WorldDocument::types
   std::string reserve_of;  ///< population to whose reserve it belongs; empty: it exists from the start
@@ -275,7 +276,7 @@ struct PlaceDocument : Placed {
 
 /// Bodies of one type, placed by a rule.
 struct PopulationDocument : Placed {
-  std::string name;                    ///< bodies are called NAME0, NAME1, ...
+  std::string name;                    ///< name of the population; its bodies are called NAME0, ...
   std::string type;                    ///< a key of WorldDocument::types
   std::optional<std::int64_t> count;   ///< number of bodies; required
   std::int64_t reserve = 0;            ///< number of further bodies, which may be born later

@@ -51,17 +51,18 @@ class Hdf5Object {
   const std::string& path() const { return path_; }
   const std::filesystem::path& file_name() const { return file_; }
 
-  /// Add an attribute; the object must not have an attribute of this name. Texts are UTF-8 and stored with a
-  /// fixed length in the header of the object, which a checksum protects; h5py reads them as bytes. Texts of
-  /// more than 60,000 bytes are stored with variable length outside that header, without a checksum.
+  /// These functions add an attribute; the object must not have an attribute of this name. Texts are UTF-8
+  /// and stored with a fixed length in the header of the object, which a checksum protects; h5py reads them
+  /// as bytes. Texts of more than 60,000 bytes are stored with variable length outside that header, without a
+  /// checksum.
   void set_text(const std::string& name, std::string_view value);
   void set_integer(const std::string& name, std::int64_t value);
   void set_number(const std::string& name, double value);
   /// The names of the attributes, sorted by their bytes.
   std::vector<std::string> attributes() const;
   bool has_attribute(const std::string& name) const;
-  /// Return the value of an attribute. They throw if the attribute does not exist or has another type. NUL
-  /// characters at the end of a text are lost.
+  /// These functions return the value of an attribute. They throw if the attribute does not exist or has
+  /// another type. NUL characters at the end of a text are lost.
   std::string text(const std::string& name) const;
   std::int64_t integer(const std::string& name) const;
   double number(const std::string& name) const;
@@ -187,9 +188,9 @@ class Hdf5Group : public Hdf5Object {
     create_dataset(name, engine::element_of<T>(), {values.size()}).write(values);
   }
 
-  /// Write and read a dataset that is one text or a list of texts. Texts are UTF-8. They are padded with NUL
-  /// to the length of the longest; the readers remove NUL characters at the end. read_text() throws if the
-  /// dataset does not have exactly one text.
+  /// These functions write and read a dataset that is one text or a list of texts. Texts are UTF-8. They are
+  /// padded with NUL to the length of the longest; the readers remove NUL characters at the end. read_text()
+  /// throws if the dataset does not have exactly one text.
   void write_text(const std::string& name, std::string_view text);
   std::string read_text(const std::string& name) const;
   void write_texts(const std::string& name, std::span<const std::string> texts);
