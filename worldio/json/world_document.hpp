@@ -162,8 +162,8 @@ struct DriveDocument : Placed {
 /// A controller of a type or part.
 struct ControllerDocument : Placed {
   std::string kind;  ///< name of a kind in Registry::controllers
-  /// Time between two calls, s; 0: every tick. It has no effect if the controller reads a sensor or the type
-  /// has a drive.
+  /// Time between two calls, s; 0: every tick. It has no effect if the controller uses a sensor or another
+  /// device, or if the type has a drive.
   double period = 0;
   engine::Record params;  ///< parameters, one value per field of the kind's table
   static void describe(DocumentKeys<ControllerDocument>& d);  ///< adds the keys of this struct to `d`

@@ -45,7 +45,7 @@ bool is_without_effect(std::string_view name);
 std::vector<std::string_view> stage_property_names(std::string_view type);
 
 /// Returns, as text for `troupe describe`, the properties that models of this type and their blocks can have,
-/// without those that have no effect in Troupe.
+/// without those that have no effect on a run. For "ranger", those of its `sensor` blocks are included.
 std::string stage_properties_text(std::string_view model);
 
 /// Returns all rows as a Markdown table, which docs/stage-worlds.md contains.
