@@ -226,8 +226,9 @@ class Model {
     double turn = 0;     ///< turn rate, counter-clockwise, rad/s
   };
   /// Velocity that the drive of this model computed in the last tick, in the body frame. It is not 0 while an
-  /// obstacle blocks the motion, see stalled(). At tick 0 it is the initial velocity of the drive; for a body
-  /// that is not in the world it is 0.
+  /// obstacle blocks the motion, see stalled(). At tick 0 it is the initial velocity of the drive (0 for a
+  /// part with a device `wheels`). It is 0 for a model without a drive, for a body that is not in the world,
+  /// and while a body is disabled or its drive has no power.
   Speed speed() const;
   /// Whether the body is in the world: it was spawned or present from the start, and it was not removed
   /// (docs/lives.md). Static geometry is always in the world.
