@@ -422,7 +422,9 @@ class Simulation {
   /// same bits as if it had never stopped, on any number of threads. The files that the world was loaded from
   /// are not needed. Throws InputError, `run.h5: error: ...`, if the file is not a checkpoint, is truncated
   /// or damaged, or was written by another version of Troupe (unless ResumeOptions::across_versions is true),
-  /// if a plug-in or script of the run is missing, and if a value of ResumeOptions::set is invalid.
+  /// if a plug-in or script of the run is missing or has changed (unless ResumeOptions::across_plugins is
+  /// true), and if a value of ResumeOptions::set is invalid. Throws std::invalid_argument for numbers of
+  /// threads or ranks that are not allowed.
   static Simulation resume(const std::filesystem::path& checkpoint, const ResumeOptions& options = {});
   /// Resumes a run whose world was loaded with a registry of the program. `registry` must have the same kinds
   /// as that registry.
