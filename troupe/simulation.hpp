@@ -205,7 +205,8 @@ class Model {
   /// angle, rad). They apply from the next tick on, within the limits of the drive, until another command
   /// replaces them. If the robot has a controller, the controller overrides them. For a part that has a drive
   /// of its own (a device `wheels`), the command goes to that drive, also in accelerate() and go_to().
-  /// Numbers that are not finite make the next step throw StepError. Throws std::logic_error, as accelerate()
+  /// Numbers that are not finite make the next step in which the drive runs throw StepError. Throws
+  /// std::logic_error, as accelerate()
   /// and go_to() do, for a model that has no drive, and for a body that is not in the world.
   void set_speed(double forward, double left, double turn);
   void set_speed(double forward, double turn) { set_speed(forward, 0, turn); }  ///< as above, left = 0
@@ -375,7 +376,8 @@ class Model {
   std::shared_ptr<const Place> place_;
 };
 
-/// A world and its state. Not thread-safe: use each simulation from one thread at a time. A simulation
+/// A world and its state. Not thread-safe: use each simulation from one thread at a time, except that several
+/// threads may call cast() at once. A simulation
 /// computes on worker threads of its own (SimulationOptions::threads). A process may have several
 /// simulations.
 class Simulation {
