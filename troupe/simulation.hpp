@@ -206,8 +206,8 @@ class Model {
   /// replaces them. If the robot has a controller, the controller overrides them. For a part that has a drive
   /// of its own (a device `wheels`), the command goes to that drive, also in accelerate() and go_to().
   /// Numbers that are not finite make the next step in which the drive runs throw StepError. Throws
-  /// std::logic_error, as accelerate()
-  /// and go_to() do, for a model that has no drive, and for a body that is not in the world.
+  /// std::logic_error, as accelerate() and go_to() do, for a model that has no drive, and for a body that is
+  /// not in the world.
   void set_speed(double forward, double left, double turn);
   void set_speed(double forward, double turn) { set_speed(forward, 0, turn); }  ///< as above, left = 0
   /// Commands accelerations in the body frame: forward and left in m/s^2, turn in rad/s^2 (for a car drive:
@@ -377,9 +377,8 @@ class Model {
 };
 
 /// A world and its state. Not thread-safe: use each simulation from one thread at a time, except that several
-/// threads may call cast() at once. A simulation
-/// computes on worker threads of its own (SimulationOptions::threads). A process may have several
-/// simulations.
+/// threads may call cast() at once. A simulation computes on worker threads of its own
+/// (SimulationOptions::threads). A process may have several simulations.
 class Simulation {
  public:
   /// Loads a world file (Stage `.world` or Troupe JSON). Throws InputError, whose text lists all errors in
@@ -478,10 +477,10 @@ class Simulation {
   void on_tick(std::function<void(Simulation&)> callback);
   /// Sets the callback that is called in every step at the end of the phase intervene, after the events of
   /// the world file (the list `at`, and faults). tick() is then still the number of the previous tick. The
-  /// callback may do everything that a program may do between two steps, and
-  /// may call act(), but must not call step() or reset(), which is not checked. If it throws, step() passes
-  /// the exception on, and the state is then incomplete, as described at step(). A second call replaces the
-  /// callback; a null callback removes it.
+  /// callback may do everything that a program may do between two steps, and may call act(), but must not
+  /// call step() or reset(), which is not checked. If it throws, step() passes the exception on, and the
+  /// state is then incomplete, as described at step(). A second call replaces the callback; a null callback
+  /// removes it.
   void before_tick(std::function<void(Simulation&)> callback);
   /// Applies an act to the running world: a change that a user or a program requests, such as moving,
   /// removing or steering a robot (docs/live.md). Call it between two steps, or in the callback of

@@ -98,8 +98,8 @@ class Settings {
 /// The names and values are those of a JSON world file, which docs/world-format.md and `troupe describe`
 /// document; json() returns this file as text. This class does not check whether names and values are
 /// allowed, except that a number that is not finite throws std::invalid_argument. The constructor of
-/// Simulation checks them: it throws InputError, whose text lists all errors, each as
-/// `world.json:7: error: /types/bot/drive/kind: unknown drive ...`, with the line numbers of json().
+/// Simulation checks them: it throws InputError, whose text lists all errors, each as `world.json:7: error:
+/// /types/bot/drive/kind: unknown drive ...`, with the line numbers of json().
 class WorldBuilder {
  public:
   /// A type of bodies, made by WorldBuilder::type(). It belongs to the WorldBuilder and is valid as
