@@ -95,8 +95,8 @@ std::int64_t integer_of(const Value& value, std::int64_t least, std::int64_t mos
 }
 
 void check_integer(double number, std::int64_t least, std::uint64_t most) {
-  // The first double above the range: `most` itself may not be a double.
-  const double end = 2 * static_cast<double>(most / 2 + 1);
+  const std::uint64_t half = most / 2 + 1;           // `most` itself may not be a double
+  const double end = 2 * static_cast<double>(half);  // the first number above the range
   if (!(number >= static_cast<double>(least) && number < end))
     throw std::invalid_argument("must be from " + std::to_string(least) + " to " + std::to_string(most) +
                                 ", found " + plain_number(number));
