@@ -19,10 +19,10 @@ namespace troupe::apps {
 inline constexpr std::array<std::string_view, 3> k_shells{"bash", "zsh", "fish"};
 
 /// Returns a completion script. The script completes commands, options, and the values of options whose
-/// placeholder lists words of lower-case letters ("exact|grid"). It offers file names for values whose
-/// placeholder contains FILE or DIR, and for positional arguments that `arguments` does not list, but nothing
-/// for other values. shell: one of k_shells; commands: the result of command_table(); arguments: maps the
-/// name of a command to the allowed values of its positional argument.
+/// placeholder lists words of lower-case letters, digits and hyphens ("exact|grid"). It offers file names for
+/// values whose placeholder contains FILE or DIR, and for positional arguments that `arguments` does not
+/// list, but nothing for other values. shell: one of k_shells; commands: the result of command_table();
+/// arguments: maps the name of a command to the allowed values of its positional argument.
 std::string completion(std::string_view shell, const std::vector<Command>& commands,
                        const std::map<std::string, std::vector<std::string>>& arguments);
 

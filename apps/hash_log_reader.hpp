@@ -34,7 +34,7 @@ class HashLogReader {
     std::string text;                                         ///< the whole line, without its line break
     std::uint64_t tick;                                       ///< number of the tick
     std::uint64_t state;                                      ///< hash of the whole state
-    std::array<std::uint64_t, engine::k_hash_groups> groups;  ///< hashes of the groups of components
+    std::array<std::uint64_t, engine::k_hash_groups> groups;  ///< hash of each engine::HashGroup
   };
   /// Returns the next line after the header, or nothing at the end of the log. Throws InputError if a tick is
   /// missing or repeated, if the line is incomplete or malformed, or if its state hash is not the sum (modulo

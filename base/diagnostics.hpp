@@ -85,11 +85,11 @@ class Diagnostics {
   /// cost time and memory.
   void error(Where where, std::string message);
   static constexpr std::size_t k_most_errors = 1000;  ///< limit per load, see error()
-  /// Adds a warning.
+  /// Adds a warning, unless inherits() says that it was already reported.
   void warning(Where where, std::string message);
-  /// Adds a warning. If the same message occurs at several places, only the first place is listed. Later
-  /// calls with this message are counted, and warnings() appends the count, as in ` (and 99 more)`. If
-  /// thorough() is true, the warning is listed once for each place.
+  /// Adds a warning as warning() does. If the same message occurs at several places, only the first place is
+  /// listed. Later calls with this message are counted, and warnings() appends the count, as in ` (and 99
+  /// more)`. If thorough() is true, the warning is listed once for each place.
   void warning_once(Where where, std::string message);
 
   /// Declares that `heir` contains copies of the content of `base`. From now on, an error or a warning about
@@ -108,7 +108,8 @@ class Diagnostics {
   std::string text(const Finding& finding) const;
   /// All warnings, one entry each, with the counts of repetitions that warning_once() describes.
   std::vector<std::string> warnings() const;
-  /// If there are errors, throws InputError with their texts, in the order in which they were added.
+  /// If there are errors, throws InputError with the texts of the first 50, in the order in which they were
+  /// added, and the number of the others.
   void throw_if_errors() const;
 
  private:

@@ -7,9 +7,9 @@
 namespace troupe {
 
 /// A sum of doubles without rounding errors. The result is the double nearest to the mathematical sum of all
-/// terms, ties to even. A finite result equals that of `math.fsum` in Python. The result therefore depends
-/// neither on the order of the terms nor on how the terms are divided among several ExactSum objects that are
-/// added in the end.
+/// terms, ties to even. The result therefore depends neither on the order of the terms nor on how the terms
+/// are divided among several ExactSum objects that are added in the end. A finite result equals that of
+/// `math.fsum` in Python, except where `math.fsum` raises OverflowError because of an intermediate sum.
 ///
 /// source  The sum is kept as an integer, in units of the smallest double: Neal, Fast exact summation using
 ///         small and large superaccumulators, arXiv:1505.05571, 2015.

@@ -24,27 +24,29 @@ struct ZInterval {
   friend bool operator==(const ZInterval&, const ZInterval&) = default;
 };
 
-/// Axis-aligned box in the plane, metres. A new box is empty (min > max) until extend() is called.
+/// Axis-aligned box in the plane, metres. A new box is empty (min is +infinity, max is -infinity) until
+/// extend() is called.
 struct Box {
   /// The corner with the least x and y, metres, in the frame of the points that extend the box.
   Vec2 min{std::numeric_limits<double>::infinity(), std::numeric_limits<double>::infinity()};
   Vec2 max{-std::numeric_limits<double>::infinity(),
            -std::numeric_limits<double>::infinity()};  ///< the corner with the greatest x and y
 
-  /// True until the box is extended; a box around a single point is not empty.
+  /// True if min exceeds max in x or y, as in a new box. A box around a single point is not empty.
   bool empty() const { return min.x() > max.x() || min.y() > max.y(); }
   // This function and those below compute each coordinate by itself. With Eigen's expressions nearly every
   // source file would instantiate Eigen's templates, which makes compiling slow.
   /// Lengths along x and y; meaningless for an empty box.
   Vec2 size() const { return {max.x() - min.x(), max.y() - min.y()}; }
-  /// The centre; NaN for an empty box.
+  /// The centre; NaN for a new box, meaningless for any other empty box.
   Vec2 center() const { return {0.5 * (min.x() + max.x()), 0.5 * (min.y() + max.y())}; }
   /// Grows the box to contain the point.
   void extend(const Vec2& p) {
     min = {std::min(min.x(), p.x()), std::min(min.y(), p.y())};
     max = {std::max(max.x(), p.x()), std::max(max.y(), p.y())};
   }
-  /// Grows the box to contain the other one; an empty box b changes nothing.
+  /// Grows the box to contain the other one. A new box `b` changes nothing; `b` must not be empty in any
+  /// other way.
   void extend(const Box& b) {
     min = {std::min(min.x(), b.min.x()), std::min(min.y(), b.min.y())};
     max = {std::max(max.x(), b.max.x()), std::max(max.y(), b.max.y())};
@@ -60,7 +62,7 @@ struct Box {
   bool contains(const Vec2& p) const {
     return min.x() <= p.x() && p.x() <= max.x() && min.y() <= p.y() && p.y() <= max.y();
   }
-  /// True if the boxes overlap or touch.
+  /// True if the boxes overlap or touch. False if one of them is a new box.
   bool touches(const Box& b) const {
     return min.x() <= b.max.x() && b.min.x() <= max.x() && min.y() <= b.max.y() && b.min.y() <= max.y();
   }
@@ -115,11 +117,12 @@ double convex_width(const Ring& ring);
 bool contains(const Solid& solid, const Vec2& point);
 
 /// Cuts the even-odd region of a solid into convex pieces that do not overlap. A single convex contour is
-/// returned whole. Any other region is cut into trapezoids with horizontal top and bottom, and trapezoids are
-/// merged where their union stays convex. Contours may cross, touch and coincide. Cutting moves corners by at
-/// most 1e-12 of the largest coordinate. The pieces are ordered by their lowest y, then from left to right;
-/// there are none if the region has no area. Throws std::length_error if the contours cross so often that the
-/// cut would take longer than a few seconds.
+/// returned whole, counter-clockwise and without repeated corners. Any other region is cut into trapezoids
+/// with horizontal top and bottom, and trapezoids are merged where their union stays convex. Contours may
+/// cross, touch and coincide. Cutting moves corners by at most 1e-12 of the largest coordinate. The pieces
+/// are ordered by their lowest y, then from left to right; there are none if the region has no area. Throws
+/// std::length_error if the contours have so many long edges, or cross so often, that the cut would take
+/// longer than a few seconds.
 std::vector<ConvexPrism> convex_pieces(const Solid& solid);
 
 }  // namespace troupe

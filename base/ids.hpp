@@ -30,9 +30,9 @@ struct Id {
 using BodyId = Id<struct BodyIdKind>;
 /// Identifies a body type, which holds the data that identical bodies share.
 using TypeId = Id<struct TypeIdKind>;
-/// Identifies a row of the state tables. Every body that can move, sense, decide, be gripped or be pushed has
-/// a row, which holds the state of the body. The row of a body may change between two ticks: code that refers
-/// to a body for longer keeps its BodyId.
+/// Identifies a row of the state tables. Every body that has a drive, a device or a controller, or that can
+/// be gripped or pushed, has a row, which holds the state of the body. The row of a body may change between
+/// two ticks: code that refers to a body for longer keeps its BodyId.
 using Row = Id<struct RowKind>;
 
 }  // namespace troupe

@@ -13,8 +13,8 @@ std::array<std::uint32_t, 4> philox4x32(std::array<std::uint32_t, 4> counter,
                                         std::array<std::uint32_t, 2> key);
 
 /// Returns the number of a random stream: a hash of the name of a kind (such as the sensor kind `ranger`) and
-/// the name of one of its instances (such as `laser`). Every instance has a stream of its own, so adding a
-/// noisy sensor does not change the random numbers of any other sensor.
+/// the name of one of its instances (such as `laser`). Unless two 32-bit hashes coincide, every instance has
+/// a stream of its own. Adding a noisy sensor then does not change the random numbers of any other sensor.
 std::uint32_t stream_id(std::string_view kind, std::string_view instance);
 
 /// A sequence of random numbers for one entity (usually a body, by its id), in one stream, at one tick. A
@@ -33,7 +33,7 @@ class Random {
   /// returns `low`.
   double uniform(double low, double high);
   /// Returns a uniformly distributed integer from 0 to n - 1, without bias; n must be positive. Uses one
-  /// draw, rarely more.
+  /// draw. With a probability below n / 2^32, a draw is rejected and another one is used.
   std::uint32_t below(std::uint32_t n);
   /// Returns a normally distributed number with mean 0 and standard deviation 1 (Box-Muller); uses four
   /// draws.

@@ -16,23 +16,24 @@ namespace troupe::engine {
 /// a move to an occupied pose, throws troupe::ActRefused and changes nothing. The members that an action does
 /// not use are ignored.
 struct Act {
-  /// The kind of action.
+  /// The kind of action. A body that an action names must be in the world.
   enum class Kind : std::uint8_t {
     move,  ///< places a body at `pose`, which must be free
     /// commands `speed` to a robot once; the robot keeps this command until its controller gives the next one
     speed,
-    /// commands `speed` to a robot before every tick until `release`, and so overrides its controller
+    /// commands `speed` to a robot before every tick, and so overrides its controller; ends with `release`,
+    /// with a reset of the simulation, or when the robot is no longer in the world
     hold,
     release,  ///< ends the `hold` of a robot: the robot follows the commands of its controller again
-    /// sets the fields that `values` gives of the command of `device`, a device of a body; the other fields
-    /// keep their values
+    /// sets those fields of the command of `device`, a device of a body, that `values` names; the other
+    /// fields keep their values. A controller that uses the device may overwrite the command.
     command,
     /// spawns the next body of the reserve (bodies that are not yet in the world) of population `whom` at
     /// `pose`, which must be free
     add,
     remove,   ///< removes a body from the world for good
     disable,  ///< stops the devices, controllers and drive of a body
-    enable,   ///< lets a disabled body run again
+    enable,   ///< ends `disable`; a drop-out fault of the body, which also stops it, continues
     set,      ///< changes the parameters that `setting` gives for all bodies of the type `whom`
   };
   Kind kind = Kind::move;  ///< kind of action
@@ -41,9 +42,11 @@ struct Act {
   /// For `speed` and `hold`: the speeds [forward, left, turn], m/s and rad/s, body frame, each from -1e6 to
   /// 1e6. For a car, `turn` is the steering angle, rad.
   std::array<double, 3> speed{};
-  std::string device;  ///< for `command`: name of the device
+  std::string device;  ///< for `command`: name of the device, which must take commands
   /// For `command`: names of fields of the device's command struct, each with its new numbers: one finite
-  /// number for each column of the field.
+  /// number for each column of the field. A field of an integer type takes only whole numbers within its
+  /// range (with 64 bits: from -2^53, or 0 if unsigned, to 2^53 - 1). A field of type float rounds the
+  /// number, which must not exceed the largest float in magnitude.
   std::vector<std::pair<std::string, std::vector<double>>> values;
   /// For `set`: JSON text with the new values, as Simulation::set() takes it. Example:
   /// `{"drive": {"velocity_max_x_mps": 0.5}}`.

@@ -10,14 +10,14 @@
 #include <span>
 #include <utility>
 
-/// The loops over the rows of a world, which all phases of a tick use. A row is the index of a body in the
+/// The loops over the rows of a world, which the phases of a tick use. A row is the index of a body in the
 /// state tables. The argument `rows` of the callbacks is a std::span<const Row>, valid during the call.
 
 namespace troupe::engine {
 
 // Rows per task. Crowded tiles are split and sparse ones merged so that every task is worth waking a thread.
-inline constexpr std::size_t k_near_batch = 64;  ///< rows per task, for work that reads neighbours
-inline constexpr std::size_t k_row_block = 256;  ///< rows per task, for other work
+inline constexpr std::size_t k_near_batch = 64;  ///< most rows per task of for_neighbours()
+inline constexpr std::size_t k_row_block = 256;  ///< most rows per task of for_blocks()
 
 /// Sorts `rows`, of which there are at most k_row_block, by body type, and calls work(rows, type) once for
 /// each type, in ascending order of the types. Rows of one type keep their order. Without rows there is no
@@ -52,7 +52,8 @@ void for_types(const WorldState& state, std::span<Row> rows, Work&& work) {
 /// Calls work(rows, type) in parallel for batches of at most k_near_batch rows. The rows of a batch are of
 /// one type and near one another in the world. This loop is for work that reads the neighbours of a row:
 /// their data are then likely to be in the CPU cache. order: the rows, in an order in which neighbours in the
-/// world follow one another (BodyIndex::order(), which lists only bodies in the world)
+/// world follow one another (BodyIndex::order(), which lists only bodies in the world); if it is empty, there
+/// is no call
 template <class Work>
 void for_neighbours(const WorldState& state, partition::Parallel& parallel,
                     std::span<const std::uint32_t> order, Work&& work) {
@@ -85,16 +86,16 @@ void for_blocks(const WorldState& state, partition::Parallel& parallel, RowRange
   });
 }
 
-/// Calls work(rows, type) in the same way for all rows of the world.
+/// Calls for_blocks() above for the range of all rows of the world.
 template <class Work>
 void for_blocks(const WorldState& state, partition::Parallel& parallel, Work&& work) {
   for_blocks(state, parallel, {0, state.row_count()}, work);
 }
 
-/// Calls work(rows) for those of `rows` that are due in the present tick, once for each run of rows that
+/// Calls work(rows) for those of `rows` that are due in the present tick, once for each run of due rows that
 /// follow one another in `rows`. A row is due if the number of ticks since the birth of its body (or since
 /// tick 0) is a multiple of `period`, which is at least 1. In a world without births, either all rows are due
-/// or none.
+/// or none. If `rows` is empty, work() may be called once with an empty span.
 template <class Work>
 void for_due(const WorldState& state, std::span<const Row> rows, std::uint64_t period, Work&& work) {
   if (period == 1 || !state.life_table) {
@@ -112,7 +113,7 @@ void for_due(const WorldState& state, std::span<const Row> rows, std::uint64_t p
 /// Calls work(rows) for those of `rows` whose device runs in the present tick, once for each run of rows that
 /// follow one another in `rows`. All rows must be of the type of the device. The device runs if it is due
 /// (its period divides the age of the body, as in for_due()), is active or subscribed to, is switched on, is
-/// not broken or disabled, and has power (CommittedView::runs()).
+/// not broken, has power, and its body is neither disabled nor stopped by a fault (CommittedView::runs()).
 template <class Work>
 void for_running(const WorldState& state, std::span<const Row> rows, const BodyType::Device& device,
                  Work&& work) {

@@ -11,28 +11,30 @@
 
 namespace troupe::engine {
 
-/// Implements the test mode World::hide_beyond_reach(). While a device runs, it hides all data that the kind
-/// of the device does not declare to read: it replaces them by junk, and removes bodies from the spatial
-/// index. It also detects effects (changes that a device makes to bodies) on bodies that the kind does not
-/// declare to change. A row is the index of a body in the state tables, and a component is one of these
-/// tables. Bodies that carry one another form a tree.
+/// Implements the test mode World::hide_beyond_reach(). While a device runs, the object hides data of other
+/// bodies that the kind of the device does not declare to read: it replaces the data by junk, and removes
+/// bodies from the spatial index. The object also detects effects (changes that a device makes to bodies) on
+/// bodies that the kind does not declare to change. A row is the index of a body in the state tables, and a
+/// component is one of these tables. Bodies that carry one another form a tree.
 class Blinkers {
  public:
-  /// Allocates copies of the state, which must outlive the object.
+  /// Copies `state`, and keeps a reference to it: `state` must outlive the object.
   explicit Blinkers(WorldState& state);
 
   /// Hides data from a device of the row's body: all data of bodies that are not in the world, and of bodies
   /// whose enclosing circles are outside the disc with the radius `reach` (m) about the origin of the row's
-  /// body. In the state of all other bodies, except the row's own, it hides the components that the kind of
-  /// the device does not declare to read (DeviceKind::reads). Bodies in the same tree as the row's body count
-  /// as within reach. `kind` must outlive the object.
+  /// body. In the state of all other bodies, except the row's own, it hides all components but these: `pose`,
+  /// `carrier`, `life`, those of joints, and those that the kind of the device declares to read
+  /// (DeviceKind::reads). Bodies in the same tree as the row's body count as within reach. `kind` must
+  /// outlive the object.
   void hide_from(Row row, const DeviceKind& kind, double reach);
   /// Undoes the last call of hide_from(), which must have had the same row and kind and must not have been
   /// undone yet.
   void show_hidden(Row row, const DeviceKind& kind);
   /// Checks the effects that the device emitted while data were hidden: throws a StepError if the kind of the
   /// device has the scope ApplyScope::trees and the target of an effect was a hidden body. Call it after
-  /// show_hidden(), before the next hide_from(). Effects without a target pass.
+  /// show_hidden(), before the next hide_from(). Effects without a target, and effects on static bodies, are
+  /// allowed.
   void check_targets(const BodyType::Device& device, std::span<const Effect> emitted) const;
 
   /// Copies the state before an effect is applied.

@@ -17,15 +17,15 @@ namespace troupe::engine {
 /// BodyType::outline_vertices, extruded over a height interval.
 struct RayOutline {
   std::uint32_t first = 0;  ///< index of its first vertex in BodyType::outline_vertices
-  std::uint32_t count = 0;  ///< number of its vertices, at least one
-  ZInterval z;              ///< height interval, body frame
-  /// Intensity that rangers read (Returns::ranger); below 0 if their beams pass through the outline.
+  std::uint32_t count = 0;  ///< number of its vertices
+  ZInterval z;              ///< height interval at rest, body frame, m
+  /// Intensity that rangers read (Returns::ranger); below 0: beams of rangers pass through the outline.
   float ranger_return = 1;
-  std::uint32_t part = 0;  ///< index of its part in the type
+  std::uint32_t part = 0;  ///< part that it belongs to: index into TypeSpec::parts
   /// Number of its solid, unique in the type. All outlines of a solid together bound one region (even-odd
   /// rule): an outline inside another is a hole.
   std::uint32_t solid = 0;
-  std::int32_t joint = k_rigid;  ///< index of the joint that moves it; k_rigid: none
+  std::int32_t joint = k_rigid;  ///< joint that it is mounted on: index into BodyType::joints; k_rigid: none
 };
 
 /// A compiled TypeSpec: the data that bodies of one type share. It is constant during a run, except for
@@ -34,6 +34,7 @@ struct RayOutline {
 /// A *part* is a rigid piece of a body, and consists of *solids*. A *device* is a sensor or an actuator on a
 /// part. A *kind* is the implementation of a device, a drive or a controller (engine/kinds.hpp). Time
 /// advances in *ticks*, steps of equal length. "At rest" means that every joint is in its rest pose.
+/// make_body_type() leaves the indices of state tables unset; World sets them if the type has bodies.
 struct BodyType {
   std::string name;  ///< name of the type (TypeSpec::name)
   /// Obstacle shape at rest, body frame. Empty if no part is an obstacle, and for types whose bodies are
@@ -51,7 +52,10 @@ struct BodyType {
   /// Radius of the circle about the body's origin that encloses, at rest, every outline and the origins of
   /// all parts that fiducial finders detect, m.
   double radius = 0;
-  double joint_reach = 0;  ///< upper bound on the distance by which moving joints can extend `radius`, m
+  /// Upper bound on the distance by which moving joints can extend `radius`, m: the sum of
+  /// DeviceKind::Prepared::joint_reach_m of all devices. Joints that drive devices (DeviceKind::drives) move
+  /// do not count, because their motion is unlimited.
+  double joint_reach = 0;
   std::vector<std::uint32_t> targets;  ///< indices of the parts that fiducial finders detect; ascending
 
   /// A joint of the type, compiled from its JointSpec.
@@ -66,14 +70,14 @@ struct BodyType {
 
   /// The drive of the type, compiled from its DriveSpec.
   struct Drive {
-    const DriveKind* kind;      ///< its kind, owned by the registry
+    const DriveKind* kind;      ///< kind of the drive; the registry owns it
     std::any data;              ///< result of DriveKind::prepare
     std::uint64_t period;       ///< ticks from one run to the next
-    Localization localization;  ///< how its robots estimate their poses
+    Localization localization;  ///< how the robots of the type estimate their poses
     /// State table of the odometry estimates: index into World::tables(). Not set: the robots have no
     /// odometry.
     std::optional<std::size_t> odometry_table = std::nullopt;
-    /// Its power supply: index into `devices`. Not set: the drive always has power.
+    /// Power supply of the drive: index into `devices`. Not set: the drive always has power.
     std::optional<std::size_t> supply = std::nullopt;
     /// Largest number of pushable bodies that it can push at once, 0 to k_most_pushed.
     std::uint8_t pushes = 0;
@@ -83,9 +87,11 @@ struct BodyType {
 
   /// A sensor or another device of the type, compiled from its DeviceSpec.
   struct Device {
-    std::string name;               ///< name of the device (DeviceSpec::name)
-    const DeviceKind* kind;         ///< its kind, owned by the registry
-    DeviceKind::Prepared prepared;  ///< result of DeviceKind::prepare
+    /// Name of the device, unique in the type: DeviceSpec::name, followed by `#2` (or `#3`, ...) if an
+    /// earlier device of the type has that name.
+    std::string name;
+    const DeviceKind* kind;         ///< kind of the device; the registry owns it
+    DeviceKind::Prepared prepared;  ///< result of prepare_device()
     std::uint64_t period;           ///< ticks from one run to the next
     /// True: the device runs whether or not a program subscribes to it (World::subscribe()). It is true if
     /// DeviceSpec::active is true, or if a controller uses the device.
@@ -95,8 +101,8 @@ struct BodyType {
     /// Index in `joints` of the first of the joints that it moves, which follow one another; k_rigid: it
     /// moves none.
     std::int32_t moves;
-    std::uint32_t stream;  ///< its random stream: stream_id()
-    /// Its power supply: index into `devices`. Not set: the device always has power.
+    std::uint32_t stream;  ///< its random stream: stream_id(kind->name, name)
+    /// Power supply of the device: index into `devices`. Not set: the device always has power.
     std::optional<std::size_t> supply;
     /// State table of its percepts (its readings or other state): index into World::tables().
     std::size_t table = 0;
@@ -110,25 +116,27 @@ struct BodyType {
     bool is_ranger() const { return !prepared.bearings.empty(); }
   };
   std::vector<Device> devices;  ///< sensors and other devices, in the order of TypeSpec::devices
-  /// Indices of the devices that move joints. Each comes before the devices that are mounted on its joints.
+  /// Indices of the devices that move joints, ascending. In a type that was made with add_device(), each of
+  /// them comes before the devices that are mounted on its joints.
   std::vector<std::size_t> joint_devices;
   /// Whether the bodies can carry other bodies: a device of the type, such as a gripper, can pick them up.
   bool carries = false;
 
   /// A controller of the type, compiled from its ControllerSpec.
   struct Controller {
-    const ControllerKind* kind;  ///< its kind, owned by the registry
-    std::any data;               ///< result of ControllerKind::prepare
+    const ControllerKind* kind;  ///< kind of the controller; the registry owns it
+    std::any data;               ///< result of prepare_controller(): ControllerKind::Prepared::data
     /// The devices that it uses, in the order in which its kind chose them: indices into BodyType::devices.
     std::vector<std::size_t> devices;
     /// Ticks from one decision to the next: the period of the first of `devices`. Without devices, it is that
     /// of the drive; without a drive, that of the ControllerSpec.
     std::uint64_t period;
-    std::uint32_t stream;  ///< its random stream: stream_id()
+    /// Random stream of the controller: stream_id() of the name of its kind and of its index in the type.
+    std::uint32_t stream;
     /// State table of its memories: index into World::tables(). Not set: the controller has no memory.
     std::optional<std::size_t> table;
     /// The drive device (DeviceKind::drives) that it commands: index into BodyType::devices. Not set: it
-    /// commands the drive of the body.
+    /// commands the drive of the body, if there is one.
     std::optional<std::size_t> drive;
   };
   std::vector<Controller> controllers;  ///< in the order in which they decide (TypeSpec::controllers)
@@ -162,9 +170,10 @@ Result<DeviceKind::Prepared> prepare_device(const DeviceKind& kind, const Device
                                             const WorldSpec& world, const TypeSpec& spec);
 
 /// Compiles a controller: calls the hooks prepare and bind_world of its kind. The kind chooses among the
-/// devices that are on the part of the controller and on the parts mounted on that part, except drives. In
-/// the result, ControllerKind::Prepared::devices are indices into BodyType::devices. The error says what the
-/// controller lacks, or which exception its kind threw; no exception propagates.
+/// devices that are on the part of the controller and on the parts mounted on that part, directly or through
+/// other parts, except drives. In the result, ControllerKind::Prepared::devices are indices into
+/// BodyType::devices. The error says what the controller lacks, or which exception its kind threw; no
+/// exception propagates.
 ///
 /// spec, type: the type, and the same type with compiled devices
 /// claimed: one entry for each device of the type; true: reserved by an earlier controller. The function sets
@@ -176,8 +185,8 @@ Result<ControllerKind::Prepared> prepare_controller(const ControllerKind& kind,
 
 /// Compiles a type of a world. Reports each error, such as an unknown kind or a controller without the
 /// sensors that it needs, to `diagnostics`, at the file position that the spec gives. After an error, the
-/// result lacks the device, drive or controller with the error and must not be used: call
-/// Diagnostics::throw_if_errors(). The registry must outlive the result.
+/// result is incomplete or invalid and must not be used: call Diagnostics::throw_if_errors(). The registry
+/// must outlive the result.
 BodyType make_body_type(const TypeSpec& spec, const WorldSpec& world, const Registry& registry,
                         Diagnostics& diagnostics);
 

@@ -32,13 +32,15 @@ enum class Presence : std::uint8_t {
 struct Life {
   /// Number of ticks that were completed when the body was born; 0 if it was present at tick 0 or is unborn.
   std::uint64_t birth = 0;
-  double x = 0;               ///< x of its position at birth, m, world frame; 0 if it was present at tick 0
-  double y = 0;               ///< y of its position at birth, m, world frame; 0 if it was present at tick 0
+  /// x of its position at birth, m, world frame; 0 if it was present at tick 0 or is unborn.
+  double x = 0;
+  /// y of its position at birth, m, world frame; 0 if it was present at tick 0 or is unborn.
+  double y = 0;
   std::uint8_t presence = 0;  ///< whether the body is in the world: a value of Presence
 };
 
 /// The impairments of a body (it is disabled, or faults have occurred): a row of the component `condition`.
-/// All members are zero for an unimpaired body.
+/// All members are zero for an unimpaired body, and for a body that is not in the world.
 struct Condition {
   /// The reasons why all devices, controllers and the drive of a body are stopped; both may apply.
   enum Out : std::uint8_t {

@@ -102,10 +102,11 @@ class Mover {
   std::optional<PlacedShape> there_;
 };
 
-/// Returns the first and the last sample of a motion at which the mover's origin may lie within the distance
-/// `reach` (m) of a point (world frame, m), with a margin on both sides. If there is none, the first is
-/// greater than the last. If the motion has at most eight samples, or does not change the position, returns
-/// all of them. (The motion of a fast body can have thousands.)
+/// Returns a range of samples of a motion, as its first and its last sample. The range contains every sample
+/// at which the mover's origin lies within the distance `reach` (m) of a point (world frame, m), and possibly
+/// further samples. The range is empty if its first sample is greater than its last. If the motion has at
+/// most eight samples, or does not change the position, returns all samples. (The motion of a fast body can
+/// have thousands.)
 inline std::pair<std::size_t, std::size_t> samples_near(Mover& mover, const Vec2& point, double reach) {
   constexpr std::size_t k_few = 8;
   const std::size_t n = mover.samples();
@@ -162,9 +163,9 @@ class Conflicts::Resolver {
     conflicts_.longest_ = sqrt(std::max(longest2, value_of(longest_far2_))) + partition::k_rounding_m;
   }
 
-  /// First round, for one row: tests its motion against the static scene and all other bodies. If the outcome
-  /// depends on whether certain bodies of higher priority move, the row is put on the list of waiting rows.
-  /// Otherwise it is resolved.
+  /// First round, for one row: tests its motion against the static scene and all other bodies. Does nothing
+  /// if the row proposes no motion. If the outcome depends on whether certain bodies of higher priority move,
+  /// the row is put on the list of waiting rows. Otherwise it is resolved.
   void propose_and_check(std::uint32_t row) {
     const Motion& motion = crowd_.motions[row];
     if (!motion.moves) return;
@@ -221,9 +222,9 @@ class Conflicts::Resolver {
     else
       wait(conflicts_.still_waiting_.get(), waiting);
   }
-  /// Number of entries in Conflicts::pushes_.
+  /// Number of pushes that the resolved rows have recorded so far: entries in use of Conflicts::pushes_.
   std::size_t push_count() const { return push_count_; }
-  /// Begins the next round. Returns the number of rows that wait after the last round; 0: all rows are
+  /// Begins the next round. Returns the number of rows that the round before it left waiting; 0: all rows are
   /// resolved.
   std::size_t next_round() {
     ++round_;
@@ -351,8 +352,9 @@ class Conflicts::Resolver {
     return is_blocked(mover.there());
   }
 
-  /// Calls visit(row) for all bodies whose motions may come near the motion of the mover, and possibly for
-  /// bodies farther away. If there are more than 32 rows to visit, a row may be visited more than once.
+  /// Calls visit(row) for all bodies whose motions may come near the motion of the mover, for the mover
+  /// itself, and possibly for bodies farther away. If there are more than 32 rows to visit, a row may be
+  /// visited more than once.
   template <class Visit>
   void for_each_near(const Mover& mover, Visit&& visit) const {
     const Vec2 from = mover.from.position();

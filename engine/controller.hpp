@@ -178,9 +178,9 @@ std::vector<StateField> listed_fields() {
 }  // namespace detail
 
 /// The state fields of a memory struct, with their offsets in the struct, in the order in which its
-/// `describe` function describes them or TROUPE_FIELDS lists them. The struct must have one of these two,
-/// must be trivially copyable, and must have no constructors. Otherwise the call does not compile. A struct
-/// without members has no fields.
+/// `describe` function describes them or TROUPE_FIELDS lists them. The struct must have one of these two (if
+/// it has both, `describe` counts), must be trivially copyable, and must have no constructors. Otherwise the
+/// call does not compile. A struct without members has no fields.
 template <class Memory>
 std::vector<StateField> memory_fields() {
   static_assert(std::is_trivially_copyable_v<Memory>,
@@ -215,7 +215,8 @@ std::vector<StateField> memory_fields() {
 ///         // offered, also those that other controllers claim, and claims none
 ///     static constexpr std::array k_uses{std::string_view("ranger")};
 ///         // instead of choose: the kinds of the devices that it uses, in this order; a kind that is listed
-///         // twice stands for two devices; an error if the robot has too few devices of a kind
+///         // twice stands for two devices; an error if the robot has too few devices of a kind; ignores the
+///         // claims of other controllers, and claims no device
 ///     Result<> bind_world(const WorldSpec&, const TypeSpec&, std::uint32_t part);
 ///         // completes the object from the world: ControllerKind::bind_world
 ///     static constexpr std::array<std::string_view, N> brings;

@@ -16,8 +16,8 @@ namespace troupe::engine {
 /// A result of ControllerCheck: a field of a memory or command that a controller set to different values
 /// although its inputs were identical. Values are compared bit by bit.
 struct ControllerFinding {
-  /// The repetition that found the difference. If both repetitions of the decisions differ in a field, the
-  /// finding is about `again`.
+  /// The repetition that found the difference. If both repetitions of a controller's decisions differ in a
+  /// field, the finding is about `again`.
   enum class Repeat : std::uint8_t {
     start,   ///< a second call of ControllerKind::start, on memory with other initial bytes
     again,   ///< a second decision of the same controller
@@ -35,9 +35,11 @@ struct ControllerFinding {
   /// The lowest id of a body whose value differs. For Repeat::start it is the lowest id of a body of the
   /// type, and has no other meaning.
   BodyId body;
-  StateValue first;           ///< value of that body after the decision in the step, or the first start
-  StateValue second;          ///< value of that body after the repetition
-  std::size_t decisions = 1;  ///< number of decisions that differ in this value; not used for Repeat::start
+  StateValue first;   ///< value of that body after the decision in the step, or the first start
+  StateValue second;  ///< value of that body after the repetition
+  /// Number of decisions in which this field differs in the repetition `repeat`, counted in one call of
+  /// ControllerCheck::repeat(). Not used for Repeat::start.
+  std::size_t decisions = 1;
 };
 /// The message of a finding about a controller of this world: `controller "wander/0": memory avoid_updates of
 /// "r3" (id 4) is 0x0000000b (11) when the decision is repeated, not 0x0000000a (10); 12 decisions differ`.
@@ -52,14 +54,15 @@ std::string finding_text(const World& world, const ControllerFinding& finding);
 ///     std::thread other([&] { findings = check.repeat(); });  // repeats them twice, without effect
 ///     other.join();                                           // before the next step
 ///
-/// order    The repetitions process the robots in reverse order, in batches of another size, on the thread
-///          that calls repeat(). A collective controller (ControllerKind::is_collective) may depend on its
-///          whole batch, and so gets the batch of the step again, in the same order.
+/// order    The repetitions process the robots in reverse order, in other batches (unless there are so few
+///          robots that one batch holds them all), on the thread that calls repeat(). A collective controller
+///          (ControllerKind::is_collective) may depend on its whole batch, and so gets the batch of the step
+///          again, in the same order.
 /// storage  Readings, estimated poses, memories and commands are copied at the decision, because the robot
-///          may be dead when its decision is repeated. Memories and commands are copied field by field to
-///          other addresses, into storage filled with junk. The second repetition uses a newly made
-///          controller. It is made on a stack filled with junk, from the parameters that were in force at the
-///          decision.
+///          may be dead when its decision is repeated. Memories and the commands to devices are copied field
+///          by field to other addresses, into storage filled with junk. The second repetition uses a newly
+///          made controller. It is made on a stack filled with junk, from the parameters that were in force
+///          at the decision.
 /// catches  Dependence on rand(), statics, thread locals, clocks that advance between two decisions, members
 ///          that change or were left unset, addresses, padding, and (unless the controller is collective) the
 ///          other robots of the batch. Thread locals are found only if repeat() runs on a thread that has not
@@ -90,8 +93,8 @@ class ControllerCheck {
   /// memories of the robots. If the function throws an exception, throws a StepError.
   std::vector<Finding> start_twice() const;
   /// Repeats each decision of the last step twice. Call this after each step: without a call, the decisions
-  /// of several steps accumulate, and are then repeated with the time of the last one. Returns one finding
-  /// for each controller and column that differs; empty: none. If a controller throws an exception, throws a
+  /// of several steps accumulate, and the findings of the next call are then wrong. Returns one finding for
+  /// each controller and column that differs; empty: none. If a controller throws an exception, throws a
   /// StepError.
   std::vector<Finding> repeat();
   /// Number of decisions that repeat() has not yet repeated.

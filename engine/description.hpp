@@ -125,7 +125,8 @@ class Fact {
 namespace facts {
 
 /// Limits of a number in SI units. The limits themselves are allowed values, except that of above(). For a
-/// list they apply to each number. A member has at most one lower and one upper limit.
+/// list they apply to each number. If several facts or the type of the member limit the same side, the
+/// narrowest limit counts.
 ///@{
 constexpr Fact at_least(double min) {
   return Fact(Fact::Kind::at_least, min, std::numeric_limits<double>::infinity());
@@ -134,22 +135,23 @@ constexpr Fact above(double min) { return Fact(Fact::Kind::above, min); }  ///< 
 constexpr Fact at_most(double max) { return Fact(Fact::Kind::at_most, max); }
 constexpr Fact within(double min, double max) { return Fact(Fact::Kind::at_least, min, max); }
 ///@}
-/// Allowed values of a std::string; the default is any text. An enum does not need this: its allowed values
-/// are those of names_of().
+/// Allowed values of a std::string; without this fact, any text is allowed. An enum does not need this fact:
+/// its allowed values are those of names_of().
 constexpr Fact one_of(std::initializer_list<std::string_view> choices) {
   return Fact(std::span<const std::string_view>(choices.begin(), choices.size()));
 }
 /// Allowed values of a std::string, from an existing list. The list must live until the call that takes the
 /// fact returns; the characters of the values must live as long as the field.
 constexpr Fact one_of(std::span<const std::string_view> choices) { return Fact(choices); }
-/// Required length of a std::vector<double>; the default is any length. The lengths of arrays and Eigen
-/// vectors follow from their types.
+/// Required length of a std::vector<double>; without this fact, any length is allowed. The lengths of arrays
+/// and Eigen vectors follow from their types.
 constexpr Fact columns(std::size_t n) { return Fact(Fact::Kind::columns, static_cast<double>(n)); }
 /// The member has no default: a file must give it. Not allowed for a std::optional or a struct.
 inline constexpr Fact required{Fact::Kind::required};
 /// The member gives a number of readings of a sensor (Field::counts_readings). Only for integers.
 inline constexpr Fact counts_readings{Fact::Kind::counts_readings};
-/// Interventions cannot change the member while the world runs (Field::fixed).
+/// Interventions cannot change the member while the world runs. Has an effect only on the parameters of
+/// drives (Field::fixed).
 inline constexpr Fact fixed{Fact::Kind::fixed};
 /// The member records where the other members come from (a file and a line). It is stored, but comparisons
 /// ignore it (Field::provenance).
@@ -166,11 +168,11 @@ inline constexpr Fact is_appearance{Fact::Kind::appearance};
 struct MemberType {
   FieldType type = FieldType::number;  ///< type of the field that describes such a member
   std::size_t columns = 0;             ///< length of a fixed array; 0: not a fixed array
-  /// Smallest value of the type; -infinity for double, for integers of 64 bits, and for all types that are
-  /// not a single number.
+  /// Smallest value of the type of a single number, or of the elements of a fixed array of integers.
+  /// -infinity for double, for integers of 64 bits, for arrays of floating-point numbers, and for all types
+  /// without numbers or with a variable number of them.
   double min = -std::numeric_limits<double>::infinity();
-  /// Largest value of the type; infinity for double, for integers of 64 bits, and for all types that are not
-  /// a single number.
+  /// Largest value of the type, in the same cases as `min`; otherwise infinity.
   double max = std::numeric_limits<double>::infinity();
   bool optional = false;     ///< whether the member is a std::optional
   bool is_unsigned = false;  ///< true: std::uint64_t; a Value stores its bits in a std::int64_t
@@ -185,10 +187,10 @@ struct MemberType {
   /// std::invalid_argument if the member cannot hold it, such as a number that is too large for an integer
   /// type. Does not check `min` and `max` otherwise. Null if `table` is not null.
   void (*set)(void* member, const Value& value) = nullptr;
-  /// If `table` is not null: access to the structs that a member holds. A member that is a struct holds one
-  /// (itself), a std::optional holds none or one, and a list holds any number.
+  /// If `table` or `each` is not null: access to the structs or inner lists that a member holds. A member
+  /// that is a struct holds one (itself), a std::optional holds none or one, and a list holds any number.
   ///@{
-  std::size_t (*size)(const void* member) = nullptr;  ///< number of structs
+  std::size_t (*size)(const void* member) = nullptr;  ///< number of structs that a member holds
   /// Sets the number of structs to n; new ones are T{}. Null: the number is always 1.
   void (*resize)(void* member, std::size_t n) = nullptr;
   void* (*block)(void* member, std::size_t i) = nullptr;  ///< address of struct i, which must exist
@@ -514,8 +516,9 @@ void add_field(FieldTable& table, std::string_view name, const MemberType& type,
 /// Throws std::logic_error if the table already has a field of that name.
 void add_apart(FieldTable& table, std::string_view name);
 /// Appends the fields of a member that is itself a described struct with the table `part`. The offsets of the
-/// new fields are relative to `object`, the struct with the member. Fields that have a default get the value
-/// in `member` as their default. Throws std::logic_error if the table already has a field of the same name.
+/// new fields are relative to `object`, the struct with the member. Fields that have a default, and fields of
+/// type record, get the value in `member` as their default. Throws std::logic_error if the table already has
+/// a field of the same name.
 void add_part(FieldTable& table, const FieldTable& part, const void* object, const void* member);
 
 }  // namespace detail
@@ -531,8 +534,8 @@ class Description {
   constexpr Description(FieldTable& table, const T& example) : table_(&table), example_(&example) {}
 
   /// Describes a member as a field. The text `name` must be unique in the struct, and must live as long as
-  /// the program or the plug-in. The facts may have any order; std::logic_error is thrown if they contradict
-  /// one another.
+  /// the program or the plug-in. The facts may have any order. Throws std::logic_error if the facts
+  /// contradict one another or the type of the member, or if the table already has a field of this name.
   template <auto k_member, class... Facts>
   [[gnu::cold]] constexpr void member(std::string_view name, Facts... facts) {
     using Type = typename detail::Pointed<decltype(k_member)>::Type;
@@ -649,8 +652,8 @@ Record record_of(const FieldTable& table, const void* object);
 /// whole: in each new struct, members without a value have their defaults. Limits of the table are not
 /// checked. Throws std::bad_variant_access if a value has another type than its member, std::invalid_argument
 /// if a member cannot hold its value, and std::logic_error if the record gives a value for a field without
-/// access (Description::apart()). The members before that one are then set. The first two do not happen with
-/// a record that a reader has checked against the table.
+/// access (Description::apart()). After an exception, the members before the one with the error are set. Only
+/// the last of these exceptions is possible with a record that a reader has checked against the table.
 void fill(const FieldTable& table, void* object, const Record& record);
 
 /// Returns the value of one member of the struct at `object`. For an empty std::optional, Value::given() is

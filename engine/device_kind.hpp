@@ -43,8 +43,8 @@ DeviceKind::Prepared prepare_device(const Record& record, const Pose& pose_body_
 ///         // State and Command may list their members with TROUPE_FIELDS instead of describe
 ///     static DeviceKind::Prepared prepare(const Params&, const Pose& pose_body_device);
 ///         // DeviceKind::prepare; the member `data` of the result must be a C: otherwise the hook throws
-///         // std::logic_error. If the result has no percepts or no commands, these are set to the fields of
-///         // State or Command. If C has no Params, the pose is the only argument
+///         // std::logic_error. If the result has no percepts, the hook sets them to the fields of State; if
+///         // it has no commands, to the fields of Command. If C has no Params, the pose is the only argument
 ///     static C make(const Params&, const Pose& pose_body_device);
 ///         // instead of prepare, if `data` is the only member to be set; only if C has Params
 ///         // default, without prepare and make: C{params}, or C{} if C has no Params

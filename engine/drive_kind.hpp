@@ -15,10 +15,11 @@ namespace troupe::engine {
 ///     struct Params { ...; describe };         // its parameters (engine/description.hpp)
 ///     void drive(const DriveBatch&) const;     // DriveKind::drive
 ///
-/// and may have the other hooks of DriveKind, as members of D:
+/// and may have the other hooks of DriveKind, as members of D. If D lacks start, localization or pushes, that
+/// hook is null:
 ///
 ///     static D make(const Params&);            // makes the object; default: D{params}
-///     static Result<> check(const Params&);    // default: all parameters are consistent
+///     static Result<> check(const Params&);    // default: reports no error
 ///     Velocity start() const;
 ///     static Result<Localization> localization(const Params&);
 ///     static std::int64_t pushes(const Params&);

@@ -17,7 +17,8 @@ namespace troupe::engine {
 /// The payload is the pose at birth: x, y, z (m), heading (rad), world frame. If Effect::source dies in the
 /// same tick, the birth does not take place.
 inline constexpr std::uint32_t k_birth = ~0u;
-/// Death of Effect::target. It has no effect if the target is not in the world, or is a static body.
+/// Death of Effect::target. It has no effect if the target is not valid(), is not in the world, or is a
+/// static body.
 inline constexpr std::uint32_t k_death = ~0u - 1;
 
 /// The outcome of a request for a birth. Devices store the numerical values in their state, and so the values
@@ -25,7 +26,7 @@ inline constexpr std::uint32_t k_death = ~0u - 1;
 enum class BirthStatus : std::uint8_t {
   unasked,   ///< no birth was requested
   born,      ///< the body Birth::body was born
-  occupied,  ///< no birth: the pose is occupied or outside the bounds of the world
+  occupied,  ///< no birth: the pose is occupied, outside the bounds of the world, or not finite
   used_up,   ///< no birth: all bodies of the reserve have been born
 };
 /// The result of a birth, as passed to DeviceKind::born and returned by World::spawn().
@@ -68,7 +69,8 @@ class Effects {
   /// Sorts the effects emitted since the last clear() by (source, device, sequence) and returns them. Not
   /// thread-safe. The result is valid until the next call of a function that is not const.
   std::span<const Effect> sorted();
-  /// The effects emitted since the last clear(), in any order. Not thread-safe while effects are emitted.
+  /// The effects emitted since the last clear(), in any order. No thread may call emit() meanwhile. The
+  /// result is valid until the next call of a function that is not const.
   std::span<const Effect> emitted() const { return {effects_.get(), count_}; }
   void clear() { count_ = 0; }                ///< removes all effects; keeps the memory
   bool empty() const { return count_ == 0; }  ///< whether there are no effects

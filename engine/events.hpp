@@ -13,16 +13,19 @@ namespace troupe::engine {
 /// that a body or a static solid was in the way of the robot's motion; "out of bounds" means that the motion
 /// would have ended outside the bounds of the world. In both cases the robot stays in place.
 enum class EventType : std::uint8_t {
-  stall_ends,    ///< the motion of the robot was blocked in the tick before, but not in this tick
-  held_ends,     ///< the robot's motion was out of bounds in the tick before, but not in this tick
+  /// the motion of the robot was blocked in the tick before, but not in this tick; also if the robot has died
+  stall_ends,
+  /// the robot's motion was out of bounds in the tick before, but not in this tick; also if it has died
+  held_ends,
   stall_begins,  ///< the motion of the robot was blocked in this tick, but not in the tick before
   held_begins,   ///< the robot's motion was out of bounds in this tick, but not in the tick before
   release,       ///< the robot stopped carrying another body (Event::other)
   grip,          ///< the robot began to carry another body (Event::other)
   birth,         ///< the body was born, and so entered the world
   death,         ///< the body died, and so left the world
-  fails,         ///< the robot was disabled, or a fault stopped it completely
-  recovers,      ///< the robot is no longer disabled or stopped by a fault
+  /// the robot was disabled, or a fault stopped it completely; no event if it was already stopped
+  fails,
+  recovers,  ///< the robot is in the world, and no longer disabled or stopped by a fault
 };
 
 /// Name and text of an event type in tables and recordings. Both have static storage.
@@ -38,8 +41,8 @@ std::string_view event_name(EventType type);  ///< name in files and tables: "st
 /// An event of a tick.
 struct Event {
   EventType type;  ///< type of the event
-  BodyId body;     ///< the body that the event concerns
-  BodyId other;    ///< for `release` and `grip`: the other body; not valid() for other types
+  BodyId body;     ///< the body that the event concerns; for `release` and `grip`, the carrier
+  BodyId other;    ///< for `release` and `grip`: the carried body; not valid() for other types
 };
 
 /// Finds the events of a tick by comparing the state of a world after the tick with the state before. The
@@ -47,7 +50,8 @@ struct Event {
 /// world with each object.
 class EventWatch {
  public:
-  /// Starts from the present state of the world: the first events are those of the next tick.
+  /// Starts from the present state of the world: the first events are those of the next tick. The state must
+  /// be complete (World::require_whole()), which is not checked.
   explicit EventWatch(const World& world);
 
   /// Returns the events of the tick that has just ended, sorted by (Event::body, Event::type, Event::other).

@@ -23,9 +23,11 @@ struct Experiment {
 
   /// An intervention, compiled from its InterventionSpec.
   struct Intervention {
-    std::uint64_t tick = 0;    ///< applied after this tick, at the beginning of the next one
-    std::size_t spec = 0;      ///< its InterventionSpec: index into ExperimentSpec::at
-    std::uint32_t stream = 0;  ///< its random stream: stream_id()
+    std::uint64_t tick = 0;  ///< applied after this tick, at the beginning of the next one
+    std::size_t spec = 0;    ///< its InterventionSpec: index into ExperimentSpec::at
+    /// Random stream of the intervention: stream_id("at", INDEX), with `spec` as INDEX; 0 if World::set() has
+    /// added the intervention.
+    std::uint32_t stream = 0;
     /// All bodies of the group, in order of ids, whether or not they are in the world. Empty for `add` and
     /// `set`.
     std::vector<BodyId> whom;
@@ -37,9 +39,9 @@ struct Experiment {
   };
   /// Sorted by tick; within a tick in the order of ExperimentSpec::at.
   std::vector<Intervention> interventions;
-  std::size_t next = 0;  ///< index of the next intervention to be applied; the list size: none
-  /// Number of interventions that World::set() has added. Their specs are the last ones of
-  /// ExperimentSpec::at.
+  std::size_t next = 0;  ///< index of the next intervention to be applied; interventions.size(): none
+  /// Number of interventions that World::set() has added since construction, World::reset() or
+  /// World::restart(). Their specs are the last ones of ExperimentSpec::at.
   std::size_t made = 0;
   /// The interventions of the world file, all of them not yet applied, which World::reset() and
   /// World::restart() restore. Empty while World::set() has added nothing.
@@ -47,10 +49,13 @@ struct Experiment {
 
   /// One impairment of a FaultSpec, compiled for the bodies of one type.
   struct Fault {
-    Impairment impairment;     ///< effect of the fault on a body, and how often it occurs
-    std::uint32_t stream = 0;  ///< its random stream: stream_id()
+    Impairment impairment;  ///< effect of the fault on a body, and how often it occurs
+    /// Random stream of the fault: stream_id() of the name of its kind and of the index of its FaultSpec.
+    std::uint32_t stream = 0;
   };
-  std::vector<Fault> faults;  ///< the faults of all specs, in their order
+  /// One entry for each impairment of each FaultSpec and each type of the selected bodies, in the order of
+  /// ExperimentSpec::faults.
+  std::vector<Fault> faults;
   /// A fault event: a fault begins or ends in a body. It has no effect if the body is not in the world at
   /// that time.
   struct FaultEvent {
@@ -59,8 +64,8 @@ struct Experiment {
     BodyId body;              ///< the impaired body
     bool begins = true;       ///< true: the fault begins; false: it ends
   };
-  /// The first event of each fault in each body of a run: a heap with the earliest event on top. The vector
-  /// `fault_events` starts as a copy of it.
+  /// The first event in a run of each fault in each body that was selected for it: a heap with the earliest
+  /// event on top. At tick 0, `fault_events` is a copy of this heap.
   std::vector<FaultEvent> first_fault_events;
   /// The next event of each fault in each body, after those that were applied so far: a heap with the
   /// earliest event on top. A fault that occurs no more has no event.
@@ -69,7 +74,7 @@ struct Experiment {
   std::uint64_t due = k_never;  ///< tick after which the next intervention or fault event is applied
   /// A body that a random selection may choose. The selection takes the bodies with the lowest keys.
   struct Candidate {
-    std::uint64_t key = 0;  ///< random number; equal keys are ordered by id
+    std::uint64_t key = 0;  ///< random number; of bodies with equal keys, the lowest id is taken first
     BodyId body;            ///< id of the body
   };
   std::vector<Candidate> candidates;  ///< scratch memory of World::choose()

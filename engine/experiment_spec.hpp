@@ -44,7 +44,8 @@ std::string text_of(const StopSpec& condition);
 /// A group of bodies: a population, all bodies of a type, or one body. If `count` or `share` is set, the
 /// group is a random selection of these bodies; if both are set, the smaller number of bodies counts.
 /// Interventions select among the bodies that they can change when they are applied: those in the world that
-/// are not yet in the requested condition. Faults select among the bodies that are present at tick 0.
+/// are not yet in the requested condition. Faults select among the bodies that are present at tick 0. Static
+/// bodies do not belong to any group. Building the world reports an error for a group without bodies.
 struct GroupSpec {
   /// What `name` refers to.
   enum class By : std::uint8_t {
@@ -54,11 +55,11 @@ struct GroupSpec {
   };
   By by = By::population;  ///< what `name` refers to
   std::string name;        ///< name of the population, type or body
-  /// Number of bodies to select, at least 0; all if there are fewer. Not set: no limit. For `add`, the number
-  /// of bodies to add.
+  /// Number of bodies to select, at least 0; all if there are fewer. Not set: no limit. For the intervention
+  /// `add`, the number of bodies to add; not set: all unborn bodies of the reserve. Not used for `move`.
   std::optional<std::int64_t> count;
   /// Fraction of the bodies to select, 0 to 1. The number of bodies is rounded to nearest, halves up. Not
-  /// set: no limit. Not used for `add`.
+  /// set: no limit. Not used for the interventions `add` and `move`.
   std::optional<double> share;
 };
 
@@ -68,19 +69,19 @@ struct SettingSpec {
   /// The owner of the parameters.
   enum class Of : std::uint8_t {
     drive,       ///< the drive of the type (TypeSpec::drive)
-    device,      ///< the device TypeSpec::devices[index]
-    controller,  ///< the controller TypeSpec::controllers[index]
+    device,      ///< the device TypeSpec::devices[SettingSpec::index]
+    controller,  ///< the controller TypeSpec::controllers[SettingSpec::index]
   };
   TypeId type;              ///< the type; the change affects all its bodies
   Of of = Of::drive;        ///< the owner of the parameters
-  std::uint32_t index = 0;  ///< index of the device or controller in the TypeSpec
+  std::uint32_t index = 0;  ///< index of the device or controller in the TypeSpec; unused for Of::drive
   /// One value per field of the kind's table, in the order of the table. Where there is no value
   /// (Value::given() is false), the parameter does not change.
   Record params;
 };
 
-/// Returns a copy of `params` in which the values that the setting gives replace the old ones. `params` must
-/// belong to the table of the kind that the setting changes.
+/// Returns a copy of `params` in which the values that setting.params gives replace the old ones. `params`
+/// must have one value per field of the same table as setting.params.
 Record changed(const Record& params, const SettingSpec& setting);
 
 /// An intervention of the world file: a change of the running world, applied between two ticks. It does not
@@ -101,13 +102,13 @@ struct InterventionSpec {
   /// first tick.
   double time_s = 0;
   Action action = Action::remove;  ///< kind of intervention
-  GroupSpec whom;                  ///< affected bodies; for `add`, a population with a reserve
-  /// World frame, m and rad. For `move`, the new pose; it must be set. For `add`, the pose of each new body;
-  /// no further body is added once this pose is occupied.
+  GroupSpec whom;  ///< affected bodies; for `move`, one body; for `add`, a population with a reserve
+  /// World frame, m and rad. For `move`, the new pose, within the bounds of the world; it must be set. For
+  /// `add`, the pose of each new body; no further body is added once this pose is occupied.
   std::optional<Pose> pose;
-  /// For `add` without `pose`: box in which each new body gets a random free pose, world frame, m; not set:
-  /// the world's bounds. If a body finds no free pose in 1000 trials, it and the remaining bodies are not
-  /// added.
+  /// For `add` without `pose`: box in which each new body gets a random free pose with z = 0, world frame, m;
+  /// not set: the bounds of the world, which must then have bounds. If a body finds no free pose in 1000
+  /// trials, it and the remaining bodies are not added.
   std::optional<Box> region;
   std::optional<SettingSpec> setting;  ///< for `set`: the new parameters; `whom` is then unused
   Where where;                         ///< file position, for messages
@@ -131,7 +132,7 @@ struct FaultSpec {
 
 /// The experiment of a world.
 struct ExperimentSpec {
-  std::vector<StopSpec> stop_when;   ///< the run ends when at least one of these is true
+  std::vector<StopSpec> stop_when;   ///< the run ends after the first tick at which one of these is true
   std::vector<InterventionSpec> at;  ///< interventions, in any order of time
   std::vector<FaultSpec> faults;     ///< faults that may occur
 

@@ -21,8 +21,9 @@ struct Impairment {
   /// drop-out: the time until it occurs is exponentially distributed with the mean 1 / per_s, rounded up to
   /// whole ticks. 0: it occurs at from_s.
   double per_s = 0;
-  /// Duration of a drop-out, s; 0: it never ends. Not used by other faults. Only a drop-out that ends can
-  /// occur again, and only if per_s is above 0; any other fault occurs at most once per body.
+  /// Duration of a drop-out, s, rounded up to whole ticks; 0: it never ends. Not used by other faults. Only a
+  /// drop-out that ends can occur again, and only if per_s is above 0; any other fault occurs at most once
+  /// per body.
   double lasts_s = 0;
 };
 
@@ -35,7 +36,7 @@ inline constexpr std::size_t k_most_fallible = 32;
 struct FaultKind {
   std::string_view name;  ///< name in files; unique in the registry
   std::string_view text;  ///< one sentence for `troupe describe`; the strings must live as long as the kind
-  FieldTable params;      ///< its parameters, with their limits and defaults
+  FieldTable params;      ///< table of the parameters of such a fault, with their limits and defaults
   /// Compiles the parameters for the bodies of a type. Called when a world is built or restarted, once for
   /// each impairment of a FaultSpec and each type with bodies that may have the fault. The parameters are
   /// within the limits of `params`. The error says why bodies of the type cannot have the fault.

@@ -24,7 +24,7 @@ struct FrameShape {
 /// recoloured parts.
 struct FrameType {
   std::vector<FrameShape> shapes;  ///< the solids of all parts
-  bool mobile = false;             ///< true: the bodies are robots and get a mark that shows their heading
+  bool mobile = false;             ///< true: the bodies are robots (have a drive); a mark shows their heading
   /// Radius of a circle about the body's origin that encloses the shapes, m.
   double radius = 0;
   std::string name;  ///< name of the type, for display
@@ -32,12 +32,12 @@ struct FrameType {
 
 /// A body to draw.
 struct FrameBody {
-  /// Index of its shapes. An index i below the size n of FrameScene::types refers to that list; a larger
-  /// index refers to Frame::types[i - n]. Static bodies only refer to FrameScene::types.
+  /// Index of its shapes. An index i below the size n of FrameScene::types refers to that list; an index
+  /// of n or more refers to Frame::types[i - n]. Static bodies only refer to FrameScene::types.
   std::uint32_t type = 0;
   Pose pose_world_body;  ///< pose at this tick; for static bodies, the pose during the whole run
   Color color;           ///< colour of the shapes that have no colour of their own
-  bool stalled = false;  ///< whether its last motion was blocked or would have ended out of bounds
+  bool stalled = false;  ///< whether its last motion was blocked or out of bounds; false for static bodies
   std::uint32_t id = 0;  ///< number of the body in the world: the value of its BodyId
 };
 
@@ -52,9 +52,10 @@ struct FrameTransducer {
 
 /// A ranger of a body type, whose readings can be drawn.
 struct FrameRanger {
-  std::uint32_t type = 0;                    ///< type of the body: index into FrameScene::types
-  std::size_t readings = 0;                  ///< number of readings of all transducers
-  std::vector<FrameTransducer> transducers;  ///< each reading belongs to exactly one of them
+  std::uint32_t type = 0;    ///< type of the body: index into FrameScene::types
+  std::size_t readings = 0;  ///< number of readings of all transducers
+  /// The transducers of the ranger; each reading belongs to exactly one transducer.
+  std::vector<FrameTransducer> transducers;
 };
 
 /// The data that are constant during a run.
@@ -88,7 +89,7 @@ struct FrameScan {
 struct FrameSight {
   std::uint32_t body = 0;                          ///< the body: index into Frame::mobile
   Eigen::Vector3d from = Eigen::Vector3d::Zero();  ///< position of the sensor
-  Eigen::Vector3d to = Eigen::Vector3d::Zero();    ///< origin of the detected part
+  Eigen::Vector3d to = Eigen::Vector3d::Zero();    ///< origin of the detected part at the detection
 };
 
 /// A blob (a region of one colour in the view of a camera) that a blob finder sees. It is drawn as a triangle
@@ -118,12 +119,13 @@ struct FrameTie {
 /// A square of the floor that the origin of a robot has visited: [x, x + 1) times [y, y + 1) in the world
 /// frame, in units of Frame::covered_m.
 struct FrameSquare {
-  std::int32_t x = 0;   ///< lower edge in x, in units of Frame::covered_m
-  std::int32_t y = 0;   ///< lower edge in y, in units of Frame::covered_m
-  float freshness = 1;  ///< time of the last visit, from 0 (first tick of the viewer) to 1 (now)
+  std::int32_t x = 0;  ///< lower edge in x, in units of Frame::covered_m
+  std::int32_t y = 0;  ///< lower edge in y, in units of Frame::covered_m
+  /// Time of the last visit to the square, linear from 0 (first tick that the viewer stored) to 1 (last one).
+  float freshness = 1;
 };
 
-/// Past positions of a body, for the last seconds before this tick.
+/// Past positions of a body, for a period before this tick that the viewer chooses.
 struct FrameTrail {
   std::uint32_t body = 0;  ///< the body: index into Frame::mobile
   /// Positions of its origin from the oldest to the present one, world frame, m. At least one.
@@ -143,7 +145,7 @@ struct Frame {
   std::vector<FrameType> types;
 
   // The following are empty unless the viewer requests them.
-  /// Readings of rangers, in any order. Rangers that do not run have none.
+  /// Readings of rangers, in any order. At tick 0 the list is empty. Rangers that do not run have no entry.
   std::vector<FrameScan> scans;
   std::vector<float> ranges;       ///< ranges of all scans, one after another, m
   std::vector<FrameSight> sights;  ///< detections of fiducial finders, in order of bodies
@@ -156,13 +158,14 @@ struct Frame {
   std::vector<FrameSquare> covered;  ///< squares that robots have visited, sorted by x and then by y
   double covered_m = 0;              ///< edge of the squares of `covered`, m
   std::vector<std::string> names;    ///< names of bodies, one per body of `mobile`
-  /// One per body of `mobile`: energy of its first power pack as a fraction of the capacity, 0 to 1, and 1 if
-  /// the pack never becomes empty; NaN: the body has no power pack.
+  /// One per body of `mobile`: energy of its first device with an energy account (DeviceKind::energy), such
+  /// as a power pack, as a fraction of the capacity, 0 to 1; 1 if the device never becomes empty; NaN: the
+  /// body has no such device.
   std::vector<double> charges;
   /// One per body of `mobile`: value of the field of the state by which the viewer colours the bodies; NaN:
   /// the body has no such value.
   std::vector<double> values;
-  /// Name of the field of `values`, with its unit: "velocity.x (m/s)".
+  /// Name of the field of `values`, with its unit, for display: "velocity.x (m/s)".
   std::string value_name;
   /// Speed of the run relative to real time, which the viewer displays; 0: not displayed.
   double times_real_time = 0;

@@ -41,9 +41,9 @@ struct WorldSpec;
 /// A *kind* is a table of functions (hooks) that implements one sort of sensor, other device, drive or
 /// controller. The engine itself implements no sensor, device, drive or controller: it only calls the hooks.
 /// When the world is built, the hook `prepare` converts the parameters to data of a type that the kind
-/// chooses. The other hooks receive these data, and either a batch of robots, given as a list of rows, or a
+/// chooses. Most other hooks receive these data, and either a batch of robots, given as a list of rows, or a
 /// single robot. Several threads call the hooks at once, so a hook may write only to its arguments. If a
-/// hook throws an exception during a step, World::step() throws a StepError.
+/// hook other than DeviceKind::is_spent throws an exception during a step, World::step() throws a StepError.
 ///
 /// A body has a *row*, its index in the state tables of the world, and a *slot*, its index in the tables of
 /// its type. The state of a sensor is also called its percepts or readings.
@@ -58,7 +58,8 @@ struct ModelKind {
   /// True: a model without blocks or a bitmap is a box; false: it has no solids.
   bool has_default_body = true;
   std::string_view device;  ///< DeviceKind::name of the device that such a model adds; empty: none
-  FieldTable params;        ///< parameters of that device; if `device` is empty, of the model itself
+  /// Table of the parameters of that device; if `device` is empty, of the parameters of the model itself.
+  FieldTable params;
 };
 
 /// The argument of the hooks `sense`, `act` and `joints_moved` of a device: rows of one body type for which
@@ -66,7 +67,7 @@ struct ModelKind {
 /// the functions is an index into `rows`. engine/sensing_view.hpp has the functions of `view`.
 struct DeviceBatch {
   const SensingView& view;     ///< the world: constants, and where all bodies are
-  const std::any& data;        ///< result of DeviceKind::prepare
+  const std::any& data;        ///< DeviceKind::Prepared::data of the device
   std::span<const Row> rows;   ///< rows of the batch; all of one type
   StateTable& state;           ///< state of the device, by slot; hooks may write only to the slots of `rows`
   const StateTable* commands;  ///< commands from controllers, by slot; null if the kind takes none
@@ -92,7 +93,8 @@ struct DeviceBatch {
   /// p is the argument `pose_body_device` of DeviceKind::prepare.
   Mount mount(std::size_t i) const;
   /// Velocity that the drive of the row's body computed last, body frame, m/s and rad/s; 0 if the body has
-  /// no drive. Before the hook `act` is called, the drive has computed the velocity of this tick.
+  /// no drive. If the drive is due in this tick, it has computed the velocity before the hook `act` is
+  /// called.
   const Velocity& velocity(std::size_t i) const;
   /// Command to the drive of the row's body. The numbers have no meaning if the body has no drive.
   const Command& command(std::size_t i) const;
@@ -102,7 +104,7 @@ struct DeviceBatch {
   /// Whether a device of the row's body is switched on: no controller has switched it off.
   bool is_on(std::size_t i, std::size_t its_device) const;
   /// Whether a device of the row's body runs in the ticks in which it is due. It runs if senses() and is_on()
-  /// are true, it is not broken, its body is not disabled, and it has power.
+  /// are true, it is not broken, it has power, and its body is neither disabled nor dropped out by a fault.
   bool runs(std::size_t i, std::size_t its_device) const;
   /// State of another device of the same bodies, by slot. A hook may read only the slots of `rows`.
   const StateTable& percepts(std::size_t its_device) const;
@@ -126,7 +128,7 @@ struct DeviceBatch {
   ///
   /// sequence: position of this effect among the effects that the device of one body emits in a tick; each
   /// of these effects has a number of its own
-  /// verb, payload: their meaning is defined by the kind
+  /// verb, payload: their meaning is defined by the kind; the verb must be neither k_birth nor k_death
   /// target: the affected body; not valid() if there is none
   void emit(std::size_t i, std::uint32_t sequence, std::uint32_t verb, BodyId target,
             const std::array<double, 4>& payload = {}) const {
@@ -155,7 +157,8 @@ struct DeviceBatch {
 /// commands and device states of all bodies at the end of the last tick. A device class (make_device_kind())
 /// that does not read these additional data may declare `sense(const DeviceBatch&)`.
 struct SenseBatch : DeviceBatch {
-  const CommittedView& committed;  ///< the same world as `view`, with these additional data
+  /// View of the same world as `view`, with the velocities, commands and device states of all bodies.
+  const CommittedView& committed;
 };
 
 /// A fan of beams of a ranging sensor that start at one place.
@@ -171,7 +174,7 @@ struct Transducer {
 struct Camera {
   std::size_t width = 0;   ///< width of the images, pixels
   std::size_t height = 0;  ///< height of the images, pixels
-  double range_far = 0;    ///< depth of a pixel that shows no surface, m
+  double range_far = 0;    ///< largest visible depth, m; also the depth of a pixel that shows no surface
   /// Index of the colour percept: u8 [red green blue opacity] per pixel, row by row from the upper left.
   std::size_t color = 0;
   std::size_t depth = 1;  ///< index of the depth percept: f32 per pixel, m along the optical axis
@@ -186,13 +189,13 @@ struct SoughtMarks {
 /// The flags that a device holds. As in Stage, a flag is a coloured token that bodies hold and exchange.
 struct HeldFlags {
   std::size_t count = 0;       ///< number of flags that it holds now
-  std::uint64_t received = 0;  ///< number of flags that other bodies gave it since tick 0
+  std::uint64_t received = 0;  ///< number received from other bodies since the device came into the world
 };
 
 /// The argument of DeviceKind::draw: the device of one row.
 struct DeviceView {
   const World& world;       ///< the world, between two ticks
-  const std::any& data;     ///< result of DeviceKind::prepare
+  const std::any& data;     ///< DeviceKind::Prepared::data of the device
   const StateTable& state;  ///< state of the device, by slot
   std::size_t slot = 0;     ///< index of the row in `state`
   std::uint32_t body = 0;   ///< index of the device's body in Frame::mobile
@@ -229,15 +232,16 @@ inline constexpr std::string_view k_runs_of_others = "runs";
 struct DeviceKind {
   std::string_view name;  ///< name in files: "ranger"
   std::string_view text;  ///< one sentence for `troupe describe`
-  FieldTable params;      ///< its parameters
+  FieldTable params;      ///< table of the parameters of a device of this kind
   /// Names of the joints that the device moves; empty if it moves none. A device that moves one joint may
   /// leave the name of this joint empty.
   std::vector<std::string_view> joints;
   /// Whether the device can pick up other bodies (World::attach()).
   bool carries = false;
-  /// Whether the device is a drive. The controllers of its part, and of the parts mounted on that part, then
-  /// command the device instead of the body's drive. Its command struct must be a Command
-  /// (command_fields()), and its state must begin with a Pose, the estimated pose of the device.
+  /// Whether the device is a drive. A controller commands the drive device on its own part or, if that part
+  /// has none, on the nearest part that carries its part. Only if there is no such device, it commands the
+  /// body's drive. The command struct of a drive device must be a Command (command_fields()), and the state
+  /// must begin with a Pose, the estimated pose of the device.
   bool drives = false;
   /// A solid of a device, with its joints at rest.
   struct Fixture {
@@ -259,7 +263,7 @@ struct DeviceKind {
   struct Prepared {
     std::any data;                     ///< the argument `data` of the hooks
     std::vector<StateField> percepts;  ///< fields of the device's state table
-    std::size_t percept_bytes = 0;     ///< size of a row if rows are structs (memory_fields); else 0
+    std::size_t percept_bytes = 0;     ///< size of a row, bytes, if rows are structs (memory_fields); else 0
     /// Fields of the struct with the commands from controllers (memory_fields); empty: the device takes no
     /// commands.
     std::vector<StateField> commands;
@@ -279,8 +283,8 @@ struct DeviceKind {
     std::size_t most_effects = 0;
     bool ends_lives = false;  ///< whether it may emit deaths: emit_death()
     double watts = 0;         ///< power that it draws from its supply while it runs, W
-    /// Poses of its joints at tick 0 or at the birth of the body, relative to rest, m and rad; empty: at
-    /// rest.
+    /// Poses of its joints at tick 0 or at the birth of the body, relative to rest, m and rad: one for each
+    /// name of DeviceKind::joints. Empty: all joints are at rest.
     std::vector<Pose> joints;
     double joint_reach_m = 0;  ///< largest horizontal shift of its joints from rest, m; turns do not count
     /// For rangers: heading of each reading in the sensor frame, rad. Percept 0 of a ranger holds the ranges.
@@ -293,16 +297,16 @@ struct DeviceKind {
     std::optional<SoughtMarks> seeks;  ///< for fiducial finders: the parts that they detect
   };
   /// Compiles the parameters, which the caller has checked against the limits of their table. The hook must
-  /// be a pure function. If it throws, the device is an error of the world file.
+  /// be a pure function. If it throws, loading the world reports an error at the device in the world file.
   ///
   /// pose_body_device: the frame in which the parameters are given, as a pose in the body frame
   Prepared (*prepare)(const Record& params, const Pose& pose_body_device);
-  /// Called once after `prepare`: completes `data` from the type and from the part that carries the device
-  /// (an index into TypeSpec::parts). The error says why the type or the part does not suit the device. Null:
-  /// not needed.
+  /// Called after each call of `prepare`: completes `data` from the type and from the part that carries the
+  /// device (an index into TypeSpec::parts). The error says why the type or the part does not suit the
+  /// device. Null: not needed.
   Result<> (*bind_part)(std::any& data, const TypeSpec& type, std::uint32_t part) = nullptr;
-  /// Called once after `bind_part`: completes `data` from the world. The error says why the world does not
-  /// suit the device. Null: not needed.
+  /// Called after each call of `bind_part`: completes `data` from the world. The error says why the world
+  /// does not suit the device. Null: not needed.
   Result<> (*bind_world)(std::any& data, const WorldSpec& world) = nullptr;
   /// Called after `bind_part` and `bind_world`: returns a reach, m, that replaces Prepared::reach_m. Kinds
   /// whose reach depends on the part or the world have this hook. Null: the reach is Prepared::reach_m.
@@ -326,13 +330,14 @@ struct DeviceKind {
   /// emit().
   void (*apply)(World& world, const std::any& data, const Effect& effect) = nullptr;
   /// Called after all other effects and all deaths of the tick were applied, once for each birth that the
-  /// device requested: receives the result of the birth. Null: not needed.
+  /// device requested, unless the body of the device died in this tick: receives the result of the birth.
+  /// Null: not needed.
   void (*born)(World& world, const std::any& data, const Effect& effect, const Birth& birth) = nullptr;
 
   /// For power supplies: returns whether the supply of a row is empty. While it is empty, the devices that
   /// it serves do not run. A supply serves the devices of its part and of the parts mounted on that part,
   /// except parts with a supply of their own and the parts mounted on them. A supply of the root part also
-  /// serves the drive. Null: the device is not a power supply.
+  /// serves the drive. The hook must not throw. Null: the device is not a power supply.
   bool (*is_spent)(const std::any& data, const StateTable& state, std::size_t slot) = nullptr;
 
   bool needs_supply = false;  ///< true: it is an error if no power supply of the body serves the device
@@ -399,14 +404,14 @@ struct DriveBatch {
 struct DriveKind {
   std::string_view name;  ///< name in files: "diff"
   std::string_view text;  ///< one sentence for `troupe describe`
-  FieldTable params;      ///< its parameters
+  FieldTable params;      ///< table of the parameters of a drive of this kind
   /// Compiles the parameters to the argument `data` of the other hooks. The hook must accept all parameters
   /// within the limits of `params`, because the engine calls it even if `check` returned an error.
   std::any (*prepare)(const Record& params);
   /// Checks that the parameters are consistent. The error says which parameters are not, and why.
   Result<> (*check)(const Record& params);
-  /// Computes the velocities of a batch from the commands, within the limits of the drive. If a velocity is
-  /// not finite, World::step() throws a StepError that names the robot.
+  /// Computes the velocities of a batch from the commands, within the limits of the drive. If a velocity or a
+  /// number of a command is not finite, World::step() throws a StepError that names the robot.
   void (*drive)(const std::any& data, const DriveBatch& batch);
   /// Returns the velocity that a robot has until its drive runs for the first time. Null: 0.
   Velocity (*start)(const std::any& data) = nullptr;
@@ -415,7 +420,8 @@ struct DriveKind {
   /// Returns how robots with this drive estimate their poses. The error says why the parameters are
   /// inconsistent. Null: the estimates are the true poses, world frame.
   Result<Localization> (*localization)(const Record& params) = nullptr;
-  /// Returns the number of pushable bodies that a robot can push at once, 0 to k_most_pushed. Null: 0.
+  /// Returns the number of pushable bodies that a robot can push at once. A number below 0 counts as 0, and a
+  /// number above k_most_pushed as k_most_pushed. Null: 0.
   std::int64_t (*pushes)(const Record& params) = nullptr;
   ///@}
 };
@@ -449,7 +455,7 @@ class Readings {
 /// The inputs of one robot's controller in a tick.
 struct Percept {
   std::uint64_t tick = 0;  ///< number of the present tick; the first tick is 1
-  double time_s = 0;       ///< world time at the end of the tick
+  double time_s = 0;       ///< world time at the end of the tick, s
   double tick_s = 0;       ///< length of a tick, s
   std::uint32_t body = 0;  ///< id of the robot
   /// The sensors and other devices that the controller chose in `prepare`, in that order.
@@ -476,7 +482,8 @@ struct Actions {
   /// Switches a device on or off, from the next tick on. A device that is off does nothing, draws no power
   /// and keeps its last readings. The device stays off until this function switches it on or until `command`
   /// is replaced as a whole: set_speed(), for example, switches all devices on again. The call has no effect
-  /// unless ControllerKind::switches is true, nor on devices whose index in the type is 32 or higher.
+  /// on a device if ControllerKind::switches is false for all controllers that use the device, nor on devices
+  /// whose index in the type is 32 or higher.
   ///
   /// chosen: index of the device in Percept::devices, here and below
   void switch_device(std::size_t chosen, bool on) const {
@@ -532,8 +539,9 @@ struct DecideBatch {
     /// The row of a slot; null if there is no table.
     std::byte* of(std::size_t slot) const { return first == nullptr ? nullptr : first + slot * row_bytes; }
   };
-  std::array<const StateTable*, k_most_devices_read> percepts;  ///< state of the chosen devices
-  std::array<Rows, k_most_devices_read> device_commands;        ///< commands to the chosen devices
+  /// State of the chosen devices. Only the first `devices` elements are set.
+  std::array<const StateTable*, k_most_devices_read> percepts;
+  std::array<Rows, k_most_devices_read> device_commands;      ///< commands to the chosen devices
   std::array<std::uint32_t, k_most_devices_read> switches{};  ///< bits of the chosen devices in Command::off
   std::size_t devices = 0;                                    ///< number of chosen devices
   Rows memories;  ///< memory structs of the controller; without rows if its kind has no memory
@@ -577,7 +585,7 @@ struct DecideBatch {
 
 /// An exception of a controller, with the robot for which the controller was called. ControllerKind::decide
 /// may throw this, so that the error message names the robot. For any other exception the message names the
-/// first robot of the batch, and the size of the batch.
+/// first robot of the batch and, if there are several robots, the size of the batch.
 struct DecisionError {
   Row row;                    ///< row of the robot
   std::exception_ptr thrown;  ///< the controller's exception
@@ -585,7 +593,7 @@ struct DecisionError {
 
 /// A device of a type, as ControllerKind::prepare receives it to choose the inputs of a controller.
 struct DeviceInfo {
-  std::string_view name;                 ///< name of the device (DeviceSpec::name)
+  std::string_view name;                 ///< name of the device (BodyType::Device::name)
   std::string_view kind;                 ///< kind of the device (DeviceKind::name)
   const DeviceKind::Prepared& prepared;  ///< the compiled device
   /// Pose of the device with all joints at rest, m and rad. Its frame is that of the drive which the
@@ -598,7 +606,7 @@ struct DeviceInfo {
 struct ControllerKind {
   std::string_view name;    ///< name in files: "wander"
   std::string_view text;    ///< one sentence for `troupe describe`
-  FieldTable params;        ///< its parameters
+  FieldTable params;        ///< table of the parameters of a controller of this kind
   bool needs_drive = true;  ///< false: bodies without a drive may also have the controller
   bool switches = false;    ///< whether it may call Actions::switch_device()
   /// True: all robots of a type that decide in a tick are in one batch, in the order of their ids, and
@@ -632,10 +640,10 @@ struct ControllerKind {
   /// "NAME"`: for example, `needs a device of kind ranger`.
   Result<Prepared> (*prepare)(const Record& params, std::span<const DeviceInfo> devices,
                               std::vector<bool>& claimed);
-  /// Called once after `prepare`: completes the data of the controller from the world, the type and the part
-  /// of the controller, for example from the pose of a model or from the floor plan. `part` is an index into
-  /// TypeSpec::parts. The error says why the world or the type does not suit the controller. Null: not
-  /// needed.
+  /// Called after each call of `prepare`: completes the data of the controller from the world, the type and
+  /// the part of the controller, for example from the pose of a model or from the floor plan. `part` is an
+  /// index into TypeSpec::parts. The error says why the world or the type does not suit the controller. Null:
+  /// not needed.
   Result<> (*bind_world)(std::any& data, const WorldSpec& world, const TypeSpec& type,
                          std::uint32_t part) = nullptr;
   /// Kinds of devices that a Stage model with this controller carries although its file does not list them.
@@ -649,11 +657,11 @@ struct ControllerKind {
 /// troupe/registry.cpp assembles the one with all kinds of Troupe.
 struct Registry {
   std::vector<ModelKind> models;            ///< model kinds of Stage files
-  std::vector<DeviceKind> devices;          ///< sensors and other devices
-  std::vector<DriveKind> drives;            ///< drives
-  std::vector<ControllerKind> controllers;  ///< controllers
-  std::vector<MeasureKind> measures;        ///< measures
-  std::vector<FaultKind> faults;            ///< faults
+  std::vector<DeviceKind> devices;          ///< kinds of sensors and of other devices
+  std::vector<DriveKind> drives;            ///< kinds of drives
+  std::vector<ControllerKind> controllers;  ///< kinds of controllers
+  std::vector<MeasureKind> measures;        ///< kinds of measures
+  std::vector<FaultKind> faults;            ///< kinds of faults
 
   /// A name for a controller kind with certain parameters, such as Stage's expand_swarm.
   struct Preset {
@@ -677,15 +685,16 @@ struct Registry {
   ///@}
 
   /// The kind with this name in the lists above, or for devices and controllers also in a plug-in; null if
-  /// there is none. The pointer is valid as long as the lists are not changed.
+  /// there is none. The name of a preset is not looked up in plug-ins. The pointer is valid as long as the
+  /// lists are not changed.
   ///@{
   const ModelKind* model(std::string_view name) const;
   const DeviceKind* device(std::string_view name) const;
   const DriveKind* drive(std::string_view name) const;
   const ControllerKind* controller(std::string_view name) const;
   ///@}
-  /// The device kind of this name, in the lists or in a plug-in; never null. If there is none, the error is
-  /// the message `unknown`.
+  /// The device kind of this name, in the list or in a plug-in; never null. If there is none, the error is
+  /// the message `unknown`, to which `plugged_devices` may add details.
   Result<const DeviceKind*> find_device(std::string_view name, std::string unknown) const;
   /// The controller kind of this name, in the lists or in a plug-in; never null. If there is none, the error
   /// begins with `unknown controller "hover"; known: expand, ...`. The name of a preset is not looked up in

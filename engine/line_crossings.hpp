@@ -31,9 +31,9 @@ struct SpatialLine {
 
 /// Finds the walls (outlines of the static scene) and bodies that straight lines from one point, the origin,
 /// cross. A line crosses an outline if it crosses an edge of the outline between the two ends of the line,
-/// at a height within the height interval of the outline. A vertical line crosses nothing. Only outlines
-/// that rangers see count. Not thread-safe. Keep one object per thread and reuse it: its arrays keep their
-/// memory.
+/// at a height within the height interval of the outline. A vertical line crosses nothing. Outlines that
+/// rangers do not see are ignored. Not thread-safe. Keep one object per thread and reuse it: its arrays keep
+/// their memory.
 class LineCrossings {
  public:
   /// A horizontal length, m, which affects only the speed. If `longest` in find_walls() or find_bodies() is
@@ -42,8 +42,8 @@ class LineCrossings {
   static constexpr double k_together_m = 12;
 
   LineCrossings();  ///< an object without an origin: call stand() first
-  /// Sets the origin of the lines (world frame, m). Until the last query, the view must exist and the world
-  /// must not change.
+  /// Sets the origin of the lines (world frame, m), and discards the results of find_walls() and
+  /// find_bodies(). Until the last query, the view must exist and the world must not change.
   void stand(const SensingView& view, const Vec2& origin);
   /// Prepares the queries for walls, for lines whose horizontal length is at most `longest`, m. Returns
   /// false if it is certain that no such line crosses a wall.
@@ -61,8 +61,8 @@ class LineCrossings {
   /// line must be the origin.
   int count_walls(const SpatialLine& line);
   /// Whether the line crosses any body except the bodies of the rows (indices in the state tables) a and b,
-  /// and except bodies that move together with one of these two (SensingView::same_tree()). Call
-  /// find_bodies() before. One end of the line must be the origin.
+  /// and except bodies that move together with one of these two (SensingView::same_tree()). Both rows must be
+  /// valid. Call find_bodies() before. One end of the line must be the origin.
   bool crosses_body(const SpatialLine& line, Row a, Row b) const;
 
  private:

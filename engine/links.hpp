@@ -17,7 +17,7 @@ namespace troupe::engine {
 /// The joints of bodies, and the *trees* of bodies that carry one another. A tree consists of a body that is
 /// not carried, the root, and all bodies that the root carries, directly or through others. This part of
 /// World writes the components (state tables) `joint/...` and `carrier`, and the poses of carried bodies. A
-/// row is the index of a body in the state tables. If no type of the world has joints or can pick up bodies,
+/// row is the index of a body in the state tables. If no body with a row has joints or can pick up bodies,
 /// any() is false, and functions that take a row or a joint must not be called.
 ///
 /// A body whose shape can change, because it has joints or can carry, is *composite*. For conflict
@@ -29,7 +29,7 @@ class Links {
   /// The state of a joint's motion in this tick.
   enum class Goal : std::uint8_t {
     none,     ///< the joint has no command to move
-    asked,    ///< the joint has a command that is not yet resolved
+    asked,    ///< the joint has a command that is not yet resolved, or whose goal is its present pose
     moved,    ///< the joint is at its goal
     refused,  ///< the motion was blocked: the joint is at its old pose
   };
@@ -48,24 +48,28 @@ class Links {
   /// Overwrites all derived data with junk: see World::forget().
   void forget();
   /// Whether the tables of joints and carriers are consistent: all poses are finite, all carriers and the
-  /// joints that hold their cargo exist, and no body carries itself, directly or through others. Reads only
-  /// the state tables.
+  /// joints that hold their cargo exist, the types of all carriers can carry, and no body carries itself,
+  /// directly or through others. Reads only the state tables.
   bool hold() const;
 
-  /// Whether any body type in the world has joints or can pick up bodies.
+  /// Whether any body with a row, unborn and dead bodies included, has joints or can pick up bodies.
   bool any() const { return !composites_.empty(); }
   std::span<const std::uint32_t> composites() const { return composites_; }  ///< rows of composite bodies
   /// Among the bodies that the row's body carries directly, the row of the body with the lowest id; k_none if
   /// it carries none.
   std::uint32_t first_cargo(Row row) const { return first_cargo_[row.index()]; }
 
-  /// Sets the joints of a row to Goal::none, and updates WorldState::joint_mounts.
+  /// Sets the joints of a row to Goal::none, and updates WorldState::joint_mounts from the poses of the
+  /// joints, which it does not change.
   void rest_joints(Row row);
   /// Updates the obstacle shape and the radius of a row (WorldState::shapes, radii). The root of a tree gets
   /// the shape of its whole tree, and a carried body an empty shape. A body that is unborn or dead gets an
   /// empty shape and a negative radius.
   void reshape(std::uint32_t row);
-  /// Attaches `cargo` to a carrier or to one of its joints: see World::attach().
+  /// Attaches the body of the row `cargo`, at its present place, to a carrier: to the carrier's joint with
+  /// the index `joint` or, if `joint` is k_rigid, to the carrier itself. Returns false and changes nothing if
+  /// the cargo is already carried, if it is the carrier or carries the carrier, directly or through others,
+  /// or if the type of the carrier cannot carry bodies.
   bool attach(Row cargo, Row carrier, std::int32_t joint);
   /// Detaches a body from its carrier, if it has one; its pose stays.
   void release(Row cargo);

@@ -17,12 +17,14 @@ namespace troupe::engine {
 /// How the robots of one type estimate their poses. Controllers and position commands (ControlMode::position)
 /// use the estimate.
 ///
-/// gps   The estimate is the true pose, in the frame `origin` if `origin` is set, otherwise in the world
-/// frame. odom  Wheel odometry with an error. In each tick, the motion of the robot times 1 + error is added
-/// to the
-///       estimate, along the estimated heading. The estimate does not change if the motion is blocked, if the
-///       robot is pushed or carried, or if a program sets its pose. The frame of the estimate is `origin` if
-///       `origin` is set, otherwise the robot's pose at tick 0 or at its birth.
+/// With `gps`, the estimate is the true pose, in the frame `origin` if `origin` is set, otherwise in the
+/// world frame.
+///
+/// With `odom`, the estimate comes from wheel odometry with an error. In each tick, the motion of the robot
+/// times 1 + error is added to the estimate, along the estimated heading. The estimate does not change if the
+/// motion is blocked or would end out of bounds, if the robot is carried, or if a program sets its pose. The
+/// frame of the estimate is `origin` if `origin` is set, otherwise the robot's pose at tick 0 or at its
+/// birth. The heading is not wrapped.
 ///
 /// In both cases, the z of the estimate is the true height, world frame.
 struct Localization {
@@ -39,7 +41,8 @@ struct Localization {
   };
 
   Kind kind = Kind::gps;  ///< source of the estimate
-  /// Frame of the estimate, given as a pose in the world frame; not set: see `gps` and `odom` above.
+  /// Frame of the estimate, given as a pose in the world frame; the z of this pose is ignored. Not set: the
+  /// frame is the world frame with `gps`, and the robot's pose at tick 0 or at its birth with `odom`.
   std::optional<Pose> origin;
   /// Error of all robots of the type; not set: each robot has a random error of its own.
   std::optional<Error> error;
@@ -107,7 +110,7 @@ struct LocalizationParams {
 struct Odometry {
   double x = 0;        ///< estimated x, m, in the frame of the estimate
   double y = 0;        ///< estimated y, m, in the frame of the estimate
-  double heading = 0;  ///< estimated heading, rad
+  double heading = 0;  ///< estimated heading, rad, in the frame of the estimate; not wrapped
 
   /// Adds the true motion of one tick, multiplied by 1 + `error`, to the estimate. The motion is in the body
   /// frame: x forward and y to the left, m, and turn, rad. It is added along the heading that
@@ -116,8 +119,8 @@ struct Odometry {
   void advance(const Localization& how, const Localization::Error& error, double x, double y, double turn);
 };
 
-/// Converts a pose from the world frame to the frame whose pose in the world frame is `origin`. The height z
-/// stays in the world frame; the heading is wrapped into [-pi, pi].
+/// Converts a pose from the world frame to the frame whose pose in the world frame is `origin`. The z of the
+/// result is that of `pose`: the z of `origin` is ignored. The heading is wrapped into [-pi, pi].
 Pose relative_to(const Pose& origin, const Pose& pose);
 
 /// The estimated poses of robots of one type.

@@ -36,7 +36,7 @@ class Measure {
 /// A kind of measure. A measure can be computed for all robots, for some of them, or for one.
 struct MeasureKind {
   std::string_view name;        ///< name of the measure and of its column
-  Unit unit = Unit::none;       ///< SI unit of the values; the column's name ends with it
+  Unit unit = Unit::none;       ///< SI unit of the values; MeasureSet adds it to the name of the column
   std::string_view text;        ///< description in one line
   std::string_view definition;  ///< exact definition, and its source
   std::string_view formula;     ///< the definition as a formula, with n robots i at positions x_i
@@ -46,7 +46,7 @@ struct MeasureKind {
   /// Whether code in another language, such as Python, computes the measure. The values of such a measure
   /// need not have the same bits in every run, and MeasureSet passes on its exceptions unchanged.
   bool is_foreign = false;
-  FieldTable params;  ///< fields of its parameters
+  FieldTable params;  ///< table of the parameters of a measure of this kind
   /// Whether the measure is computed if the user chooses no measures. It is if it is not an alias and all
   /// its parameters have default values.
   bool is_usual() const { return same_as.empty() && std::ranges::all_of(params.defaults(), &Value::given); }

@@ -24,22 +24,26 @@ class MeasureSet {
   /// the specs in the file: unknown kinds or robots, equal or reserved column names, and any exception that
   /// MeasureKind::make throws, for example because parameters name something unknown or need too much
   /// memory. Measures with errors are left out. Exceptions of foreign measures (MeasureKind::is_foreign)
-  /// propagate, unless they are std::logic_error. World and registry must outlive the set.
+  /// propagate, unless they are std::logic_error. If Measure::see() of a measure throws, or if the last step
+  /// threw, throws as see() does. World and registry must outlive the set.
   MeasureSet(World& world, const Registry& registry, std::span<const MeasureSpec> specs,
              Diagnostics& diagnostics);
 
-  /// Names of the columns, with the SI unit as a suffix: `displacement_m`, `stalls:leaders`.
+  /// Names of the columns, in the order of the specs, with the SI unit after the name of the measure:
+  /// `displacement_m`, `displacement_m:leaders`, `stalls:leaders`.
   std::span<const std::string> columns() const { return columns_; }
   /// Updates the measures. Call this after every step. Does nothing if the tick and the seed of the world are
-  /// those of the last call (or of the constructor). If the tick is any other than the next one, or the seed
-  /// has changed, both of which happen in resets, all measures begin again with the present state. If a
-  /// measure throws, throws a std::runtime_error that names the tick and the measure; exceptions of foreign
-  /// measures propagate unchanged. Throws std::logic_error if the last step threw (World::require_whole()).
+  /// those of the last call (or of the constructor), and the tick is not 0. All measures begin again with the
+  /// present state after a reset, that is, if the tick is 0 or is not the next one, or if the seed has
+  /// changed. If a measure throws, throws a std::runtime_error that names the tick and
+  /// the measure; exceptions of foreign measures propagate unchanged. Throws std::logic_error if the last
+  /// step threw (World::require_whole()).
   void see();
   /// Values for the state of the last see(), one per column, in the SI units of the columns; NaN if a
   /// measure has no value. The world must still be in that state. Exceptions are those of see().
   std::vector<double> values();
-  /// Value of the column with this index, as in values(). Does not compute the other columns.
+  /// Value of the column with this index, which must exist, as in values(). Does not compute the other
+  /// columns.
   double value(std::size_t column);
 
   /// Memory of all measures (Measure::memory()), one after another, for a checkpoint.

@@ -24,8 +24,9 @@ struct Mount {
   }
 };
 
-/// Returns mount_a_c (frame c relative to frame a) from mount_a_b and mount_b_c. If one of the arguments is
-/// the identity, the result equals the other argument bit for bit.
+/// Returns mount_a_c (frame c relative to frame a) from mount_a_b and mount_b_c. The heading is not wrapped.
+/// If one of the arguments is the identity, the result equals the other argument bit for bit, except that -0
+/// may become 0.
 inline Mount compose(const Mount& a, const Mount& b) {
   const Rotation& r = a.transform.rotation;
   const Rotation& s = b.transform.rotation;

@@ -23,9 +23,9 @@ struct Name {
   friend bool operator==(Name, Name) = default;
 };
 
-/// The table of the words from which names are made. All names of a population share one word, so the texts
-/// of a million names take no memory. (A string per body was rejected: it took 32 bytes per body, and most of
-/// the loading time of a large population.)
+/// The table of the words from which names are made. The names of a population normally share one word, so
+/// the texts of a million names take no memory. (A string per body was rejected: it took 32 bytes per body,
+/// and most of the loading time of a large population.)
 class Names {
  public:
   /// A table that contains only the empty word, so that Name() is the empty text.

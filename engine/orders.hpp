@@ -8,10 +8,11 @@
 
 namespace troupe::engine {
 
-/// The kinds of messages between ranks (engine/replica.hpp): orders that rank 0 gives to the other ranks, and
-/// messages within a tick. The first byte of every message is its Order.
+/// The kinds of messages between ranks (engine/replica.hpp): orders that rank 0 gives to the other ranks,
+/// their answers, and messages within a tick. The first byte of every message is its Order. An answer has the
+/// Order of the message that it answers, or Order::failed.
 enum class Order : std::uint8_t {
-  make,      ///< make a replica of a world (troupe/rank_team.hpp)
+  make,      ///< make a replica of a world (troupe/rank_team.hpp); as an answer: the replica is made
   drop,      ///< destroy a replica
   end,       ///< the last order: no other order follows
   step,      ///< compute the next tick
@@ -23,7 +24,9 @@ enum class Order : std::uint8_t {
   agree,     ///< in a tick: the callback of World::before_tick() has returned on rank 0
   together,  ///< in a tick: the rows for Replica::on_rank_0(), to rank 0 and back
   exchange,  ///< in a tick: the values that the sender has written to the rows that it owns
-  failed,    ///< in a tick: the sender could not compute its rows
+  /// The sender could not make the replica or compute its rows of the tick, or the callback of
+  /// World::before_tick() threw an exception on rank 0.
+  failed,
 };
 
 /// Begins a message with its head: the order, and the number of the world that the order concerns.
@@ -36,8 +39,8 @@ struct ReceivedOrder {
   partition::MessageReader rest;                      ///< reads the message from the end of its head
   std::shared_ptr<const partition::Message> message;  ///< the whole message, to which `rest` refers
 };
-/// Waits for the next message from the rank `from`. Throws partition::RankError if that rank failed or
-/// cannot be reached, and std::logic_error if the message is shorter than a head.
+/// Waits for the next message from the rank `from`. Throws partition::RankError if a rank failed or does not
+/// answer, and std::logic_error if the message is shorter than a head.
 ReceivedOrder receive_order(partition::Transport& transport, unsigned from);
 
 }  // namespace troupe::engine

@@ -16,12 +16,12 @@
 namespace troupe::engine {
 
 /// Returns the solids of the parts of a type that are obstacles (Returns::obstacle), as a shape for overlap
-/// tests. The shape is empty if no part is an obstacle. Throws std::length_error if an outline is too complex
-/// for convex_pieces().
+/// tests (body frame, joints at rest). The shape is empty if no part is an obstacle. Throws std::length_error
+/// if an outline is too complex for convex_pieces().
 partition::ObstacleShape obstacle_shape(const TypeSpec& type);
-/// Returns the solids of the parts for which counts(part) is true, as a shape for overlap tests; an empty
-/// shape if there is no such part. Throws std::length_error if an outline is too complex for
-/// convex_pieces().
+/// Returns the solids of the parts for which counts(part) is true, as a shape for overlap tests (body frame,
+/// joints at rest); an empty shape if there is no such part. Throws std::length_error if an outline is too
+/// complex for convex_pieces().
 partition::ObstacleShape shape_of(const TypeSpec& type, bool (*counts)(const PartSpec& part));
 
 /// A spatial index of placed bodies. It has several grids (levels), whose cell widths are powers of two. A
@@ -37,7 +37,8 @@ class Crowd {
 
   /// Whether no body of the crowd overlaps a shape at a pose in the world frame. True for an empty shape.
   bool free(const partition::ObstacleShape& shape, const Pose& pose_world_body) const;
-  /// Numbers of the bodies that overlap a shape at a pose in the world frame, ascending.
+  /// Numbers of the bodies that overlap a shape at a pose in the world frame, ascending; none for an empty
+  /// shape.
   std::vector<std::size_t> overlapping(const partition::ObstacleShape& shape,
                                        const Pose& pose_world_body) const;
 
@@ -69,8 +70,8 @@ struct PlacementRule {
   /// Kinds of rules.
   enum class Kind : std::uint8_t {
     /// The points of a square grid with the spacing `pitch_m`, column by column from the region's corner of
-    /// least x and y, first in `region` and then in `spill`. Points at which the body would overlap an
-    /// obstacle are skipped.
+    /// least x and y, first in `region` and then in `spill`. A point is skipped if the body would be outside
+    /// `polygon` or the bounds of the world there, or would overlap the static scene or another body.
     grid,
     // All other kinds draw random positions, at most `trials` for each body, until one is free.
     uniform,       ///< uniformly distributed in the region
@@ -115,10 +116,10 @@ double floor_cells(const PlacementRule& rule, const partition::ObstacleShape& sh
 /// the crowd. The body is then added to the crowd, so `shape` must outlive the crowd. The function stops at
 /// the first body for which it finds no free pose: the result is then shorter than `count`. The pose of body
 /// k depends neither on `count` nor on the cells of the spatial index: its random numbers follow from (seed,
-/// population, k, trial), where `population` is the name of the population. The time is linear in `count`
-/// plus the number of skipped grid points. For free_floor, the floor is computed within the region of the
-/// rule, in steps of PlacementRule::cell_m, with only the static scene as obstacles. grid_cells() and
-/// floor_cells() must be below 2^32.
+/// population, k, trial), where `population` is the name of the population. The time is linear in the number
+/// of positions that are tried. For free_floor, the floor is computed within the region of the rule, in steps
+/// of PlacementRule::cell_m, with only the static scene as obstacles. grid_cells() and floor_cells() must be
+/// below 2^32.
 std::vector<Pose> place(const PlacementRule& rule, const partition::ObstacleShape& shape, std::size_t count,
                         std::uint64_t seed, std::string_view population, const std::optional<Box>& bounds,
                         const partition::StaticScene& scene, Crowd& crowd, partition::Parallel& parallel);

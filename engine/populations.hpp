@@ -36,13 +36,13 @@ bool is_static(const TypeSpec& type);
 /// list of the other bodies that were placed so far.
 class Occupancy {
  public:
-  /// Makes the static scene from the obstacles among the first `fixed` bodies of the spec, the description
-  /// of a world. The crowd is empty. Both constructors keep a reference to the types of the spec: while the
+  /// Makes the static scene from the obstacle parts of the first `fixed` bodies of `spec`, whatever their
+  /// types are. The crowd is empty. Both constructors keep a reference to the types of the spec: while the
   /// object exists, the spec must exist too, and no type may be added or changed.
   Occupancy(const WorldSpec& spec, std::size_t fixed);
-  /// Makes the static scene from all static bodies of the spec (is_static()), and the crowd from the other
-  /// bodies that are in the world at tick 0. Throws std::length_error if an outline is too complex for
-  /// convex_pieces().
+  /// Makes the static scene from the obstacle parts of all static bodies of the spec (is_static()), unborn
+  /// ones included, and the crowd from the other bodies that are in the world at tick 0. Throws
+  /// std::length_error if an outline is too complex for convex_pieces().
   explicit Occupancy(const WorldSpec& spec);
 
   const partition::StaticScene& scene() const { return scene_; }  ///< the static solids that are obstacles

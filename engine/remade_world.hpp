@@ -10,8 +10,8 @@ namespace troupe::engine {
 /// new world is made only from the spec, the tick, the counters, the fields of the tables and the
 /// subscriptions; callbacks are not copied. A test that replaces the world in this way after every tick
 /// therefore detects state that is kept outside the tables. `options` are those of the new world. The
-/// registry must outlive the new world. Throws std::logic_error if the new world has another hash than
-/// `world`.
+/// registry must outlive the new world. Throws std::logic_error if the last step of `world` threw
+/// (World::require_whole()), or if the new world has another hash than `world`.
 std::unique_ptr<World> remade_world(World& world, const Registry& registry, const WorldOptions& options);
 
 }  // namespace troupe::engine

@@ -9,7 +9,8 @@ namespace troupe::engine {
 /// (World::senses()). The engine does not compute these readings, so their bytes mean nothing.
 class SensedRows {
  public:
-  /// table: one of the tables of `world`. Both must outlive the object.
+  /// table: one of World::tables() of `world`. Both must outlive the object. Throws std::logic_error if the
+  /// last step of the world threw (World::require_whole()).
   SensedRows(const World& world, const StateTable& table);
 
   /// Whether a row of the table has values. row: index in the table, below StateTable::rows()

@@ -21,7 +21,7 @@ namespace troupe::engine {
 
 /// Where the row of a body is, that is, its data in the state tables.
 enum class RowLocation : std::uint8_t {
-  none,       ///< the body is static: it has no row, and its pose never changes
+  none,       ///< the body is static: it has no row, and its pose does not change during a run
   here,       ///< in this world
   elsewhere,  ///< in the world of another rank
 };
@@ -30,7 +30,7 @@ inline constexpr Row k_elsewhere{std::size_t{0xfffffffe}};
 
 /// The number of the present tick, and counts of certain rows, so that loops can skip work when a count is 0.
 struct TickCounts {
-  std::uint64_t tick = 0;    ///< number of completed ticks; within a step, the number of the tick
+  std::uint64_t tick = 0;    ///< completed ticks; in a step from the phase `sense` on: number of its tick
   std::size_t absent = 0;    ///< rows whose bodies are unborn or dead
   std::size_t impaired = 0;  ///< rows whose bodies are disabled or have a fault
   std::size_t carried = 0;   ///< rows whose bodies are carried
@@ -42,7 +42,8 @@ struct TickCounts {
 /// it (DeviceKind::reads), as light sensors read the state of lights.
 ///
 /// A row is the index of a body in the state tables; static bodies have none. The spans have one element per
-/// row unless stated otherwise, and stay valid as long as the world exists.
+/// row unless stated otherwise, and stay valid until the number of rows changes (World::remove_rows(),
+/// World::add_rows()).
 struct PublicColumns {
   // Constants.
   const WorldSpec* spec = nullptr;                    ///< the spec of the world
@@ -76,7 +77,7 @@ struct PublicColumns {
   // What the bodies do and show: committed at the end of a tick, but written again in `actuate` or `decide`.
   std::span<const Velocity> velocities;   ///< velocities of the drives, body frame, m/s and rad/s
   std::span<const Command> commands;      ///< commands to the drives
-  std::span<const Condition> conditions;  ///< component `condition`; empty: no faults
+  std::span<const Condition> conditions;  ///< component `condition`; empty: World::has_conditions() is false
   std::span<const StateTable> tables;     ///< all state tables: states of devices, commands to devices
   /// 1 if World::subscribe() was called for the body, so that all its sensors run; otherwise 0.
   std::span<const std::uint8_t> subscribed;
@@ -104,7 +105,8 @@ class SensingView {
   const FixedTargets& fixed_targets() const { return *columns_.fixed_targets; }
   /// Sizes of the cells and tiles of the spatial index. No result depends on them.
   const partition::GridGeometry& geometry() const { return *columns_.geometry; }
-  /// Number of rows: one for each body that can move, sense, decide, be gripped or be pushed.
+  /// Number of rows: one for each body that has a drive, a device or a controller, or that can be gripped or
+  /// pushed.
   std::size_t rows() const { return columns_.bodies.size(); }
   BodyId body(Row row) const { return columns_.bodies[row.index()]; }  ///< body of a row
   /// Where the row of a body of the world is.
@@ -125,13 +127,15 @@ class SensingView {
   std::size_t slot(Row row) const { return columns_.slots[row.index()]; }
 
   // ---- time
-  /// Number of the present tick; the first tick is 1. Between two steps: number of completed ticks.
+  /// Number of the present tick; the first tick is 1. Between two steps, and in the phase `intervene`: number
+  /// of completed ticks.
   std::uint64_t tick() const { return columns_.now->tick; }
   double tick_s() const { return columns_.spec->tick_s; }  ///< length of a tick, s
-  /// World time at the end of the present tick, s.
+  /// World time, s: tick() * tick_s(). In the phases in which devices run, it is the time at the end of the
+  /// present tick.
   double time_s() const { return static_cast<double>(tick()) * tick_s(); }
-  /// Number of ticks that were completed when the body was born; 0 if it was present at tick 0. The periods
-  /// of its devices, drive and controllers count from that tick.
+  /// Number of ticks that were completed when the body was born; 0 if it was present at tick 0 or is unborn.
+  /// The periods of its devices, drive and controllers count from that tick.
   std::uint64_t birth_tick(Row row) const {
     return columns_.lives.empty() ? 0 : columns_.lives[row.index()].birth;
   }
@@ -154,7 +158,7 @@ class SensingView {
   std::span<const Pose> poses() const { return columns_.poses; }
   /// Pose of any body, world frame. The pose of a static body is that of its spec, and the pose of a dead
   /// body is the last one before its death. For an unborn body all values are NaN, unlike in poses(), where
-  /// they are 0.
+  /// they are 0. Throws std::logic_error if location() is RowLocation::elsewhere.
   Pose pose(BodyId body) const;
   /// The row's pose as a transform. Equals Transform(pose) bit for bit.
   const Transform& transform(Row row) const { return columns_.transforms[row.index()]; }
@@ -248,8 +252,9 @@ class CommittedView : public SensingView {
   using SensingView::percepts;
   /// Commands to a device: one table row per slot of its type. The device must take commands.
   using SensingView::commands;
-  /// Velocity that the drive of the row's body computed, body frame, m/s and rad/s; 0 if the body has no
-  /// drive. It does not become 0 when an obstacle blocks the motion.
+  /// Velocity that the drive of the row's body computed, body frame, m/s and rad/s. It is 0 if the body has
+  /// no drive. From the next tick on, it is also 0 while the body is disabled or dropped out, or while the
+  /// power supply of its drive is empty. It does not become 0 when an obstacle blocks the motion.
   using SensingView::velocity;
   /// Command to the drive of the row's body. The numbers have no meaning for rows without a drive.
   using SensingView::command;

@@ -8,15 +8,16 @@
 
 namespace troupe::engine {
 
-/// An obstacle shape that is rebuilt often, from convex pieces: call begin(), then add() for each piece,
-/// then finish(). The buffer keeps its memory. It allocates only if a shape has more pieces, or a piece has
-/// more corners, than reserve() and all earlier shapes have made room for.
+/// An obstacle shape that is rebuilt often, from convex pieces: call begin(), then add() for each piece, then
+/// finish(). The buffer keeps its memory. After reserve(), it allocates only if a shape has more pieces, or a
+/// piece has more corners, than reserved.
 class ShapeBuffer {
  public:
   /// The shape that the last finish() completed, empty before; valid until the next call of begin().
   const partition::ObstacleShape& shape() const { return shape_; }
 
-  /// Allocates memory for a shape of `pieces` pieces, each with up to `corners` corners.
+  /// Allocates memory for shapes of up to `pieces` pieces, each with up to `corners` corners. Call this
+  /// before the first begin(); a later call with more corners does not enlarge existing pieces.
   void reserve(std::size_t pieces, std::size_t corners);
   void begin();  ///< removes all pieces, keeps their memory
   /// Adds a convex piece of a body. The piece is given in the body's frame; `mount` is the body's frame

@@ -42,8 +42,9 @@ inline OutlineChain fixed_chain(const partition::StaticScene& scene, const parti
           outlines.solid(piece), piece, solid.ranger_return};
 }
 
-/// Calls visit(chain) for the outline pieces of the static scene whose enclosing circles may touch the box
-/// (world frame, m) and for which wanted(circle) is true. A piece may be visited more than once.
+/// Calls visit(chain) for the outline pieces of the static scene, including those that rangers do not see,
+/// whose enclosing circles may touch the box (world frame, m) and for which wanted(circle) is true. A piece
+/// may be visited more than once.
 template <class Wanted, class Visit>
 void for_each_fixed_chain(const SensingView& view, const Box& box, Wanted&& wanted, Visit&& visit) {
   const partition::StaticScene& scene = view.scene();

@@ -8,8 +8,9 @@
 namespace troupe::engine {
 
 // The tables below describe the members of a WorldSpec (engine/description.hpp). The code that stores,
-// restores, compares and checks worlds (worldio/json/) uses them. A world whose values are within the limits
-// of these tables can be simulated and stored. Each format of world files has narrower limits of its own.
+// restores, compares and checks worlds (worldio/json/) uses them. A world that check_rules() finds
+// consistent, and whose values are within the limits of these tables, can be simulated and stored. Each
+// format of world files has narrower limits of its own.
 
 const FieldTable& world_fields();       ///< fields of WorldSpec
 const FieldTable& type_fields();        ///< fields of TypeSpec

@@ -37,9 +37,10 @@ void compare_rows(std::span<const StateField> fields, const std::byte* first, co
 /// Difference between two states of one world in one component (one table of the state).
 struct ComponentDifference {
   /// Name of the component (StateTable::component()); `the list of components` if the two worlds have
-  /// different numbers of tables.
+  /// different numbers of tables, which is then the only difference.
   std::string component;
-  HashGroup group = HashGroup::pose;  ///< hash group of the component
+  /// Hash group of the component; no meaning for `the list of components`.
+  HashGroup group = HashGroup::pose;
   /// Number of bodies whose rows differ. If it is 0, the component has different bodies or different fields
   /// in the two worlds, and the following members have no meaning.
   std::size_t bodies = 0;
@@ -49,11 +50,12 @@ struct ComponentDifference {
   StateValue second;  ///< value of that column in the second world
 };
 
-/// Returns the components that differ between two worlds made from one file, one entry per component, in the
-/// order in which a tick computes their hash groups: sensors, memories, velocities and commands, poses.
-/// Empty if the states are equal. Components with equal hashes are taken as equal. Only components with
-/// different hashes are compared value by value. Rows are matched by the ids of their bodies, so their order
-/// may differ. Throws std::logic_error if the last step of a world threw (World::require_whole()).
+/// Returns the components that differ between two worlds made from one file, one entry per component. They
+/// are sorted by hash group: first sensors, then memories, then velocities and commands, then poses, so that
+/// the first entries are nearest to the cause. Empty if the states are equal. Components with equal hashes
+/// are taken as equal. Only components with different hashes are compared value by value. Rows are matched by
+/// the ids of their bodies, so their order may differ. Throws std::logic_error if the last step of a world
+/// threw (World::require_whole()).
 std::vector<ComponentDifference> state_differences(World& first, World& second);
 
 /// The message for a difference, with the names that bodies have in `world`:

@@ -60,11 +60,11 @@ struct StateField {
   /// True: the field adds nothing to the hash of a row in which all its bytes are 0. When a new version of
   /// Troupe adds such a field, worlds that do not use it keep their hashes.
   bool sparse = false;
-  /// True: the appearance of a body depends on the field, so it is recorded whenever poses are recorded.
+  /// True: the appearance of a body depends on the field, so the field is recorded whenever poses are
+  /// recorded.
   bool appearance = false;
 };
-/// Returns the fields with StateField::sparse set. A field that is zero in a row then adds nothing to the
-/// hash of the row.
+/// Returns a copy of `fields` in which StateField::sparse is true for every field.
 std::vector<StateField> sparse(std::vector<StateField> fields);
 
 /// Groups of state components. A hash log (docs/determinism.md) has one column per group, with the sum of the
@@ -142,7 +142,8 @@ class StateTable {
   /// First byte of a row, read-only; Layout::rows only.
   const std::byte* row(std::size_t row) const { return data_.data() + row * row_bytes_; }
 
-  /// A row as the struct T (memory_fields); Layout::rows only.
+  /// A row as the struct T, whose members must be the fields of the table at the same offsets; Layout::rows
+  /// only. row_bytes() must be sizeof(T). Neither is checked.
   template <class T>
   T& as(std::size_t r) {
     return *reinterpret_cast<T*>(row(r));
@@ -155,12 +156,15 @@ class StateTable {
 
   /// Hash of a row, which does not depend on the layout. It is a sum modulo 2^64: the hash of (component
   /// name, id, all fields that are not sparse, in declared order), plus, for each sparse field that is not
-  /// zero, the hash of (component name and field name, id, field).
+  /// zero, the hash of (component name and field name, id, field). If all fields are sparse, the first term
+  /// is 0.
   std::uint64_t hash_row(std::size_t row) const { return hash_rows(row, row + 1); }
   /// Sum of the hashes of rows [first, last), modulo 2^64.
   std::uint64_t hash_rows(std::size_t first, std::size_t last) const;
-  std::size_t bytes() const { return data_.size(); }  ///< size of all rows, padding included
-  std::span<std::byte> data() { return data_; }       ///< all rows, padding included
+  /// Size of data(), bytes. It does not change when rows are removed.
+  std::size_t bytes() const { return data_.size(); }
+  /// The memory of all rows, padding and the room of removed rows included.
+  std::span<std::byte> data() { return data_; }
   /// Sets every byte to 0, as in a new table.
   void clear() { std::ranges::fill(data_, std::byte{0}); }
   /// Sets every byte of a row's fields to 0; bytes between the fields stay.
@@ -169,7 +173,8 @@ class StateTable {
   /// Copies the row of the same index from a table that has the same fields, layout and number of rows.
   void copy_row(std::size_t row, const StateTable& from);
   /// Adds rows for these bodies at the end, with all bytes 0, or removes rows from the end, so that there are
-  /// `count` rows. The table has room for as many rows as it had bodies when it was made.
+  /// `count` rows. The table has room for as many rows as it had bodies when it was made; this is not
+  /// checked.
   ///@{
   void add_rows(std::span<const BodyId> ids);
   void keep_rows(std::size_t count) { ids_.resize(count); }

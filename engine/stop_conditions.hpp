@@ -27,18 +27,20 @@ class StopConditions {
   /// Evaluates the conditions for the state of the last see(), without updating the measures. The world must
   /// still be in that state. Throws the exceptions of MeasureSet::see().
   void ask();
-  /// Forgets which condition was true, and updates the measures with MeasureSet::see(), which begins
-  /// measuring again unless the tick is that of the last see() or the next one. Call this after the world
-  /// was reset.
+  /// Forgets which condition was true, and updates the measures with MeasureSet::see(). This begins measuring
+  /// again at tick 0, if the world has another seed than at the last see(), and at every tick except that of
+  /// the last see() and the next one. Call begin() after the world was reset.
   void begin();
   /// Index of the first condition that was true at the last evaluation; std::nullopt if none was true or
-  /// there was no evaluation since construction or begin(). A condition is false if its measure is NaN.
+  /// there was no evaluation since construction or begin(). A condition is false if its measure or its limit
+  /// is NaN, even if it tests for inequality.
   std::optional<std::size_t> holding() const { return holding_; }
 
   /// Name under which a checkpoint stores the result of memory(): `stop_when` and a hash of the texts of the
   /// conditions, so that different lists of conditions have different names.
   std::string memory_name() const;
-  /// memory() returns the memory of the measures, for a checkpoint. remember() restores it: see MeasureSet.
+  /// memory() returns the memory of the measures, for a checkpoint. remember() restores it; it returns false
+  /// and changes nothing if the size is not that of memory().
   ///@{
   std::vector<std::byte> memory() const { return measures_.memory(); }
   bool remember(std::span<const std::byte> memory) { return measures_.remember(memory); }

@@ -8,9 +8,9 @@ namespace troupe::engine {
 /// fits 64 bits.
 inline constexpr double k_most_seconds = 1e9;
 
-/// Converts a period from seconds to ticks, rounded up to a whole number as in Stage, and at least 1 (also
-/// for 0, negative numbers and NaN). 0.3 s are 3 ticks of 0.1 s, although their quotient in floating point
-/// is not exactly 3. `tick_s` must be above 0.
+/// Converts a period from seconds to ticks, rounded up to a whole number as in Stage. The result is at least
+/// 1 (also for 0, negative numbers and NaN) and at most 1e15. 0.3 s are 3 ticks of 0.1 s, although their
+/// quotient in floating point is not exactly 3. `tick_s` must be above 0.
 std::uint64_t period_ticks(double period_s, double tick_s);
 
 /// Number of the first tick that ends at the world time `end_s` or later, counted from 1; at most 1e15, and

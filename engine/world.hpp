@@ -49,6 +49,7 @@ struct WorldOptions {
   /// use.
   unsigned threads = 0;
   /// Edge of the square tiles of the spatial index, m. With 0 it is chosen from body sizes and sensor ranges.
+  /// Wide bodies can make the tiles wider than this.
   double tile_size_m = 0;
 };
 
@@ -64,41 +65,47 @@ struct Hashes {
 ///
 /// S(k) is the state after k ticks. S(k+1) = step(S(k)) is a pure function of S(k), the spec and the seed.
 ///
-/// Every body that can move, sense, decide, be gripped or be pushed has a *row*, an index into the state
-/// tables. Within the rows of its type, it has a *slot*, an index into the tables of that type.
+/// Every body that has a drive, a device or a controller, or that can be gripped or pushed, has a *row*, an
+/// index into the state tables. Within the rows of its type, it has a *slot*, an index into the tables of
+/// that type.
 class World {
  public:
   /// Builds the world in the state S(0). Throws InputError for errors that the loader of a world file cannot
   /// find, such as a controller that needs a sensor which its robot does not have, and StepError if a hook
   /// `start` of a kind throws. If bodies overlap at tick 0, one warning gives the number of overlapping
   /// pairs, counted up to 10,000. If `diagnostics` is thorough, each of the first hundred pairs gets a
-  /// warning of its own instead. The registry must outlive the world.
+  /// warning of its own instead, and one more warning gives the number of any further pairs. Bodies that
+  /// extend below the floor (z = 0) also cause a warning. The registry must outlive the world.
   World(WorldSpec spec, const Registry& registry, const WorldOptions& options, Diagnostics& diagnostics);
   World(WorldSpec, Registry&&, const WorldOptions&, Diagnostics&) = delete;
   World(const World&) = delete;
   World& operator=(const World&) = delete;
 
   // ---- the tick: engine/step.cpp
-  /// Computes one tick: from S(k) to S(k+1). Throws StepError if the velocity of a robot or the goal of a
-  /// joint is not a finite number, or if a function of a kind throws. Exceptions of callbacks propagate
-  /// unchanged. After an exception the state is incomplete: see require_whole(). Apart from the first steps,
-  /// a step allocates no memory unless a kind or a callback does.
+  /// Computes one tick: from S(k) to S(k+1). Throws StepError if a command to the drive of a robot, the
+  /// velocity that the drive computes, or the goal of a joint is not a finite number, or if a function of a
+  /// kind or an OnDecide callback throws. Exceptions of the callbacks of on_phase() and before_tick()
+  /// propagate unchanged. After an exception the state is incomplete: see require_whole(). Apart from the
+  /// first steps, a step allocates no memory unless a kind or a callback does.
   void step();
-  /// Throws std::logic_error if a step or spawn() threw and no reset(), restart() or restore() followed:
-  /// after a step that threw, some rows have the state of the new tick and others that of the old tick. All
-  /// functions that read or change the state as a whole call this first, such as step(), hashes(), tables(),
-  /// frame(), spawn(), remove(), set() and the set_ functions. Accessors of single rows do not call it.
+  /// Throws std::logic_error if the state is incomplete: a step, or a hook of a kind during spawn(), threw,
+  /// and no reset(), restart() or restore() followed. After a step that threw, some rows have the state of
+  /// the new tick and others that of the old tick. All functions that read or change the state as a whole
+  /// call this first, such as step(), hashes(), tables(), frame(), spawn(), remove(), set() and the set_
+  /// functions. Accessors of single rows or columns, such as pose() or poses(), do not call it.
   void require_whole() const {
     if (is_half_made_) throw_half_made();
   }
   /// Returns to S(0), the state at tick 0, and undoes the changes of set(). The tables, the tick, the
   /// counters and all data derived from them are then as after construction, or as after the last restart().
   /// Callbacks and subscriptions stay. This allocates no memory, and is allowed after a step that threw.
+  /// Throws StepError if a hook `start` of a kind throws.
   void reset();
   /// Goes to S(0), the state at tick 0, with another seed and other poses of the bodies. The run then has the
   /// same results as a run of a new world whose spec has this seed and these bodies. Only the order of the
   /// rows may differ. The changes of set() are undone. Callbacks and subscriptions stay. This is allowed
-  /// after a step that threw.
+  /// after a step that threw. Throws StepError if a hook `start` of a kind throws, and InputError if the grid
+  /// ray engine cannot represent the new static scene.
   ///
   /// bodies: one for each body of the spec, in the same order and with the same names and types, which is
   /// not checked. Poses and colours may differ. If a static body has another pose, the static scene is
@@ -127,13 +134,15 @@ class World {
   /// Switches on or off a test mode that detects device kinds that read or change data which they do not
   /// declare. In this mode the hooks `sense` and `act` of a device are called for one row at a time. During
   /// each call, the bodies whose enclosing circles are outside the reach of the device
-  /// (DeviceKind::Prepared::reach_m) are not in the spatial index, and their poses, outlines and state are
-  /// junk. In the state of the remaining bodies, except the device's own body, the components that the kind
-  /// does not declare to read (DeviceKind::reads) are junk. If no kind reads more than it declares, the
-  /// hashes of the run stay the same (docs/determinism.md). A step throws a StepError if an effect of a
-  /// device changes the state of a body that is outside the scope which the kind of the device declares
-  /// (DeviceKind::scope). The mode is slow: each call takes time proportional to the number of rows. Throws
-  /// std::invalid_argument if the mode is switched on in a world with several threads or the grid ray engine.
+  /// (DeviceKind::Prepared::reach_m, plus the reach of the joints of its body) are not in the spatial index,
+  /// and their poses, outlines and state are junk. Bodies that move together with the device's body
+  /// (same_tree()) are not hidden. In the state of the remaining bodies, except the device's own body, the
+  /// components that the kind does not declare to read (DeviceKind::reads) are junk. If no kind reads more
+  /// than it declares, the hashes of the run stay the same (docs/determinism.md). A step throws a StepError
+  /// if an effect of a device has a target, or changes the state of a body, outside the scope that the kind
+  /// of the device declares (DeviceKind::scope). The mode is slow: each call takes time proportional to the
+  /// number of rows. Throws std::invalid_argument if the mode is switched on in a world with several threads
+  /// or the grid ray engine.
   void hide_beyond_reach(bool on);
   /// A test mode: gives every body another row and another slot, at random. `seed` and tick() select the new
   /// rows and slots. All rows, slots, and references to rows of tables that the caller holds are then those
@@ -156,8 +165,10 @@ class World {
   /// Adds rows that remove_rows() has removed, in any order. Throws std::invalid_argument if location() of a
   /// body is not RowLocation::elsewhere. Call this between steps.
   void add_rows(std::span<const RowState> added);
-  std::uint64_t tick() const { return state_.now.tick; }  ///< number of completed ticks
-  double tick_s() const { return state_.spec.tick_s; }    ///< length of a tick, s
+  /// Number of completed ticks. Within a step, from the phase `sense` on: number of the tick that the step
+  /// computes.
+  std::uint64_t tick() const { return state_.now.tick; }
+  double tick_s() const { return state_.spec.tick_s; }  ///< length of a tick, s
   /// World time, s: tick() * tick_s().
   double time_s() const { return static_cast<double>(state_.now.tick) * state_.spec.tick_s; }
   /// Replaces the callback that step() calls at the beginning of each phase and at the end of the tick. The
@@ -208,8 +219,9 @@ class World {
   const WorldSpec& spec() const { return state_.spec; }
   std::span<const BodyType> types() const { return state_.types; }      ///< compiled types, indexed by TypeId
   const partition::StaticScene& scene() const { return state_.scene; }  ///< geometry of the static bodies
-  /// Spatial index of the bodies in the world that have rows, at their present poses. During a step, until
-  /// the phase `index`, it has the poses before the motions of that step.
+  /// Spatial index of the bodies in the world that have rows, at their present poses. During a step, it has
+  /// the poses before the motions of that step until the phase `index` or, if devices request births, until
+  /// these births at the end of the phase `move`.
   const partition::BodyIndex& index() const { return state_.index; }
   /// Spatial index of the parts of static bodies that fiducial finders detect.
   const FixedTargets& fixed_targets() const { return state_.fixed_targets; }
@@ -220,8 +232,9 @@ class World {
   const partition::GridGeometry& geometry() const { return state_.geometry; }
   /// The worker threads of step(). Measures may use them between steps.
   partition::Parallel& parallel() { return parallel_; }
-  /// Number of rows: one for each body that can move, sense, decide, be gripped or be pushed. Rows are
-  /// ordered by the positions of their bodies at tick 0, so that neighbours in space are close in memory.
+  /// Number of rows: one for each body that has a drive, a device or a controller, or that can be gripped or
+  /// pushed. The constructor orders the rows by the positions of their bodies at tick 0, so that neighbours
+  /// in space are close in memory; the rows of unborn bodies come last.
   std::size_t rows() const { return state_.bodies.size(); }
   /// Number of robots (rows whose type has a drive) that are in the world at tick 0.
   std::size_t robots_at_start() const { return robots_at_start_; }
@@ -237,8 +250,8 @@ class World {
   /// Slot of a row: its position among the rows of its type, and so its index in the tables of that type.
   std::size_t slot(Row row) const { return state_.view.slot(row); }
   /// Returns the body with this name or alias. A body with this name comes before a body with this alias; of
-  /// several bodies with this name, the one with the highest id is returned. If there is none, the result is
-  /// not valid(). Thread-safe.
+  /// several bodies with this name, the one with the highest id is returned. Unborn and dead bodies are found
+  /// as well. If there is no such body, the result is not valid(). Thread-safe.
   BodyId find(std::string_view name) const;
 
   // ---- the state
@@ -255,17 +268,21 @@ class World {
   /// Pose of each row, world frame. A dead body has the pose at which it died; all values of an unborn body
   /// are 0.
   std::span<const Pose> poses() const { return state_.view.poses(); }
-  /// Pose of any body, static ones included, in the world frame; NaN if the body is unborn.
+  /// Pose of any body, static ones included, in the world frame. A dead body has the pose at which it died;
+  /// for an unborn body all values are NaN. Throws std::logic_error if location() is RowLocation::elsewhere.
   Pose pose(BodyId body) const { return state_.view.pose(body); }
   /// The row's pose as a transform, which is stored and not computed here. Equals Transform(pose) bit for
   /// bit.
   const Transform& transform(Row row) const { return state_.view.transform(row); }
-  /// Velocity that the drive of each row computed, body frame, m/s and rad/s. It does not become 0 when an
-  /// obstacle blocks the motion.
+  /// Velocity that the drive of each row computed, body frame, m/s and rad/s. It is 0 if the body has no
+  /// drive or is not in the world. From the next tick on, it is also 0 while the body is disabled or dropped
+  /// out, or while the power supply of its drive is empty. It does not become 0 when an obstacle blocks the
+  /// motion.
   std::span<const Velocity> velocities() const { return state_.as<Velocity>(WorldState::k_velocity); }
   /// Command to the drive of each row. The numbers have no meaning for rows without a drive.
   std::span<const Command> commands() const { return state_.as<Command>(WorldState::k_command); }
-  /// Whether the row's last motion was blocked or would have ended out of bounds.
+  /// Whether the row's last motion was blocked or would have ended out of bounds. False before the first
+  /// tick, and after set_poses() has placed the body.
   bool stalled(Row row) const;
   /// Whether the row's last motion would have ended outside the bounds of the world (WorldSpec::bounds).
   bool is_out_of_bounds(Row row) const;
@@ -278,7 +295,7 @@ class World {
   Estimates estimates(const BodyType& type) const;
   /// Overwrites the odometry estimate of a robot with a pose in the frame of the estimate, m and rad. The z
   /// of the pose is ignored, and the heading is wrapped. Throws std::logic_error if the robot has no
-  /// odometry, and std::invalid_argument if the pose is not finite.
+  /// odometry, and std::invalid_argument if a number of the pose, z included, is not finite.
   void set_estimate(Row row, const Pose& pose);
   /// Overwrites the command to a robot's drive, which the next step executes. Call this between steps. If a
   /// number is not finite, the next step in which the drive runs throws a StepError. Throws std::logic_error
@@ -288,13 +305,15 @@ class World {
     touch();
     state_.tables[WorldState::k_command].as<Command>(row.index()) = command;
   }
-  Mount mount(Row row, std::int32_t joint) const {
-    return state_.view.mount(row, joint);
-  }                                                                 ///< see SensingView::mount()
-  double radius(Row row) const { return state_.view.radius(row); }  ///< see SensingView::radius()
-  double lift(Row row, std::int32_t joint) const {
-    return state_.view.lift(row, joint);
-  }  ///< see SensingView::lift()
+  /// Transform from the body frame to the world frame for the parts and devices on a joint of the row's body.
+  /// `joint` is an index into BodyType::joints or k_rigid. Details: SensingView::mount().
+  Mount mount(Row row, std::int32_t joint) const { return state_.view.mount(row, joint); }
+  /// Upper bound on the distance of any point of the row's body from its origin, m; negative if the body is
+  /// not in the world. Details: SensingView::radius().
+  double radius(Row row) const { return state_.view.radius(row); }
+  /// Height by which a joint of the row's body, and the joints that carry it, have raised the parts on the
+  /// joint above their rest position, m; 0 for k_rigid. `joint` is as in mount().
+  double lift(Row row, std::int32_t joint) const { return state_.view.lift(row, joint); }
   /// Present pose of a joint (an index into BodyType::joints) relative to its rest pose, m and rad.
   const Pose& joint_state(Row row, std::size_t joint) const { return state_.joint_state(row, joint); }
   /// The body that carries the row's body; std::nullopt if it is not carried.
@@ -306,9 +325,9 @@ class World {
   bool same_tree(Row a, Row b) const { return state_.view.same_tree(a, b); }
   /// Attaches the body `cargo` to the body `carrier`. The cargo then keeps its present pose relative to the
   /// joint with the index `joint` of the carrier or, if `joint` is k_rigid, relative to the carrier itself.
-  /// Returns false and changes nothing if the cargo is already carried, if the cargo carries the carrier,
-  /// directly or through others, or if no device of the carrier can carry bodies (DeviceKind::carries). Only
-  /// DeviceKind::apply may call this.
+  /// Returns false and changes nothing if the cargo is already carried, if the cargo is the carrier or
+  /// carries the carrier, directly or through others, or if no device of the carrier can carry bodies
+  /// (DeviceKind::carries). Both bodies must be in the world. Only DeviceKind::apply may call this.
   bool attach(Row cargo, Row carrier, std::int32_t joint) { return links_.attach(cargo, carrier, joint); }
   /// Detaches a body from its carrier; its pose stays. Does nothing if the body is not carried. Only
   /// DeviceKind::apply may call this.
@@ -329,8 +348,8 @@ class World {
   /// Position of the row's body at its birth, or at tick 0 if it was present then; m, world frame. (0, 0)
   /// for an unborn body.
   Vec2 origin(Row row) const;
-  /// Number of ticks that were completed when the body was born; 0 if it was present at tick 0. The periods
-  /// of its devices, drive and controllers count from that tick.
+  /// Number of ticks that were completed when the body was born; 0 if it was present at tick 0 or is unborn.
+  /// The periods of its devices, drive and controllers count from that tick.
   std::uint64_t birth_tick(Row row) const { return state_.view.birth_tick(row); }
   /// Index in WorldSpec::reserves of the reserve of a population. `population` is the name of the population
   /// ("ant"), not of a body ("ant7"). std::nullopt if there is no such population, or if it has no reserve.
@@ -339,11 +358,12 @@ class World {
   std::size_t unborn(std::size_t reserve) const {
     return state_.spec.reserves[reserve].count - next_born_[reserve];
   }
-  /// Spawns the next body of a reserve (an index into WorldSpec::reserves, which must exist) at a pose, m
-  /// and rad, world frame. If the pose is not free (is_free()) or the reserve has no body left, no body is
-  /// born, and Birth::status gives the reason. Apart from its pose and the component `life`, a new body has
-  /// the state of a body at tick 0. Throws std::invalid_argument if the pose is not finite. Each birth
-  /// rebuilds the spatial index of all bodies. Call this between steps.
+  /// Spawns the next body of a reserve (an index into WorldSpec::reserves, which must exist) at a pose, m and
+  /// rad, world frame. If the pose is not free (is_free()) or the reserve has no body left, no body is born,
+  /// and Birth::status gives the reason. Apart from its pose and the component `life`, a new body has the
+  /// state of a body at tick 0. Throws std::invalid_argument if the pose is not finite, and StepError if a
+  /// hook `start` of a kind throws (see require_whole()). Each birth rebuilds the spatial index of all
+  /// bodies. Call this between steps.
   Birth spawn(std::size_t reserve, const Pose& pose);
   /// Removes a body from the world; bodies that it carries stay where they are. Does nothing if the body is
   /// not in the world. Throws std::logic_error if has_lives() is false. Each call rebuilds the spatial index
@@ -355,7 +375,8 @@ class World {
   /// devices, controllers and drive of such a body do not run. The body does not move on its own, but still
   /// blocks motions and is visible to sensors.
   bool is_disabled(Row row) const { return state_.now.impaired > 0 && state_.condition(row).out != 0; }
-  /// Whether no fault has broken the row's device, and is_disabled() is false for the row.
+  /// Whether no fault has broken the row's device, and is_disabled() is false for the row. `device` is an
+  /// element of BodyType::devices of the row's type.
   bool works(Row row, const BodyType::Device& device) const { return state_.view.works(row, device); }
   /// Whether bodies of this world may be disabled or fail. They may if the world has an intervention that
   /// disables or enables bodies, if it has faults, or if WorldSpec::mortal is set. In all other worlds the
@@ -395,13 +416,17 @@ class World {
   /// The bodies that set_poses() placed between the last two steps, or in the phase `intervene` of the last
   /// step, and all bodies that were carried during such a call. Each row occurs once. Placed::pose is the
   /// pose that the body had before the motions of the last step. Measures of the distance travelled use this
-  /// list, so that jumps do not count as travel. The list is not part of the state.
+  /// list, so that jumps do not count as travel. The list is empty before the first step. It is not part of
+  /// the state.
   std::span<const Placed> placed_before_step() const { return placed_before_; }
   /// Whether the row's body could be at a pose (world frame, m and rad): it would be within the world's
-  /// bounds, and would overlap neither the static scene nor another body that is an obstacle. False if the
-  /// pose is not finite.
+  /// bounds, and would overlap neither the static scene nor another body that is an obstacle. The test uses
+  /// the present joints of the body, and includes the bodies that it carries. An unborn or dead body is
+  /// tested with its joints at rest. If no tested body is an obstacle, or if the row's body is carried, only
+  /// the bounds count. False if the pose is not finite.
   bool is_free(Row row, const Pose& pose) const;
-  /// State of a device (for a sensor its readings), one table row per slot of its type.
+  /// State of a device (for a sensor its readings), one table row per slot of its type. Before the first run
+  /// of a sensor, its readings are 0 or as DeviceKind::start has set them.
   const StateTable& percepts(const BodyType::Device& sensor) const {
     gather();
     return state_.tables[sensor.table];

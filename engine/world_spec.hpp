@@ -23,8 +23,8 @@ namespace troupe::engine {
 // a file of any format, or a program fills by hand. engine::World is built from them. Lengths are in metres,
 // angles in radians and times in seconds.
 
-/// Largest total number of corners of the outlines in a world. It limits the corners of all types together,
-/// and also those of all static bodies together.
+/// Largest total number of corners of outlines. The readers of world files apply this limit to all types of a
+/// world together, and World applies it to all static bodies together.
 inline constexpr std::size_t k_most_vertices = 50000000;
 
 /// How a part of a body interacts with other bodies and with their sensors.
@@ -76,8 +76,10 @@ struct FittedBlocks {
 
 /// A part of a body type: one model of a Stage model tree.
 struct PartSpec {
-  std::string name;                     ///< name within the body: "ranger:0"; empty for the root (part 0)
-  std::string alias;                    ///< the generated name, if the world file gives the part another name
+  std::string name;  ///< name within the body: "ranger:0"; empty for the root (part 0)
+  /// A second name of the part, by which programs can find it; for parts from Stage files, the name that
+  /// Stage generates. Empty: none.
+  std::string alias;
   std::string kind;                     ///< model kind: "position", "ranger", ...
   std::uint32_t parent = 0;             ///< index of its parent part; the root's is 0
   std::int32_t joint = k_rigid;         ///< index of the joint that it is mounted on; k_rigid: none
@@ -85,11 +87,13 @@ struct PartSpec {
   Eigen::Vector3d size{0.4, 0.4, 1.0};  ///< declared size x, y, z, m (GetGeom() returns it in Stage)
   std::vector<Solid> solids;            ///< in the body frame with joints at rest, m, after all scaling
   Returns returns;                      ///< how it interacts with other bodies and with sensors
-  bool floor_plan = false;              ///< whether its outline comes from an image
-  std::optional<ImageSpec> image;       ///< the image that `solids` are made from; not set: no image
-  std::optional<FittedBlocks> fitted;   ///< the blocks that `solids` are made from; not set: none
-  std::optional<Color> color;           ///< colour of the part; not set: the body's colour
-  Where where;                          ///< position in the file, for messages
+  /// Whether the part is a floor plan, such as an image of a building or the walls of an arena. Controllers
+  /// that plan paths, and `troupe lint`, use its solids as the plan.
+  bool floor_plan = false;
+  std::optional<ImageSpec> image;      ///< the image that `solids` are made from; not set: no image
+  std::optional<FittedBlocks> fitted;  ///< the blocks that `solids` are made from; not set: none
+  std::optional<Color> color;          ///< colour of the part; not set: the body's colour
+  Where where;                         ///< position in the file, for messages
 };
 
 /// A device that each body of a type has.
@@ -100,11 +104,13 @@ struct DeviceSpec {
   std::int32_t joint = k_rigid;  ///< index of the joint that it is mounted on; k_rigid: none
   /// Index of the first of the joints that it moves (DeviceKind::joints); k_rigid: it moves none.
   std::int32_t moves = k_rigid;
-  Record params;          ///< one value for each field of the kind's table
-  Pose pose_body_device;  ///< frame in which the kind's parameters are given, with joints at rest
-  double period_s = 0;    ///< time from one run to the next, s; 0: it runs in every tick
-  bool active = true;     ///< true: it runs even if no controller and no program reads it
-  Where where;            ///< position in the file, for messages
+  Record params;  ///< one value for each field of the kind's table
+  /// Pose of the device's frame in the body frame, with joints at rest. Parameters that are poses or points
+  /// are given in the device's frame.
+  Pose pose_body_device;
+  double period_s = 0;  ///< time from one run to the next, s; 0: it runs in every tick
+  bool active = true;   ///< true: it runs even if no controller and no program reads it
+  Where where;          ///< position in the file, for messages
 };
 
 /// The drive of the bodies of a type.
@@ -120,7 +126,7 @@ struct DriveSpec {
 struct ControllerSpec {
   std::string kind;  ///< name of a kind of Registry::controllers or of a plug-in
   /// Index of the part that the controller is on. The controller may use the devices of this part and of the
-  /// parts mounted on this part, except drives.
+  /// parts mounted on this part, directly or through further parts, except drives.
   std::uint32_t part = 0;
   /// One value for each field of the kind's table; FieldTable::defaults() makes such a record.
   Record params;

@@ -15,7 +15,7 @@ namespace troupe::live {
 /// steps the world fills it, and the thread of the server encodes it.
 struct Picture {
   std::uint64_t number = 0;  ///< number of the picture, from 1
-  std::string state;         ///< members of the JSON object (docs/live.md) that every client receives
+  std::string state;         ///< JSON members, without braces, that every client receives (docs/live.md)
   /// Further members of this object that only one client receives, by number of the client: for example, the
   /// state of the robot that the client inspects.
   std::map<std::uint64_t, std::string> own;
@@ -38,7 +38,7 @@ inline constexpr std::int32_t k_gone = -1;
 /// Fills the poses and colours of a picture with the current state of the world. order: the ids of the robots
 /// that the page shows, in the order of the page; has_z: whether heights can change; parts: the parts whose
 /// colour devices set (all three are members of worldio::LivePage). has_colors: whether robots or their parts
-/// show colours that change.
+/// show colours that change; it must be true if `parts` is not empty.
 void take(const engine::World& world, std::span<const std::uint32_t> order, bool has_z, bool has_colors,
           std::span<const worldio::ShownPart> parts, Picture& picture);
 
@@ -50,9 +50,10 @@ struct SentPicture {
   std::vector<std::uint8_t> shades;
 };
 
-/// Returns the binary frame of a picture for a client (docs/live.md), which contains only the differences
-/// from `sent`. Sets `sent` to the content of this picture. robots: number of robots that the page shows.
-/// client: number of the client, which selects its Picture::shades.
+/// Returns the binary frame of a picture for a client (docs/live.md), which contains the number of the
+/// picture and its differences from `sent`. Sets `sent` to the content of this picture. If the picture has no
+/// shades for the client, the frame has none either, and `sent.shades` stays. robots: number of robots that
+/// the page shows. client: number of the client, which selects its Picture::shades.
 std::string encode(const Picture& picture, std::size_t robots, std::uint64_t client, SentPicture& sent);
 
 }  // namespace troupe::live

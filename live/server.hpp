@@ -22,16 +22,20 @@ struct ViewFrames {
 class ViewBackend {
  public:
   virtual ~ViewBackend() = default;
-  /// Called when a client has sent a valid token. Returns the first text that the server sends to the client.
+  /// Called when a client has sent a valid token, unless 16 clients are connected already: the server then
+  /// disconnects the new client. Returns the first text that the server sends to the client.
   virtual std::string opened(std::uint64_t client, bool may_steer) = 0;
   /// Called when a client has sent a text.
   virtual void received(std::uint64_t client, bool may_steer, std::string_view text) = 0;
-  /// Called when a client has disconnected. No function is called for this client afterwards.
+  /// Called when a client has disconnected, also because the server stops. No function is called for this
+  /// client afterwards.
   virtual void closed(std::uint64_t client) = 0;
-  /// Returns the newest picture, encoded for this client; nothing if it was already sent to the client.
+  /// Returns the newest picture, encoded for this client; nothing if that picture was already sent to the
+  /// client, or if there is no picture yet.
   virtual std::optional<ViewFrames> picture(std::uint64_t client) = 0;
-  /// Called when the server has refused a request or a message. what: a description of the request or
-  /// message, such as "a binary message".
+  /// Called when the server has refused a request, a connection or a message because of its Host or Origin
+  /// header, its token, its size or type, or the number of connections. Not called for an HTTP request with
+  /// an unknown path or method. what: a description of what was refused, such as "a binary message".
   virtual void refused(const std::string& what) = 0;
 };
 
@@ -46,17 +50,19 @@ class ViewServer {
     /// header `Host` names this machine or one of these proxies.
     std::vector<std::string> hosts;
     std::string page;        ///< HTML text of the page
-    std::string token;       ///< token for full control
-    std::string look_token;  ///< token for read-only access
+    std::string token;       ///< the text that a client must send first for full control
+    std::string look_token;  ///< the text that a client must send first for read-only access
   };
   /// Opens the port. Connections wait until start(). `backend` must outlive the server. Throws
-  /// std::runtime_error if the address or the port is not available, and in builds without TROUPE_VIEW.
+  /// std::runtime_error if Options::bind is not an IP address, if the address or the port is not available,
+  /// and in builds without TROUPE_VIEW.
   ViewServer(const Options& options, ViewBackend& backend);
   ~ViewServer();
   ViewServer(const ViewServer&) = delete;
   ViewServer& operator=(const ViewServer&) = delete;
 
-  /// Accepts connections, and calls the backend from a thread of its own, until stop().
+  /// Accepts connections, and calls the backend from a thread of its own, until stop(). Call it only once: a
+  /// stopped server cannot be started again.
   void start();
   /// Closes every connection and ends the thread. When stop() returns, the backend is not called any more.
   /// The destructor also stops the server.
@@ -64,13 +70,14 @@ class ViewServer {
   /// Host and port under which programs on this machine reach the server, as in a URL: "127.0.0.1:34567".
   std::string authority() const;
   /// Sends a text frame to a client; does nothing if the client has disconnected. May be called on any
-  /// thread. A client that does not read its texts is disconnected when too many of them are queued.
+  /// thread. A client that does not read its texts is disconnected instead when 256 of them are queued.
   void send(std::uint64_t client, std::string text);
   /// Announces a new picture. The server then calls ViewBackend::picture() for each client that can receive
   /// one. May be called on any thread.
   void offer();
-  /// Tells the server that a client has drawn a picture, so that the next picture may be sent to it. Call it
-  /// from functions of ViewBackend only, because it must run on the server's thread.
+  /// Tells the server that a client has drawn a picture. The server sends at most two pictures to a client
+  /// that the client has not drawn yet. Does nothing if the client has disconnected. Call it from functions
+  /// of ViewBackend only, because it must run on the server's thread.
   void drawn(std::uint64_t client);
 
  private:

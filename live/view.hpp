@@ -51,14 +51,16 @@ class View {
     /// called at least every 50 ms while the view waits, on the thread that steps. Null: the same as a
     /// function that returns false.
     std::function<bool()> is_over;
-    /// Called with one line of text when a request is refused (once for each reason), and when a recording
-    /// ends early. May be called on the thread of the server. Null: such texts are dropped.
+    /// Called with one line of text when the server refuses a request or a message (once for each reason),
+    /// and when a recording ends early. May be called on the thread of the server. Null: such texts are
+    /// dropped.
     std::function<void(const std::string&)> report;
   };
-  /// Starts the server and creates the session file. Throws std::runtime_error if the address or the port is
-  /// not available, if the file cannot be written, and in builds without TROUPE_VIEW.
+  /// Starts the server and creates the session file. Throws std::runtime_error if Options::bind is not an IP
+  /// address, if the address or the port is not available, if the file cannot be written, and in builds
+  /// without TROUPE_VIEW.
   View(Simulation& simulation, const Options& options);
-  explicit View(Simulation& simulation);  ///< as above, with the default options
+  explicit View(Simulation& simulation);  ///< the same as View(simulation, Options())
   /// Ends the session and disconnects all viewers.
   ~View();
   View(const View&) = delete;
@@ -68,7 +70,8 @@ class View {
   std::string address() const;
   /// The address of the page for read-only access: the same page, with another token.
   std::string look_address() const;
-  /// Path of the current session file. A restart of the run by a viewer begins a new file.
+  /// Path of the current session file. A new file begins when a viewer restarts the run, and at the first
+  /// step after the program has reset the simulation.
   std::filesystem::path session() const;
 
   /// Waits for the first viewer with full control, and then steps, pauses and changes the simulation as

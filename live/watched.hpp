@@ -20,9 +20,10 @@ namespace troupe::live {
 /// Returns the state of a body as JSON: name, pose, the fields of all its components, the ranges of its
 /// rangers, and the commands to its devices. Each component has the members component (its name in the
 /// state), name (engine::given_name()), runs (false for a sensor that does not run, whose values are NaN) and
-/// fields. Of a field, at most 2048 columns are listed; of commands, only fields of at most 4 columns. For
-/// static geometry, such as a wall, which has no row in the state tables, returns only the name and that the
-/// body is alive. Throws std::out_of_range if there is no body with this id.
+/// fields. Of a field, at most 2048 columns are listed; of commands, only fields of at most 4 columns, and
+/// none if the body is not alive. For static geometry, such as a wall, which has no row in the state tables,
+/// returns only the name, that the body is alive, and an empty list of components. Throws std::out_of_range
+/// if there is no body with this id.
 nlohmann::ordered_json inspection(Simulation& simulation, BodyId id);
 
 /// A value of the state by which a viewer colours robots.
@@ -53,7 +54,7 @@ void take_shades(const engine::World& world, std::span<const std::uint32_t> plac
 std::vector<std::string_view> layers_of(const engine::World& world);
 /// Returns the lines of some layers as JSON: {layer: [x, y, z, x, y, z, ...]}, two points per line, world
 /// frame, m, rounded to 1 mm; at most 20,000 lines per layer. A line of `radio` goes from a sender to a robot
-/// that heard its message. An unknown layer gets an empty list.
+/// that heard its message when the radio of this robot last ran. An unknown layer gets an empty list.
 nlohmann::ordered_json lines_of(const engine::World& world, std::span<const std::string> layers);
 
 }  // namespace troupe::live

@@ -66,7 +66,7 @@ struct GridGeometry {
 /// no memory.
 class TileDirectory {
  public:
-  static constexpr std::uint32_t k_none = ~0u;  ///< marks the absence of a slot
+  static constexpr std::uint32_t k_none = ~0u;  ///< result of find() for a tile without a slot
 
   TileDirectory() : keys_(16), slots_(16, k_none) {}  ///< an empty directory
   /// Removes all tiles; slots start at 0 again.

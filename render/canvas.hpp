@@ -66,7 +66,7 @@ enum class Corner : std::uint32_t {
 /// A corner of a triangle in a solid layer.
 struct SolidVertex {
   float x, y, z;     ///< position, frame of the instance, mesh units (SolidInstance::scale m per unit)
-  float ax, ay, az;  ///< the vector a of Corner, in the same frame and units
+  float ax, ay, az;  ///< the vector a of Corner, in the same frame; a position is in the same units
   /// For strokes and rims: half the width of the line, pixels; positive for a corner to the left of the
   /// direction to the other end, negative for a corner to the right. Otherwise not used.
   float side;
@@ -118,7 +118,7 @@ struct PointLayer {
   std::vector<Point> points;
   float size = 1;       ///< edge length of the squares, pixels
   bool on_map = false;  ///< true: flat in the picture, like a Layer; false: in the world, like a SolidLayer
-  bool on_top = false;  ///< only with on_map: as Layer::on_top
+  bool on_top = false;  ///< as Layer::on_top; may be true only if on_map is true
 };
 
 using AnyLayer = std::variant<Layer, SolidLayer, PointLayer>;
@@ -137,7 +137,7 @@ class Canvas {
   void check_size(int width, int height) const;
   /// Draws layers in order on a background of the colour `ground`, with 4 samples per pixel if the driver
   /// supports that. The size of the picture is that of the projection. Throws std::runtime_error as
-  /// check_size() does, and if OpenGL runs out of memory.
+  /// check_size() does, and if OpenGL reports an error, such as too little memory.
   Picture paint(const Projection& projection, Rgba ground, std::span<const AnyLayer> layers);
 
  private:

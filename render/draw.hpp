@@ -16,14 +16,16 @@ struct Camera {
   bool perspective = false;  ///< true: perspective view; false: parallel (orthographic) view
   double pitch = 0;          ///< rad, 0 to pi/2: 0 looks straight down, pi/2 looks horizontally
   double yaw = 0;            ///< rad, counter-clockwise seen from above; 0: +y is upwards in the picture
-  /// World point in the picture's centre, m. If not given: with `across_m`, the centre of the region that
-  /// View::region describes; else a point such that the whole region is visible.
+  /// World point in the picture's centre, m; views from above ignore its z. If not given: with `across_m`,
+  /// the centre of the region that View::region describes; else a point such that the whole region is
+  /// visible.
   std::optional<Eigen::Vector3d> center;
   /// Width, m, above 0, of the part of the world that the picture shows at the distance of `center`. If not
-  /// given, the width is chosen so that the whole region that View::region describes is visible.
+  /// given, the scale is the one at which the whole region that View::region describes fits into the picture;
+  /// if `center` is given, parts of the region may still be outside.
   std::optional<double> across_m;
   /// World position of a perspective camera, m. If given, `center` and `across_m` are ignored. Parallel views
-  /// ignore it.
+  /// ignore `eye`.
   std::optional<Eigen::Vector3d> eye;
   double fov = 0.65;  ///< vertical field of view of a perspective view, rad, above 0 and below pi
 };
@@ -42,14 +44,14 @@ struct Layers {
   /// A red outline with a white rim around bodies whose last motion was blocked or would have ended out of
   /// bounds (FrameBody::stalled).
   bool stalls = true;
-  bool scale = true;    ///< a scale bar; in views not from above with a `grid`, the distance of its lines
-  bool clock = true;    ///< the simulated time
-  bool speed = false;   ///< speed of the simulation next to the clock: Frame::times_real_time
-  bool legend = true;   ///< legend of the colour scale, if bodies are coloured by Frame::values
-  bool bounds = true;   ///< bounds of the world, which robots cannot leave: FrameScene::limits
-  bool types = false;   ///< legend of the types of robots, if `legend` draws no colour scale
-  bool scans = false;   ///< range readings as transparent areas: Frame::scans
-  bool beams = false;   ///< range readings as lines: Frame::scans
+  bool scale = true;   ///< from above: a scale bar; else, with `grid`: the distance of its lines
+  bool clock = true;   ///< the simulated time
+  bool speed = false;  ///< only with `clock`: the speed of the simulation, Frame::times_real_time, if above 0
+  bool legend = true;  ///< legend of the colour scale, if bodies are coloured by Frame::values
+  bool bounds = true;  ///< bounds of the world, which robots cannot leave: FrameScene::limits
+  bool types = false;  ///< legend of the types of robots, if `legend` draws no colour scale
+  bool scans = false;  ///< range readings as transparent areas: Frame::scans
+  bool beams = false;  ///< range readings as lines: Frame::scans
   bool sights = false;  ///< lines from fiducial finders to detected bodies: Frame::sights
   bool blobs = false;   ///< blobs of blob finders in their colours: Frame::blobs
   bool grips = false;   ///< light beams of grippers (red: interrupted), lines to held bodies: Frame::grips
@@ -57,7 +59,7 @@ struct Layers {
   bool trails = false;  ///< past positions of bodies: Frame::trails
   bool names = false;   ///< names of bodies: Frame::names
   bool energy = false;  ///< bars that show the remaining energy: Frame::charges
-  bool footprints = false;  ///< outlines of the bodies on the floor
+  bool footprints = false;  ///< outlines of the mobile bodies (Frame::mobile) on the floor
   bool coverage = false;    ///< squares of the floor that robots have visited: Frame::covered
   bool density = false;     ///< squares of the floor, coloured by the number of robots in each
   bool tiles = false;       ///< tiles of the spatial index, coloured by the number of robots in each
@@ -71,14 +73,15 @@ struct View {
   /// World region that must be visible, m. In a view from above, the region fills the picture in one
   /// direction, x or y; in the other direction more of the world may be visible. Other views show the region
   /// with a margin. If not given, the region is FrameScene::bounds, extended by FrameScene::limits if
-  /// Layers::bounds is set, with a margin. The members `center`, `across_m` and `eye` of the camera take
-  /// precedence.
+  /// Layers::bounds is set, with a margin; if these are empty, it is 10 m x 10 m about the origin. The
+  /// members `center`, `across_m` and `eye` of the camera take precedence.
   std::optional<Box> region;
   Camera camera;
   Layers layers;
   Background background = Background::paper;
   /// Values at the ends of the colour scale, the lower one first, if bodies are coloured by Frame::values. If
-  /// not given, the ends are the smallest and the largest finite value in the frame.
+  /// not given, the ends are the smallest and the largest finite value in the frame. If these are equal, the
+  /// ends are 0.5 below and above them; if no value is finite, 0 and 1.
   std::optional<std::pair<double, double>> values;
 };
 
@@ -112,7 +115,8 @@ struct Picture {
 ///         pixels, all these widths grow in proportion.
 /// errors  draw() throws std::runtime_error if OSMesa, which is loaded on first use, is missing (the message
 ///         names the package to install); if a side of the picture is below 1 pixel or larger than the driver
-///         allows (the message names the limit); or if View::region is not finite or has no area.
+///         allows (the message names the limit); if OpenGL reports an error, such as too little memory; or if
+///         View::region is not finite or has no area.
 /// output  Equal input gives equal bytes on one machine. The floating-point environment of the caller is
 ///         restored.
 /// threads A painter may be used on any thread, but only by one thread at a time.
@@ -129,10 +133,11 @@ class Painter {
   /// Draws one picture as pixels. Errors: see the class. The indices in `frame` must be valid for scene().
   Picture draw(const engine::Frame& frame, const View& view);
   /// Draws a view from above as vector graphics and returns the content of an SVG 1.1 or PDF file. The size
-  /// of the picture is that of the view, with pixels of 1/96 inch. `texts` are stored in the file. Throws
-  /// std::runtime_error if the view is not from above, or if View::region is not finite or has no area. For a
-  /// PDF it also throws if cairo is missing or too old, and the message names the package to install. OSMesa
-  /// is not needed.
+  /// of the picture is that of the view, with pixels of 1/96 inch. `texts` are stored in the file; characters
+  /// of their values that the formats do not allow become question marks. Throws std::runtime_error if the
+  /// view is not from above, or if View::region is not finite or has no area. For a PDF it also throws if
+  /// cairo is missing or too old, and the message names the package to install, or if cairo fails. OSMesa is
+  /// not needed.
   std::string draw_vector(const engine::Frame& frame, const View& view, VectorFormat format,
                           const FileTexts& texts);
 

@@ -25,8 +25,8 @@ using Pieces = std::vector<std::vector<ConvexPrism>>;
 Pieces pieces_of(const engine::FrameType& type);
 
 /// The top faces of the shapes of a type in its body frame, m, with the outlines and the heading mark that
-/// `style` selects. Lower shapes come first, the heading mark last. Shapes without a colour of their own use
-/// Paint::body, Paint::edge and Paint::mark. `pieces` must be pieces_of(type).
+/// `style` selects. Shapes with lower tops come first, the heading mark last. Shapes without a colour of
+/// their own use Paint::body, Paint::edge and Paint::mark. `pieces` must be pieces_of(type).
 Mesh body_mesh(const engine::FrameType& type, const Pieces& pieces, const MeshStyle& style);
 /// The triangles of a mesh without its strokes, all in the colour Paint::body. Maps draw this mesh as the
 /// shadow of a body.

@@ -8,12 +8,13 @@
 namespace troupe::render {
 
 /// The floor grid of a view that is not from above: lines on the floor, `pitch` metres apart, at multiples of
-/// `pitch`. The grid covers FrameScene::bounds, but extends at most 60 lines from Projection::origin() in
-/// each direction.
+/// `pitch`. The grid covers FrameScene::bounds (if these are empty, 10 m x 10 m about Projection::origin()),
+/// but only up to 60 lines from Projection::origin() in each direction. If the bounds are farther away than
+/// that, the grid covers the nearest 5 lines in each direction.
 SolidLayer solid_grid(const engine::FrameScene& scene, const Projection& projection, double pitch,
                       Rgba color);
-/// The distance between grid lines for this view, m: a RoundLength that is at least 48 strokes long at the
-/// floor in the picture's centre.
+/// The distance between grid lines for this view, m: a RoundLength that is at least 48 strokes long at
+/// Projection::floor_center(). It is 2 m if that point is behind the viewer.
 double grid_pitch(const Projection& projection);
 
 /// Appends layers with those overlays on the floor that `shown` selects: coverage, density, tiles, cells,

@@ -34,8 +34,8 @@ class Projection {
   double stroke() const { return stroke_; }
 
   /// Moves the viewer, and sets the scale of a parallel view, so that all points are in the picture and fill
-  /// it, except for a margin on all sides and a band below, both in pixels. `points` (m, world frame) must
-  /// not be empty.
+  /// its width or its height, except for a margin on all sides and a band below, both in pixels. `points` (m,
+  /// world frame) must not be empty.
   void fit(std::span<const Vec3> points, double margin, double band_below);
   /// Moves the viewer, and sets the scale of a parallel view, so that the world point `center` is in the
   /// picture's centre, where the picture is `across` metres wide. `across` must be above 0.
@@ -57,7 +57,7 @@ class Projection {
   /// Whether a ball around a world point may be visible; `radius` is in m. The result may be true for a ball
   /// just outside the picture.
   bool may_show(const Vec3& point, double radius) const;
-  /// The point of the floor (z = 0) in the picture's centre. If the view is within 3 degrees of horizontal,
+  /// The point of the floor (z = 0) in the picture's centre. If the view is within 2.9 degrees of horizontal,
   /// the point of the floor below the viewer.
   Vec3 floor_center() const;
 

@@ -9,10 +9,10 @@ namespace troupe::render {
 /// What prism_mesh() draws in addition to the faces.
 struct SolidStyle {
   float edge = 0;          ///< width of the lines along edges, pixels; 0: no lines
-  float halo = 0;          ///< width of a white line drawn under each of these lines, pixels; 0: none
+  float halo = 0;          ///< width of a white line drawn under each line of width `edge`, pixels; 0: none
   bool mark = false;       ///< whether there is a triangle at the front that points forward
   double least_side = 0;   ///< vertical edges next to a side shorter than this, m, have no line
-  double least_edged = 0;  ///< shapes narrower than this, m, have no lines
+  double least_edged = 0;  ///< shapes shorter than this along both x and y, m, have no lines
 };
 
 /// The shapes of a type as prisms without undersides, in its body frame, m. `pieces` must be pieces_of(type).

@@ -15,11 +15,12 @@ Rgba value_color(double share);
 /// The colour of bodies without a value.
 inline constexpr Rgba k_no_value = {170, 166, 158, 255};
 
-/// Returns the smallest and the largest finite value. If both are equal, returns the ends of the interval of
-/// length 1 around them. If no value is finite, returns 0 and 1.
+/// Returns the smallest and the largest finite value. If both are equal to x, returns x - 0.5 and x + 0.5. If
+/// no value is finite, returns 0 and 1.
 std::pair<double, double> range_of(std::span<const double> values);
-/// One colour per value, on the scale of value_color() from range.first to range.second. Unless range.first <
-/// range.second, all values have the middle colour. The colour for NaN is k_no_value.
+/// One colour per value, on the scale of value_color() from range.first to range.second, which must be
+/// finite. Values outside the range have the colour of its nearer end. If range.first is not below
+/// range.second, all values have the middle colour. In either case, the colour for NaN is k_no_value.
 std::vector<Rgba> value_colors(std::span<const double> values, const std::pair<double, double>& range);
 
 }  // namespace troupe::render

@@ -17,14 +17,14 @@ namespace troupe::render {
 struct VectorPath {
   std::vector<Ring> rings;  ///< points in pixels from the picture's upper left corner, y down
   Rgba color{};
-  double width = 0;        ///< width of lines, pixels; 0: rings are filled, even where they overlap
+  double width = 0;        ///< width of lines, pixels; 0: rings are filled, by the nonzero winding rule
   bool is_closed = false;  ///< for lines: whether the last point of each ring is joined to its first
 };
 
 /// One line of text.
 struct VectorText {
   std::string text;          ///< the text, UTF-8
-  Vec2 pen = Vec2::Zero();   ///< start of its baseline, or end if `ends_at_pen`; as VectorPath::rings
+  Vec2 pen = Vec2::Zero();   ///< a point of its baseline, pixels from the picture's upper left corner, y down
   bool ends_at_pen = false;  ///< true: the text ends at the pen; false: it starts there
   double cap_height = 11;    ///< height of capitals, pixels
   Rgba color{};
@@ -41,21 +41,22 @@ struct VectorDrawing {
 };
 
 /// The layers and the lettering of a map (is_from_above()) as a drawing. Consecutive triangles of a fan are
-/// joined to a polygon, and consecutive strokes to a line. The triangles of flat layers are sorted by height,
-/// because a drawing has no depth buffer. Texts are passed through printable_utf8().
+/// joined to a polygon, and consecutive strokes to a line, if they have the same colour and height. The paths
+/// of flat layers are sorted by height, because a drawing has no depth buffer; a layer with Layer::on_top
+/// begins a new group, which is drawn after the earlier paths. Texts are passed through printable_utf8().
 VectorDrawing vector_drawing(const Projection& projection, std::span<const AnyLayer> layers,
                              const Writing& writing, const Theme& theme);
 
-/// Replaces bytes that are not valid UTF-8, control characters and Unicode noncharacters by question marks,
-/// because SVG or PDF does not allow them.
+/// Replaces bytes that are not valid UTF-8, control characters of ASCII (U+0000 to U+001F, U+007F) and
+/// Unicode noncharacters by question marks, one per byte, because SVG or PDF does not allow them.
 std::string printable_utf8(std::string_view text);
 
-/// The drawing as the content of an SVG 1.1 file with the metadata `texts`, which are valid UTF-8. Texts of
-/// the drawing are stored as text, not as paths.
+/// The drawing as the content of an SVG 1.1 file with the metadata `texts`, which must be valid UTF-8, as
+/// must the texts of the drawing. The latter are stored as text, not as paths.
 std::string svg_text(const VectorDrawing& drawing, const FileTexts& texts);
-/// The drawing as the content of a PDF 1.5 file with embedded fonts and the metadata `texts`. Throws
-/// std::runtime_error if cairo is missing or too old, with the package to install in the message, or if cairo
-/// fails.
+/// The drawing as the content of a PDF file with embedded fonts and the metadata `texts`. These and the texts
+/// of the drawing must be valid UTF-8. Throws std::runtime_error if cairo is missing or too old, with the
+/// package to install in the message, or if cairo fails.
 std::string pdf_text(const VectorDrawing& drawing, const FileTexts& texts);
 
 }  // namespace troupe::render

@@ -8,14 +8,15 @@ namespace troupe::sensors {
 
 /// The fields of a fiducial finder's readings, in order. A target is a model that the finder finds, see
 /// fiducial_kind(). Arrays have `most_targets` entries, one for each of the nearest targets, sorted by range,
-/// then body id, then number of the part. Entries after the last target are 0.
+/// then body id, then number of the part. Entries after the last target are 0. Angles are in [-pi, pi] before
+/// they are rounded to f32.
 enum FiducialField : std::size_t {
   k_fiducial_count,    ///< u32: number of targets found; may exceed `most_targets`
   k_fiducial_id,       ///< i32 per target: its fiducial_return; 0 if it is range_max_id away or farther
   k_fiducial_body,     ///< u32 per target: its BodyId
   k_fiducial_range,    ///< f32 per target, m: horizontal distance to its origin
-  k_fiducial_bearing,  ///< f32 per target, rad: bearing of its origin, sensor frame, in [-pi, pi]
-  k_fiducial_heading,  ///< f32 per target, rad: its heading, sensor frame, in [-pi, pi]
+  k_fiducial_bearing,  ///< f32 per target, rad: bearing of its origin, sensor frame
+  k_fiducial_heading,  ///< f32 per target, rad: its heading, sensor frame
   k_fiducial_size,     ///< f32 [x y z] per target, m: its size as the world declares it
   k_fiducial_pose,     ///< f64 [x y z heading] per target, m and rad: its pose, world frame
 };
@@ -26,8 +27,8 @@ enum FiducialField : std::size_t {
 ///         other, or a third body carries both), if the model has the finder's `key` as fiducial_key and its
 ///         origin is nearer than range_max and within fov. With apply_range_min, the origin must also be at
 ///         least range_min away. The model must be in sight: a ray from the finder towards the model's
-///         origin, at the height of the finder, must meet the model first. Walls and all other bodies stop
-///         this ray, even those that rangers do not see.
+///         origin, at the height of the finder, must meet the model first. Walls, all other bodies, and the
+///         other parts of the model's own body stop this ray, even those that rangers do not see.
 /// z       With ignore_zloc it also finds a model that the ray passes above or below, unless the ray meets
 ///         another surface that is nearer than the model's origin.
 /// edges   A model whose origin is at exactly range_max is not found; a model at exactly fov/2 is found. A

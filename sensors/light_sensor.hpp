@@ -25,7 +25,8 @@ enum LightSensorField : std::size_t {
 ///        body, the body of the light, and bodies that move with one of these two bodies, never hide the
 ///        light. Lights are the devices `blinkenlight` and `lightindicator` (sensors/light_source.hpp).
 /// order  Sums are computed in the order of body ids, then of the devices of a body, in double precision.
-/// edges  A light straight above the sensor, or at the same place, adds nothing to any direction.
+/// edges  A light straight above or below the sensor, or at the same place, adds nothing to any direction,
+///        but counts as a light in sight.
 engine::DeviceKind light_sensor_kind();
 
 }  // namespace troupe::sensors

@@ -10,10 +10,11 @@ namespace troupe::sensors {
 
 /// Returns the sensor kind `ranger`: transducers that each cast a fan of beams at one height and report the
 /// distance along each beam to the first surface.
-/// state   `ranges` [float32, beams], m: exactly range_max if nothing is hit. The beams of a transducer run
-///         counter-clockwise from -fov/2 to +fov/2 about its heading, both included; a single beam points
-///         along its heading. Transducers are in the order of the parameters. With `intensity` there is also
-///         `intensities` [float32, beams]: the ranger_return of the surface hit, 0 if nothing is hit.
+/// state   `ranges` [float32, beams], m: range_max, rounded to float32, if nothing is hit. The beams of a
+///         transducer run counter-clockwise from -fov/2 to +fov/2 about its heading, both included; a single
+///         beam points along its heading. Transducers are in the order of the parameters. With `intensity`
+///         there is also `intensities` [float32, beams]: the ranger_return of the surface hit, 0 if nothing
+///         is hit.
 /// noise   The parameters of the transducers define two sorts of noise (ranger_noise.hpp): on readings below
 ///         range_max, and on the headings of beams. A reading of exactly range_max gets no noise.
 /// hits    A beam can hit surfaces with ranger_return >= 0 whose z interval, ends included, contains the

@@ -19,9 +19,12 @@ struct BeamGroup {
   std::vector<float> range_max;  ///< reading of a beam that hits nothing, m
   std::vector<float> limits;     ///< range_max plus the margins of partition::limits_of(), m
   float farthest = 0;            ///< the largest of the limits, m
-  bool mirrored = false;         ///< whether each beam i + count / 2 has the opposite direction of beam i
-  /// True if the beams start at the reference and have equal angular steps. Only then are middle, fov and
-  /// step set.
+  /// Whether each beam i + count / 2 has the opposite direction of beam i, within 1e-9. False if the group
+  /// has an odd number of beams or angular noise.
+  bool mirrored = false;
+  /// True: the group consists of the beams of one transducer with more than partition::k_most_beams beams,
+  /// which start at the reference, have equal angular steps, and have no angular noise. Only then are middle,
+  /// fov and step set.
   bool scan = false;
   Vec2 middle = Vec2::UnitX();  ///< direction halfway between the first and the last beam, body frame
   double fov = 0;               ///< angle between the first and the last beam, rad
@@ -41,7 +44,7 @@ struct TransducerExtras {
   double noise_stddev = 0;    ///< standard deviation of a normally distributed error of a reading, m
   double noise_relative = 0;  ///< standard deviation of a second normal error, as a fraction of the reading
   double noise_proportional = 0;  ///< bound of a uniform error, as a fraction of the reading
-  double least = 0;               ///< lower readings are raised to this value, m
+  double least = 0;               ///< lower readings are raised to this value, m; 0: none
   double beam_width = 0;          ///< if above 0: opening angle of each beam, rad
   Vec2 origin = Vec2::Zero();     ///< point where its beams start, body frame, m
   double z = 0;                   ///< height of its beams, body frame, m

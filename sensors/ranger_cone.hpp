@@ -11,12 +11,14 @@ namespace troupe::sensors {
 /// Returns the distance, metres, from the tip of a cone to the nearest point of the edge from a to b within
 /// the cone. The tip is the origin of all coordinates. The cone opens by at most 180 degrees,
 /// counter-clockwise from the unit vector `right` to the unit vector `left`. Points on the sides of the cone
-/// are within the cone. The result is empty if no point of the edge is within the cone.
+/// are within the cone. The result is std::nullopt if no point of the edge is within the cone.
 std::optional<double> nearest_in_cone(const Vec2& right, const Vec2& left, const Vec2& a, const Vec2& b);
 
 /// Gives the beams of a transducer a width, as those of a sonar have. Each reading becomes the distance to
 /// the nearest surface point within the width of its beam, if that is less than the present reading, which
-/// was measured along the middle of the beam. The result is exact, not sampled with rays.
+/// was measured along the middle of the beam. Only surfaces that the middle beam could hit count: those with
+/// ranger_return >= 0 at the height of the transducer, but not those of the row's body and of bodies that
+/// move with it. The result is exact, not sampled with rays.
 ///
 /// own          the row (index in the state tables) of the body that carries the ranger
 /// mount        the frame in which the ranger's beams are given, relative to the world

@@ -41,10 +41,11 @@ struct BatchPart {
   /// is found has k_neighbour columns: x, y (m, in the observing robot's frame), cosine and sine of its
   /// heading relative to the observing robot's heading, and 1. If fewer than `count` robots are found, the
   /// remaining columns are 0. If two robots are at the same distance, the one with the lower id comes first.
-  /// With `target`: the name of a model or of a population. A model is the target of all robots. With a
-  /// population, each robot has its own target: the body of the population whose name ends in the same
-  /// number as the name of the robot. For the robot "r3" and the population "goal" it is the body "goal3".
-  /// The columns are 0 while the target is not in the world.
+  /// With `target`: if a body has this name, it is the target of all robots. Otherwise each robot has its own
+  /// target: the body whose name is `name` followed by the number at the end of the robot's name. With `name`
+  /// "goal", a population, the target of the robot "r3" is the body "goal3". If a robot has no target, the
+  /// constructor of BatchEnv throws std::out_of_range. The columns are 0 while the target is not in the
+  /// world.
   std::string name;
   std::size_t count = 1;  ///< nearest: number of robots to find, 1 to 1000
   /// nearest: farther robots are not found, m; above 0
@@ -123,11 +124,12 @@ struct BatchSpec {
   unsigned threads = 0;    ///< number of threads, as in SimulationOptions; changes no result
   std::size_t ticks = 1;   ///< number of ticks by which a step advances the world, 1 or more
   /// World time after which an episode is truncated, s: above 0 and at most 1e12, rounded up to whole ticks.
-  /// It counts from the first tick of the episode, in which the policies give no commands, and is tested
-  /// after each step.
+  /// It counts from the end of the first tick of the episode, in which the policies give no commands, and is
+  /// tested after each step.
   double seconds = 60;
-  std::vector<BatchTeam> teams;       ///< one or more teams; no robot may be in two teams
-  std::vector<std::string> measures;  ///< computed for each copy; names as for the constructor of Measures
+  std::vector<BatchTeam> teams;  ///< one or more teams; no robot may be in two teams
+  /// Measures that are computed for each copy, named as for the constructor of Measures. Empty: no measures.
+  std::vector<std::string> measures;
 };
 
 /// Many copies of one world that step together, each with its own seed: a vectorised environment for
@@ -229,8 +231,8 @@ class BatchEnv {
   /// episode instead of making a step, and its rewards are 0; empty: all copies make a step. Throws
   /// std::logic_error before the first reset(). Throws std::invalid_argument, before any copy makes its step,
   /// if `begins` has another size or an action of a copy that makes a step is not finite. Throws
-  /// engine::StepError if the step of a copy throws: the other copies have then made their step, and the
-  /// failed copy must be reset before it can step again.
+  /// engine::StepError if the step of a copy throws, and as reset() does if a copy cannot begin its episode:
+  /// the other copies have then made their step, and the failed copy must be reset before it can step again.
   void step(std::span<const std::uint8_t> begins = {});
 
  private:

@@ -8,7 +8,9 @@
 namespace troupe {
 
 /// The files that a world was read from, as far as they exist: the world file, the files that it includes,
-/// its images and ROS maps, and the scripts that gave it controllers. Empty for a world that a program built.
+/// its images and ROS maps, and the scripts that gave it controllers. A world that a program built has only
+/// images, ROS maps and scripts, and, if WorldBuilder built it, a file with the builder's name if there is
+/// one.
 std::vector<std::filesystem::path> input_files(const engine::WorldSpec& world);
 
 /// Whether two paths name the same file, which need not exist yet. Links to one file, hard or symbolic, are

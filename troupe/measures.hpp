@@ -37,8 +37,9 @@ class Measures {
   Measures& operator=(Measures&&) noexcept;  ///< a moved-from object may only be destroyed or assigned to
 
   /// Updates measures that depend on earlier ticks, such as the covered area, with the current state. Call it
-  /// after every step; the constructor has done it for the current tick. After Simulation::reset() these
-  /// measures start again from the state at tick 0.
+  /// after every step; the constructor has done it for the current tick. If a tick was left out, and after
+  /// Simulation::reset(), these measures start again from the current state. A second call in a tick has no
+  /// effect.
   void see();
   /// Names of the values, in the order of the list `wanted`, with their units appended: `displacement_m`,
   /// `displacement_m:leaders`, `stalls` (no unit).

@@ -26,7 +26,7 @@ struct PictureOptions {
   /// `top`: looks straight down at the whole world, as a map. `fit`: straight down at the region that
   /// contains the robots. `perspective`: from an oblique angle, with bodies as solids. `follow:all`:
   /// perspective view of the region that contains the robots. `follow:NAME`: perspective view centred on the
-  /// model NAME. `window`: the view that the entry `window` of the world file describes.
+  /// body NAME. `window`: the view that the entry `window` of the world file describes.
   std::string camera = "top";
   /// Point at the centre of the picture, m, in the world frame. Not given: the camera chooses it.
   std::optional<std::array<double, 2>> center_m;
@@ -69,7 +69,7 @@ std::span<const std::string_view> picture_backgrounds();
 /// Returns success if there is a background of this name, else an error that lists the known names.
 Result<> check_background(const std::string& background);
 /// Returns success if this is the name of a camera, else an error that lists the known names. Does not check
-/// that the world has the model NAME of `follow:NAME`, or the entry `window`.
+/// that the world has the body NAME of `follow:NAME`, or the entry `window`.
 Result<> check_camera(const std::string& camera);
 
 /// Draws pictures of one simulation:
@@ -84,7 +84,7 @@ Result<> check_camera(const std::string& camera);
 class Pictures {
  public:
   /// Throws InputError for unknown cameras, layers and backgrounds, and for options that name something that
-  /// the world does not have: a model to follow, an entry `window`, a field to colour by. Throws
+  /// the world does not have: a body to follow, an entry `window`, a field to colour by. Throws
   /// std::runtime_error if the build has no renderer.
   Pictures(const Simulation& simulation, PictureOptions options);
   /// Draws pictures of a recording or of another source. Throws as the constructor for a simulation does, and
@@ -117,10 +117,10 @@ class Pictures {
   /// speed is shown.
   Shot take(const Simulation& simulation, double times_real_time = 0);
   Shot take(const PictureSource& source, double times_real_time = 0);  ///< copies the state of another source
-  /// Interpolates between two ticks: the time, the poses of bodies that both shots contain, and the region
-  /// that the camera shows. All other data are copied from `earlier`, except the state hash in the metadata,
-  /// which is left out. Both shots must come from take() of the same Pictures. share: position between the
-  /// two ticks, from 0 (`earlier`) to 1 (`later`).
+  /// Interpolates between two ticks: the time, the poses of bodies that both shots contain, the ends of their
+  /// trails, and the region that the camera shows. All other data are copied from `earlier`, except the state
+  /// hash in the metadata, which is left out. Both shots must come from take() of the same Pictures. share:
+  /// position between the two ticks, from 0 (`earlier`) to 1 (`later`).
   static Shot between(const Shot& earlier, const Shot& later, double share);
 
   /// Checks that write() can write a file of this name, by writing a small picture next to it and removing

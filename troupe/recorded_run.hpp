@@ -16,7 +16,8 @@ namespace troupe {
 /// plug-ins, and simulates nothing. What pictures can show depends on the fields that were recorded
 /// (--record-fields): stalled robots need `stall`, scans of rangers need `ranges`, charges of power packs
 /// need `power_pack`, and colours by a value need the field of that value. Parts on joints are drawn at their
-/// recorded positions if `joint` was recorded, else in their rest position.
+/// recorded positions if `joint` was recorded, else in their rest position. The layers `sights`, `blobs`,
+/// `grips` and `links` cannot be drawn.
 class RecordedRun : public PictureSource {
  public:
   /// Throws InputError if the file is not a recording, has no poses or no frames, or was written by an old
@@ -49,7 +50,9 @@ class RecordedRun : public PictureSource {
   const engine::Record* window() const override;
   engine::FrameScene scene() const override;
   std::optional<std::uint32_t> find_body(std::string_view name) const override;
-  /// Finds a value by name among the recorded fields. Accepts names of earlier versions, see present_name().
+  /// Finds a value by name among the recorded fields. Also accepts a path of earlier versions with a dot
+  /// before the field, such as `sensors/minibot/eye.ranges`. For a path with a slash before the field, the
+  /// error states the present name, see present_name().
   Result<ChosenValue> find_value(const std::string& name) const override;
   /// Returns the present name of a value if `name` is its spelling in earlier versions, such as
   /// `eye.ranges.3` for `sensors/minibot/eye.ranges.3`. Empty for all other names.

@@ -39,10 +39,10 @@ struct RecordingOptions {
 ///     }
 ///     recording.close();
 ///
-/// A recording does not change the simulation. If writing fails, the functions other than the constructor and
-/// the destructor throw std::runtime_error, whose text names the file. The file can then be read up to the
-/// last flushed frame, and nothing more is written to it. An error on the background thread is thrown by the
-/// next call of a function.
+/// A recording does not change the simulation. If writing fails, observe(), flush(), start_flush() or close()
+/// throws std::runtime_error, whose text names the file. An error on the background thread is thrown by a
+/// later call of one of these functions. The file can then be read up to the last flushed frame. Nothing more
+/// is written to it: after the error has been thrown once, these functions do nothing.
 class Recording {
  public:
   /// Creates the file. The current state is the first frame if its tick is a multiple of the recording

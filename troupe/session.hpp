@@ -67,7 +67,7 @@ class SessionReplay {
   /// The tick at which the session ended. std::nullopt if the file does not state this tick, because the
   /// process died before SessionLog::end().
   std::optional<std::uint64_t> end_tick() const;
-  /// Number of acts of the session that act() has not applied yet.
+  /// Number of acts of the session that act() has not applied and the constructor has not skipped.
   std::size_t left() const;
   const std::vector<std::string>& warnings() const;  ///< warnings about the file, one line each
 

@@ -190,8 +190,9 @@ struct RecordingOptions;
 /// that cannot be gripped or pushed.
 class Model {
  public:
-  const std::string& name()
-      const;  ///< name in the world file, or else the name that Stage's rule generates ("position:0")
+  /// The name: for a handle from Simulation::find(), the name given to find(), which may be an alias; else
+  /// the name in the world file or, if it has none, the name that Stage's rule generates ("position:0").
+  const std::string& name() const;
   /// Id of the body; for a part, the id of the body that it is mounted on. Fiducial finders, bumpers, radios
   /// and Simulation::cast() report this id, and Simulation::model() takes it.
   BodyId id() const;
@@ -204,8 +205,9 @@ class Model {
   /// angle, rad). They apply from the next tick on, within the limits of the drive, until another command
   /// replaces them. If the robot has a controller, the controller overrides them. For a part that has a drive
   /// of its own (a device `wheels`), the command goes to that drive, also in accelerate() and go_to().
-  /// Numbers that are not finite make the next step throw StepError. Throws std::logic_error, as accelerate()
-  /// and go_to() do, for a model that has no drive, and for a body that is not in the world.
+  /// Numbers that are not finite make the next step in which the drive runs throw StepError. Throws
+  /// std::logic_error, as accelerate() and go_to() do, for a model that has no drive, and for a body that is
+  /// not in the world.
   void set_speed(double forward, double left, double turn);
   void set_speed(double forward, double turn) { set_speed(forward, 0, turn); }  ///< as above, left = 0
   /// Commands accelerations in the body frame: forward and left in m/s^2, turn in rad/s^2 (for a car drive:
@@ -225,8 +227,9 @@ class Model {
     double turn = 0;     ///< turn rate, counter-clockwise, rad/s
   };
   /// Velocity that the drive of this model computed in the last tick, in the body frame. It is not 0 while an
-  /// obstacle blocks the motion, see stalled(). At tick 0 it is the initial velocity of the drive; for a body
-  /// that is not in the world it is 0.
+  /// obstacle blocks the motion, see stalled(). At tick 0 it is the initial velocity of the drive (0 for a
+  /// part with a device `wheels`). It is 0 for a model without a drive, for a body that is not in the world,
+  /// and while a body is disabled or its drive has no power.
   Speed speed() const;
   /// Whether the body is in the world: it was spawned or present from the start, and it was not removed
   /// (docs/lives.md). Static geometry is always in the world.
@@ -234,10 +237,11 @@ class Model {
   /// Whether the robot's motion in the last tick was blocked by an obstacle or would have ended outside the
   /// bounds of the world; false before the first step.
   bool stalled() const;
-  /// Estimated pose of the robot, m and rad. With the localization `gps`, and for a body or part without
-  /// localization, this is the true pose in the world frame; with `odom` it is the odometry estimate, in the
-  /// frame that `localization_origin` in the world file defines. All numbers are 0 for a body that is not yet
-  /// born.
+  /// Estimated pose of the body, m and rad. With the localization `gps`, and for a body without a drive, this
+  /// is the true pose in the world frame; with `odom` it is the odometry estimate, in the frame that
+  /// `localization_origin` in the world file defines. All numbers are 0 for a body that is not yet born. For
+  /// a part with a device `wheels` it is the true pose of the part, pose(); for other parts, the estimate of
+  /// the body.
   Pose estimate() const;
   /// Overwrites the odometry estimate: m and rad, in the frame of estimate(); pose.z is ignored. Throws
   /// std::logic_error if the localization of the robot is not `odom`, and std::invalid_argument if a number
@@ -372,9 +376,9 @@ class Model {
   std::shared_ptr<const Place> place_;
 };
 
-/// A world and its state. Not thread-safe: use each simulation from one thread at a time. A simulation
-/// computes on worker threads of its own (SimulationOptions::threads). A process may have several
-/// simulations.
+/// A world and its state. Not thread-safe: use each simulation from one thread at a time, except that several
+/// threads may call cast() at once. A simulation computes on worker threads of its own
+/// (SimulationOptions::threads). A process may have several simulations.
 class Simulation {
  public:
   /// Loads a world file (Stage `.world` or Troupe JSON). Throws InputError, whose text lists all errors in
@@ -419,7 +423,9 @@ class Simulation {
   /// same bits as if it had never stopped, on any number of threads. The files that the world was loaded from
   /// are not needed. Throws InputError, `run.h5: error: ...`, if the file is not a checkpoint, is truncated
   /// or damaged, or was written by another version of Troupe (unless ResumeOptions::across_versions is true),
-  /// if a plug-in or script of the run is missing, and if a value of ResumeOptions::set is invalid.
+  /// if a plug-in or script of the run is missing or has changed (unless ResumeOptions::across_plugins is
+  /// true), and if a value of ResumeOptions::set is invalid. Throws std::invalid_argument for numbers of
+  /// threads or ranks that are not allowed.
   static Simulation resume(const std::filesystem::path& checkpoint, const ResumeOptions& options = {});
   /// Resumes a run whose world was loaded with a registry of the program. `registry` must have the same kinds
   /// as that registry.
@@ -442,7 +448,7 @@ class Simulation {
 
   /// The condition in the world's list `stop_when` that ended the run, such as `coverage >= 0.9`
   /// (docs/experiments.md); empty while no condition holds. Conditions are evaluated after each step, and
-  /// once when a run is resumed; before the first step the result is empty.
+  /// once when a run is resumed. At tick 0 they are not evaluated, and the result is empty.
   std::optional<std::string> stopped() const;
 
   /// Advances the world by one tick, in the phases intervene, sense, actuate, decide, move and index. step()
@@ -453,7 +459,8 @@ class Simulation {
   /// throw std::logic_error, also those of models, swarms and observers of this simulation.
   void step();
   /// Steps until `seconds` more of world time have passed, rounded up to whole ticks, or until a stop
-  /// condition ends the run (stopped()). Makes no step if a stop condition already holds. Throws
+  /// condition ends the run (stopped()). A last fraction of a tick of up to 1e-9 of `seconds` or of a tick is
+  /// a rounding error and is dropped. Makes no step if a stop condition already holds. Throws
   /// std::invalid_argument if `seconds` is negative, NaN or more than 1e12.
   void run_for(double seconds);
   /// Steps until the callback `done`, which is called after each step, returns true; then returns true.
@@ -468,11 +475,12 @@ class Simulation {
   /// which throw std::logic_error. If a callback throws, step() passes the exception on and calls no further
   /// callbacks; the state is that after a complete tick. A null callback removes all callbacks.
   void on_tick(std::function<void(Simulation&)> callback);
-  /// Sets the callback that is called in every step after the events of the world file (the list `at`, and
-  /// faults) and before the tick begins. It may do everything that a program may do between two steps, and
-  /// may call act(), but not step() or reset(). If it throws, step() passes the exception on, and the state
-  /// is then incomplete, as described at step(). A second call replaces the callback; a null callback removes
-  /// it.
+  /// Sets the callback that is called in every step at the end of the phase intervene, after the events of
+  /// the world file (the list `at`, and faults). tick() is then still the number of the previous tick. The
+  /// callback may do everything that a program may do between two steps, and may call act(), but must not
+  /// call step() or reset(), which is not checked. If it throws, step() passes the exception on, and the
+  /// state is then incomplete, as described at step(). A second call replaces the callback; a null callback
+  /// removes it.
   void before_tick(std::function<void(Simulation&)> callback);
   /// Applies an act to the running world: a change that a user or a program requests, such as moving,
   /// removing or steering a robot (docs/live.md). Call it between two steps, or in the callback of
@@ -487,10 +495,11 @@ class Simulation {
   /// thousands of trials of one world for little more than the cost of their steps.
   void reset();
   /// Returns to the state that the world has after loading with the given seed, bit for bit: populations are
-  /// placed again, and all random numbers depend on the new seed. Otherwise it is like reset(), but allocates
-  /// memory. Throws InputError, and changes nothing, if the placement rules find no place for a robot with
-  /// this seed. Throws std::logic_error for a run that was resumed, because a checkpoint does not store the
-  /// placement rules.
+  /// placed again, and all random numbers depend on the new seed. In a world made from a WorldSpec, which has
+  /// no placement rules, all bodies keep their places. Otherwise it is like reset(), but allocates memory.
+  /// Throws InputError, and changes nothing, if the placement rules find no place for a robot with this seed.
+  /// Throws std::logic_error for a run that was resumed, because a checkpoint does not store the placement
+  /// rules.
   void reset(std::uint64_t seed);
   /// Makes another simulation of the same world at tick 0, as if it had been loaded with this seed. Reads no
   /// file. The new simulation may outlive this one and is computed by one rank. Callbacks, subscriptions,
@@ -502,13 +511,15 @@ class Simulation {
   /// world file nor the images and other files that it refers to. Subscriptions and commanded speeds are
   /// saved, callbacks are not. The file is written under a temporary name and renamed once it is complete and
   /// on the disk: if the process dies, `checkpoint` is either the previous checkpoint or the new one. Throws
-  /// std::runtime_error, `run.h5: error: ...`, if the file cannot be written or the build has no HDF5; the
-  /// previous checkpoint then remains.
+  /// std::runtime_error, `run.h5: error: ...`, if the file cannot be written, if the simulation was read from
+  /// it, or if the build has no HDF5; a previous checkpoint then remains. Passes on exceptions of callbacks
+  /// of on_save().
   void save(const std::filesystem::path& checkpoint) const;
 
   /// Sets a callback that provides data of the program for the checkpoint, such as the state of an observer.
   /// Each save() calls `memory` and stores the returned bytes under `name`; after resume(), saved_memory()
-  /// returns them. A null callback removes the callback of this name.
+  /// returns them. A null callback removes the callback of this name. Do not use the name `holds` or names
+  /// that begin with `stop_when`: checkpoints store data of Troupe under them.
   void on_save(const std::string& name, std::function<std::vector<std::byte>()> memory);
   /// The bytes that save() stored under `name` in the checkpoint that the run was resumed from (see
   /// on_save()); std::nullopt if there are none or the run was not resumed.
@@ -612,7 +623,8 @@ class Simulation {
 
   /// Starts to record this run in a file (troupe/recording.hpp): the current state, and then the state at
   /// every recording interval, until stop_recording(), reset() or the destruction of the simulation. Throws
-  /// as the constructor of Recording does, and std::logic_error if a recording is already running.
+  /// as the constructor of Recording does, std::logic_error if a recording is already running, and
+  /// std::runtime_error if the simulation was read from the file.
   void record(const std::filesystem::path& file);
   /// Starts to record this run, as the other record() does, with the fields, the interval and the other
   /// options that `options` states.
@@ -676,7 +688,8 @@ class Simulation {
 
   /// Draws the world from above into a PNG file, or into an SVG or PDF file if the name ends in .svg or .pdf.
   /// width, height: size in pixels; 0 or less: the default size. Throws std::runtime_error if the library
-  /// OSMesa is missing (cairo for PDF), if the build has no renderer, or if the file cannot be written.
+  /// OSMesa is missing (cairo for PDF), if the build has no renderer, if the file cannot be written, or if
+  /// the simulation was read from it.
   void snapshot(const std::filesystem::path& png, int width = 1280, int height = 720) const;
   /// Draws the world into a file with the camera, size and layers of `options` (troupe/pictures.hpp); the
   /// ending of the name selects the format, as above. Throws std::runtime_error as above, and InputError if
@@ -684,9 +697,9 @@ class Simulation {
   /// file of a view that is not from straight above.
   void snapshot(const std::filesystem::path& png, const PictureOptions& options) const;
   /// Returns a picture of the world from above: 8-bit RGB, three bytes per pixel, row by row from the top.
-  /// width, height: size in pixels. Throws std::runtime_error if the library OSMesa is missing or the build
-  /// has no renderer, and std::invalid_argument for a width or height below 1. Do not call picture() or
-  /// snapshot() from two threads at once: they share a renderer.
+  /// width, height: size in pixels. Throws std::runtime_error if the library OSMesa is missing, the size
+  /// exceeds its limit, or the build has no renderer, and std::invalid_argument for a width or height
+  /// below 1. Do not call picture() or snapshot() from two threads at once: they share a renderer.
   std::vector<std::uint8_t> picture(int width = 1280, int height = 720) const;
   /// Returns a picture with the camera, size and layers of `options`: 8-bit RGB, as above; a width or height
   /// of 0 or less means the default of PictureOptions. Throws std::runtime_error as above, InputError if

@@ -97,8 +97,9 @@ class Settings {
 ///
 /// The names and values are those of a JSON world file, which docs/world-format.md and `troupe describe`
 /// document; json() returns this file as text. This class does not check whether names and values are
-/// allowed. The constructor of Simulation does: it throws InputError, whose text lists all errors, each as
-/// `world.json:7: error: /types/bot/drive/kind: unknown drive ...`, with the line numbers of json().
+/// allowed, except that a number that is not finite throws std::invalid_argument. The constructor of
+/// Simulation checks them: it throws InputError, whose text lists all errors, each as `world.json:7: error:
+/// /types/bot/drive/kind: unknown drive ...`, with the line numbers of json().
 class WorldBuilder {
  public:
   /// A type of bodies, made by WorldBuilder::type(). It belongs to the WorldBuilder and is valid as
@@ -168,7 +169,7 @@ class WorldBuilder {
                            const Settings& place, const Settings& more = {});
   /// Adds a straight wall between two points in the world frame; points, thickness and height in m. Each call
   /// adds a type and a body of this type, both with the name `wall1`, `wall2`, ... in the order of the calls.
-  /// Throws std::invalid_argument if the points are equal.
+  /// Throws std::invalid_argument if the points are equal or a number is not finite.
   WorldBuilder& wall(const Vec2& from, const Vec2& to, double thickness = 0.1, double height = 0.5);
   /// Adds the walls of a floor plan: the dark pixels of the image file `bitmap`. The bounding box of these
   /// pixels, or the whole image with {"margins", "keep"} in `more`, is scaled to x by y metres. height:

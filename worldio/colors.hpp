@@ -11,7 +11,8 @@
 namespace troupe::worldio {
 
 /// The opaque colour with an X11 name, such as "red", "DarkSlateGray", "dark slate grey", "SteelBlue3" or
-/// "gray30". Names are case-sensitive: "Red" is unknown. The spellings "grey" and "gray" mean the same.
+/// "gray30". Names are case-sensitive: "Red" is unknown; only in a name with blanks, each word may begin with
+/// either case. The spellings "grey" and "gray" mean the same.
 /// Returns nothing for an unknown name.
 std::optional<Color> color_by_name(std::string_view name);
 

@@ -26,7 +26,7 @@ class PartialFile {
   /// Removes the partial file, unless commit() renamed it.
   ~PartialFile();
 
-  const std::filesystem::path& path() const { return partial_; }  ///< the temporary name
+  const std::filesystem::path& path() const { return partial_; }  ///< path of the partial file until commit()
   /// Descriptor of the partial file, open for writing; -1 after commit(). A process that inherits the
   /// descriptor shares the lock.
   int descriptor() const { return descriptor_; }
@@ -34,8 +34,8 @@ class PartialFile {
   void write(std::span<const std::byte> bytes);
   /// Flushes the written bytes to the disk (fsync).
   void sync();
-  /// Renames the partial file to its final name and closes it. Replaces an existing file of that name.
-  /// Afterwards, write(), sync() and commit() must not be called.
+  /// Renames the partial file to its final name and closes it. Replaces an existing file, or a link to a
+  /// file, of that name. Afterwards, write(), sync() and commit() must not be called.
   void commit();
 
  private:

@@ -23,7 +23,8 @@ namespace troupe::models {
 ///           `spacing`, the link with the higher id leaves. A robot that leaves goes back along the chain,
 ///           then around the nest for up to 30 s, and explores again.
 /// path      A link has a path if it hears the link before it and, in addition, the prey or a next link that
-///           has a path.
+///           has a path. The nest, which has no link before it, has a path if it hears the prey or a first
+///           link that has a path.
 /// LED       If the robot has an LED, the LED is grey while the robot explores. The LEDs of the links of a
 ///           chain are blue, green and yellow in turn.
 /// needs     a radio with a payload of 2 bytes or more; a robot (role `robot`) also needs a drive and a

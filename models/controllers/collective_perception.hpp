@@ -18,7 +18,8 @@ enum class FloorOpinion : std::uint8_t {
 /// starts    Robots with even ids start with the opinion black, robots with odd ids with the opinion white.
 /// explores  The robot senses the floor for an exponentially distributed time with the mean `explore` (s, a
 ///           parameter). The quality of its opinion is the fraction of its ground readings in this time that
-///           have the colour of its opinion.
+///           have the colour of its opinion. A reading above half of the full brightness is white, else
+///           black.
 /// shares    Then it broadcasts its opinion for an exponentially distributed time. The mean of this time is
 ///           the parameter `share` (s) times the quality. At the end it adopts an opinion from the messages
 ///           that it heard in the last 3 s. If the parameter `rule` is "majority", this is the more frequent

@@ -11,8 +11,9 @@ namespace troupe::models {
 ///          puck (fiducial_return `puck`) that is 0.8 m or more away from every sink. It drives up to the
 ///          puck, slowly for the last half metre, and closes its gripper when the puck breaks the inner beam.
 /// carries  It carries the puck to within 0.5 m of the nearest sink and opens the gripper there. Sinks are
-///          the models whose name is the parameter `sink`, or this name followed by digits; a world without
-///          sinks is an error.
+///          the models that are in the world from the start and whose name is the parameter `sink`, or this
+///          name followed by digits. A world without sinks is an error. The places of sinks and chargers are
+///          those in the world file.
 /// charges  If its power pack holds less than 25 % of its capacity, it goes to the nearest model whose
 ///          fiducial_return is `charger` and stands there until the pack holds 95 %. A robot without a pack,
 ///          or in a world without a charger, never charges.

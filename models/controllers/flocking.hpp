@@ -15,8 +15,8 @@ namespace troupe::models {
 ///        exceed 1 m; on Stage's Pioneer, these are the sonars 2 to 5, counted from 0. All readings between
 ///        30 and 50 degrees exceed 0.5 m; these are the sonars 1 and 6. The direction of free space is less
 ///        than 0.5 rad from straight ahead. While the way is not free, the robot turns on the spot towards
-///        the free space; if that turn rate is below 0.1 rad/s, the robot turns left at a random rate below 1
-///        rad/s instead.
+///        the free space. If it would turn at less than 0.1 rad/s to either side, it turns left at a random
+///        rate below 1 rad/s instead.
 engine::ControllerKind pioneer_flocking_controller();
 
 }  // namespace troupe::models

@@ -10,8 +10,9 @@ namespace troupe::models {
 /// fasr    one source and one sink, which are models named by the parameters `source` and `sink`
 /// fasr2   up to eight tasks, each with a source and a sink: the task "red" leads from the model red_source
 ///         to the model red_sink. Each robot starts with a random task, and chooses a new random task after
-///         each delivery. With a probability of 0.0005 per decision, a robot that waits at a source chooses
-///         another random task, and a robot that waits at a charger chooses another random charger
+///         each delivery. With a probability of 0.0005 per decision, a robot that waits at a source chooses a
+///         random task again, and a robot that waits at a charger chooses a random charger; the choice may be
+///         the present one
 ///
 /// paths    Robots follow cheapest paths on a 32 x 32 raster of the floor plan `map`, found by A* when the
 ///          world is built (models/controllers/floor_plan.hpp). Stage's fasr has direction tables instead,

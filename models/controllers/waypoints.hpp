@@ -5,16 +5,16 @@
 namespace troupe::models {
 
 /// Drives from goal to goal. Goals are poses in the frame in which the robot estimates its own pose. The
-/// robot goes on to the next goal once its estimated position is within the parameter `near` (m) of the
-/// present goal, whatever its heading. After the last goal, it starts again with the first goal if the
-/// parameter `again` is true; else it stays.
+/// robot has reached a goal once its estimated position is within the parameter `near` (m) of the goal,
+/// whatever its heading. It waits there for the time `wait` (s) of the goal, and goes on to the next goal.
+/// After the last goal, it starts again with the first goal if the parameter `again` is true; else it stays.
 ///
 /// To a goal with a time (`at`) or a `speed`, the robot moves in a straight line, and it arrives within 1e-6
-/// m and 1e-6 rad of the goal. Such goals need a drive of kind `omni`. It arrives at a goal with a time at
-/// the end of the tick in which that time is reached. A command acts in the tick after the one in which it is
-/// given, so the robot first moves in the second tick. An obstacle in its way blocks the robot, as it blocks
-/// robots with other controllers. Once the way is free again, the robot moves as fast as its drive can until
-/// it is on time, and it skips no goal.
+/// m and 1e-6 rad of the goal; `near` does not apply. Such goals need a drive of kind `omni`. It arrives at a
+/// goal with a time at the end of the tick in which that time is reached. A command acts in the tick after
+/// the one in which it is given, so the robot first moves in the second tick. An obstacle in its way blocks
+/// the robot, as it blocks robots with other controllers. Once the way is free again, the robot moves as fast
+/// as its drive can until it is on time, and it skips no goal.
 engine::ControllerKind waypoints_controller();
 
 }  // namespace troupe::models

@@ -25,7 +25,8 @@ struct ActuatorCommand {
 
 /// State of an actuator.
 struct ActuatorState {
-  double position = 0;       ///< m along the axis or rad about it; 0 is the pose in the world file
+  /// m along the axis (linear) or rad about the vertical axis (rotational); 0 is the pose in the world file.
+  double position = 0;
   double velocity = 0;       ///< velocity in this tick, m/s or rad/s; 0 if stalled
   double asked = 0;          ///< position at the end of this tick if the motion is not blocked, m or rad
   std::uint8_t stalled = 0;  ///< 1: the motion of the joint in this tick was blocked

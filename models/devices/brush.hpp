@@ -12,9 +12,9 @@ namespace troupe::models {
 /// does not paint.
 struct BrushCommand {
   std::uint8_t paints = 0;  ///< 1: paints the zone below the brush in each tick
-  float red = 0;            ///< from 0 to 1; other values are clamped
-  float green = 0;          ///< from 0 to 1; other values are clamped
-  float blue = 0;           ///< from 0 to 1; other values are clamped
+  float red = 0;            ///< amount of red, from 0 to 1; other values are clamped, NaN to 0
+  float green = 0;          ///< amount of green, from 0 to 1; other values are clamped, NaN to 0
+  float blue = 0;           ///< amount of blue, from 0 to 1; other values are clamped, NaN to 0
 
   static constexpr void describe(engine::Description<BrushCommand>& d) {
     d.member<&BrushCommand::paints>("paints", "1: paints the zone below the brush in each tick");

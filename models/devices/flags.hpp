@@ -29,7 +29,7 @@ struct FlagCommand {
     give,     ///< moves the first flag of this list to the front of the list of the body `target`
   };
   std::uint32_t request = 0;    ///< number of operations requested so far
-  std::uint32_t target = 0;     ///< the other body of `take` and `give`, a BodyId
+  std::uint32_t target = 0;     ///< value of the BodyId of the other body, for `take` and `give`
   std::uint32_t color = 0;      ///< colour of the flag that `push` adds, 0xRRGGBBAA
   float size = 0;               ///< size of the flag that `push` adds, m
   std::uint8_t verb = nothing;  ///< the operation, a Verb
@@ -56,7 +56,7 @@ struct FlagCommand {
 
 /// Indices of the fields of the state of a list of flags.
 enum FlagField : std::size_t {
-  k_flag_received,  ///< u64: flags received from other bodies since tick 0
+  k_flag_received,  ///< u64: flags that other bodies put into the list with `give`, since tick 0
   k_flag_count,     ///< u32: number of flags in the list
   k_flag_request,   ///< u32: FlagCommand::request of the last operation that was carried out
   k_flag_colors,    ///< array of u32: colours, 0xRRGGBBAA, first flag first; 0 after the last flag

@@ -13,9 +13,9 @@ namespace troupe::models {
 struct LedCommand {
   /// 1: the LED takes the colour of this command in each tick; 0: it keeps its present colour.
   std::uint8_t shows = 0;
-  float red = 0;    ///< from 0 to 1; other values are clamped
-  float green = 0;  ///< from 0 to 1; other values are clamped
-  float blue = 0;   ///< from 0 to 1; other values are clamped
+  float red = 0;    ///< amount of red, from 0 to 1; other values are clamped, NaN to 0
+  float green = 0;  ///< amount of green, from 0 to 1; other values are clamped, NaN to 0
+  float blue = 0;   ///< amount of blue, from 0 to 1; other values are clamped, NaN to 0
 
   static constexpr void describe(engine::Description<LedCommand>& d) {
     d.member<&LedCommand::shows>(

@@ -22,7 +22,9 @@ struct SpawnerCommand {
 
 /// State of a spawner.
 struct SpawnerState {
-  std::uint64_t flags = 0;    ///< flags that the spawner's body had received when it last ran
+  /// Number of flags that the spawner's body had received when the spawner last ran; 0 if the parameter
+  /// `per_flags` is 0.
+  std::uint64_t flags = 0;
   std::uint32_t born = 0;     ///< number of bodies spawned since the birth of the spawner's body
   std::uint32_t owed = 0;     ///< number of births that are due but have not succeeded yet
   std::uint32_t refused = 0;  ///< number of tries that failed: the place was occupied or out of bounds

@@ -8,7 +8,7 @@ namespace troupe::models {
 
 /// State of a part that drives on its body. x, y, z and heading are the pose of the part at the start of the
 /// tick. forward, left and turn are the velocity that its drive produces in the tick, even if the motion is
-/// blocked.
+/// blocked. All members are 0 before the drive first runs.
 struct WheelsState {
   double x = 0;              ///< x of the part, m, world frame
   double y = 0;              ///< y of the part, m, world frame
@@ -37,7 +37,7 @@ struct WheelsState {
 /// moves relative to the part on which it is mounted, and is carried along when that part moves.
 ///
 /// parameters  drive (diff, omni or car), and the parameters of that kind of drive, except `pushes` and those
-///             of localization
+///             of localization. The start velocities (start_x, start_y, start_turn) have no effect
 /// state       WheelsState; commands: engine::Command, as for the drive of a body
 /// moves       The part moves as a joint does, together with the parts mounted on it. A motion is blocked if
 ///             one of these parts would overlap a wall or another body. Bodies that carry the part's body,

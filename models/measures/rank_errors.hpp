@@ -6,7 +6,7 @@ namespace troupe::models {
 
 /// `rank_errors`: fraction of the pairs of robots of different types that are in the wrong order. A pair is
 /// in the wrong order if the robot of the type that the world file defines later is nearer to the point
-/// `center` (a parameter; docs/measures.md). NaN if all robots are of one type.
+/// `center` (a parameter; docs/measures.md). NaN if all robots in the world are of one type.
 engine::MeasureKind rank_errors_measure();
 
 }  // namespace troupe::models

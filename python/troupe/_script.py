@@ -141,8 +141,8 @@ def _row_type(cls: Any, file: str, line: int) -> Tuple[List[Tuple[str, Any, int,
 
 
 class Memory(np.ndarray):  # type: ignore[type-arg]
-    """The memories of robots: a structured array. Assigning to a field values of a type that the field cannot store
-    without loss, such as floats to an integer field, raises TypeError."""
+    """The memories of robots: a structured array. The assignment `memory[field] = values` raises TypeError for floats
+    in an integer field. It converts integers and floats of other sizes as NumPy does, even if they lose digits."""
 
     def __getitem__(self, key: Any) -> Any:
         value = super().__getitem__(key)

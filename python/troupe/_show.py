@@ -25,7 +25,8 @@ def film(
     self: Simulation, file: _File, seconds: float, width: int = 1280, height: int = 720, *,
     speed: float = 1.0, fps: float = 30.0, **look: Any,
 ) -> None:
-    """Steps the simulation by `seconds` of world time and writes a film of the run (.mp4; needs ffmpeg).
+    """Steps the simulation by `seconds` of world time, rounded to whole ticks, and writes a film of the run (.mp4;
+    needs ffmpeg).
 
     width, height: size of the film, pixels. A second of the film shows `speed` seconds of world time in `fps` pictures.
     look: the keyword arguments of picture(), such as camera. Poses between two ticks are interpolated. An existing file
@@ -51,7 +52,8 @@ def replay(
     every_s: world time between two frames of the page, s. fields: names of components or sensor fields that the page
     can show, as in record(). If either is not given, the value that the world file sets under "record" is used.
     replace: whether an existing file is replaced. If `replace` is False and the file exists, raises FileExistsError
-    before the first step. The run ends earlier if a stop condition holds.
+    before the first step. The run ends earlier if a stop condition holds. Raises ValueError if `seconds` is not a
+    finite number above 0 or `every_s` is not a finite number of 0 or more, and TypeError if `fields` is a string.
     """
     _check_finite("replay()", seconds=seconds)
     if not 0 <= every_s < math.inf:

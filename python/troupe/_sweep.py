@@ -113,7 +113,7 @@ def sweep(study: Union[str, "os.PathLike[str]", Mapping[str, Any]], *, series: O
              state_hash and error. With series: one row per sample, with the columns run, the parameters, seed, time_s
              and the measures
     errors   InputError for an invalid study or world. If a single run fails, its column `error` states the reason; in a
-             series, a failed run has no rows
+             series, a failed run has no rows. ImportError if pandas is missing
     """
     try:
         import pandas

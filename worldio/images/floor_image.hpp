@@ -57,10 +57,10 @@ class FloorImages {
 
   /// Reads an image, or a ROS map if the name of `file` ends in `.yaml` or `.yml`. `unknown_is_solid` says
   /// whether the unknown cells of a map are solid; for other images it has no effect. Returns null if the
-  /// file cannot be read. The first of several calls with the same arguments that fail adds an error at
-  /// `where`, the place of the file's name in the world file, or at a line of the YAML file. An image without
-  /// solid pixels is not an error: its `contours` are empty. The result is valid until this object is
-  /// destroyed.
+  /// file, or the image that a map names, cannot be read or has errors. The first of several calls with the
+  /// same arguments that fail adds an error at `where`, the place of the file's name in the world file, or in
+  /// the YAML file. An image without solid pixels is not an error: its `contours` are empty. The result is
+  /// valid until this object is destroyed.
   const FloorImage* read(const std::filesystem::path& file, bool unknown_is_solid, Where where);
 
  private:

@@ -22,11 +22,12 @@ struct DepthImage {
   std::vector<std::uint16_t> values;  ///< the grey values, width x height of them
 };
 
-/// Write an image to `file` as a PNG, of 8 bits per channel or of 16-bit grey values. The functions write
-/// under a temporary name in the same folder and rename the file when it is complete. `text` holds pairs of a
-/// key and a UTF-8 value. Each pair becomes a tEXt chunk of the PNG, or an iTXt chunk if the value is not
-/// ASCII. The functions throw std::runtime_error with the path and the reason if the file cannot be written,
-/// if the image has no pixels, or if the number of its values does not match its size.
+/// Each of these functions writes an image to `file` as a PNG, of 8 bits per channel or of 16-bit grey
+/// values. It writes under a temporary name in the same folder and renames the file when it is complete, or
+/// writes directly into `file` if that is a device or a pipe. `text` holds pairs of a key (1 to 79 characters
+/// of Latin-1) and a UTF-8 value. Each pair becomes a tEXt chunk of the PNG, or an iTXt chunk if the value is
+/// not ASCII. Throws std::runtime_error with the path and the reason if the file cannot be written, if the
+/// image has no pixels, if the number of its values does not match its size, or if libpng reports an error.
 void write_png(const std::filesystem::path& file, const Image& image,
                const std::vector<std::pair<std::string, std::string>>& text = {});
 void write_png(const std::filesystem::path& file, const DepthImage& image,

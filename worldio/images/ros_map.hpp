@@ -20,22 +20,23 @@ struct RosMap {
   enum class Mode { trinary, scale, raw };
 
   std::filesystem::path image;    ///< path of the image: that in the file, joined with the folder of the file
-  Where where_image;              ///< place of the value of `image`
-  double resolution_m = 0;        ///< edge length of a cell
-  Pose pose_map_corner;           ///< `origin`: pose of the lower left corner of the image, map frame
+  Where where_image;              ///< place of the value of `image` in the YAML file
+  double resolution_m = 0;        ///< edge length of a cell, m
+  Pose pose_map_corner;           ///< `origin` of the file: pose of the image's lower left corner, map frame
   double occupied_thresh = 0.65;  ///< cells with a greater probability of occupancy are solid
   double free_thresh = 0.196;     ///< mode trinary: cells with a smaller probability of occupancy are free
   bool negate = false;            ///< whether light cells are occupied, instead of dark cells
   Mode mode = Mode::trinary;      ///< meaning of the pixel values
 };
 
-/// Whether a file is a ROS map, by its extension: .yaml or .yml.
+/// Whether a file is a ROS map, judged only by the extension of its name: .yaml or .yml, in lower case.
 bool is_ros_map(const std::filesystem::path& file);
 
 /// Reads the YAML file of a ROS map, but not its image. If the file has errors, returns nothing and adds the
-/// errors at their lines; an error about a missing key has no line. If the file cannot be read, returns
-/// nothing and adds an error at `where`, the place of the file's name in the world file. Unknown keys are
-/// warnings, or errors if the file has other errors. A file of more than 64 KiB is an error.
+/// errors at their lines; an error about a missing key, or about the whole file, has no line. If the file
+/// cannot be read, returns nothing and adds an error at `where`, the place of the file's name in the world
+/// file. Adds a warning for each unknown key, or an error if the values of the known keys have errors. A file
+/// of more than 64 KiB is an error.
 std::optional<RosMap> read_ros_map(const std::filesystem::path& file, Where where, Diagnostics& diagnostics);
 /// Like read_ros_map(), but reads `text`, the content of the YAML file. `file` is the path of this file in
 /// messages. A relative path of the image is relative to its folder.

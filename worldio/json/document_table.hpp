@@ -61,7 +61,7 @@ enum class Form : std::uint8_t {
 struct DocumentKey {
   engine::Field field;         ///< name and meaning of the key; for Form::value also unit, limits and choices
   Form form = Form::value;     ///< form of its value
-  bool required = false;       ///< an object without the key is an error
+  bool required = false;       ///< true: an object without the key is an error
   std::string_view hint = {};  ///< text after `missing "key": ` in errors; empty: see missing_hint()
   std::string_view expects = {};  ///< if the value is a text: what follows `expected ` in errors. For
                                   ///< Form::kept: a key that the schema requires in the object; empty: none
@@ -71,7 +71,7 @@ struct DocumentKey {
   std::size_t least = 0;  ///< minimum number of entries of Form::names, or of points of an outline
   std::size_t most = std::numeric_limits<std::size_t>::max();  ///< maximum number of points of an outline
   bool always = false;         ///< true: the writer also writes default values, except a z of 0 in a pose
-  bool counts_bodies = false;  ///< the maximum of the value is LoadOptions::most_bodies
+  bool counts_bodies = false;  ///< true: the value must also be at most LoadOptions::most_bodies
   /// Used in place of `field` if the kind of the object has a parameter with the name of `field`.
   std::optional<engine::Field> other;
   std::uint32_t variants = ~0u;               ///< bit i is 1 if an object may have this key when its key
@@ -84,23 +84,23 @@ struct DocumentKey {
   /// can be null. A null function: objects of all kinds may.
   bool (*is_of)(const void* kind) = nullptr;
 
-  /// The key has no member, because the loader replaces the key before the object is read: `include` and
-  /// `extends` (worldio/json/json_include.hpp), and `ring` (worldio/json/json_ring.hpp).
+  /// True: the key has no member, because the loader replaces the key before the object is read: `include`
+  /// and `extends` (worldio/json/json_include.hpp), and `ring` (worldio/json/json_ring.hpp).
   bool is_resolved = false;
-  bool is_optional = false;  ///< the member is a std::optional
-  bool is_float = false;     ///< the value is a float: written with only as many digits as a float needs
+  bool is_optional = false;  ///< whether the member is a std::optional
+  bool is_float = false;     ///< true: the member is a float, written with only as many digits as it needs
 
   // Functions that access the member, for every form except `value`; null if the key has no member. make()
   // and find() get the struct as `object`. The other functions exist only for lists and maps, and get the
   // list or the map that make() or find() returned.
-  void* (*make)(void* object) = nullptr;              ///< the member; an empty std::optional gets a value
-  const void* (*find)(const void* object) = nullptr;  ///< the member; null if it is an empty std::optional
-  std::size_t (*size)(const void* object) = nullptr;  ///< number of entries
+  void* (*make)(void* object) = nullptr;  ///< returns the member; an empty std::optional gets a value
+  const void* (*find)(const void* object) = nullptr;  ///< returns the member; null: an empty std::optional
+  std::size_t (*size)(const void* object) = nullptr;  ///< returns the number of entries
   void* (*append)(void* object,
                   std::string_view name) = nullptr;  ///< adds an entry and returns it; name: its key in a map
-  const void* (*item)(const void* object, std::size_t index) = nullptr;  ///< the entry with this index
+  const void* (*item)(const void* object, std::size_t index) = nullptr;  ///< returns entry `index`
   const std::string* (*item_name)(const void* object,
-                                  std::size_t) = nullptr;  ///< the key of an entry of a map
+                                  std::size_t) = nullptr;  ///< returns the key of an entry of a map
 
   /// Text that follows `missing "key": ` in errors: `hint`, or if that is empty the meaning of the key, or if
   /// that is also empty `expects`.
@@ -158,8 +158,8 @@ struct DocumentRule {
   enum class How : std::uint8_t { one_of, any_of, not_both };
   How how = How::one_of;
   std::vector<std::string_view> keys = {};  ///< names of keys, as in DocumentKey::field
-  std::string none = {};                    ///< error if the object has none of the keys
-  std::string several = {};                 ///< error if it has more than one; empty: the text of `none`
+  std::string none = {};                    ///< text of the error if the object has none of the keys
+  std::string several = {};                 ///< text of the error if it has more; empty: that of `none`
   bool at_key = false;  ///< true: `several` is reported at every key after the first; false: once, at the
                         ///< object
 };
@@ -443,7 +443,7 @@ class DocumentKeys {
   struct Noted {
     std::string_view name;                  ///< a text that contains the name of the struct
     std::size_t count = 0;                  ///< number of its members
-    std::vector<std::string_view> members;  ///< engine::detail::tag() of those that were given
+    std::vector<std::string_view> members;  ///< those that were given, by engine::detail::tag()
   };
   template <class C>
   static constexpr std::string_view name_of() {

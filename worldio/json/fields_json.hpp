@@ -13,11 +13,11 @@
 
 namespace troupe::worldio {
 
-/// Reads one field of an object and returns its value in SI units. The key ends in the unit (`fov_rad`,
-/// `fov_deg`). The result has no value (given() is false) if the object lacks the field. If the value is of
-/// the wrong type or outside the limits of the field, or if the key lacks its unit, reports an error and
-/// returns a result without a value. A field that is given in two units is also an error; the value is then
-/// that of one of them.
+/// Reads one field of an object and returns its value in SI units. The key of a field with a unit ends in the
+/// unit (`fov_rad`, `fov_deg`). The result has no value (given() is false) if the object lacks the field. If
+/// the value is of the wrong type or outside the limits of the field, or if the key lacks its unit, reports
+/// an error and returns a result without a value. A field that is given in two units is also an error; only
+/// one of the two values is then read.
 engine::Value read_field(JsonObject& object, const engine::Field& field);
 
 /// The value of a field in an object, and the place of this value in the file.
@@ -77,7 +77,7 @@ std::optional<engine::Record> read_block(JsonObject& object, std::string_view ke
 std::string quoted_keys(const engine::Field& field);
 
 /// Returns the limits of a field, converted to the unit `suffix`, for messages, such as `from 0 to 360 deg`
-/// or `above 0 m`. Empty if the field has no limits.
+/// or `above 0 m`. Limits that are infinite are left out; empty if both are.
 std::string limits_text(const engine::Field& field, const engine::UnitSuffix& suffix);
 
 }  // namespace troupe::worldio

@@ -14,9 +14,9 @@ namespace troupe::worldio {
 /// and `$schema`. Its path is relative to the file that includes it. Paths of images in it are relative to
 /// its own folder, and are changed to be relative to the folder of the world. A file that is included several
 /// times counts once. `file` is the path of the world file. Each node keeps its file and line. Reports an
-/// error for a file that cannot be read, for files that include each other in a circle, for a key that an
-/// included file must not have, and for two types with the same key. Does nothing if the world has no key
-/// `include`.
+/// error for a file that cannot be read or is not a JSON object, for files that include each other in a
+/// circle, for a key that an included file must not have or whose value is wrong, and for two types with the
+/// same key. Does nothing if the world has no key `include`.
 void resolve_includes(JsonNode& world, const std::filesystem::path& file, Diagnostics& diagnostics);
 
 /// Replaces the key `extends` of each type of a world by keys of the base type, the type that `extends`
@@ -30,8 +30,9 @@ void resolve_includes(JsonNode& world, const std::filesystem::path& file, Diagno
 /// - A key of the type replaces an inherited key of the same quantity in another unit. `controller` replaces
 ///   an inherited `controllers`, and `controllers` an inherited `controller`. `name` is not inherited.
 /// Each node keeps its file and line. Reports an error for an unknown base type, and for types that extend
-/// each other in a circle. bases: if not null, the list to which the names of all base types are added, each
-/// once for every type that extends the base type.
+/// each other in a circle. A type with this error loses its key `extends`; if it has no shape, it gets the
+/// size 1 m x 1 m x 1 m, so that the reader does not also report the lack of a shape. bases: if not null, the
+/// list to which the names of all base types are added, each once for every type that extends the base type.
 void resolve_extends(JsonNode& world, Diagnostics& diagnostics, std::vector<std::string>* bases = nullptr);
 
 }  // namespace troupe::worldio

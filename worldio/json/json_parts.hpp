@@ -18,8 +18,9 @@
 /// Converts the shapes of body types and of their parts between JSON documents and specs (engine::PartSpec).
 namespace troupe::worldio {
 
-/// Reads a list of points [[x, y], ...], m. If a value is not a number from -k_max_size_m to k_max_size_m, or
-/// if there are fewer than `least` or more than `most` points, reports an error and returns an empty list.
+/// Reads a list of points [[x, y], ...], m. If the value is not a list of pairs of numbers from -k_max_size_m
+/// to k_max_size_m, or has fewer than `least` or more than `most` points, reports an error and returns an
+/// empty list.
 std::vector<Vec2> read_points(const JsonCursor& at, std::size_t least,
                               std::size_t most = std::numeric_limits<std::size_t>::max());
 /// Returns the list [[x, y], ...] of these points, m.
@@ -30,8 +31,8 @@ JsonNode points_node(std::span<const Vec2> points);
 std::optional<Box> read_box(const JsonCursor& at);
 
 /// Checks that a ring, which must not be empty, can be the outline of a block. Returns an error if a point
-/// equals the next one, if the ring turns back on itself, if two of its edges cross or touch other than at
-/// their common point, or if it has no area.
+/// equals the next one (the first follows the last), if the ring turns back on itself, if two of its edges
+/// cross or touch other than at their common point, or if it has no area.
 Result<> check_outline(const Ring& ring);
 
 /// Returns the solids that an image gives a part, in the frame of the body. The members `image`, `size` and
@@ -62,14 +63,15 @@ std::optional<ExpandedImage> expand_image(const ImageDocument& document, const P
 ImageDocument contract_image(const engine::ImageSpec& image, const Eigen::Vector3d& size,
                              const std::filesystem::path& folder);
 
-/// Sets the shape of a part: its solids (in the frame of the body), size and image. The pose of the part must
-/// be set before. `at` is the path of the part, for errors. Returns whether the document gives a shape: a
-/// size, a disc, blocks or an image, even if an error was reported for it.
+/// Sets the shape of a part: its solids (in the frame of the body), size and image, and whether it is a floor
+/// plan. The pose of the part must be set before. `at` is the path of the part, for errors. Returns whether
+/// the document gives a shape: a size, a disc with radius and height, a list of blocks, `fit`, or an image,
+/// even if an error was reported for it.
 bool expand_shape(const PartDocument& document, const DocumentPath& at, ImageFolder& images,
                   engine::PartSpec& part);
 /// The inverse of expand_shape(): sets the shape in `document`. Paths of images become relative to `folder`;
-/// if `folder` is null, the outlines of an image are stored as blocks. Returns the size, m, that
-/// expand_shape() would give the part.
+/// if `folder` is null, the outlines of an image are stored as blocks, or as a box if they are one. Returns
+/// the size, m, that expand_shape() would give the part.
 Eigen::Vector3d contract_shape(const engine::PartSpec& part, const std::filesystem::path* folder,
                                PartDocument& document);
 /// Sets `extent` of the document to the size of the part if this size differs in any bit from
@@ -83,8 +85,8 @@ void contract_extent(const engine::PartSpec& part, const Eigen::Vector3d& size_e
 std::vector<Solid> expand_solids(const std::optional<Eigen::Vector3d>& size,
                                  std::span<const BlockDocument> blocks, const Pose& pose_body_part);
 /// Sets the size of a part, m, to the extent of its solids along x, y and z of the body. Along z, the extent
-/// always includes z = 0: solids from 1 m to 2 m above the floor give a height of 2 m. A part without solids
-/// keeps its size.
+/// always includes z = 0: solids from 1 m to 2 m above z = 0 give a height of 2 m. A part whose solids have
+/// no points keeps its size.
 void measure_part(engine::PartSpec& part);
 
 }  // namespace troupe::worldio

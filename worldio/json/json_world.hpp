@@ -15,13 +15,14 @@ namespace troupe::worldio {
 /// paths are relative to the folder of `file` (worldio/json/json_include.hpp). Then it applies the changes of
 /// the command line: the values of LoadOptions::set (`--set POINTER=VALUE`) and the numbers of bodies of
 /// LoadOptions::robots (`--robots NAME=COUNT`). Last, it merges each type with the type that it extends, so
-/// that a changed type also changes the types that extend it. Reports an error for each file that cannot be
-/// included, value that cannot be set, unknown population, and base type that is unknown or part of a circle.
+/// that a changed type also changes the types that extend it, and adds to LoadOptions::base_types. Reports an
+/// error for each file that cannot be included, value that cannot be set, unknown population, and base type
+/// that is unknown or part of a circle.
 void change_json_world(JsonNode& document, const std::filesystem::path& file, const LoadOptions& options,
                        Diagnostics& diagnostics);
 
-/// Converts the JSON nodes of a world to a WorldDocument. Reports all errors, each at its line, and treats a
-/// wrong value as absent. Of `options`, only LoadOptions::most_bodies is used.
+/// Converts the JSON nodes of a world to a WorldDocument. Reports all errors, each at its line;
+/// read_described() says how wrong values are treated. Of `options`, only LoadOptions::most_bodies is used.
 WorldDocument read_json_document(const JsonNode& document, const engine::Registry& registry,
                                  const LoadOptions& options, Diagnostics& diagnostics);
 
@@ -62,7 +63,7 @@ engine::WorldSpec read_json_world(const std::filesystem::path& file, const JsonN
 /// the document to check this. If JSON cannot express the world, the function reports errors and returns
 /// nothing.
 /// - The bodies of populations are written one by one, as entries of `models`.
-/// - An angle is written in degrees if the degrees convert back to the same radians.
+/// - An angle is written in degrees if at most nine digits of degrees convert back to the same radians.
 /// - An image is written with a path relative to the folder of `file` if it still gives the same solids;
 ///   otherwise its outlines are written.
 /// - The keys `overlaps` and `same_names` are "warn" only if reading the world back would otherwise fail.

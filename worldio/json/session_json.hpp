@@ -30,7 +30,7 @@ struct SessionHeader {
 struct LoggedAct {
   std::uint64_t tick = 0;  ///< number of ticks that were completed when the act was performed
   std::uint64_t n = 0;     ///< number of the act in the session, from 1
-  engine::Act act;         ///< the act
+  engine::Act act;         ///< what the user did
   Where where;             ///< line of the act in the file
 };
 
@@ -44,11 +44,11 @@ struct Session {
   std::vector<std::string> warnings;  ///< warnings from reading the session, each with file and line
 };
 
-/// Return the header, the line of an act, and the last line of a session, without line ends. `tick` is the
-/// number of ticks that were completed when the act was performed or the session ended. `n` is the number of
-/// the line; the first line after the header has number 1. The functions throw std::invalid_argument for text
-/// that is not UTF-8. Numbers of the act must be finite, and Act::setting must be valid JSON if the act is of
-/// kind `set`.
+/// These functions return the header, the line of an act, and the last line of a session, without line ends.
+/// `tick` is the number of ticks that were completed when the act was performed or the session ended. `n` is
+/// the number of the line; the first line after the header has number 1. The functions throw
+/// std::invalid_argument for text that is not UTF-8. Numbers of the act must be finite, and Act::setting must
+/// be valid JSON if the act is of kind `set`.
 ///@{
 std::string header_line(const SessionHeader& header);
 std::string act_line(std::uint64_t tick, std::uint64_t n, const engine::Act& act);
@@ -61,9 +61,9 @@ std::string end_line(std::uint64_t tick, std::uint64_t n);
 std::optional<engine::Act> read_act(std::string_view json, const std::vector<std::string_view>& also,
                                     Where where, Diagnostics& diagnostics);
 
-/// Reads a session. An incomplete last line after the header, left by a killed writer, is skipped with a
-/// warning. If the file cannot be read or has errors, throws InputError with all errors and their lines;
-/// after an error in the header, the other lines are not read.
+/// Reads a session. A last line without a line end, which a killed writer left, is skipped with a warning,
+/// unless it is the header. If the file cannot be read or has errors, throws InputError with all errors and
+/// their lines; after an error in the header, the other lines are not read.
 Session load_session(const std::filesystem::path& file);
 
 }  // namespace troupe::worldio

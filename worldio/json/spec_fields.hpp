@@ -57,7 +57,7 @@ inline const void* block_of(const engine::MemberType& type, const void* member, 
 /// Returns the table of the parameters that a struct of a spec stores as an engine::Record, such as
 /// DeviceSpec::params. `table` describes the struct and `object` points to it. The parameters are those of
 /// the kind that the member `kind` of the struct names or, for a WorldSpec, those of the window. If the kind
-/// is unknown, returns an error that lists the known kinds.
+/// is unknown, or its plug-in cannot be loaded, returns an error with the reason.
 Result<const engine::FieldTable*> parameters_of(const engine::FieldTable& table, const void* object,
                                                 const engine::Registry& registry);
 

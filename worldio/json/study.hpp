@@ -15,7 +15,7 @@
 namespace troupe::worldio {
 
 /// How a column of the table of results summarises the values that a measure has at the measurements of a
-/// run.
+/// run: by the last, the mean, the smallest or the largest value.
 enum class Statistic : std::uint8_t { last, mean, min, max };
 /// Returns the name of a statistic in a study: "last", "mean", "min" or "max".
 std::string_view statistic_name(Statistic statistic);
@@ -66,7 +66,8 @@ struct Study {
                                        ///< random; empty: all combinations
   std::uint64_t random_seed = 1;       ///< seed of the samples
 
-  /// The number of runs of the study. load_study() reports an error for a study with more than k_most_runs.
+  /// The number of runs of the study. load_study() reports an error for a study with more than k_most_runs
+  /// runs.
   std::size_t run_count() const;
   /// Returns the run with this index, which must be below run_count(). Without samples, the runs are all
   /// combinations of the values: the first parameter varies slowest and the seed fastest. With samples, each

@@ -39,7 +39,7 @@ class DocumentKeys;
 inline constexpr std::int64_t k_format_version = 1;      ///< the only version of the format
 inline constexpr double k_max_size_m = k_world_reach_m;  ///< maximum of sizes and absolute coordinates, m
 inline constexpr std::size_t k_most_block_points =
-    1000;  ///< greatest number of points of an outline; the time of check_outline() grows with its square
+    1000;  ///< most points of a block or a line of walls; the time of check_outline() grows with their square
 
 /// The place of an object in its file, and the places of the values of its keys, for error messages. The
 /// parameters of a kind have no places of their own.
@@ -51,7 +51,7 @@ struct Placed {
     Where where;  ///< place of the value
   };
   Where where;            ///< where the object begins in its file
-  std::vector<Key> keys;  ///< in the order in which describe() adds them
+  std::vector<Key> keys;  ///< the keys that the object has, in the order in which describe() adds them
 
   bool says(std::string_view key) const;  ///< whether `keys` has a Key of this name
   /// The place of a key's value; that of the object if `keys` has no Key of this name.
@@ -84,9 +84,9 @@ struct BlockDocument : Placed {
 /// angles on a circle around its position. The reader replaces the object before it is read into a struct
 /// (worldio/json/json_ring.hpp), so that the other structs have no member for a ring.
 struct RingDocument : Placed {
-  std::int64_t count = 0;  ///< number of copies; required
+  std::int64_t count = 0;  ///< number of copies, at least 1; required
   double radius = 0;       ///< radius of the circle, m
-  double start = 0;        ///< direction of the first copy, rad, relative to the heading of the object
+  double start = 0;        ///< direction of the first copy, rad, counter-clockwise from the object's heading
   static void describe(DocumentKeys<RingDocument>& d);  ///< adds the keys of this struct to `d`
 };
 
@@ -116,7 +116,7 @@ struct ImageDocument {
   std::optional<double> height;     ///< height of the walls of a map or of lines, m; empty: 1
   Unknown unknown = Unknown::free;  ///< how unknown cells of a map are treated
   Margins margins = Margins::trim;  ///< the part of the image that is scaled to `size`
-  bool boundary = false;            ///< true: adds four walls just inside the edges of the image
+  bool boundary = false;  ///< true: adds four walls just inside the edges of the scaled image or map
 };
 
 /// A device of a type or part: a sensor or another device.
@@ -162,8 +162,8 @@ struct DriveDocument : Placed {
 /// A controller of a type or part.
 struct ControllerDocument : Placed {
   std::string kind;  ///< name of a kind in Registry::controllers
-  /// Time between two calls, s; 0: every tick. It has no effect if the controller reads a sensor or the type
-  /// has a drive.
+  /// Time between two calls, s; 0: every tick. It has no effect if the controller uses a sensor or another
+  /// device, or if the type has a drive.
   double period = 0;
   engine::Record params;  ///< parameters, one value per field of the kind's table
   static void describe(DocumentKeys<ControllerDocument>& d);  ///< adds the keys of this struct to `d`
@@ -198,7 +198,8 @@ struct PartDocument : Placed {
 /// A type: the properties that bodies of the same construction share.
 struct TypeDocument : PartDocument {
   std::optional<DriveDocument> drive;  ///< drive; empty: the bodies do not move by themselves
-  std::optional<std::vector<std::string>> device_order;  ///< names of all devices in order; empty: file order
+  std::optional<std::vector<std::string>> device_order;  ///< names of all devices, in the order in which
+                                                         ///< controllers choose among them; empty: file order
   static void describe(DocumentKeys<TypeDocument>& d);   ///< adds the keys of this struct to `d`
 };
 
@@ -215,8 +216,8 @@ struct FloorplanDocument : Placed {
   static void describe(DocumentKeys<FloorplanDocument>& d);  ///< adds the keys of this struct to `d`
 };
 
-/// A rectangular arena about the origin of the world: it extends the bounds of the world, and has a body
-/// `arena` that consists of the four walls.
+/// A rectangular arena about the origin of the world: it extends the bounds of the world and, unless `walls`
+/// is false, has a body `arena` that consists of the four walls.
 struct ArenaDocument : Placed {
   std::optional<std::array<double, 2>> size;  ///< free floor along x and y, m; required
   bool walls = true;                          ///< false: no walls, only bounds
@@ -228,7 +229,7 @@ struct ArenaDocument : Placed {
 
 /// A single body.
 struct ModelDocument : Placed {
-  std::string name;        ///< unique in the world, unless WorldDocument::same_names allows repeated names
+  std::string name;        ///< name of the body; unique, unless WorldDocument::same_names allows repetitions
   std::string alias;       ///< another name; empty: none
   std::string type;        ///< a key of WorldDocument::types
   std::string reserve_of;  ///< population to whose reserve it belongs; empty: it exists from the start
@@ -261,7 +262,7 @@ struct PlaceDocument : Placed {
   std::optional<double> pitch;  ///< grid: distance between neighbouring cells, m; required
   double jitter = 0;            ///< grid: maximum random displacement of each coordinate, m
   std::optional<std::array<double, 2>> mean;       ///< gaussian: mean of the origins, m; required
-  std::optional<std::array<double, 2>> deviation;  ///< gaussian: standard deviations, m; required
+  std::optional<std::array<double, 2>> deviation;  ///< gaussian: along x and y, m; required
   std::optional<double> distance;  ///< poisson_disc: minimum distance of two origins, m; required
   /// free_floor: point from which the floor must be reachable, m; empty: a point of the largest connected
   /// floor.
@@ -275,7 +276,7 @@ struct PlaceDocument : Placed {
 
 /// Bodies of one type, placed by a rule.
 struct PopulationDocument : Placed {
-  std::string name;                    ///< bodies are called NAME0, NAME1, ...
+  std::string name;                    ///< name of the population; its bodies are called NAME0, ...
   std::string type;                    ///< a key of WorldDocument::types
   std::optional<std::int64_t> count;   ///< number of bodies; required
   std::int64_t reserve = 0;            ///< number of further bodies, which may be born later
@@ -323,7 +324,7 @@ struct GroupDocument : Placed {
 /// Births of bodies from the reserve of a population.
 struct AddDocument : Placed {
   std::string population;             ///< a population with a reserve
-  std::optional<std::int64_t> count;  ///< number of births; empty: all bodies of the reserve
+  std::optional<std::int64_t> count;  ///< number of births; empty: all bodies that remain in the reserve
   std::optional<Pose> pose;           ///< pose of each new body, world frame; empty: random
   std::optional<Box> region;          ///< region of random poses, m; empty: the world's bounds
   static void describe(DocumentKeys<AddDocument>& d);  ///< adds the keys of this struct to `d`
@@ -384,14 +385,14 @@ struct ExperimentDocument : Placed {
 /// What a run records.
 struct RecordDocument : Placed {
   std::string file;  ///< path of the recording; empty: a run records only if the caller names a file
-  std::optional<double> every;      ///< simulated time between frames, s; empty: 0.1
+  std::optional<double> every;      ///< simulated time between frames, s, above 0; empty: 0.1
   std::vector<std::string> fields;  ///< names of fields of the state to record; empty: only the poses
   static void describe(DocumentKeys<RecordDocument>& d);  ///< adds the keys of this struct to `d`
 };
 
 /// Properties of the ground, which is body 0 of every world.
 struct GroundDocument : Placed {
-  std::string alias;                                      ///< another name of the ground
+  std::string alias;                                      ///< another name of the ground; required
   static void describe(DocumentKeys<GroundDocument>& d);  ///< adds the keys of this struct to `d`
 };
 
@@ -416,7 +417,7 @@ struct WorldDocument : Placed {
   std::optional<GroundDocument> ground;  ///< properties of the ground
   std::optional<RecordDocument> record;  ///< what a run records
   std::optional<engine::Record> watch;   ///< display of the time, and pace: engine::watch_fields()
-  std::optional<engine::Record> window;  ///< a view of the world: window_fields()
+  std::optional<engine::Record> window;  ///< the view of `--camera window`: window_fields()
   bool mortal = false;            ///< true: programs may remove and disable bodies, even if nothing else does
   Check overlaps = Check::error;  ///< how a model that overlaps a body at the start is treated
   Check same_names = Check::error;                          ///< how bodies with the same name are treated

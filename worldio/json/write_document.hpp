@@ -7,10 +7,10 @@
 namespace troupe::worldio {
 
 /// Returns the JSON node that reads back as the struct at `object`, which must be of the type that the table
-/// describes. Values at their defaults are omitted, except those of keys with DocumentKey::always. Each node
-/// gets the place in a file (Where) that the struct has for its value; a node without such a place has
-/// Where::k_no_file. If a kind is not registered, only its name is written, because the keys of its
-/// parameters are unknown.
+/// describes. Values at their defaults are omitted, except those of keys with DocumentKey::always or of the
+/// forms Form::seed and Form::version. Each node gets the place in a file (Where) that the struct has for its
+/// value; a node without such a place has Where::k_no_file. If a kind is not registered, only its name is
+/// written, because the keys of its parameters are unknown.
 JsonNode write_described(const DocumentTable& table, const void* object, const engine::Registry& registry);
 
 /// Writes a struct of type T with write_described().

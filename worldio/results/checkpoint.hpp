@@ -70,11 +70,12 @@ class Checkpoint {
   engine::WorldSpec spec(const engine::Registry& registry,
                          std::span<const std::pair<std::string, std::string>> changes,
                          Diagnostics& diagnostics) const;
-  /// Returns the bytes that observers remembered when the state was saved.
+  /// Returns the bytes that observers remembered when the state was saved; empty if the file has none.
   Memories memories() const;
   /// Sets the state of `world`, which must have been built from spec(), to that of the checkpoint. Throws
   /// InputError if the tables of the world differ from those in the file, or if the restored state does not
-  /// have the hash that is stored in the file. The world is then in its initial state.
+  /// have the hash that is stored in the file. The world is then in its initial state. Also throws InputError
+  /// if /bodies/subscribed is wrong; the state of the world is then unchanged.
   void restore(engine::World& world) const;
 
  private:

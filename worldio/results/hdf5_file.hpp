@@ -15,7 +15,8 @@
 namespace troupe::worldio {
 
 /// The exception that is thrown if a file cannot be read or written, or if its content is not what a reader
-/// expects. The message is `run.h5: error: ...` with the reason. The HDF5 library itself prints nothing.
+/// expects. The message is `run.h5: error: ...` with the reason; only if the HDF5 library cannot be
+/// initialised, it names no file. The HDF5 library itself prints nothing.
 class Hdf5Error : public std::runtime_error {
  public:
   using std::runtime_error::runtime_error;
@@ -50,17 +51,18 @@ class Hdf5Object {
   const std::string& path() const { return path_; }
   const std::filesystem::path& file_name() const { return file_; }
 
-  /// Add an attribute; the object must not have an attribute of this name. Texts are UTF-8 and stored with a
-  /// fixed length in the header of the object, which a checksum protects; h5py reads them as bytes. Texts of
-  /// more than 60,000 bytes are stored with variable length outside that header, without a checksum.
+  /// These functions add an attribute; the object must not have an attribute of this name. Texts are UTF-8
+  /// and stored with a fixed length in the header of the object, which a checksum protects; h5py reads them
+  /// as bytes. Texts of more than 60,000 bytes are stored with variable length outside that header, without a
+  /// checksum.
   void set_text(const std::string& name, std::string_view value);
   void set_integer(const std::string& name, std::int64_t value);
   void set_number(const std::string& name, double value);
   /// The names of the attributes, sorted by their bytes.
   std::vector<std::string> attributes() const;
   bool has_attribute(const std::string& name) const;
-  /// Return the value of an attribute. They throw if the attribute does not exist or has another type. NUL
-  /// characters at the end of a text are lost.
+  /// These functions return the value of an attribute. They throw if the attribute does not exist or has
+  /// another type. NUL characters at the end of a text are lost.
   std::string text(const std::string& name) const;
   std::int64_t integer(const std::string& name) const;
   double number(const std::string& name) const;
@@ -135,7 +137,7 @@ class Hdf5Dataset : public Hdf5Object {
   }
   void append_bytes(std::span<const std::byte> from);
   /// Sets the number of rows of an extendible dataset: removes the last rows, or adds rows whose values are
-  /// Hdf5Chunks::fill.
+  /// Hdf5Chunks::fill. Throws if the dataset is a single value or is not extendible.
   void resize(std::size_t rows);
   /// Hands the written data to the operating system. From then on, the data survives if the process is
   /// killed, and readers in SWMR mode (Hdf5File::start_swmr()) see it.
@@ -186,9 +188,9 @@ class Hdf5Group : public Hdf5Object {
     create_dataset(name, engine::element_of<T>(), {values.size()}).write(values);
   }
 
-  /// Write and read a dataset that is one text or a list of texts. Texts are UTF-8. They are padded with NUL
-  /// to the length of the longest; the readers remove NUL characters at the end. read_text() throws if the
-  /// dataset does not have exactly one text.
+  /// These functions write and read a dataset that is one text or a list of texts. Texts are UTF-8. They are
+  /// padded with NUL to the length of the longest; the readers remove NUL characters at the end. read_text()
+  /// throws if the dataset does not have exactly one text.
   void write_text(const std::string& name, std::string_view text);
   std::string read_text(const std::string& name) const;
   void write_texts(const std::string& name, std::span<const std::string> texts);
@@ -231,7 +233,7 @@ class Hdf5File : public Hdf5Group {
   /// Returns the present bytes of a file in memory. They begin with the user block, which is zero.
   std::vector<std::byte> image();
   /// Writes the remaining data and closes the file. All datasets and groups of the file must have been
-  /// destroyed before. Throws Hdf5Error if one of them still exists, or if the data cannot be written. Does
+  /// destroyed before. Throws Hdf5Error if one of them still exists, or if writing or closing fails. Does
   /// nothing if the file is already closed or abandoned.
   void close();
   /// Gives up the file without closing it: the file on the disk stays as it is. Call this after a failed

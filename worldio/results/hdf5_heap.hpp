@@ -10,8 +10,8 @@
 namespace troupe::worldio {
 
 /// Size, in bytes, of the reference that an attribute stores to a text of variable length. The reference
-/// consists of the length of the text, the address of a collection in the global heap (8 bytes) and the
-/// number of the object in that collection (HDF5 File Format Specification 3.0, section VIII.B).
+/// consists of the length of the text (4 bytes), the address of a collection in the global heap (8 bytes) and
+/// the number of the object in that collection (4 bytes; HDF5 File Format Specification 3.0, section VIII.B).
 inline constexpr std::size_t k_heap_reference_bytes = 16;
 
 /// Reads a text of variable length from the file without the HDF5 library. The library is not used because no

@@ -25,8 +25,8 @@ struct RecordedScene {
   struct Fan {
     Pose pose_body_fan;      ///< start and middle direction of the beams, with all joints at rest
     double range_max_m = 0;  ///< length of a beam that hits nothing
-    double fov_rad = 0;      ///< angle between the first and the last beam
-    std::size_t beams = 1;   ///< number of beams
+    double fov_rad = 0;  ///< angle between the first and the last beam; of a single beam: its opening angle
+    std::size_t beams = 1;  ///< number of beams
   };
   struct Eye {                             ///< a ranger
     std::string name;                      ///< name of the ranger's group in /sensors/<type>

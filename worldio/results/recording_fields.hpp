@@ -31,8 +31,8 @@ struct RecordedComponent {
   /// One table of the state from which the component is copied.
   struct Source {
     std::size_t table;  ///< index into World::tables()
-    /// For each body of the world, by BodyId, its row in the recording. The values of bodies that are not in
-    /// the table have no meaning.
+    /// For each body of the world, by BodyId, its row in the recorded component, from 0. The values of bodies
+    /// that are not in the table have no meaning.
     std::shared_ptr<const std::vector<std::uint32_t>> recorded;
     /// The sensor whose readings the table stores; null for other tables.
     const engine::BodyType::Device* sensor = nullptr;
@@ -67,9 +67,10 @@ std::optional<std::string> name_for_path(const engine::World& world, std::string
 std::string wrong_spelling(std::string_view what, std::string_view name, std::string_view right);
 
 /// Returns the components that the names select, each once: first those in /state, in the order of the tables
-/// of the state, then those in /sensors, by type. recordable_names() describes the names. Throws
-/// std::invalid_argument for an unknown name, with a message such as `unknown field "posse"` and the known
-/// names. For a path, the message has the right name (name_for_path()).
+/// of the state, then those in /sensors, by type. recordable_names() describes the names. The name "pose"
+/// also selects the displacements of joints and the colours that devices show, which are needed to draw
+/// bodies. Throws std::invalid_argument for an unknown name, with a message such as `unknown field "posse"`
+/// and the known names. For a path, the message has the right name (name_for_path()).
 std::vector<RecordedComponent> recorded_components(const engine::World& world,
                                                    std::span<const std::string> names);
 

@@ -25,7 +25,7 @@ struct RecordingHead {
   std::vector<std::pair<std::string, std::string>>
       meta;                         ///< attributes of /meta, as keys and values: version, world, seed, ...
   std::string world_json;           ///< the content of /world: the spec of the world as JSON
-  std::uint64_t every_ticks = 1;    ///< number of ticks from one frame to the next
+  std::uint64_t every_ticks = 1;    ///< number of ticks from one frame to the next, at least 1
   std::vector<std::string> fields;  ///< names of the recorded fields, as the user gave them
 };
 
@@ -40,9 +40,9 @@ struct RecordingHead {
 /// caller waits only if batches come faster than they can be written. The bytes of the file do not depend on
 /// `in_background`.
 ///
-/// On failure, all functions throw Hdf5Error. An error in the background thread is thrown by the next call.
-/// After an error, the file stays as it was last flushed and is marked as closed, and every further call does
-/// nothing.
+/// On failure, all functions throw Hdf5Error. An error in the background thread is thrown by the next call of
+/// a function that writes. After an error, the file stays as it was last flushed and is marked as closed
+/// (unless that fails, too: `troupe repair` can then close it), and every further call does nothing.
 class RecordingWriter {
  public:
   /// Creates a file without frames, replacing an existing file of the same name. `components` are the arrays
@@ -53,7 +53,7 @@ class RecordingWriter {
   /// Continues an existing recording of the same world at tick world.tick(): removes the frames of later
   /// ticks, and record() then appends new ones. Throws if the recording has other bodies or fields than the
   /// world, or if it lacks the last frame that was due before this tick. A recording that was cut off is
-  /// repaired first.
+  /// repaired first, which can also throw std::runtime_error: see repair_recording().
   RecordingWriter(const std::filesystem::path& file, const engine::World& world, bool in_background = false);
   RecordingWriter(const RecordingWriter&) = delete;
   RecordingWriter& operator=(const RecordingWriter&) = delete;

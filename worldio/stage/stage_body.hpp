@@ -47,7 +47,8 @@ class StageBodies {
   /// Reads the image of a `bitmap` and sets the path in `spec`. If the image cannot be read or has no solid
   /// pixel, reports an error and returns null.
   const FloorImage* read_image(const StageProperty& property, engine::ImageSpec& spec);
-  /// Reports properties of the model that a ROS map overrides, because the map has its own size and place.
+  /// Warns if the property `size` of the model differs from the size of the ROS map in x or y, because the
+  /// map keeps its own. Reports an error if the model has blocks, which it cannot have in addition to a map.
   void check_map(const StageModel& model, const FloorImage& map, const Eigen::Vector3d& size,
                  const std::vector<StageModel>& blocks);
   void add_block(const StageModel& block, std::vector<Solid>& solids);

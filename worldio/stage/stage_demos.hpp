@@ -10,11 +10,12 @@ namespace troupe::worldio {
 // Two controllers of Stage's examples. They change their model when a `.world` file is read; they do not act
 // while the world runs.
 
-/// The controller `dynamic`. When a `.world` file is read, the controller adds `count` children to its model:
-/// boxes of 0.1 m that stand on the model. Their headings and their positions are uniformly random; the
-/// positions are at most `reach`, m, from the origin of the model along x and along y. The random numbers
-/// depend only on the seed and on the name of the model within its body, so that bodies that have equal text
-/// in the file get equal boxes. The controller does nothing while the world runs.
+/// The controller `dynamic`. When a `.world` file is read, the controller adds `count` (by default 100)
+/// children to its model: boxes of 0.1 m that stand on the model. Their headings and their positions are
+/// uniformly random; the positions are at most `reach` (by default 1 m) from the origin of the model along x
+/// and along y. The random numbers depend only on the seed and on the name of the model within its body, so
+/// that bodies that have equal text in the file get equal boxes. The controller does nothing while the world
+/// runs.
 engine::ControllerKind dynamic_controller();
 
 /// The controller `lasernoise`. When a `.world` file is read, the controller gives the first transducer of

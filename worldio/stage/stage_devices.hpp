@@ -13,11 +13,11 @@ enum class StageUnit : std::uint8_t { plain, length, angle, degrees, millisecond
 /// A property of a Stage model that maps directly to one parameter of the model's device. StageKinds has code
 /// for every other property.
 struct StageParameter {
-  std::string_view model;             ///< type of the model: "fiducial"
+  std::string_view model;             ///< type of the model, such as "fiducial"
   std::string_view property;          ///< name of the property in the file
   std::string_view field;             ///< name of the parameter, in the field table of the device kind
   StageUnit unit = StageUnit::plain;  ///< unit of the property in the file
-  int column = -1;  ///< index of the parameter in a tuple [a b]; -1: the whole property is the parameter
+  int column = -1;  ///< 0 or 1: index of the parameter in a tuple [a b]; -1: the whole property is it
 };
 /// Returns all properties that map directly to one parameter of a device.
 std::span<const StageParameter> stage_parameters();
@@ -25,10 +25,11 @@ std::span<const StageParameter> stage_parameters();
 /// A propagation law of radios, with its name in the `wifi` models of Stage 2.
 struct StageRadioLaw {
   std::string_view model;  ///< name of the law in the file
-  std::string_view law;    ///< parameter `law` of the radio
-  std::string_view walls;  ///< default of the parameter `walls` of the radio
+  std::string_view law;    ///< value of the parameter `law` of the radio
+  std::string_view walls;  ///< with this law: default of the parameter `walls` of the radio
 };
-/// Returns all propagation laws that the property `model` of a radio can name; the first is the default.
+/// Returns all propagation laws that the property `model` of a radio can name; the first is the default. Two
+/// names can have the same law, with different defaults of `walls`.
 std::span<const StageRadioLaw> stage_radio_laws();
 /// Default of the range of a radio in a `.world` file, m, for every law but "disc". With "disc", the default
 /// is that of the radio's parameter `range`.

@@ -12,9 +12,9 @@ namespace troupe::worldio {
 std::optional<std::filesystem::path> find_stage_file(const std::filesystem::path& path,
                                                      std::span<const std::filesystem::path> search_path);
 
-/// Removes "." and ".." from a path. Returns `path` unchanged if the shorter path would name another file.
-/// That happens if x is a link to a folder: "x/.." is then the parent of the linked folder, not the folder
-/// that contains x.
+/// Removes "." from a path, and each ".." together with the component before it; a ".." at the beginning
+/// stays. Returns `path` unchanged if the shorter path would name another file. That happens if x is a link
+/// to a folder: "x/.." is then the parent of the linked folder, not the folder that contains x.
 std::filesystem::path tidied(const std::filesystem::path& path);
 
 }  // namespace troupe::worldio

@@ -22,13 +22,15 @@ class StageKinds {
       : document_(document), registry_(registry), values_(values) {}
 
   /// Returns the time between two updates of a model (`update_interval`), s; 0: every tick. It is 0.1 if the
-  /// model does not have the property.
+  /// model does not have the property, or if its value is not a number. A number beyond the limits is
+  /// reported, but returned.
   double period_s(const StageModel& model);
 
   /// Reads a ranger and its `sensor` children. A laser or sonar without such children is its own sensor; any
   /// other ranger without them returns nothing, with a warning.
   std::optional<engine::DeviceSpec> ranger(const StageModel& model, const std::vector<StageModel>& sensors);
-  /// Reads a model that is a device of this kind, which must be neither a ranger nor a gripper.
+  /// Reads a model that is a device of this kind, which must be neither a ranger (see ranger()) nor a gripper
+  /// (see gripper()).
   std::optional<engine::DeviceSpec> device(const StageModel& model, const engine::DeviceKind& kind);
   /// Like device(), for a gripper. `size` is the size of its model, m.
   std::optional<engine::DeviceSpec> gripper(const StageModel& model, const engine::DeviceKind& kind,

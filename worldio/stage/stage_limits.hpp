@@ -18,8 +18,8 @@ inline constexpr std::size_t k_deepest_nesting = 200;
 /// number, as in "must be above 0 m".
 Result<> check_limits(const engine::Field& field, double value);
 
-/// Returns the angle, rad, unchanged. If the angle is above a whole turn by less than a fraction of 1e-5,
-/// returns a whole turn instead, because files write a whole turn as 6.2832.
+/// Returns a whole turn, 2 pi rad, if the angle, rad, exceeds it by less than 1e-5 of a turn, because files
+/// write a whole turn as 6.2832. Returns every other angle unchanged.
 double within_a_turn(double angle);
 
 }  // namespace troupe::worldio

@@ -11,11 +11,12 @@
 
 namespace troupe::worldio {
 
-/// Warns of every property of a world file that has no effect, so that nothing is dropped silently. It looks
-/// each property up in the table of all properties (stage_rows()). As in Stage, macros that no model uses are
-/// not checked. With thorough diagnostics (`troupe lint`), each place is reported separately. Then StageLint
-/// also reports every property that another property of the model overrides, or that has no effect in a model
-/// of its type.
+/// Warns of every property of a world file that Troupe does not know or that has no effect in any world, so
+/// that nothing is dropped silently. It looks each property up in the table of all properties (stage_rows()).
+/// It also warns of models that are devices in Stage but only bodies in Troupe. As in Stage, macros that no
+/// model uses are not checked. With thorough diagnostics (`troupe lint`), each place is reported separately.
+/// Then StageLint also warns of every property that the same entity sets again, that another property of the
+/// model overrides, or that has no effect in a model of its type.
 class StageLint {
  public:
   StageLint(const StageDocument& document, StageMacros& macros, StageValues& values)
@@ -25,8 +26,8 @@ class StageLint {
   void check_world();
   /// Checks an entity, its macros and its children. The body of a macro is checked only at its first use.
   void check(const StageEntity& entity) { check(entity, 0); }
-  /// Reports one warning for each group of properties (Summary) of which the file has some. Must be called
-  /// last.
+  /// Reports one warning for each group of properties (Summary) of which the file has some, or nothing with
+  /// thorough diagnostics, which report each property before. Must be called last.
   void finish();
 
  private:
@@ -35,7 +36,7 @@ class StageLint {
   struct Summary {
     std::string_view all;                 ///< text of the common warning, before the names of the properties
     std::string_view each;                ///< text of the warning about one property, after its name
-    Where first = {};                     ///< place of the first property, which the common warning gets
+    Where first = {};                     ///< place of the common warning: that of the first property
     std::vector<std::string> names = {};  ///< names of the properties, each once
   };
 

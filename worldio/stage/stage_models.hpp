@@ -48,7 +48,8 @@ class StageMacros {
   void define(const StageItem& item);
   /// Applies the macros of an entity: follows the chain of their bases, then replaces an older name of a
   /// type, such as "laser", by the present name. Does not apply the macros of the children. If the chain of
-  /// bases is a cycle or does not end at a type, reports an error and returns nothing.
+  /// bases is a cycle or does not end at a type, or if all calls together have followed more than 20 million
+  /// bases, reports an error and returns nothing.
   std::optional<StageModel> resolve(const StageEntity& entity);
   /// Whether a model of this type is a device that the registry has: a ranger, a gripper, ...
   bool is_device(std::string_view type) const;

@@ -29,7 +29,7 @@ struct StageToken {
 
 /// A property: `key value` or, with a tuple, `key [value ...]`.
 struct StageProperty {
-  std::uint32_t key = 0;    ///< index into StageDocument::tokens
+  std::uint32_t key = 0;    ///< index of the key in StageDocument::tokens
   std::uint32_t count = 0;  ///< number of values; 1 unless it is a tuple
   bool tuple = false;       ///< whether the values are written as a tuple, in [ ]
 
@@ -111,12 +111,13 @@ struct StageDocument {
 };
 
 /// Parses the text of a world file and of the files that it includes.
-/// file         path of the world file in messages; relative paths, also those in included files, are
-///              relative to its folder
-/// search_path  folders in which a missing included file is searched by its base name
-/// Reports every violation of the grammar at its file and line, with the correct form. Parsing continues
-/// after an error, up to 50 errors. Nesting deeper than 200 levels, more than 1,000 inclusions and more than
-/// 256 MiB of included text are errors.
+/// file         path of the world file in messages
+/// search_path  folders in which a missing included file is searched by the last component of its path
+/// The path of an included file is relative to the value that StageDocument::base_directory has when the
+/// parser reaches the `include`, also in an included file. Reports every violation of the grammar at its file
+/// and line, with the correct form, and every included file that cannot be read. Parsing continues after an
+/// error, up to 50 errors. Nesting deeper than 200 levels, more than 1,000 inclusions, more than 256 MiB of
+/// included text, and a world file of 4 GiB or more are errors that end the parsing.
 StageDocument parse_stage(const std::filesystem::path& file, std::string text,
                           std::span<const std::filesystem::path> search_path, Diagnostics& diagnostics);
 

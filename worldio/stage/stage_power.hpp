@@ -21,9 +21,12 @@ class StagePower {
   /// of the part. Must be called for every part of a type, in their order, beginning with part 0. Wrong
   /// values are reported.
   void read(const StageModel& model, std::uint32_t part, engine::TypeSpec& type);
-  /// Must be called after read() of the last part of a type. Adds the power that each part draws to the power
-  /// pack that supplies the part: its own pack, or that of the nearest enclosing part with a pack. Gives the
-  /// pack of a body with a drive the mass of the body. Removes power contacts without a pack, with a warning.
+  /// Must be called after read() of the last part of a type. Adds the constant power (`watts`) of each part
+  /// to the draw of the power pack that supplies the part: its own pack, or that of the nearest enclosing
+  /// part with a pack. A part without a pack draws nothing, nor does a part that does not run: a part runs if
+  /// Draw::runs is set, or if it has a device and the type has a controller. Gives the pack that supplies
+  /// part 0 of a type with a drive the mass of the body. Removes power contacts without a pack, with a
+  /// warning.
   void finish(engine::TypeSpec& type);
 
  private:
@@ -36,7 +39,8 @@ class StagePower {
 
   void read_pack(const StageModel& model, std::uint32_t part, engine::TypeSpec& type);
   void read_contact(const StageModel& model, std::uint32_t part, engine::TypeSpec& type);
-  /// Reads a power, W. Returns 0 if the model lacks the property and, with an error, if the value is wrong.
+  /// Reads a power, W, from 0 to engine::k_most_watts. Returns 0 if the model lacks the property and, with an
+  /// error, if the value is wrong.
   double watts(const StageModel& model, std::string_view key);
   /// Whether the model always runs: it has `alwayson 1` or a controller.
   bool is_on(const StageModel& model);

@@ -39,12 +39,13 @@ const StageRow* find_stage_row(std::string_view type, std::string_view name);
 /// property can have the same type. False for an unknown property. `name` is the name in the file.
 bool is_without_effect(std::string_view name);
 
-/// Returns the names of the properties that an entity of this type can have, without obsolete ones. They are
-/// used to suggest a name for a misspelt property.
+/// Returns the names of the properties that an entity of this type can have, without obsolete ones. For the
+/// older types "laser" and "sonar", the properties of "ranger" and "sensor" are missing. The names are used
+/// to suggest one for a misspelt property.
 std::vector<std::string_view> stage_property_names(std::string_view type);
 
 /// Returns, as text for `troupe describe`, the properties that models of this type and their blocks can have,
-/// without those that have no effect in Troupe.
+/// without those that have no effect on a run. For "ranger", those of its `sensor` blocks are included.
 std::string stage_properties_text(std::string_view model);
 
 /// Returns all rows as a Markdown table, which docs/stage-worlds.md contains.

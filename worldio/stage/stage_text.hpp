@@ -44,7 +44,7 @@ class StageText {
   /// Sets the place at which later calls report errors. They report an error for a text with a double quote
   /// or a line end, and for a number that is not finite or above 2^53 in absolute value.
   void at(Where where) { where_ = where; }
-  /// Writes a line `# text`.
+  /// Writes a line `# text`. The text must not have a line end.
   void comment(std::string_view text);
   /// open() writes `word (`, define() writes `define word base (`, and close() writes the `)` of either.
   void open(std::string_view word);

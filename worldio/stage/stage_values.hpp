@@ -45,7 +45,7 @@ class StageValues {
   Where where(const StageProperty& property) const { return document_.token(property.key).where(); }
   std::string_view key(const StageProperty& property) const { return document_.key(property); }
 
-  /// Returns a single value as text, with or without quotes in the file.
+  /// Returns a single value as text, with or without quotes in the file. A tuple is an error.
   std::optional<std::string_view> text(const StageProperty& property);
   /// Like text(), for names. If the name is "" or "/", warns and returns nothing.
   std::optional<std::string_view> name(const StageProperty& property);
@@ -78,8 +78,8 @@ class StageValues {
   /// Reads a size [x y z], or the older form [x y], which takes the default height, m. Each extent must be
   /// from 0 to 200 km; the caller checks whether 0 is allowed.
   std::optional<Eigen::Vector3d> size(const StageProperty& property, double default_height);
-  /// Reads a colour by its X11 name. Returns red, with a warning, for an unknown name. Empty, without an
-  /// error, for "random".
+  /// Reads a colour by its X11 name (color_by_name()). Returns red, with a warning, for an unknown name.
+  /// Empty, without an error, for "random".
   std::optional<Color> color(const StageProperty& property);
   /// Reads a colour [red green blue opacity] with numbers from 0 to 1.
   std::optional<Color> color_rgba(const StageProperty& property);

@@ -29,6 +29,7 @@ class ParallelEnv(_ParallelEnv):
                  dies. A robot that is born during an episode becomes an agent at that time
     seeds        reset(seed=s) begins an episode with the seed s. A later reset() without a seed begins an episode whose
                  seed is derived from s. If no seed was ever given, the first seed is that of the world
+    errors       ValueError if two robots have the same name; RuntimeError after close()
     """
 
     metadata = {"name": "troupe_v0", "render_modes": RENDER_MODES, "render_fps": 10, "is_parallelizable": True}

@@ -44,8 +44,8 @@ class Team:
     #: If given, the action space is Discrete: an action is the index of a row in this list, and each row has one number
     #: from -1 to 1 per command.
     choices: Optional[Sequence[Sequence[float]]] = None
-    #: If given, the action space is MultiDiscrete: an action has one index per command, which selects a number from -1
-    #: to 1 in the list of this command.
+    #: If given, and `choices` is not, the action space is MultiDiscrete: an action has one index per command, which
+    #: selects a number from -1 to 1 in the list of this command.
     levels: Optional[Sequence[Sequence[float]]] = None
     #: Arrays that rewards and ends use but that are not observed: a dict from names to lists of parts.
     arrays: Dict[str, Parts] = dataclasses.field(default_factory=dict)
@@ -89,7 +89,7 @@ class Task:
 
     def terminated(self, batch: "Batch", team: int) -> Optional[npt.NDArray[np.bool_]]:
         """Returns which robots are finished in addition to those of Team.ends: bools, copies x robots, or None for no
-        robots. Called once per step, after reward()."""
+        robots. Called once per step, after reward(). True for a robot that is not in the world has no effect."""
         return None
 
     def observe(self, batch: "Batch", team: int, name: str) -> Optional[npt.NDArray[np.float32]]:

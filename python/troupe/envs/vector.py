@@ -36,6 +36,9 @@ class VectorEnv(_VectorEnv[Any, Any, Any]):
     seeds           after reset(seed=s) the first episode of copy c has the seed s + c, modulo 2^64. s may also be a list
                     with one seed per copy, or, as in Gymnasium, per environment; all environments of a copy then need
                     the same seed. The seeds of later episodes of the copy are derived from this seed
+    errors          ValueError if the task does not have exactly one team, or if num_envs is not a positive multiple of
+                    the number of robots that learn in each copy; RuntimeError after close(), and from step() with
+                    AutoresetMode.DISABLED if the episode of a copy has ended
     """
 
     def __init__(
@@ -96,8 +99,9 @@ class VectorEnv(_VectorEnv[Any, Any, Any]):
     ) -> Tuple[Any, Dict[str, Any]]:
         """Begins an episode in some copies, and returns (observations, {}), one row of observations per environment.
         seed: see the class. options: {"reset_mask": array of one bool per environment}, True for all environments of
-        the copies that begin an episode; without a mask, all copies begin one. Raises ValueError for a mask that marks
-        no environment or only some robots of a copy, and for a list of seeds of a wrong length."""
+        the copies that begin an episode; without a mask, all copies begin one. Raises TypeError for a mask that is not
+        a NumPy array of bool; ValueError for a mask of a wrong shape or that marks no environment or only some robots
+        of a copy, and for a list of seeds of a wrong length or with different seeds for one copy."""
         if seed is None or isinstance(seed, (int, np.integer)):
             super().reset(seed=None if seed is None else int(seed))
         which = None if options is None or "reset_mask" not in options else self._copies_of(options["reset_mask"])
