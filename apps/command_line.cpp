@@ -126,7 +126,9 @@ ExitCode run_command(const CLI::App& app, std::vector<ProgramCommand>& commands,
 /// output was lost (full disk, closed stream), unless `code` already reports bad input.
 int told(int code) {
   const bool flushed = std::fflush(stdout) == 0 && std::ferror(stdout) == 0 && std::cout.flush().good();
-  if (!flushed && code != k_bad_input) throw std::runtime_error("standard output cannot be written");
+  if (!flushed && code != k_bad_input)
+    throw std::runtime_error(
+        "standard output cannot be written: the disk may be full, or the reader has ended");
   return code;
 }
 

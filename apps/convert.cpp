@@ -48,16 +48,12 @@ void check(const ConvertOptions& options) {
     throw OutputError(fmt::format("{}: error: the file exists; --force replaces it", options.out.string()));
 }
 
-/// Throws OutputError if OUT exists and is one of the files that IN is read from. The conversion itself also
-/// reads OUT, to compare it with IN, so the files of IN are found by loading it once more.
-void check_inputs(const ConvertOptions& options, const engine::Registry& registry,
-                  const worldio::LoadOptions& load) {
+/// Throws OutputError if OUT exists and is one of the files that IN was read from. world: that of IN
+void check_inputs(const ConvertOptions& options, const engine::WorldSpec& world) {
   std::error_code ignored;
   if (!std::filesystem::exists(options.out, ignored)) return;
-  Diagnostics found;  // the conversion reports the errors of IN
   std::vector<Input> inputs;
-  for (const std::filesystem::path& file :
-       input_files(worldio::load_world(options.in, registry, load, found)))
+  for (const std::filesystem::path& file : input_files(world))
     inputs.push_back({file, "a file of the world"});
   check_outputs(inputs, {options.out});
 }
@@ -88,10 +84,11 @@ ExitCode convert(const ConvertOptions& options) {
     worldio::LoadOptions load;
     load.set = options.set;
     load.search_path = with_environment({}).search_path;
-    check_inputs(options, registry, load);
     Diagnostics diagnostics;
-    const worldio::ConvertedWorld world =
-        worldio::convert_world(options.in, options.out, registry, load, diagnostics);
+    const worldio::ConvertedWorld world = worldio::convert_world(
+        options.in, options.out, registry, load, diagnostics,
+        // The conversion also reads OUT, to compare it with IN, so the files of IN are looked up before.
+        [&](const engine::WorldSpec& loaded) { check_inputs(options, loaded); });
     diagnostics.throw_if_errors();
     for (const std::string& warning : diagnostics.warnings()) fmt::print(stderr, "{}\n", warning);
     for (const std::string& warning : plugins->warnings()) fmt::print(stderr, "{}\n", warning);

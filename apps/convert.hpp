@@ -25,10 +25,11 @@ struct ConvertOptions {
 /// Adds the options of `convert`; parsing fills `options`, which must outlive `command`.
 void add_convert_options(CLI::App& command, ConvertOptions& options);
 
-/// `troupe convert`: writes a world in the other format, or again in its own (JSON then lists populations
-/// body by body), and prints one line with the numbers of models and types. Throws InputError if the world
-/// cannot be loaded or cannot be expressed in the other format. If the output exists (without `force`) or
-/// cannot be written, prints an error and returns k_bad_input.
+/// `troupe convert`: reads a world in one of the two formats, Stage's and JSON, writes it in the format of
+/// the output, which may be the same, and prints one line with the numbers of models and types. A JSON output
+/// of a JSON world lists populations body by body. Throws InputError if the world cannot be loaded or cannot
+/// be expressed in the format of the output. If the output exists (without `force`) or cannot be written,
+/// prints an error and returns k_bad_input.
 ExitCode convert(const ConvertOptions& options);
 
 }  // namespace troupe::apps

@@ -19,16 +19,16 @@ class CsvFile {
   /// Creates or empties the file. `header` is the line of column names, without line break. Throws
   /// OutputError if the file cannot be opened.
   CsvFile(const std::filesystem::path& file, std::string_view header);
-  /// The lines of a table up to some tick. A checkpoint stores this, so that a resumed run detects the table
-  /// of another run.
+  /// The beginning of a table: its lines up to some tick. A checkpoint stores length and hash of this
+  /// beginning, so that a resumed run detects a file that is the table of another run.
   struct Start {
-    std::uint64_t bytes = 0;  ///< length, with the first line
+    std::uint64_t bytes = 0;  ///< length of these lines, with the line of column names
     std::uint64_t hash = 0;   ///< hash of these bytes; 0 if there are none
     friend bool operator==(const Start&, const Start&) = default;
   };
   /// Continues the table of an earlier run: keeps `start` and removes what follows. Throws OutputError, and
-  /// does not change the file, if the first line of the file is not `header`, if there is no start, or if the
-  /// file does not begin with it.
+  /// does not change the file, if the first line of the file is not `header`, if `start` is not set (the
+  /// checkpoint contains no data of this table), or if the file does not begin with `start`.
   CsvFile(const std::filesystem::path& file, std::string_view header, const std::optional<Start>& start);
 
   /// Appends a number as a cell to the current line. A double is written as the shortest text that reads back
@@ -42,7 +42,8 @@ class CsvFile {
   /// Writes the finished lines to the file. Call it only after end_line(), not within a line. tick: the
   /// current tick of the run, for the error. Throws std::runtime_error if writing fails.
   void flush(std::uint64_t tick);
-  /// The lines that were flushed before a tick, which must be that of the last flush or a later tick.
+  /// The lines that were flushed before the tick `tick`. This tick must not be earlier than that of the last
+  /// flush.
   Start before(std::uint64_t tick) const { return last_tick_ && *last_tick_ >= tick ? before_ : written_; }
 
  private:

@@ -27,7 +27,8 @@ void add_describe_options(CLI::App& command, DescribeOptions& options);
 ExitCode describe(const DescribeOptions& options);
 
 /// Returns one line with name and description for every kind of model, sensor, device, drive, controller,
-/// preset, measure, fault and event, under a heading for each of these groups.
+/// measure, fault and event, and for every preset (a named controller with its own default parameters), under
+/// a heading for each of these groups.
 std::string list_kinds(const engine::Registry& registry);
 
 /// Returns the names of all kinds that list_kinds() lists, except events, sorted, without duplicates.

@@ -173,10 +173,16 @@ void add_rank_seed_option(CLI::App& app, WorldOptions& options) {
       ->group("Advanced");
 }
 
+void add_distribute_option(CLI::App& app, WorldOptions& options) {
+  app.add_flag("--distribute", options.simulation.distribute,
+               "With several ranks: each has only its own robots and those near them, if the world allows it")
+      ->disable_flag_override();
+}
+
 void add_rank_limit_option(CLI::App& app, double& limit_s) {
   add_value(
       app, "--rank-limit", "S",
-      "Under mpirun: fail after waiting S seconds of real time for another rank (default: 600)",
+      "Under mpirun or srun: fail after waiting S s of real time for another rank (default: 600)",
       [&limit_s](const std::string& text) { limit_s = positive_seconds("--rank-limit", text, "a time"); })
       ->group("Advanced");
 }

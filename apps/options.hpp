@@ -95,6 +95,8 @@ void add_simd_option(CLI::App& app);
 void obey_simd_variable();
 /// Adds --rank-seed, which sets SimulationOptions::rank_seed.
 void add_rank_seed_option(CLI::App& app, WorldOptions& options);
+/// Adds --distribute, which sets SimulationOptions::distribute.
+void add_distribute_option(CLI::App& app, WorldOptions& options);
 /// Adds --rank-limit, which sets `limit_s`, s; `limit_s` must outlive `app`.
 void add_rank_limit_option(CLI::App& app, double& limit_s);
 /// Adds --plugin-path, which appends to `path`; `path` must outlive `app`.

@@ -58,6 +58,7 @@ class HashLog : public Observer {
   /// Writes the line of the current tick, unless a continued log already ends with it. Throws
   /// std::runtime_error if writing fails, for example because the disk is full.
   void observe(const Simulation& simulation) override;
+  bool reads_robots() const override { return false; }
 
  private:
   std::filesystem::path file_;

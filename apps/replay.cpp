@@ -86,7 +86,7 @@ std::string contents_of(const fs::path& page, double mb, double max_mb, const wo
       fmt::format("{}: {}, {}{}, {:.1f} MB\n", page.string(), bodies, number_of(data.frames, "frame"),
                   data.frames > 1 ? fmt::format(" every {:.6g} s", data.every_s) : "", mb);
   if (data.stride > 1)
-    text += fmt::format("{}: every {} of {} recorded frames, to stay under {:g} MB (--max-mb)\n",
+    text += fmt::format("{}: contains every {} of {} recorded frames, to stay under {:g} MB (--max-mb)\n",
                         page.string(), ordinal(data.stride), data.recorded, max_mb);
   if (data.at_rest)
     text +=

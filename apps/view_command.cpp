@@ -29,7 +29,8 @@ constexpr const char* k_view_footer = R"(
 Shows the world in a browser. The program prints the address of a web page, which it serves itself. In the page, a user
 can play, pause, single-step and restart the world, can select, inspect, drag, turn, drive, disable, remove and add
 robots, can change parameters, and can request checkpoints and recordings. The run begins when a browser first opens the
-page, at --rate times real time, and ends with Ctrl-C.
+page, at --rate times real time, and ends with Ctrl-C, at the time of --for, or when a condition in the stop_when of
+the world is met.
 
 The first address contains a token that grants full control; the second address is read-only. To view a world that runs
 on another machine (HOST), run ssh -L 8000:127.0.0.1:PORT HOST and open http://127.0.0.1:8000/#TOKEN.
@@ -84,7 +85,8 @@ class Redirect {
     file_ += ".html";
     if (!is_whole)
       throw std::runtime_error(fmt::format(
-          "{}: error: this temporary file, which --open needs, cannot be written", file_.string()));
+          "{}: error: this temporary file, which --open needs, cannot be written: the disk may be full",
+          file_.string()));
   }
   ~Redirect() {
     std::error_code ignored;
@@ -177,7 +179,7 @@ void add_view_options(CLI::App& view, ViewOptions& options) {
               in6_addr ignored{};
               if (inet_pton(AF_INET, text.c_str(), &ignored) != 1 &&
                   inet_pton(AF_INET6, text.c_str(), &ignored) != 1)
-                refuse("--bind", text, "an IP address");
+                refuse("--bind", text, "an IP address, as in --bind 127.0.0.1");
               options.bind = text;
             });
   add_values(view, "--allow-host", "NAME",

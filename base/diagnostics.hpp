@@ -80,12 +80,12 @@ class Diagnostics {
   /// The table that Where::file refers to; never null.
   const std::shared_ptr<SourceFiles>& files() const { return files_; }
 
-  /// Adds an error, unless inherits() says that it was already reported. The call that adds error number
-  /// k_most_errors throws InputError, as throw_if_errors() does, because reading more of the input would only
-  /// cost time and memory.
+  /// Adds an error, unless it repeats an earlier error about inherited content (see inherits()). The call
+  /// that adds error number k_most_errors throws InputError, as throw_if_errors() does, because reading more
+  /// of the input would only cost time and memory.
   void error(Where where, std::string message);
-  static constexpr std::size_t k_most_errors = 1000;  ///< limit per load, see error()
-  /// Adds a warning, unless inherits() says that it was already reported.
+  static constexpr std::size_t k_most_errors = 1000;  ///< number of errors at which error() throws
+  /// Adds a warning, unless it repeats an earlier warning about inherited content (see inherits()).
   void warning(Where where, std::string message);
   /// Adds a warning as warning() does. If the same message occurs at several places, only the first place is
   /// listed. Later calls with this message are counted, and warnings() appends the count, as in ` (and 99
@@ -95,9 +95,9 @@ class Diagnostics {
   /// Declares that `heir` contains copies of the content of `base`. From now on, an error or a warning about
   /// inherited content is reported once instead of for every heir: if two findings have the same place, and
   /// their messages differ only in the names of parts with a common base, the second finding is dropped. If
-  /// the second finding is about the part from which the part of the first inherits, its message replaces
-  /// that of the first. Findings on the line on which an heir begins are about the heir's own content: both
-  /// findings are then kept, unless one of the two parts inherits from the other.
+  /// the first finding is about an heir, and the second one is about a base of this heir, the message of the
+  /// second replaces that of the first. Findings on the line on which an heir begins are about the heir's own
+  /// content: both findings are then kept, unless one of the two parts inherits from the other.
   void inherits(const Inheritable& heir, const Inheritable& base);
 
   bool has_errors() const { return errors_ > 0; }  ///< whether throw_if_errors() would throw

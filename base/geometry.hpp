@@ -18,7 +18,7 @@ struct ZInterval {
 
   bool contains(double z) const { return min <= z && z <= max; }  ///< whether z is inside; ends count
   /// True if each of the two intervals begins below the upper end of the other. Intervals that only touch at
-  /// their ends do not overlap. Neither interval may be empty: the result could then be either.
+  /// their ends do not overlap. If one of the intervals is empty, the result has no meaning.
   bool overlaps(const ZInterval& other) const { return min < other.max && other.min < max; }
   ZInterval shifted(double dz) const { return {min + dz, max + dz}; }  ///< moved up by dz metres
   friend bool operator==(const ZInterval&, const ZInterval&) = default;
@@ -113,7 +113,7 @@ bool is_convex(const Ring& ring);
 /// area. The ring must be convex and counter-clockwise.
 double convex_width(const Ring& ring);
 /// True if the point, in the frame of the contours, is inside the solid by the even-odd rule; ignores
-/// heights. For a point on an edge the result may be either.
+/// heights. For a point on an edge, the result may be true or false.
 bool contains(const Solid& solid, const Vec2& point);
 
 /// Cuts the even-odd region of a solid into convex pieces that do not overlap. A single convex contour is

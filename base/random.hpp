@@ -75,8 +75,8 @@ inline std::uint64_t mix_in(std::uint64_t mixture, std::uint64_t value) {
 /// A 64-bit hash of a seed and a tick. Every bit of the result depends on every bit of the seed and the tick.
 inline std::uint64_t mix(std::uint64_t seed, std::uint64_t tick) { return mix_in(mix_in(0, seed), tick); }
 /// A 64-bit hash of a seed, a tick and an id. Every bit of the result depends on every bit of the three
-/// numbers. Conflicts between motions are resolved in the order of these hashes of the bodies, which is
-/// another order in each tick.
+/// numbers. In each tick, conflicts between the motions of bodies are resolved in the order of the hashes of
+/// their ids, so that the order differs from tick to tick.
 inline std::uint64_t mix(std::uint64_t seed, std::uint64_t tick, std::uint64_t id) {
   return mix_in(mix(seed, tick), id);
 }

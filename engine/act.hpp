@@ -11,22 +11,23 @@
 
 namespace troupe::engine {
 
-/// An action that a person or a program applies to a running world between two ticks (docs/live.md), with
-/// Simulation::act(). It is plain data: names, and numbers in SI units. An action that is impossible, such as
-/// a move to an occupied pose, throws troupe::ActRefused and changes nothing. The members that an action does
-/// not use are ignored.
+/// An action that a person or a program applies to a running world between two ticks (time steps), with
+/// Simulation::act() (docs/live.md). It is plain data: names, and numbers in SI units. For an action that is
+/// impossible, such as a move to an occupied pose, Simulation::act() throws troupe::ActRefused and changes
+/// nothing. The members that a kind of action does not use are ignored.
 struct Act {
   /// The kind of action. A body that an action names must be in the world.
   enum class Kind : std::uint8_t {
     move,  ///< places a body at `pose`, which must be free
-    /// commands `speed` to a robot once; the robot keeps this command until its controller gives the next one
+    /// gives a robot the command `speed` once; the robot keeps this command until its controller gives the
+    /// next one
     speed,
-    /// commands `speed` to a robot before every tick, and so overrides its controller; ends with `release`,
-    /// with a reset of the simulation, or when the robot is no longer in the world
+    /// gives a robot the command `speed` before every tick, and so overrides its controller; ends with
+    /// `release`, with a reset of the simulation, or when the robot is no longer in the world
     hold,
     release,  ///< ends the `hold` of a robot: the robot follows the commands of its controller again
-    /// sets those fields of the command of `device`, a device of a body, that `values` names; the other
-    /// fields keep their values. A controller that uses the device may overwrite the command.
+    /// changes the command to `device`, a device of a body: sets the fields that `values` names, and keeps
+    /// the others. A controller that uses the device may overwrite the command.
     command,
     /// spawns the next body of the reserve (bodies that are not yet in the world) of population `whom` at
     /// `pose`, which must be free
@@ -34,7 +35,7 @@ struct Act {
     remove,   ///< removes a body from the world for good
     disable,  ///< stops the devices, controllers and drive of a body
     enable,   ///< ends `disable`; a drop-out fault of the body, which also stops it, continues
-    set,      ///< changes the parameters that `setting` gives for all bodies of the type `whom`
+    set,      ///< changes the parameters that `setting` names, for all bodies of the type `whom`
   };
   Kind kind = Kind::move;  ///< kind of action
   std::string whom;        ///< name of a body; for `add`, of a population; for `set`, of a type

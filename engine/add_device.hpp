@@ -14,10 +14,10 @@ namespace troupe::engine {
 std::size_t add_device(TypeSpec& type, DeviceSpec device, const DeviceKind& kind);
 
 /// Adds the solids of a device (DeviceKind::body) to its type; it has no effect if the kind has none. Solids
-/// that no joint moves are added to the part that carries the device. The solids that a joint moves are added
-/// to a new part, one for each such joint, with the properties of the part that carries the device. If the
-/// kind throws an exception, throws std::runtime_error and leaves the type unchanged. `device` is the index
-/// of the device in type.devices. Call this once, after add_device().
+/// that no joint moves are added to the part that carries the device. For each joint that moves solids, a new
+/// part with these solids is added; it has the properties of the part that carries the device. If the hook
+/// DeviceKind::body throws an exception, this function throws std::runtime_error and leaves the type
+/// unchanged. `device` is the index of the device in type.devices. Call this once, after add_device().
 void add_device_body(TypeSpec& type, std::size_t device, const DeviceKind& kind);
 
 }  // namespace troupe::engine

@@ -15,13 +15,13 @@
 
 namespace troupe::engine {
 
-// Rows per task. Crowded tiles are split and sparse ones merged so that every task is worth waking a thread.
+// A task (one call in a parallel loop) has many rows, so that it is worth waking a thread.
 inline constexpr std::size_t k_near_batch = 64;  ///< most rows per task of for_neighbours()
 inline constexpr std::size_t k_row_block = 256;  ///< most rows per task of for_blocks()
 
-/// Sorts `rows`, of which there are at most k_row_block, by body type, and calls work(rows, type) once for
-/// each type, in ascending order of the types. Rows of one type keep their order. Without rows there is no
-/// call.
+/// Sorts `rows`, of which there are at most k_row_block, by body type. Then calls work(rows, type) once for
+/// each type that occurs, with all rows of that type and the BodyType, in ascending order of the index of the
+/// type. Rows of one type keep their order. Without rows there is no call.
 template <class Work>
 void for_types(const WorldState& state, std::span<Row> rows, Work&& work) {
   const auto type_of = [&](Row row) { return state.row_types[row.index()]; };
@@ -51,9 +51,10 @@ void for_types(const WorldState& state, std::span<Row> rows, Work&& work) {
 
 /// Calls work(rows, type) in parallel for batches of at most k_near_batch rows. The rows of a batch are of
 /// one type and near one another in the world. This loop is for work that reads the neighbours of a row:
-/// their data are then likely to be in the CPU cache. order: the rows, in an order in which neighbours in the
-/// world follow one another (BodyIndex::order(), which lists only bodies in the world); if it is empty, there
-/// is no call
+/// their data are then likely to be in the CPU cache.
+///
+/// order: the rows, in an order in which neighbours in the world follow one another (BodyIndex::order(),
+/// which lists only bodies in the world); if it is empty, there is no call
 template <class Work>
 void for_neighbours(const WorldState& state, partition::Parallel& parallel,
                     std::span<const std::uint32_t> order, Work&& work) {
@@ -93,9 +94,10 @@ void for_blocks(const WorldState& state, partition::Parallel& parallel, Work&& w
 }
 
 /// Calls work(rows) for those of `rows` that are due in the present tick, once for each run of due rows that
-/// follow one another in `rows`. A row is due if the number of ticks since the birth of its body (or since
-/// tick 0) is a multiple of `period`, which is at least 1. In a world without births, either all rows are due
-/// or none. If `rows` is empty, work() may be called once with an empty span.
+/// follow one another in `rows`. A row is due if the age of its body is a multiple of `period`, which is at
+/// least 1. The age is the number of ticks since the birth of the body, or since tick 0 if the body was
+/// present then. In a world without births, either all rows are due or none. If `rows` is empty, work() may
+/// be called once with an empty span.
 template <class Work>
 void for_due(const WorldState& state, std::span<const Row> rows, std::uint64_t period, Work&& work) {
   if (period == 1 || !state.life_table) {
@@ -111,9 +113,10 @@ void for_due(const WorldState& state, std::span<const Row> rows, std::uint64_t p
 }
 
 /// Calls work(rows) for those of `rows` whose device runs in the present tick, once for each run of rows that
-/// follow one another in `rows`. All rows must be of the type of the device. The device runs if it is due
-/// (its period divides the age of the body, as in for_due()), is active or subscribed to, is switched on, is
-/// not broken, has power, and its body is neither disabled nor stopped by a fault (CommittedView::runs()).
+/// follow one another in `rows`. All rows must be of the type of the device. The device of a row runs if all
+/// of these hold: it is due (its period divides the age of the body, as in for_due()); it is active or a
+/// program subscribes to the body; it is switched on, is not broken and has power; its body is neither
+/// disabled nor stopped by a fault (CommittedView::runs()).
 template <class Work>
 void for_running(const WorldState& state, std::span<const Row> rows, const BodyType::Device& device,
                  Work&& work) {

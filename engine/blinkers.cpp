@@ -152,8 +152,8 @@ void Blinkers::check_targets(const BodyType::Device& device, std::span<const Eff
     const Row target = state_.view.row(effect.target);
     if (!target.valid() || !std::ranges::binary_search(hidden_, target)) continue;
     throw StepError(
-        fmt::format("tick {}: device \"{}\" ({}) of \"{}\" requested an effect on \"{}\", but that body is "
-                    "beyond its reach: the kind of the device must declare a larger reach "
+        fmt::format("tick {}: device \"{}\" ({}) of \"{}\" requested an effect on \"{}\", which is beyond "
+                    "the reach of the device: declare a larger reach in its kind "
                     "(DeviceKind::Prepared::reach_m) or a wider scope (DeviceKind::scope)",
                     state_.now.tick, device.name, device.kind->name, state_.spec.name(effect.source),
                     state_.spec.name(effect.target)));
@@ -185,9 +185,9 @@ void Blinkers::end_effect(const BodyType::Device& device, const Effect& effect) 
     state_.for_tables_of(Row(r), [&](std::size_t t, std::size_t at) {
       if (state_.tables[t].hash_row(at) == before_[t].hash_row(at)) return;
       throw StepError(fmt::format(
-          "tick {}: device \"{}\" ({}) of \"{}\" changed the component \"{}\" of \"{}\", "
-          "which is neither the body of the device nor its target, nor moves together with one of "
-          "them: do not change such bodies, or set DeviceKind::scope to ApplyScope::anything",
+          "tick {}: device \"{}\" ({}) of \"{}\" changed the component \"{}\" of \"{}\", a body "
+          "that is neither the body of the device nor the target of its effect, nor moves together with one "
+          "of them: if this is intended, set DeviceKind::scope to ApplyScope::anything",
           state_.now.tick, device.name, device.kind->name, state_.spec.name(effect.source),
           state_.tables[t].component(), state_.spec.name(state_.bodies[r])));
     });

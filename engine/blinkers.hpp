@@ -11,22 +11,23 @@
 
 namespace troupe::engine {
 
-/// Implements the test mode World::hide_beyond_reach(). While a device runs, the object hides data of other
-/// bodies that the kind of the device does not declare to read: it replaces the data by junk, and removes
-/// bodies from the spatial index. The object also detects effects (changes that a device makes to bodies) on
-/// bodies that the kind does not declare to change. A row is the index of a body in the state tables, and a
-/// component is one of these tables. Bodies that carry one another form a tree.
+/// Implements the test mode World::hide_beyond_reach(). Before a device runs, World calls hide_from(): the
+/// object replaces by junk the data of other bodies that the kind of the device does not declare to read, and
+/// removes bodies beyond the reach of the device from the spatial index. The object also detects effects
+/// (changes that a device makes to bodies) on bodies that the kind does not declare to change. A row is the
+/// index of a body in the state tables, and a component is one of these tables. Bodies that carry one another
+/// form a tree.
 class Blinkers {
  public:
   /// Copies `state`, and keeps a reference to it: `state` must outlive the object.
   explicit Blinkers(WorldState& state);
 
-  /// Hides data from a device of the row's body: all data of bodies that are not in the world, and of bodies
-  /// whose enclosing circles are outside the disc with the radius `reach` (m) about the origin of the row's
-  /// body. In the state of all other bodies, except the row's own, it hides all components but these: `pose`,
+  /// Hides data from a device of the row's body. Two groups of bodies are hidden completely: bodies that are
+  /// not in the world, and bodies whose enclosing circles are outside the disc with the radius `reach` (m)
+  /// about the origin of the row's body. Bodies in the same tree as the row's body count as inside the disc.
+  /// Of the remaining bodies, except the row's own, the state is hidden but for these components: `pose`,
   /// `carrier`, `life`, those of joints, and those that the kind of the device declares to read
-  /// (DeviceKind::reads). Bodies in the same tree as the row's body count as within reach. `kind` must
-  /// outlive the object.
+  /// (DeviceKind::reads). `kind` must outlive the object.
   void hide_from(Row row, const DeviceKind& kind, double reach);
   /// Undoes the last call of hide_from(), which must have had the same row and kind and must not have been
   /// undone yet.
@@ -37,7 +38,8 @@ class Blinkers {
   /// allowed.
   void check_targets(const BodyType::Device& device, std::span<const Effect> emitted) const;
 
-  /// Copies the state before an effect is applied.
+  /// Call this before an effect is applied: copies the state, and stores which bodies are in the tree of the
+  /// source or of the target of the effect. end_effect() compares with these data.
   void begin_effect(const Effect& effect);
   /// Throws a StepError if the effect that was applied since begin_effect() has changed the state of a body
   /// that the kind of the device does not declare to change (DeviceKind::scope): a body that neither before

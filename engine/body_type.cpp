@@ -97,7 +97,7 @@ void connect_supplies(const TypeSpec& spec, const Registry& registry, BodyType& 
       diagnostics.error(
           spec.parts[device.part].where,
           fmt::format(
-              "the power supplies \"{}\" and \"{}\" are on the same part: a part may have at most one",
+              "the power supplies \"{}\" and \"{}\" are on the same part: move one of them to another part",
               type.devices[*supplies[device.part]].name, device.name));
     supplies[device.part] = d;
   }
@@ -164,9 +164,10 @@ class TypeCompiler {
     for (std::size_t j = 0; j < spec_.joints.size(); ++j)
       if (spec_.joints[j].parent >= static_cast<std::int32_t>(j))
         diagnostics_.error(
-            where(), fmt::format("type \"{}\": the parent of joint \"{}\" must come before it in the list of "
-                                 "joints",
-                                 spec_.name, spec_.joints[j].name));
+            where(),
+            fmt::format("type \"{}\": joint \"{}\" is joint {} of the list (counted from 0), but its "
+                        "parent is joint {}: put the parent first",
+                        spec_.name, spec_.joints[j].name, j, spec_.joints[j].parent));
     for (const PartSpec& part : spec_.parts)
       if (part.joint < k_rigid || part.joint >= static_cast<std::int32_t>(spec_.joints.size()))
         diagnostics_.error(
@@ -210,8 +211,8 @@ class TypeCompiler {
     if (type_.pushable)
       diagnostics_.error(
           drive.where,
-          fmt::format("type \"{}\" has a drive and is pushable: only a type without a drive can be "
-                      "pushable",
+          fmt::format("type \"{}\" has a drive and is pushable, but robots push only bodies without a drive: "
+                      "remove the drive or \"pushable\"",
                       spec_.name));
   }
 
@@ -305,7 +306,7 @@ class TypeCompiler {
     const std::optional<std::size_t> drive = drive_of(spec_, type_, controller.part);
     if (kind->needs_drive && !type_.drive && !drive) {
       diagnostics_.error(controller.where,
-                         fmt::format("controller \"{}\" needs a drive, but type \"{}\" has none",
+                         fmt::format("controller \"{}\" needs a drive, but type \"{}\" has none: give it one",
                                      controller.kind, spec_.name));
       return;
     }
@@ -412,10 +413,10 @@ Result<ControllerKind::Prepared> prepare_controller(const ControllerKind& kind,
   if (!prepared) return prepared;
   for (std::size_t& s : prepared->devices) {
     if (s >= shown.size())  // a bug in the kind
-      return Error{
-          fmt::format("chose device {}, counted from 0, but the robot has only {} devices for it: this is an "
-                      "error in the code of the controller",
-                      s, shown.size())};
+      return Error{fmt::format(
+          "chose the device with index {}, but was given only {} devices (counted from 0): correct "
+          "the code of the controller",
+          s, shown.size())};
     s = shown[s];
   }
   if (kind.bind_world)

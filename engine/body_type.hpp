@@ -170,10 +170,10 @@ Result<DeviceKind::Prepared> prepare_device(const DeviceKind& kind, const Device
                                             const WorldSpec& world, const TypeSpec& spec);
 
 /// Compiles a controller: calls the hooks prepare and bind_world of its kind. The kind chooses among the
-/// devices that are on the part of the controller and on the parts mounted on that part, directly or through
-/// other parts, except drives. In the result, ControllerKind::Prepared::devices are indices into
-/// BodyType::devices. The error says what the controller lacks, or which exception its kind threw; no
-/// exception propagates.
+/// devices on the part of the controller and on the parts mounted on that part, directly or through other
+/// parts; drive devices (DeviceKind::drives) are not offered. In the result,
+/// ControllerKind::Prepared::devices are indices into BodyType::devices. The error says what the controller
+/// lacks, or which exception its kind threw; no exception propagates.
 ///
 /// spec, type: the type, and the same type with compiled devices
 /// claimed: one entry for each device of the type; true: reserved by an earlier controller. The function sets

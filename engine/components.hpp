@@ -14,8 +14,8 @@ namespace troupe::engine {
 struct Carried {
   std::uint32_t carrier = 0;  ///< id of the carrier plus 1; 0: the body is not carried
   std::uint32_t joint = 0;    ///< index of the carrier's joint that holds the body, plus 1; 0: none
-  /// Pose of the carried body, m and rad, in the body frame of the carrier. If `joint` is not 0, it is the
-  /// pose that the carried body would have with that joint at rest: the carried body moves with the joint.
+  /// Pose of the carried body, m and rad, in the body frame of the carrier. If `joint` is not 0, the carried
+  /// body moves with that joint, and `pose` is the pose that the body would have with the joint at rest.
   Pose pose;
 };
 

@@ -52,7 +52,10 @@ inline double value_of(const std::atomic<std::uint64_t>& most) {
 }
 
 /// Number of poses at which a motion is tested (class Conflicts, `samples`): `displacement` divided by a
-/// quarter of `thinnest`, both in m, rounded up, from 1 to a million.
+/// quarter of `thinnest`, rounded up, from 1 to a million.
+///
+/// displacement: upper bound on the motion of any vertex of the body, m
+/// thinnest: width of the body's thinnest part, m
 inline std::size_t motion_samples(double displacement, double thinnest) {
   const double samples = displacement / (0.25 * thinnest);
   constexpr double k_most = 1e6;  // a very thin body at a very high speed must not stall the step
@@ -124,7 +127,7 @@ inline std::pair<std::size_t, std::size_t> samples_near(Mover& mover, const Vec2
 /// The resolution of the motions of one tick. All threads share one object. Conflicts::resolve() calls
 /// bound_motions() for all rows, finish_bounds() once, propose_and_check() for each row in the spatial index,
 /// and then next_round() and, for each waiting row, resolve_waiting(), until no row waits. Threads may call
-/// functions with arguments at the same time, for different rows.
+/// the functions that take rows at the same time, for different rows.
 class Conflicts::Resolver {
  public:
   Resolver(Conflicts& conflicts, const Crowd& crowd, const partition::StaticScene& scene,
@@ -136,8 +139,9 @@ class Conflicts::Resolver {
         round_(conflicts.base_ + 1),
         mixture_(mix(crowd.seed, crowd.tick)) {}
 
-  /// Called before the first round, for the rows [first, last): finds the longest motions, and lists the far
-  /// ones (k_far_m). Their length determines how far to search for neighbours.
+  /// Called before the first round, for the rows [first, last): finds the longest motion, and lists the far
+  /// motions (k_far_m). The length of the longest motion that is not on the list determines how far to search
+  /// for neighbours.
   void bound_motions(std::size_t first, std::size_t last) {
     double longest2 = 0;
     for (std::size_t row = first; row < last; ++row) {
@@ -235,8 +239,8 @@ class Conflicts::Resolver {
   // ---- Only if the world has pushable bodies: engine/pushing.cpp. The *zone* of a row is a circle that
   // contains everything that its motion could touch or push (class Conflicts, `source`).
 
-  /// Called before find_zone(), for the rows [first, last): finds the radius of their largest zone. It
-  /// determines how far to search for overlapping zones.
+  /// Called before find_zone(), for the rows [first, last): finds the radius of the largest of their zones.
+  /// The largest radius of all rows determines how far to search for overlapping zones.
   void bound_zones(std::size_t first, std::size_t last);
   /// Sets the kind of the row's zone: Zone::pushes if the row can push and a pushable body is in the zone,
   /// otherwise Zone::plain.

@@ -6,6 +6,7 @@
 #include <limits>
 #include <memory>
 #include <span>
+#include <stdexcept>
 #include <utility>
 
 namespace troupe::engine {
@@ -48,7 +49,7 @@ void Conflicts::forget() {
 }
 
 void Conflicts::resolve(const Crowd& crowd, const partition::StaticScene& scene,
-                        const partition::BodyIndex& index, partition::Parallel& parallel) {
+                        const partition::BodyIndex& index, partition::Parallel& parallel, Border* border) {
   const std::size_t rows = crowd.motions.size();
   for (const Push& push : pushes()) pushed_last_[push.row] = 0;
   push_count_ = 0;
@@ -68,7 +69,8 @@ void Conflicts::resolve(const Crowd& crowd, const partition::StaticScene& scene,
   for_each(rows, 16 * k_batch,
            [&](std::size_t first, std::size_t last) { resolver.bound_motions(first, last); });
   resolver.finish_bounds();
-  const std::span<const std::uint32_t> order = index.order();
+  const std::span<const std::uint32_t> order =
+      border ? border->begin(crowd.motions, index.order()) : index.order();
   if (crowd.pushables.any()) {
     for_each(rows, 16 * k_batch,
              [&](std::size_t first, std::size_t last) { resolver.bound_zones(first, last); });
@@ -88,16 +90,47 @@ void Conflicts::resolve(const Crowd& crowd, const partition::StaticScene& scene,
       for (std::size_t i = first; i < last; ++i) resolver.propose_and_check(order[i]);
     });
   }
-  while (const std::size_t waiting = resolver.next_round()) {
-    for_each(waiting, 4 * k_batch, [&](std::size_t first, std::size_t last) {
-      for (std::size_t i = first; i < last; ++i) resolver.resolve_waiting(waiting_[i]);
-    });
-    std::swap(waiting_, still_waiting_);
+  if (border) {
+    finish_with(*border, resolver, parallel);
+  } else {
+    while (const std::size_t waiting = resolver.next_round()) {
+      for_each(waiting, 4 * k_batch, [&](std::size_t first, std::size_t last) {
+        for (std::size_t i = first; i < last; ++i) resolver.resolve_waiting(waiting_[i]);
+      });
+      std::swap(waiting_, still_waiting_);
+    }
   }
   rounds_ = resolver.round() - base_ - 1;
   push_count_ = resolver.push_count();
   for (const Push& push : pushes())
     longest_ = std::max(longest_, (push.position - crowd.transforms[push.row].position).norm());
+}
+
+/// The rounds after the first, with ghosts. A row that depends on a ghost waits until the rank that owns the
+/// ghost has sent its outcome. The mover of highest priority among all movers that wait on any rank depends
+/// only on resolved ones, so its rank resolves it as soon as it knows their outcomes: the exchanges end.
+void Conflicts::finish_with(Border& border, Resolver& resolver, partition::Parallel& parallel) {
+  std::size_t waiting = resolver.next_round();
+  bool has_ghosts_left = true;
+  while (waiting > 0 || has_ghosts_left) {
+    const std::size_t before = waiting;
+    if (waiting > 0) {
+      constexpr std::size_t k_task = 4 * k_batch;
+      parallel.for_each((waiting + k_task - 1) / k_task, [&](std::size_t b) {
+        for (std::size_t i = b * k_task; i < std::min(waiting, (b + 1) * k_task); ++i)
+          resolver.resolve_waiting(waiting_[i]);
+      });
+      std::swap(waiting_, still_waiting_);
+      waiting = resolver.next_round();
+    }
+    if (waiting > 0 && waiting < before) continue;
+    if (!has_ghosts_left && waiting > 0)
+      throw std::logic_error(
+          "internal error: motions depend on one another in a circle; this is no error of your input: please "
+          "report it");
+    received_round_ = resolver.round() - base_ - 1;
+    if (has_ghosts_left) has_ghosts_left = border.exchange(*this);
+  }
 }
 
 }  // namespace troupe::engine

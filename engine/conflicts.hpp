@@ -17,7 +17,7 @@ namespace troupe::engine {
 /// meaning.
 struct Motion {
   Pose to;             ///< proposed pose, world frame
-  Rotation rotation;   ///< rotation by the heading of `to`, which must be set in addition to `to`
+  Rotation rotation;   ///< rotation by the heading of `to`; must be set in addition to `to`
   double turn = 0;     ///< change of the heading, counter-clockwise, rad; not wrapped
   bool moves = false;  ///< false: the body proposes no motion
 
@@ -126,19 +126,44 @@ class Conflicts {
     out_of_bounds,  ///< the body stays at its old pose, because the motion would end outside Crowd::bounds
   };
 
+  /// The connection to the other ranks, if several ranks (threads or processes that compute a world together)
+  /// resolve the motions of one tick. Each rank resolves its own rows, and has a copy (a *ghost*) of each row
+  /// of another rank that could block or be blocked by one of its own.
+  class Border {
+   public:
+    virtual ~Border() = default;
+    /// Called first. Returns those rows of `order` that this rank resolves; all other rows are ghosts.
+    ///
+    /// motions: the proposed motions, one per row
+    /// order: all rows in the spatial index
+    virtual std::span<const std::uint32_t> begin(std::span<const Motion> motions,
+                                                 std::span<const std::uint32_t> order) = 0;
+    /// Called when this rank can resolve no row before it knows more outcomes of ghosts, and finally when it
+    /// has resolved all its rows. Sends outcome() of its rows to the ranks that have ghosts of them, and
+    /// passes the outcomes of ghosts that it receives to receive(). Returns false if the outcomes of all
+    /// ghosts are known and those of all own rows were sent.
+    virtual bool exchange(Conflicts& conflicts) = 0;
+  };
+
   /// Resolves all motions of a tick, on the threads of `parallel`. The index must contain the rows with their
   /// old poses. Rows that it does not contain, such as those of dead bodies, must propose no motion; they do
-  /// not block other bodies. The poses in `crowd` do not change: the caller applies the outcomes and
-  /// pushes().
+  /// not block other bodies. This function does not change the poses in `crowd`: the caller does so
+  /// afterwards, according to outcome() and pushes().
+  ///
+  /// border: the connection to the other ranks, if `crowd` has ghosts; the crowd must then have no pushable
+  /// bodies
   void resolve(const Crowd& crowd, const partition::StaticScene& scene, const partition::BodyIndex& index,
-               partition::Parallel& parallel);
+               partition::Parallel& parallel, Border* border = nullptr);
+  /// Stores the outcome of the motion of a ghost. Border::exchange() calls this for each outcome that it
+  /// receives.
+  void receive(std::uint32_t row, Outcome outcome) { resolutions_[row] = {base_ + received_round_, outcome}; }
 
-  /// Overwrites with junk all data of earlier ticks, which the next resolution must not read. Tests call this
-  /// to show that no outcome depends on these data. Afterwards, and until the next resolution, outcomes and
-  /// longest() have no meaning, and there are no pushes.
+  /// Overwrites all data of earlier ticks with junk. Tests call this to show that no outcome of the next
+  /// resolution depends on these data. Afterwards, and until the next resolution, outcomes and longest() have
+  /// no meaning, and there are no pushes.
   void forget();
 
-  /// Outcome of a row in the last resolution, of which it must have been a row.
+  /// Outcome of a row in the last resolution. The row must have been one of the rows of that resolution.
   Outcome outcome(std::size_t row) const {
     return resolutions_[row].round() > base_ ? resolutions_[row].outcome() : Outcome::stands;
   }
@@ -197,12 +222,14 @@ class Conflicts {
   static constexpr std::size_t k_max_far = 64;
 
   void reserve(std::size_t rows, const Pushables& pushables);
+  void finish_with(Border& border, Resolver& resolver, partition::Parallel& parallel);
 
   // One per row. The count of rounds continues from tick to tick, so entries of earlier ticks need not be
   // cleared: their rounds do not exceed base_.
   std::vector<Resolution> resolutions_;
   std::uint32_t base_ = 0;
   std::uint64_t rounds_ = 0;
+  std::uint32_t received_round_ = 0;  // round, counted from base_, to which the outcomes of ghosts belong
   double longest_ = 0;
 
   // Lists to which threads append in any order. No outcome depends on that order. Unused if no body waits.

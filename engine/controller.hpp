@@ -108,8 +108,8 @@ Result<std::vector<std::size_t>> choose(C& controller, std::span<const DeviceInf
         std::size_t d = 0;
         while (d < devices.size() && (devices[d].kind != kind || std::ranges::count(chosen, d) > 0)) ++d;
         if (d == devices.size())
-          return Error{(chosen.empty() ? "needs a device of kind " : "needs one more device of kind ") +
-                       std::string(kind)};
+          return Error{(chosen.empty() ? "needs a device of kind \"" : "needs one more device of kind \"") +
+                       std::string(kind) + "\""};
         chosen.push_back(d);
       }
     } else {
@@ -194,10 +194,10 @@ std::vector<StateField> memory_fields() {
   }
 }
 
-/// Makes a controller kind, which engine/kinds.hpp describes, from a class C. One object of C serves all
-/// robots of a type. Several threads call it at once, each for other robots, and so it must not change
-/// itself. Data that a robot keeps from one decision to the next belong in Memory. `name` and `text` must
-/// live as long as the kind. C must be copyable. It has
+/// Makes a controller kind (ControllerKind in engine/kinds.hpp) from a class C. One object of C serves all
+/// robots of a type. Several threads call this object at once, each for other robots, so its operator() must
+/// not change it. Data that a robot keeps from one decision to the next belong in Memory. `name` and `text`
+/// must live as long as the kind. C must be copyable. It has
 ///
 ///     void operator()([Memory&,] const Percept&, Random&, Actions&) const;  // for one robot, or
 ///     void operator()(const DecideBatch&) const;                            // for a batch of robots

@@ -77,7 +77,7 @@ std::string finding_text(const World& world, const ControllerFinding& finding);
 /// Not thread-safe: call its functions between steps only. At most one check per world at a time.
 class ControllerCheck {
  public:
-  using Finding = ControllerFinding;  ///< a short name for the result of a check
+  using Finding = ControllerFinding;  ///< a short name for ControllerFinding
 
   /// Sets the callback World::on_decide() of the world, which the destructor removes again. `registry` must
   /// be the registry of the world, or have the same kinds. World and registry must outlive the check. Throws

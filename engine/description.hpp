@@ -23,7 +23,8 @@
 #include <vector>
 
 /// A struct, such as the parameters of a kind (a sort of sensor, drive or controller), describes its members
-/// once, in a function `describe` that fills a FieldTable. Parsing, validation and storage use this table:
+/// once, in a function `describe` that fills a FieldTable. Parsing, validation and storage use this table.
+/// Example:
 ///
 ///     enum class Law : std::uint8_t { disc, walls };
 ///     constexpr std::array<std::string_view, 2> names_of(Law) { return {"disc", "walls"}; }
@@ -58,7 +59,7 @@
 ///           numbers; Color, std::vector<Color>; Id; Pose and any other described struct (a record),
 ///           std::vector of described structs (records); std::optional of any of these except std::vector of
 ///           described structs; std::vector of Eigen vectors, and of such lists (numbers in lists of lists);
-///           Record (a record whose table the reader of the struct knows)
+///           Record (a record of a table that only the reader of the struct knows)
 /// defaults  A member has the default that it has in T{}. A `required` member has no default. A std::optional
 ///           has no default either, but may be missing, and must be empty in T{}.
 /// limits    A member has the limits that its description gives, and never wider ones than those of its type.
@@ -168,11 +169,11 @@ inline constexpr Fact is_appearance{Fact::Kind::appearance};
 struct MemberType {
   FieldType type = FieldType::number;  ///< type of the field that describes such a member
   std::size_t columns = 0;             ///< length of a fixed array; 0: not a fixed array
-  /// Smallest value of the type of a single number, or of the elements of a fixed array of integers.
+  /// Smallest value that a number of this type, or an element of a fixed array of integers, can have.
   /// -infinity for double, for integers of 64 bits, for arrays of floating-point numbers, and for all types
   /// without numbers or with a variable number of them.
   double min = -std::numeric_limits<double>::infinity();
-  /// Largest value of the type, in the same cases as `min`; otherwise infinity.
+  /// Largest such value, where `min` is finite; otherwise infinity.
   double max = std::numeric_limits<double>::infinity();
   bool optional = false;     ///< whether the member is a std::optional
   bool is_unsigned = false;  ///< true: std::uint64_t; a Value stores its bits in a std::int64_t
@@ -185,7 +186,7 @@ struct MemberType {
   Value (*get)(const void* member) = nullptr;
   /// Sets a member to a value. Throws std::bad_variant_access if the value has another type, and
   /// std::invalid_argument if the member cannot hold it, such as a number that is too large for an integer
-  /// type. Does not check `min` and `max` otherwise. Null if `table` is not null.
+  /// type. The limits of floating-point types are not checked. Null if `table` is not null.
   void (*set)(void* member, const Value& value) = nullptr;
   /// If `table` or `each` is not null: access to the structs or inner lists that a member holds. A member
   /// that is a struct holds one (itself), a std::optional holds none or one, and a list holds any number.
@@ -269,11 +270,13 @@ struct Pointed<M C::*> {
 };
 
 Value numbers_value(const double* numbers, std::size_t count);
-/// The numbers of a value, valid as long as the value. Throws std::bad_variant_access if it has another type,
-/// and std::invalid_argument if it has not exactly `count` numbers.
+/// The numbers of a value that is a list of numbers; valid as long as the value. Throws
+/// std::bad_variant_access if the value has another type, and std::invalid_argument if it does not have
+/// exactly `count` numbers.
 std::span<const double> numbers_of(const Value& value, std::size_t count);
 std::int64_t integer_of(const Value& value, std::int64_t least, std::int64_t most);
-/// Throws std::invalid_argument if a number of a list is not an integer from `least` to `most`.
+/// Throws std::invalid_argument if `number` is not an integer from `least` to `most`. Used for each element
+/// of an array of integers.
 void check_integer(double number, std::int64_t least, std::uint64_t most);
 std::size_t choice_of(const Value& value, std::span<const std::string_view> choices);
 Value color_value(const Color& color);
@@ -523,14 +526,15 @@ void add_part(FieldTable& table, const FieldTable& part, const void* object, con
 
 }  // namespace detail
 
-/// The argument of `describe`, which calls its functions once for each member of T: see the top of this file.
+/// The argument of the function `describe` of a struct T (see the top of this file). For each member of T,
+/// `describe` calls one of the functions member(), part(), derived() and apart().
 template <class T>
 class Description {
  public:
   /// A description that only counts the described members, for use in constant expressions.
   constexpr Description() = default;
   /// A description that appends a field to `table` for each described member. `example` is T{}, whose values
-  /// become the defaults. Both must outlive the description.
+  /// become the defaults. `table` and `example` must outlive the description.
   constexpr Description(FieldTable& table, const T& example) : table_(&table), example_(&example) {}
 
   /// Describes a member as a field. The text `name` must be unique in the struct, and must live as long as
@@ -578,8 +582,8 @@ class Description {
   constexpr std::size_t members() const { return count_; }
   /// Whether any member was described more than once.
   constexpr bool repeats() const { return repeats_; }
-  /// Whether a struct that is state may have all members described so far: each is a number or bool of a type
-  /// listed at Element (std::int16_t, for example, is not), or an array of these.
+  /// Whether all members described so far may be members of a struct that is state: each is a number or bool
+  /// of a type listed at Element (std::int16_t, for example, is not), or an array of these.
   constexpr bool is_state() const { return is_state_; }
 
  private:
@@ -650,10 +654,16 @@ Record record_of(const FieldTable& table, const void* object);
 /// Sets the members of the struct at `object` from a record of its table. Members for which the record has no
 /// value (Value::given()) keep their values. A list of structs, and a std::optional struct, is replaced as a
 /// whole: in each new struct, members without a value have their defaults. Limits of the table are not
-/// checked. Throws std::bad_variant_access if a value has another type than its member, std::invalid_argument
-/// if a member cannot hold its value, and std::logic_error if the record gives a value for a field without
-/// access (Description::apart()). After an exception, the members before the one with the error are set. Only
-/// the last of these exceptions is possible with a record that a reader has checked against the table.
+/// checked. Throws
+/// - std::bad_variant_access if a value has another type than its member, and for each value of a list of
+///   lists of numbers (MemberType::each), which this function cannot set;
+/// - std::invalid_argument if a member cannot hold its value;
+/// - std::logic_error if the record gives a value for a field without access (Description::apart()).
+///
+/// After an exception, the members before the one with the error are set. In a record that a reader has
+/// checked against the table, each value has the type and the limits of its field. The first two exceptions
+/// are then possible only for a list of lists of numbers, and for a fixed array of integers: readers do not
+/// check that its numbers are integers of the type of its elements.
 void fill(const FieldTable& table, void* object, const Record& record);
 
 /// Returns the value of one member of the struct at `object`. For an empty std::optional, Value::given() is

@@ -34,8 +34,9 @@ DeviceKind::Prepared prepare_device(const Record& record, const Pose& pose_body_
 
 /// Makes the kind of a sensor, or of another device, from a class C. A kind is a table of functions, its
 /// hooks (DeviceKind in engine/kinds.hpp has their contracts). The hooks call the members of C with the same
-/// names; their argument `data` contains a C. One object of C serves all bodies of a type, and several
-/// threads call it at once. C must be copyable. `name` and `text` must live as long as the kind. C may have
+/// names; their argument `data` contains a C. Each device of a body type has one object of C, which serves
+/// all bodies of the type, and several threads call this object at once. C must be copyable. `name` and
+/// `text` must live as long as the kind. C may have
 ///
 ///     struct Params { ...; describe };            // its parameters; default: none
 ///     struct State { ...; describe };             // its state (percepts), one struct per body

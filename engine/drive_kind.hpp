@@ -15,8 +15,8 @@ namespace troupe::engine {
 ///     struct Params { ...; describe };         // its parameters (engine/description.hpp)
 ///     void drive(const DriveBatch&) const;     // DriveKind::drive
 ///
-/// and may have the other hooks of DriveKind, as members of D. If D lacks start, localization or pushes, that
-/// hook is null:
+/// and may have the following members for the other hooks of DriveKind. If D lacks start, localization or
+/// pushes, the hook of that name is null.
 ///
 ///     static D make(const Params&);            // makes the object; default: D{params}
 ///     static Result<> check(const Params&);    // default: reports no error

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <stdexcept>
+#include <string>
 #include <tuple>
 
 namespace troupe::engine {
@@ -16,7 +17,8 @@ void Effects::emit(const Effect& effect) {
   const std::size_t at = count_.fetch_add(1, std::memory_order_relaxed);
   if (at >= most_)
     throw std::length_error(
-        "a device emitted more effects in a tick than its kind declares: declare more "
+        "the devices emitted more than " + std::to_string(most_) +
+        " effects in a tick, the number that their kinds declare: declare more in the kind "
         "(DeviceKind::Prepared::most_effects)");
   effects_[at] = effect;
 }

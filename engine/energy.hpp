@@ -14,7 +14,7 @@ struct Energy {
   double received_j = 0;    ///< received from other bodies, by contact
   double given_j = 0;       ///< given to other bodies, by contact
   bool infinite = false;    ///< true: the supply never becomes empty; stored_j stays 0
-  bool charging = false;    ///< whether it received energy in the last tick
+  bool charging = false;    ///< whether the device received energy in the last tick
 
   /// Stored energy as a fraction of the capacity, 0 to 1: 1 if `infinite`, otherwise 0 if the capacity is 0.
   double proportion_remaining() const {

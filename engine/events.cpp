@@ -9,9 +9,9 @@ namespace troupe::engine {
 std::span<const EventKind> event_kinds() {
   using enum EventType;
   static constexpr std::array<EventKind, 10> kinds{{
-      {stall_ends, "stall_ends", "after blocked motions, the robot moved or had no command to move"},
+      {stall_ends, "stall_ends", "after blocked motions, the robot moved, had no command to move, or died"},
       {held_ends, "held_ends",
-       "after motions that were out of bounds, the robot moved or had no command to move"},
+       "after motions that were out of bounds, the robot moved, had no command to move, or died"},
       {stall_begins, "stall_begins", "the motion of the robot was blocked: something was in its way"},
       {held_begins, "held_begins",
        "the motion of the robot would have left the bounds of the world, so it stayed in place"},

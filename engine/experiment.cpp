@@ -209,9 +209,12 @@ void World::build_intervention(Experiment::Intervention& intervention, const Reg
     } else {
       std::vector<std::string_view> known;
       for (const ReserveSpec& each : state_.spec.reserves) known.push_back(each.population);
-      error(known.empty() ? fmt::format("no body can be added to \"{}\": no population has a \"reserve\"",
-                                        spec.whom.name)
-                          : unknown_name("population with a reserve", spec.whom.name, known));
+      error(known.empty()
+                ? fmt::format(
+                      "no body can be added to \"{}\": no population has a \"reserve\"; give this one a "
+                      "\"reserve\"",
+                      spec.whom.name)
+                : unknown_name("population with a reserve", spec.whom.name, known));
     }
     if (!spec.pose && !spec.region && !state_.spec.bounds)
       error("\"add\" needs \"region_m\" or \"pose\", because the world has no bounds");
@@ -219,8 +222,8 @@ void World::build_intervention(Experiment::Intervention& intervention, const Reg
   }
   intervention.whom = bodies_of(spec.whom, spec.where, diagnostics);
   if (spec.action == Action::move && !state_.bounds().contains(spec.pose->position()))
-    error(fmt::format("\"{}\" would be moved to x {}, y {} (m), outside the world's bounds", spec.whom.name,
-                      spec.pose->x, spec.pose->y));
+    error(fmt::format("\"{}\" would be moved to x {}, y {} (m), {}", spec.whom.name, spec.pose->x,
+                      spec.pose->y, outside_text(state_.bounds())));
 }
 
 Result<> World::build_setting(const SettingSpec& setting, const Registry& registry,
@@ -364,15 +367,21 @@ double World::speed_scale(Row row) const {
 }
 
 /// Applies the interventions and fault events that are due at the end of the last completed tick.
-/// Interventions come first, in the order of the file; fault events follow.
+/// Interventions come first, in the order of the file; fault events follow. If the rows are distributed among
+/// ranks, each rank applies them to its own rows and to its ghosts.
 void World::intervene() {
   Experiment& e = experiment_;
   bool is_other_crowd = false;
-  while (e.next < e.interventions.size() && e.interventions[e.next].tick <= state_.now.tick)
-    is_other_crowd = carry_out(e.interventions[e.next++]) || is_other_crowd;
+  bool has_moved = false;
+  while (e.next < e.interventions.size() && e.interventions[e.next].tick <= state_.now.tick) {
+    Experiment::Intervention& due = e.interventions[e.next++];
+    is_other_crowd = carry_out(due) || is_other_crowd;
+    has_moved = has_moved || state_.spec.experiment.at[due.spec].action == Action::move;
+  }
   while (!e.fault_events.empty() && e.fault_events.front().tick <= state_.now.tick)
     apply_fault_event(take_fault_event());
   find_due();
+  if (has_moved && replica_ != nullptr) replica_->follow_jumps();
   if (!is_other_crowd) return;
   movement_.count_stalls();
   index_bodies();
@@ -388,22 +397,33 @@ bool World::carry_out(Experiment::Intervention& intervention) {
   }
   if (spec.action == Action::add) return add(intervention);
   if (spec.action == Action::move) {
+    if (location(intervention.whom.front()) != RowLocation::here) return false;
     const Placed placed{row(intervention.whom.front()), *spec.pose};
     if (is_there(placed.row) && !carrier(placed.row)) set_poses({&placed, 1});
     return false;
   }
   const auto is_disabled = [&](Row row) { return (state_.condition(row).out & Condition::k_disabled) != 0; };
+  // What happens to a body may depend on bodies that only other ranks have. Every rank counts all deaths.
+  const bool needs_all = spec.whom.count || spec.whom.share || spec.action == Action::remove;
   experiment_.candidates.clear();
   for (const BodyId id : intervention.whom) {
+    if (location(id) != RowLocation::here) continue;
     const Row row = this->row(id);
     if (!is_there(row)) continue;
+    if (needs_all && row.index() >= state_.own_rows) continue;  // its owner sends it to this rank
     if (spec.action != Action::remove && is_disabled(row) != (spec.action == Action::enable)) continue;
     const Random random(state_.spec.seed, intervention.stream, id.value,
                         static_cast<std::uint32_t>(state_.now.tick));
     experiment_.candidates.push_back({key_of(random), id});
   }
+  if (needs_all && replica_ != nullptr) replica_->add_candidates(experiment_.candidates);
   const std::span<const Experiment::Candidate> chosen = choose(spec.whom);
   for (const Experiment::Candidate& candidate : chosen) {
+    if (location(candidate.body) != RowLocation::here) {
+      const BodyType& type = state_.types[state_.spec.bodies[candidate.body.index()].type.index()];
+      if (spec.action == Action::remove) robots_ -= type.drive.has_value();
+      continue;
+    }
     if (spec.action == Action::remove) {
       die(row(candidate.body));
       continue;
@@ -498,6 +518,17 @@ void World::swap_settings_back(std::size_t count) {
   while (count > 0)
     if (Experiment::Intervention& done = experiment_.interventions[--count]; is_setting(done))
       swap_setting(done);
+}
+
+double World::longest_reach() const {
+  double longest = 0;
+  for (const BodyType& type : state_.types)
+    for (const BodyType::Device& device : type.devices)
+      if (type.runs()) longest = std::max(longest, device.prepared.reach_m);
+  // The data of the parameters before or after the intervention: those that are not in force at present.
+  for (const Experiment::Intervention& each : experiment_.interventions)
+    if (is_setting(each)) longest = std::max(longest, each.device.reach_m);
+  return longest;
 }
 
 TypeSpec World::present_type(TypeId type) const {
@@ -599,6 +630,7 @@ Experiment::FaultEvent World::take_fault_event() {
 }
 
 void World::apply_fault_event(const Experiment::FaultEvent& event) {
+  if (location(event.body) != RowLocation::here) return;
   const Row row = this->row(event.body);
   if (!is_there(row)) return;
   const Impairment& impairment = experiment_.faults[event.fault].impairment;

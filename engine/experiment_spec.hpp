@@ -106,8 +106,8 @@ struct InterventionSpec {
   /// World frame, m and rad. For `move`, the new pose, within the bounds of the world; it must be set. For
   /// `add`, the pose of each new body; no further body is added once this pose is occupied.
   std::optional<Pose> pose;
-  /// For `add` without `pose`: box in which each new body gets a random free pose with z = 0, world frame, m;
-  /// not set: the bounds of the world, which must then have bounds. If a body finds no free pose in 1000
+  /// For `add` without `pose`: box in which each new body gets a random free pose with z = 0, world frame, m.
+  /// Not set: the box WorldSpec::bounds, which the world must then have. If a body finds no free pose in 1000
   /// trials, it and the remaining bodies are not added.
   std::optional<Box> region;
   std::optional<SettingSpec> setting;  ///< for `set`: the new parameters; `whom` is then unused
@@ -130,7 +130,7 @@ struct FaultSpec {
   Where where;                          ///< file position, for messages
 };
 
-/// The experiment of a world.
+/// The experiment of a world: when its runs end, and what changes the world during a run.
 struct ExperimentSpec {
   std::vector<StopSpec> stop_when;   ///< the run ends after the first tick at which one of these is true
   std::vector<InterventionSpec> at;  ///< interventions, in any order of time

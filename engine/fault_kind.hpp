@@ -27,12 +27,13 @@ struct Impairment {
   double lasts_s = 0;
 };
 
-/// The number of devices of a type that can fail: the number of bits of Impairment::dead. Devices with higher
-/// indices never fail.
+/// The number of devices of a type that can fail: the number of bits of Impairment::dead. Devices with an
+/// index of 32 or more never fail.
 inline constexpr std::size_t k_most_fallible = 32;
 
-/// A kind of fault. It defines only the effect of the fault on a body. The world decides which robots fail
-/// and when. As long as no robot is impaired, faults take no extra computing time.
+/// A kind of fault. It defines the effect of the fault on a body, and how often the fault occurs and how long
+/// it lasts (Impairment). The world selects the robots that may fail, and draws the random times. As long as
+/// no robot is impaired, faults take no extra computing time.
 struct FaultKind {
   std::string_view name;  ///< name in files; unique in the registry
   std::string_view text;  ///< one sentence for `troupe describe`; the strings must live as long as the kind

@@ -161,8 +161,9 @@ struct FieldTable {
 
   /// Index of the field with this name; -1 if there is none.
   int find(std::string_view name) const;
-  /// A record of the default values. It has no values (Value::given() is false) for fields without a default:
-  /// required and optional ones. A field of type record without a default has the record of its own defaults.
+  /// A record of the default values. For fields without a default (required and optional ones) it has no
+  /// value: Value::given() is false. There is one exception: for a field of type record that is neither
+  /// optional nor has a default, it has the defaults() of the table Field::record.
   Record defaults() const;
 };
 
@@ -177,8 +178,8 @@ struct UnitSuffix {
 /// strings. The list has static storage.
 std::span<const UnitSuffix> unit_suffixes(Unit unit);
 
-/// The value of the field with this name in a record of the table, which must have the field; this is not
-/// checked.
+/// The value of the field with this name in a record of the table. The table must have the field, which is
+/// not checked.
 inline const Value& get(const FieldTable& table, const Record& record, std::string_view name) {
   return record[static_cast<std::size_t>(table.find(name))];
 }

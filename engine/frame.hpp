@@ -104,7 +104,7 @@ struct FrameBlob {
 
 /// A line between two related points, world frame, m.
 struct FrameTie {
-  /// The relation.
+  /// The relation between the two points.
   enum class Kind : std::uint8_t {
     carries,      ///< from the origin of a carrier to that of a body that it carries
     holds,        ///< from a gripper to the origin of the body that it holds

@@ -250,9 +250,10 @@ struct DeviceKind {
   };
   /// The data that `sense` and `act` read of other bodies, in addition to the places of these bodies
   /// (SensingView). Each name is one of the k_..._of_others above, `KIND` for the states of devices of a
-  /// kind, `KIND/command` for the commands to devices of a kind, or the name of a field for the states of
-  /// all devices whose first field has this name. If several ranks compute a world, these data are sent to
-  /// all ranks. Tests detect kinds that read other data with World::hide_beyond_reach().
+  /// kind, `KIND/command` for the commands to devices of a kind, or the name of a field for the states of all
+  /// devices whose first field has this name. If several ranks (threads or processes) compute a world
+  /// together, they send one another these data. Tests detect kinds that read other data with
+  /// World::hide_beyond_reach().
   std::vector<std::string_view> reads;
   /// The bodies that `apply` may change. Tests detect kinds that change other bodies with
   /// World::hide_beyond_reach().
@@ -278,7 +279,9 @@ struct DeviceKind {
     /// rarely searches far sets a smaller value, because a large one makes the cells coarse for all other
     /// devices.
     std::optional<double> cell_hint_m = {};
-    std::size_t beams = 0;  ///< number of rays that the device casts each time it runs
+    /// Number of rays that the device casts each time it runs. It only counts towards the limit of 10 million
+    /// rays for all devices of all types of a world.
+    std::size_t beams = 0;
     /// Largest number of effects that a row may emit in a tick, requested births and deaths included.
     std::size_t most_effects = 0;
     bool ends_lives = false;  ///< whether it may emit deaths: emit_death()
@@ -317,8 +320,8 @@ struct DeviceKind {
   /// Called in the phase `sense`: writes the percepts of every row of the batch. The hook must read only the
   /// state at the end of the last tick. Returns the number of rays cast. Null: the device senses nothing.
   std::uint64_t (*sense)(const SenseBatch& batch) = nullptr;
-  /// Called together with the drives, before the controllers decide: executes the commands of the previous
-  /// tick. Null: the device has no actions.
+  /// Called in the phase `actuate`, in which the drives also run, before the controllers decide: executes the
+  /// commands of the previous tick. Null: the device has no actions.
   void (*act)(const DeviceBatch& batch) = nullptr;
   /// Called after bodies and joints have moved, if any joint of the world had a goal in this tick, for all
   /// devices of the kind that move joints and whose bodies are in the world. The hook can then read with
@@ -356,7 +359,7 @@ struct DeviceKind {
   /// FrameLayer::none.
   void (*draw)(const DeviceView& view, Frame& frame) = nullptr;
 
-  /// True if the device only senses.
+  /// True if the device only senses: the kind has none of the hooks act, apply and born.
   bool is_sensor() const { return act == nullptr && apply == nullptr && born == nullptr; }
 };
 
@@ -534,7 +537,7 @@ struct DecideBatch {
   /// The rows of one state table of the type. The table has one row per robot of the type, indexed by slot.
   struct Rows {
     std::byte* first = nullptr;  ///< slot 0; null: there is no such table
-    std::size_t row_bytes = 0;   ///< stride from one slot to the next
+    std::size_t row_bytes = 0;   ///< distance from one slot to the next, bytes
 
     /// The row of a slot; null if there is no table.
     std::byte* of(std::size_t slot) const { return first == nullptr ? nullptr : first + slot * row_bytes; }
@@ -545,8 +548,8 @@ struct DecideBatch {
   std::array<std::uint32_t, k_most_devices_read> switches{};  ///< bits of the chosen devices in Command::off
   std::size_t devices = 0;                                    ///< number of chosen devices
   Rows memories;  ///< memory structs of the controller; without rows if its kind has no memory
-  /// Commands to the drive device (DeviceKind::drives) of the controller's part. Without rows if there is no
-  /// such device: the controller then commands the body's drive through `commands`.
+  /// Commands to the drive device that the controller commands (DeviceKind::drives). Without rows if there is
+  /// no such device: the controller then commands the body's drive through `commands`.
   Rows drive_commands = {};
   /// State of the drive device that `drive_commands` belongs to. It begins with the estimated pose of that
   /// drive. Null if there is no such device.
@@ -562,7 +565,8 @@ struct DecideBatch {
     if (drive_commands.first == nullptr) return commands[rows[i].index()];
     return *reinterpret_cast<Command*>(drive_commands.of(slot(i)));
   }
-  /// Estimated pose of robot i: that of the drive device of the controller's part, or else that of the body.
+  /// Estimated pose of robot i: that of the drive device which the controller commands or, if there is none,
+  /// that of the body.
   Pose estimate(std::size_t i) const {
     if (drive_state != nullptr) return drive_state->as<Pose>(slot(i));
     return estimates.of(rows[i], slots[rows[i].index()]);
@@ -610,9 +614,10 @@ struct ControllerKind {
   bool needs_drive = true;  ///< false: bodies without a drive may also have the controller
   bool switches = false;    ///< whether it may call Actions::switch_device()
   /// True: all robots of a type that decide in a tick are in one batch, in the order of their ids, and
-  /// `decide` is called on the thread that steps the world, after all other controllers; if several ranks
-  /// compute the world, on rank 0. The result may then depend on all robots of the batch. Controllers in
-  /// other languages use this, because each of their calls is slow.
+  /// `decide` is called on the thread that steps the world, after all other controllers. If several ranks
+  /// (threads or processes) compute the world together, `decide` is called on rank 0. The result may depend
+  /// on all robots of the batch. Controllers in other languages use this, because each of their calls is
+  /// slow.
   bool is_collective = false;
   /// Fields of the memory struct that the engine keeps for each robot; empty: the controller has no memory.
   std::vector<StateField> memory;
@@ -634,10 +639,10 @@ struct ControllerKind {
     std::vector<std::size_t> devices;
   };
   /// Compiles the parameters and chooses among `devices` those that the controller uses. `devices` are the
-  /// devices of the controller's part and of the parts mounted on that part, except drives. claimed[d] is
-  /// true if an earlier controller of the type has reserved devices[d] for itself; this function may set
-  /// further entries. The text of the error says what the type lacks and continues the words `controller
-  /// "NAME"`: for example, `needs a device of kind ranger`.
+  /// devices of the controller's part and of the parts mounted on that part, except drive devices
+  /// (DeviceKind::drives). claimed[d] is true if an earlier controller of the type has reserved devices[d]
+  /// for itself; this function may set further entries. The text of the error says what the type lacks and
+  /// continues the words `controller "NAME"`: for example, `needs a device of kind ranger`.
   Result<Prepared> (*prepare)(const Record& params, std::span<const DeviceInfo> devices,
                               std::vector<bool>& claimed);
   /// Called after each call of `prepare`: completes the data of the controller from the world, the type and
@@ -646,7 +651,9 @@ struct ControllerKind {
   /// not needed.
   Result<> (*bind_world)(std::any& data, const WorldSpec& world, const TypeSpec& type,
                          std::uint32_t part) = nullptr;
-  /// Kinds of devices that a Stage model with this controller carries although its file does not list them.
+  /// Kinds of devices that the controller needs and that Stage files do not declare, such as "flags". The
+  /// loader of Stage files adds a device of each of these kinds, with default parameters, to a model with
+  /// this controller that has none. Other loaders add none.
   std::vector<std::string_view> brings;
   /// Decides for all robots of the batch: sets their commands and memories. make_controller_kind() makes this
   /// hook from a function for one robot.

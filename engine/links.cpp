@@ -1,5 +1,6 @@
 #include "engine/links.hpp"
 
+#include "engine/finite.hpp"
 #include "engine/step_error.hpp"
 #include "partition/placed_shape.hpp"
 
@@ -21,10 +22,6 @@ constexpr std::size_t k_batch = 64;  // trees per task
 Pose between(const Pose& from, const Pose& to, double t) {
   return {from.x + t * (to.x - from.x), from.y + t * (to.y - from.y), from.z + t * (to.z - from.z),
           from.heading + t * (to.heading - from.heading)};
-}
-
-bool is_finite(const Pose& p) {
-  return std::isfinite(p.x) && std::isfinite(p.y) && std::isfinite(p.z) && std::isfinite(p.heading);
 }
 
 /// Capacity to reserve for the obstacle shape of a body together with the bodies that it carries directly.
@@ -547,9 +544,11 @@ const Pose& DeviceBatch::joint(std::size_t i, std::size_t n) const {
 }
 void DeviceBatch::move_joint(std::size_t i, std::size_t n, const Pose& to) const {
   if (!is_finite(to))
-    throw StepError(fmt::format(
-        "tick {}: a device of \"{}\" moves a joint to a pose that is not finite (DeviceBatch::move_joint)",
-        view.tick(), view.spec().name(body(i))));
+    throw StepError(
+        fmt::format("tick {}: a device of \"{}\" moves joint {} (counted from 0) to x {}, y {}, z {} (m), "
+                    "heading {} (rad): "
+                    "DeviceBatch::move_joint() needs finite numbers",
+                    view.tick(), view.spec().name(body(i)), n, to.x, to.y, to.z, to.heading));
   links.ask(rows[i], joint_index(*this, i, n), to);
 }
 bool DeviceBatch::asked_joint(std::size_t i, std::size_t n) const {

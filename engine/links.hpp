@@ -39,8 +39,8 @@ class Links {
   Links(const Links&) = delete;
   Links& operator=(const Links&) = delete;
 
-  /// Allocates the lists, after the rows of the state were made, and again after bodies have changed their
-  /// rows. The caller must then derive everything else with derive(), rest_joints() and reshape().
+  /// Allocates the lists. Call this after the rows of the state were made, and again after bodies have
+  /// changed their rows. Then call derive(), rest_joints() and reshape(), which compute all other data.
   void build();
   /// Computes all data that are derived from the state tables, except the shapes of trees, which reshape()
   /// computes.

@@ -1,4 +1,5 @@
 #include "base/fp_environment.hpp"
+#include "engine/finite.hpp"
 #include "engine/kind_errors.hpp"
 #include "engine/world.hpp"
 
@@ -10,13 +11,6 @@
 #include <stdexcept>
 
 namespace troupe::engine {
-namespace {
-
-bool is_finite(const Pose& p) {
-  return std::isfinite(p.x) && std::isfinite(p.y) && std::isfinite(p.z) && std::isfinite(p.heading);
-}
-
-}  // namespace
 
 void World::build_lives() {
   const auto ends_lives = [](const BodyType& type) {
@@ -169,8 +163,9 @@ void World::die(Row row) {
 void World::resolve_lives(std::span<const Effect> effects) {
   if (!state_.life_table)
     throw std::logic_error(
-        "a device requested a birth or a death, but no population of the world has a \"reserve\" for births, "
-        "and no kind of device declares that it removes bodies (DeviceKind::Prepared::ends_lives)");
+        "a device requested a birth, but no population of the world has a \"reserve\"; or it requested a "
+        "death, "
+        "but its kind does not set DeviceKind::Prepared::ends_lives in prepare()");
   for (const Effect& effect : effects)
     if (effect.verb == k_death && effect.target.index() < state_.rows.size() && row(effect.target).valid())
       die(row(effect.target));
@@ -194,8 +189,10 @@ Birth World::spawn(std::size_t reserve, const Pose& pose) {
   require_whole();
   restore_fp_environment();  // a library may have changed it, see World::step()
   if (!is_finite(pose))
-    throw std::invalid_argument(fmt::format("cannot spawn a body of \"{}\": the pose is not finite",
-                                            state_.spec.reserves[reserve].population));
+    throw std::invalid_argument(
+        fmt::format("a body of \"{}\" cannot be placed at x {}, y {}, z {} (m), heading {} (rad): the "
+                    "numbers must be finite",
+                    state_.spec.reserves[reserve].population, pose.x, pose.y, pose.z, pose.heading));
   touch();
   const Completion completion(*this);
   const Birth birth = give_birth(reserve, pose);

@@ -2,6 +2,8 @@
 
 #include "base/random.hpp"
 
+#include <string>
+
 namespace troupe::engine {
 namespace {
 
@@ -47,10 +49,12 @@ Pose Estimates::of(Row row, std::size_t slot) const {
 Result<Localization> LocalizationParams::read() const {
   const std::vector<double>& at = localization_origin;
   if (!at.empty() && at.size() != 2)
-    return Error{"localization_origin must have two numbers, [x, y], or none"};
+    return Error{"localization_origin must have two numbers, [x, y], or none, found " +
+                 std::to_string(at.size())};
   const std::vector<double>& error = odom_error;
   if (!error.empty() && error.size() != 3)
-    return Error{"odom_error must have three numbers, [forward, left, turn], or none"};
+    return Error{"odom_error must have three numbers, [forward, left, turn], or none, found " +
+                 std::to_string(error.size())};
   Localization how{.kind = localization, .along_new_heading = odom_heading == Heading::changed};
   if (!at.empty()) how.origin = Pose{at[0], at[1], 0, localization_origin_heading};
   if (!error.empty()) how.error = {error[0], error[1], error[2]};

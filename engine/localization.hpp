@@ -24,7 +24,7 @@ namespace troupe::engine {
 /// times 1 + error is added to the estimate, along the estimated heading. The estimate does not change if the
 /// motion is blocked or would end out of bounds, if the robot is carried, or if a program sets its pose. The
 /// frame of the estimate is `origin` if `origin` is set, otherwise the robot's pose at tick 0 or at its
-/// birth. The heading is not wrapped.
+/// birth. The heading is wrapped into [-pi, pi].
 ///
 /// In both cases, the z of the estimate is the true height, world frame.
 struct Localization {
@@ -110,7 +110,7 @@ struct LocalizationParams {
 struct Odometry {
   double x = 0;        ///< estimated x, m, in the frame of the estimate
   double y = 0;        ///< estimated y, m, in the frame of the estimate
-  double heading = 0;  ///< estimated heading, rad, in the frame of the estimate; not wrapped
+  double heading = 0;  ///< estimated heading, rad, in the frame of the estimate, from -pi to pi
 
   /// Adds the true motion of one tick, multiplied by 1 + `error`, to the estimate. The motion is in the body
   /// frame: x forward and y to the left, m, and turn, rad. It is added along the heading that

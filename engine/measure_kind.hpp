@@ -39,21 +39,23 @@ struct MeasureKind {
   Unit unit = Unit::none;       ///< SI unit of the values; MeasureSet adds it to the name of the column
   std::string_view text;        ///< description in one line
   std::string_view definition;  ///< exact definition, and its source
-  std::string_view formula;     ///< the definition as a formula, with n robots i at positions x_i
+  std::string_view formula;  ///< the definition as a formula, with n robots i at positions x_i; may be empty
   /// For an alias, the name of the original measure; otherwise empty. An alias is computed only if the user
   /// chooses it (is_usual()).
   std::string_view same_as;
   /// Whether code in another language, such as Python, computes the measure. The values of such a measure
-  /// need not have the same bits in every run, and MeasureSet passes on its exceptions unchanged.
+  /// need not have the same bits in every run. The constructor of MeasureSet reports a std::logic_error of
+  /// `make` in its diagnostics; all other exceptions of such a measure propagate unchanged.
   bool is_foreign = false;
   FieldTable params;  ///< table of the parameters of a measure of this kind
-  /// Whether the measure is computed if the user chooses no measures. It is if it is not an alias and all
-  /// its parameters have default values.
+  /// Whether the measure is computed if the user chooses no measures. True if it is not an alias and all its
+  /// parameters have default values.
   bool is_usual() const { return same_as.empty() && std::ranges::all_of(params.defaults(), &Value::given); }
   /// Makes a measure of the given robots, which are in order of ids; the list may be empty. A measure keeps
-  /// the ids, and asks World::row() for the row of a robot whenever it reads its data. The caller has checked
-  /// `params` against the table above. Throws std::length_error if the parameters need too much memory, and
-  /// std::invalid_argument if they name something that does not exist.
+  /// the ids, and asks World::row() for the row of a robot whenever it reads the data of the robot. The
+  /// caller has checked the argument `params` against the table MeasureKind::params. Throws std::length_error
+  /// if the parameters need too much memory, and std::invalid_argument if they name something that does not
+  /// exist.
   std::unique_ptr<Measure> (*make)(const World& world, const Record& params, std::vector<BodyId> robots);
 };
 

@@ -45,45 +45,49 @@ void see_all(World& world, const Parts& parts, const std::vector<std::string>& c
 }  // namespace
 
 MeasureSet::MeasureSet(World& world, const Registry& registry, std::span<const MeasureSpec> specs,
-                       Diagnostics& diagnostics)
+                       Diagnostics& diagnostics, std::span<const std::string> paths)
     : world_(world) {
   world.require_whole();
+  world.gather_distributed();
   for (const MeasureSpec& spec : specs) {
+    const auto error = [&](const std::string& message) {
+      const auto index = static_cast<std::size_t>(&spec - specs.data());
+      diagnostics.error(spec.where,
+                        index < paths.size() ? fmt::format("{}: {}", paths[index], message) : message);
+    };
     const auto found = registry.find_measure(spec.kind);
     if (!found) {
-      diagnostics.error(spec.where, found.error().text);
+      error(found.error().text);
       continue;
     }
     const MeasureKind* kind = *found;
     std::vector<BodyId> robots = robots_of(world, spec.of);
     if (robots.empty() && !spec.of.empty()) {
       const std::vector<std::string> known = names_of_robots(world);
-      diagnostics.error(spec.where, unknown_name("type or population of robots", spec.of,
-                                                 std::vector<std::string_view>(known.begin(), known.end())));
+      error(unknown_name("type or population of robots", spec.of,
+                         std::vector<std::string_view>(known.begin(), known.end())));
       continue;
     }
     std::string column = column_name(spec, *kind);
     if (column == "tick" || column == "time_s") {  // the first columns of every table of measures
-      diagnostics.error(spec.where,
-                        fmt::format("a measure cannot have the column \"{}\", which is the time in "
-                                    "tables of measures: give it another \"name\"",
-                                    column));
+      error(
+          fmt::format("a measure cannot have the column \"{}\", which is the time in "
+                      "tables of measures: give it another \"name\"",
+                      column));
       continue;
     }
     if (std::ranges::find(columns_, column) != columns_.end()) {
-      diagnostics.error(
-          spec.where,
-          fmt::format("two measures have the column \"{}\": give one of them another \"name\"", column));
+      error(fmt::format("two measures have the column \"{}\": give one of them another \"name\"", column));
       continue;
     }
     try {
       measures_.push_back(kind->make(world, spec.params, robots));
-    } catch (const std::logic_error& error) {
-      diagnostics.error(spec.where, fmt::format("{}: {}", spec.kind, error.what()));
+    } catch (const std::logic_error& thrown) {
+      error(fmt::format("{}: {}", spec.kind, thrown.what()));
       continue;
     } catch (...) {
       if (kind->is_foreign) throw;
-      diagnostics.error(spec.where, fmt::format("measure \"{}\" {}", spec.kind, thrown_text()));
+      error(fmt::format("measure \"{}\" {}", spec.kind, thrown_text()));
       continue;
     }
     parts_.push_back({kind, spec.params, std::move(robots)});
@@ -110,6 +114,7 @@ void MeasureSet::see() {
   // At tick 0 the measures begin again, even if they have seen that tick: a reset may have undone changes
   // that the program made before the first step.
   if (is_same_run && world_.tick() == seen_ && seen_ > 0) return;
+  world_.gather_distributed();
   if (!is_same_run || world_.tick() != seen_ + 1) begin();
   note_present();
   see_all(world_, parts_, columns_, measures_);

@@ -20,24 +20,28 @@ namespace troupe::engine {
 /// the worker threads of the world.
 class MeasureSet {
  public:
-  /// Begins to measure with the present state. Reports these errors to `diagnostics`, at the positions of
-  /// the specs in the file: unknown kinds or robots, equal or reserved column names, and any exception that
-  /// MeasureKind::make throws, for example because parameters name something unknown or need too much
-  /// memory. Measures with errors are left out. Exceptions of foreign measures (MeasureKind::is_foreign)
-  /// propagate, unless they are std::logic_error. If Measure::see() of a measure throws, or if the last step
-  /// threw, throws as see() does. World and registry must outlive the set.
+  /// Begins to measure with the present state. Reports these errors to `diagnostics`, at the positions of the
+  /// specs in the file, and leaves out the measures that have them: unknown kinds or robots, equal or
+  /// reserved column names, and exceptions of MeasureKind::make, for example because parameters name
+  /// something unknown or need too much memory. Of the exceptions that `make` of a foreign measure
+  /// (MeasureKind::is_foreign) throws, only std::logic_error is reported; all others propagate unchanged.
+  ///
+  /// Then calls Measure::see() of the remaining measures. Throws the exceptions of MeasureSet::see(): if one
+  /// of these calls throws, and if the last step threw. World and registry must outlive the set.
+  /// paths: for each spec, the path of the measure in its file, such as "/measures/0", with which its errors
+  /// begin; empty if the specs come from no file
   MeasureSet(World& world, const Registry& registry, std::span<const MeasureSpec> specs,
-             Diagnostics& diagnostics);
+             Diagnostics& diagnostics, std::span<const std::string> paths = {});
 
   /// Names of the columns, in the order of the specs, with the SI unit after the name of the measure:
   /// `displacement_m`, `displacement_m:leaders`, `stalls:leaders`.
   std::span<const std::string> columns() const { return columns_; }
   /// Updates the measures. Call this after every step. Does nothing if the tick and the seed of the world are
-  /// those of the last call (or of the constructor), and the tick is not 0. All measures begin again with the
-  /// present state after a reset, that is, if the tick is 0 or is not the next one, or if the seed has
-  /// changed. If a measure throws, throws a std::runtime_error that names the tick and
-  /// the measure; exceptions of foreign measures propagate unchanged. Throws std::logic_error if the last
-  /// step threw (World::require_whole()).
+  /// those of the last call (or of the constructor), except at tick 0. The measures begin again with the
+  /// present state if the tick is 0, if the seed has changed, or if the tick is neither that of the last call
+  /// nor the next one, as after a reset or a restore. If a measure throws, throws a std::runtime_error that
+  /// names the tick and the measure; exceptions of foreign measures propagate unchanged. Throws
+  /// std::logic_error if the last step threw (World::require_whole()).
   void see();
   /// Values for the state of the last see(), one per column, in the SI units of the columns; NaN if a
   /// measure has no value. The world must still be in that state. Exceptions are those of see().

@@ -8,7 +8,7 @@ namespace troupe::engine {
 /// that chains of frames are cheap to compute.
 struct Mount {
   Transform transform;  ///< position, m, and rotation in the plane
-  double z = 0;         ///< height of the frame, m
+  double z = 0;         ///< height of the frame's origin in the other frame, m
   double heading = 0;   ///< angle of the rotation, rad; not wrapped
 
   Mount() = default;  ///< the identity

@@ -48,10 +48,11 @@ void Movement::rest(Row row) {
 }
 
 void Movement::count_stalls() {
-  out_of_bounds_ = static_cast<std::size_t>(
-      std::ranges::count(state_.stalls(), std::uint8_t{WorldState::k_out_of_bounds}));
-  stalled_ = out_of_bounds_ + static_cast<std::size_t>(
-                                  std::ranges::count(state_.stalls(), std::uint8_t{WorldState::k_blocked}));
+  const auto own = state_.stalls().first(state_.own_rows);
+  out_of_bounds_ =
+      static_cast<std::size_t>(std::ranges::count(own, std::uint8_t{WorldState::k_out_of_bounds}));
+  stalled_ =
+      out_of_bounds_ + static_cast<std::size_t>(std::ranges::count(own, std::uint8_t{WorldState::k_blocked}));
 }
 
 namespace {
@@ -101,7 +102,7 @@ void Movement::propose() {
   });
 }
 
-void Movement::resolve(std::span<const std::uint32_t> composites) {
+void Movement::resolve(std::span<const std::uint32_t> composites, Conflicts::Border* border) {
   Pushables pushables = pushables_;  // sizes with joints at rest and no cargo; enlarged below
   if (pushables.any())
     for (const std::uint32_t row : composites) {
@@ -111,7 +112,7 @@ void Movement::resolve(std::span<const std::uint32_t> composites) {
     }
   conflicts_.resolve({state_.poses(), state_.transforms, motions_, state_.shapes, state_.ids, free_circles_,
                       state_.spec.seed, state_.now.tick, state_.bounds(), pushables},
-                     state_.scene, state_.index, parallel_);
+                     state_.scene, state_.index, parallel_, border);
 }
 
 void Movement::commit() {
@@ -134,6 +135,7 @@ void Movement::commit() {
       state_.stalls()[row.index()] = is_blocked         ? WorldState::k_blocked
                                      : is_out_of_bounds ? WorldState::k_out_of_bounds
                                                         : WorldState::k_free;
+      if (row.index() >= state_.own_rows) continue;
       blocked_here += is_blocked;
       out_of_bounds_here += is_out_of_bounds;
     }

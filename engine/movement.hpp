@@ -21,8 +21,9 @@ class Movement {
   Movement(const Movement&) = delete;
   Movement& operator=(const Movement&) = delete;
 
-  /// Allocates the lists, after the rows of the state were made, and again after bodies have changed their
-  /// rows. The caller must then derive everything else with draw_odometry_errors() and rest().
+  /// Allocates the lists. Call this after the rows of the state were made, and again after bodies have
+  /// changed their rows. The caller must then compute all other data with draw_odometry_errors(), rest() and
+  /// count_stalls().
   void build();
   /// Computes the odometry error of each robot, unborn ones too, from the seed (Localization::error_of()).
   void draw_odometry_errors();
@@ -41,8 +42,9 @@ class Movement {
   /// 0, propose no motion.
   void propose();
   /// Resolves the conflicts of all proposed motions: see Conflicts. composites: rows of bodies whose shape
-  /// can change (Links::composites()).
-  void resolve(std::span<const std::uint32_t> composites);
+  /// can change (Links::composites()). border: the other ranks, if the rows include ghosts (copies of rows
+  /// that other ranks compute); otherwise null
+  void resolve(std::span<const std::uint32_t> composites, Conflicts::Border* border);
   /// Writes the poses of the bodies that moved or were pushed, their transforms and outlines, the component
   /// `stall`, and the odometry estimates. The spatial index keeps the old poses, and carried bodies stay
   /// until Links::carry().
@@ -53,9 +55,10 @@ class Movement {
   std::uint64_t rounds() const { return conflicts_.rounds(); }
   /// Upper bound on the distance that any body moved in the last resolution, m: Conflicts::longest().
   double longest() const { return conflicts_.longest(); }
-  /// Number of rows whose last motion was blocked or would have ended out of bounds.
+  /// Number of rows below WorldState::own_rows whose last motion was blocked or would have ended out of
+  /// bounds.
   std::size_t stalled() const { return stalled_; }
-  /// Number of rows whose last motion would have ended out of bounds.
+  /// Number of rows below WorldState::own_rows whose last motion would have ended out of bounds.
   std::size_t out_of_bounds() const { return out_of_bounds_; }
 
  private:

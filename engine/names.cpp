@@ -36,7 +36,10 @@ std::uint32_t number_of(std::string_view digits) {
 
 Names::Names(std::vector<std::string> words) : words_(std::move(words)) {
   if (words_.empty() || !words_.front().empty())
-    throw std::invalid_argument("Names(): the first word must be empty, because index 0 stands for no word");
+    throw std::invalid_argument(
+        fmt::format("Names(): {}: the first word must be \"\", because index 0 stands for no word",
+                    words_.empty() ? "the list of words is empty"
+                                   : fmt::format("the first word is \"{}\"", words_.front())));
   for (std::size_t i = 0; i < words_.size(); ++i)
     if (!positions_.emplace(words_[i], static_cast<std::uint32_t>(i)).second)
       throw std::invalid_argument(

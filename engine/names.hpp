@@ -31,7 +31,7 @@ class Names {
   /// A table that contains only the empty word, so that Name() is the empty text.
   Names() { intern(""); }
   /// Makes a copy of another table from its words(). Names of the other table are valid for the copy. Throws
-  /// std::invalid_argument if the first word is not empty or a word occurs twice.
+  /// std::invalid_argument if the list is empty, if its first word is not empty, or if a word occurs twice.
   explicit Names(std::vector<std::string> words);
 
   /// All words in the order in which they were added; the first is empty.

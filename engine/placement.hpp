@@ -70,8 +70,9 @@ struct PlacementRule {
   /// Kinds of rules.
   enum class Kind : std::uint8_t {
     /// The points of a square grid with the spacing `pitch_m`, column by column from the region's corner of
-    /// least x and y, first in `region` and then in `spill`. A point is skipped if the body would be outside
-    /// `polygon` or the bounds of the world there, or would overlap the static scene or another body.
+    /// least x and y, first in `region` and then in `spill`. A point is skipped if the origin of the body
+    /// would be outside `polygon` or the bounds of the world, or if the body would overlap the static scene
+    /// or another body.
     grid,
     // All other kinds draw random positions, at most `trials` for each body, until one is free.
     uniform,       ///< uniformly distributed in the region
@@ -80,7 +81,8 @@ struct PlacementRule {
     free_floor,    ///< on the floor that a disc as wide as the body can reach from the point `from`
   };
   Kind kind = Kind::grid;  ///< how positions are chosen
-  /// Box that must contain the bodies' origins, m. grid: box of the grid points, which `jitter_m` may leave.
+  /// Box that must contain the bodies' origins, m. grid: box of the grid points; random displacements
+  /// (`jitter_m`) may move bodies out of it.
   Box region;
   Ring polygon;        ///< polygon that must contain the bodies' origins, m; empty: not restricted
   Box spill;           ///< grid: second box, used when all points of `region` were tried, m; empty: none

@@ -44,7 +44,8 @@ std::string too_few_places(const PopulationSpec& population, std::size_t placed)
           ? fmt::format("the region has no further free cell (it has {:.0f} cells)", grid_cells(rule))
           : fmt::format("none of {} random poses for the next body was free{}", rule.trials,
                         rule.kind == PlacementRule::Kind::free_floor ? " and on the reachable floor" : "");
-  return fmt::format("placed {} of {} bodies: {}", placed, population.count, why);
+  return fmt::format("placed {} of {} bodies: {}; enlarge the region or lower the count", placed,
+                     population.count, why);
 }
 
 /// Sets the colour of body i of a population if its colours are random.
@@ -115,7 +116,12 @@ void Placer::check_rules() {
   for (const PopulationSpec& population : populations_) {
     const PlacementRule& rule = population.rule;
     if (rule.region.empty())
-      error(population, "the region is empty: x_min must not exceed x_max, and y_min must not exceed y_max");
+      error(population,
+            fmt::format(
+                "the region is empty: x from {} to {} m, y from {} to {} m; x_min must not exceed x_max, "
+                "and y_min must not exceed y_max",
+                plain_number(rule.region.min.x()), plain_number(rule.region.max.x()),
+                plain_number(rule.region.min.y()), plain_number(rule.region.max.y())));
     if (rule.kind != PlacementRule::Kind::grid) continue;
     const double cells = grid_cells(rule);
     cells_so_far += cells;
@@ -186,9 +192,11 @@ Occupancy::Occupancy(const WorldSpec& spec, std::size_t fixed)
 
 Occupancy::Occupancy(const WorldSpec& spec)
     : types_(spec.types),
-      scene_(scene_of(
-          spec,
-          [&spec](BodyId body) { return is_static(spec.types[spec.bodies[body.index()].type.index()]); })),
+      scene_(scene_of(spec,
+                      [&spec](BodyId body) {
+                        return is_static(spec.types[spec.bodies[body.index()].type.index()]) &&
+                               spec.starts(body);
+                      })),
       shapes_(spec.types.size()) {
   for (std::size_t i = 0; i < spec.bodies.size(); ++i) {
     const BodySpec& body = spec.bodies[i];

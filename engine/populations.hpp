@@ -40,9 +40,9 @@ class Occupancy {
   /// types are. The crowd is empty. Both constructors keep a reference to the types of the spec: while the
   /// object exists, the spec must exist too, and no type may be added or changed.
   Occupancy(const WorldSpec& spec, std::size_t fixed);
-  /// Makes the static scene from the obstacle parts of all static bodies of the spec (is_static()), unborn
-  /// ones included, and the crowd from the other bodies that are in the world at tick 0. Throws
-  /// std::length_error if an outline is too complex for convex_pieces().
+  /// Makes the static scene from the obstacle parts of those bodies of the spec that are static
+  /// (is_static()), and the crowd from the other bodies. Bodies that are not in the world at tick 0 are left
+  /// out. Throws std::length_error if an outline is too complex for convex_pieces().
   explicit Occupancy(const WorldSpec& spec);
 
   const partition::StaticScene& scene() const { return scene_; }  ///< the static solids that are obstacles

@@ -10,6 +10,10 @@ ReplicaParts World::join(Replica* replica) {
 
 void World::gather_rows() const { replica_->gather(); }
 
+void World::gather_distributed() const {
+  if (replica_ != nullptr && replica_->halo() != nullptr) replica_->gather();
+}
+
 void World::touch_rows() { replica_->touch(); }
 
 void World::adopt(std::uint64_t tick, const Fill& fill, bool is_in_tick) {

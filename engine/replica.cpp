@@ -4,6 +4,7 @@
 #include "engine/effects.hpp"
 #include "engine/links.hpp"
 #include "engine/record_message.hpp"
+#include "engine/shared_effects.hpp"
 #include "engine/world.hpp"
 
 #include <fmt/format.h>
@@ -93,7 +94,37 @@ Replica::Replica(World& world, const Registry& registry, partition::Transport& t
       work_(transport.ranks()),
       times_(transport.ranks(), 0),
       requests_(transport.ranks(), 0),
-      failed_(transport.ranks()) {}
+      failed_(transport.ranks()) {
+  if (options_.is_distributed) make_halo();
+}
+
+void Replica::make_halo() {
+  if (const std::string reason = why_replicated(world_); !reason.empty())
+    throw std::logic_error(fmt::format("the rows of this world cannot be distributed: {}", reason));
+  std::vector<std::size_t> sent;
+  for (std::size_t t = 0; t < sharing_.size(); ++t)
+    if (sharing_[t] == Sharing::sent) sent.push_back(t);
+  Halo::Post post{.rank = transport_.rank(),
+                  .ranks = ranks(),
+                  .begin = [this](Order order) { return message_of(order); },
+                  .send =
+                      [this](unsigned to, std::shared_ptr<const partition::Message> message) {
+                        transport_.send(to, std::move(message));
+                      },
+                  .receive =
+                      [this](Order order, unsigned from) {
+                        ReceivedOrder received = expect(order, from);
+                        if (received.order == Order::failed) throw OtherFailed();
+                        return received;
+                      }};
+  Halo::Post post_of_effects = post;
+  halo_ = std::make_unique<Halo>(world_, parts_.tables, std::move(sent), std::move(post), options_.cut_seed,
+                                 options_.skin_m);
+  halo_->divide();
+  shared_effects_ =
+      std::make_unique<SharedEffects>(world_, *halo_, parts_.effects, std::move(post_of_effects));
+  is_stale_ = true;
+}
 
 Replica::~Replica() { world_.join(nullptr); }
 
@@ -113,7 +144,9 @@ std::uint64_t Replica::requests() const {
 MessageWriter Replica::message_of(Order order) const { return begin_message(order, number_); }
 
 ReceivedOrder Replica::expect(Order wanted, unsigned from) {
-  const bool is_sent_by_owner = wanted == Order::together || wanted == Order::exchange;
+  const bool is_sent_by_owner = wanted == Order::together || wanted == Order::exchange ||
+                                wanted == Order::rows || wanted == Order::outcomes ||
+                                wanted == Order::candidates || wanted == Order::effects;
   if (is_sent_by_owner && failed_[from]) return *failed_[from];
   while (true) {
     ReceivedOrder received = receive_order(transport_, from);
@@ -122,7 +155,8 @@ ReceivedOrder Replica::expect(Order wanted, unsigned from) {
     if (is_of_this_world && order == Order::failed) failed_[from] = received;
     if (is_of_this_world && (order == wanted || order == Order::failed)) return received;
     // The other rank sent its rows before it knew that this rank has failed.
-    if (is_of_this_world && wanted == Order::exchange && order == Order::together) continue;
+    const bool is_of_rows = order == Order::together || order == Order::candidates || order == Order::rows;
+    if (is_of_this_world && wanted == Order::exchange && is_of_rows) continue;
     if (!is_of_this_world || from != 0 || wanted != Order::agree)
       throw std::logic_error(
           fmt::format("internal error: rank {} expected message {} of rank {} and got {}; this is no error "
@@ -178,6 +212,7 @@ void Replica::get_own(MessageReader& message, const RowRange& rows) {
 /// Appends the whole state, and the subscriptions (World::subscribe()).
 void Replica::put_state(MessageWriter& message) {
   message.put(world_.tick());
+  if (halo_) return;  // Halo::distribute() sends the rows
   const std::vector<BodyId> subscribed = world_.subscribed();
   message.put(static_cast<std::uint64_t>(subscribed.size()));
   message.put_bytes(std::as_bytes(std::span(subscribed)));
@@ -186,6 +221,11 @@ void Replica::put_state(MessageWriter& message) {
 
 void Replica::adopt_state(MessageReader message, bool is_in_tick) {
   const auto tick = message.get<std::uint64_t>();
+  if (halo_) {
+    halo_->own_none();
+    return world_.adopt(
+        tick, [](std::span<StateTable>) {}, is_in_tick);
+  }
   std::vector<BodyId> subscribed(message.get<std::uint64_t>());
   message.get_bytes(std::as_writable_bytes(std::span(subscribed)));
   for (const BodyId body : subscribed) world_.subscribe(body);
@@ -203,7 +243,8 @@ void Replica::follow(Order order, MessageReader message) {
   switch (order) {
     case Order::step:
       has_callback_ = message.get<bool>();
-      if (message.get<bool>()) adopt_state(message, false);
+      distributes_ = message.get<bool>();
+      if (distributes_) adopt_state(message, false);
       try {
         world_.step();
       } catch (const StepError&) {  // thrown on all ranks, and reported by rank 0
@@ -234,7 +275,12 @@ void Replica::follow(Order order, MessageReader message) {
     case Order::hash: {
       MessageWriter answer = message_of(Order::hash);
       answer.put(own_hashes());
-      if (message.get<bool>())
+      const bool verify = message.get<bool>();
+      if (verify && halo_) {
+        const std::vector<std::uint64_t> sums = ghost_sums();
+        answer.put_bytes(std::as_bytes(std::span(sums)));
+      }
+      if (verify && !halo_)
         for (std::size_t t = 0; t < sharing_.size(); ++t)
           if (sharing_[t] != Sharing::kept) answer.put(world_.hash(parts_.tables[t]));
       transport_.send(0, std::move(answer));
@@ -242,7 +288,13 @@ void Replica::follow(Order order, MessageReader message) {
     }
     case Order::gather: {
       MessageWriter answer = message_of(Order::gather);
-      put_kept(answer, own());
+      halo_ ? halo_->put_own(answer) : put_kept(answer, own());
+      transport_.send(0, std::move(answer));
+      return;
+    }
+    case Order::counts: {
+      MessageWriter answer = message_of(Order::counts);
+      answer.put(own_counts());
       transport_.send(0, std::move(answer));
       return;
     }
@@ -260,10 +312,12 @@ void Replica::gather() {
   if (!is_read_) is_read_ = true;  // no write later, when several threads may call this
   if (!is_stale_) return;
   transport_.send_to_all(message_of(Order::gather));
+  std::vector<ReceivedOrder> answers;
   for (unsigned from = 1; from < ranks(); ++from) {
-    ReceivedOrder answer = expect(Order::gather, from);
-    get_kept(answer.rest, rows_of(from));
+    answers.push_back(expect(Order::gather, from));
+    if (!halo_) get_kept(answers.back().rest, rows_of(from));
   }
+  if (halo_) halo_->complete(answers);
   is_stale_ = false;
 }
 
@@ -274,19 +328,28 @@ void Replica::touch() {
   is_written_.store(true, std::memory_order_relaxed);
 }
 
+/// In a distributed world: rank 0 takes the rows of all ranks. The next tick gives them back.
+void Replica::own_all() {
+  gather();  // rows have data that are not state, such as subscriptions
+  halo_->own_all();
+}
+
 void Replica::replace() {
+  if (halo_) own_all();
   is_stale_ = false;
   is_touched_ = true;
 }
 
 void Replica::reset() {
+  if (halo_) leads() ? own_all() : halo_->own_none();
   if (leads()) transport_.send_to_all(message_of(Order::reset));
   is_stale_ = false;
-  is_touched_ = may_write();
+  is_touched_ = may_write() || (leads() && halo_);
 }
 
 void Replica::restart(std::uint64_t seed, std::span<const BodySpec> bodies) {
   if (leads()) {
+    if (halo_) own_all();
     MessageWriter message = message_of(Order::restart);
     message.put(seed);
     for (const BodySpec& body : bodies) {
@@ -295,8 +358,9 @@ void Replica::restart(std::uint64_t seed, std::span<const BodySpec> bodies) {
     }
     transport_.send_to_all(std::move(message));
   }
+  if (halo_ && !leads()) halo_->own_none();
   is_stale_ = false;
-  is_touched_ = may_write();
+  is_touched_ = may_write() || (leads() && halo_);
 }
 
 void Replica::set(const SettingSpec& setting) {
@@ -307,6 +371,21 @@ void Replica::set(const SettingSpec& setting) {
   message.put(setting.index);
   put_record(message, setting.params);
   transport_.send_to_all(std::move(message));
+}
+
+RankCounts Replica::own_counts() const {
+  RankCounts counts = halo_ ? halo_->counts() : counts_;
+  counts.messages = transport_.traffic().messages;
+  counts.bytes = transport_.traffic().bytes;
+  return counts;
+}
+
+std::vector<RankCounts> Replica::all_counts() {
+  std::vector<RankCounts> counts{own_counts()};  // before the question, whose messages do not count
+  transport_.send_to_all(message_of(Order::counts));
+  for (unsigned from = 1; from < ranks(); ++from)
+    counts.push_back(expect(Order::counts, from).rest.get<RankCounts>());
+  return counts;
 }
 
 Hashes Replica::own_hashes() {
@@ -325,27 +404,68 @@ Hashes Replica::own_hashes() {
   return hashes;
 }
 
+/// Of each state table: 1 if the ghosts of a distributed world have its present values, otherwise 0.
+std::vector<std::uint8_t> Replica::known_tables() const {
+  std::vector<std::uint8_t> is_known;
+  for (const Sharing sharing : sharing_) is_known.push_back(sharing != Sharing::kept);
+  return is_known;
+}
+
+/// For each rank: Halo::hash_shown() and Halo::hash_seen().
+std::vector<std::uint64_t> Replica::ghost_sums() const {
+  const std::vector<std::uint8_t> is_known = known_tables();
+  std::vector<std::uint64_t> sums;
+  for (unsigned rank = 0; rank < ranks(); ++rank) {
+    sums.push_back(halo_->hash_shown(rank, is_known));
+    sums.push_back(halo_->hash_seen(rank, is_known));
+  }
+  return sums;
+}
+
+/// Throws std::logic_error unless all ghosts equal the rows of which they are copies. sums: ghost_sums() of
+/// each rank
+void Replica::check_ghosts(std::span<const std::vector<std::uint64_t>> sums) const {
+  for (unsigned a = 0; a < ranks(); ++a)
+    for (unsigned b = 0; b < ranks(); ++b)
+      if (sums[a][2 * b] != sums[b][2 * a + 1])
+        throw std::logic_error(fmt::format(
+            "internal error: the ghosts of rank {} differ from the rows of rank {} after tick {}; "
+            "if the world uses no plug-in, please report it",
+            b, a, world_.tick()));
+}
+
 std::optional<Hashes> Replica::hashes() {
   if (!leads() || is_touched_ || (!is_stale_ && !options_.verify)) return {};
+  if (halo_ && !is_stale_) return {};  // all rows are here
   MessageWriter question = message_of(Order::hash);
   question.put(options_.verify);
   transport_.send_to_all(std::move(question));
   Hashes sum = own_hashes();
+  std::vector<std::vector<std::uint64_t>> ghosts(ranks());
   for (unsigned from = 1; from < ranks(); ++from) {
     ReceivedOrder answer = expect(Order::hash, from);
     MessageReader& message = answer.rest;
     const auto part = message.get<Hashes>();
     sum.state += part.state;
     for (std::size_t g = 0; g < k_hash_groups; ++g) sum.groups[g] += part.groups[g];
+    if (options_.verify && halo_) {
+      ghosts[from].resize(2 * std::size_t{ranks()});
+      message.get_bytes(std::as_writable_bytes(std::span(ghosts[from])));
+      continue;
+    }
     for (std::size_t t = 0; options_.verify && t < sharing_.size(); ++t) {
       if (sharing_[t] == Sharing::kept) continue;
       const StateTable& table = parts_.tables[t];
       if (message.get<std::uint64_t>() == table.hash_rows(0, table.rows())) continue;
       throw std::logic_error(
-          fmt::format("internal error: the tables \"{}\" of ranks 0 and {} differ after tick {}; if the "
-                      "world uses no plug-in, please report it",
+          fmt::format("internal error: the tables \"{}\" of ranks 0 and {} differ after tick {}; unless a "
+                      "plug-in caused this, it is no error of your input: please report it",
                       table.component(), from, world_.tick()));
     }
+  }
+  if (options_.verify && halo_) {
+    ghosts[0] = ghost_sums();
+    check_ghosts(ghosts);
   }
   return sum;
 }
@@ -364,8 +484,9 @@ void Replica::tick(bool has_callback, const std::function<void()>& work) {
     message.put(is_touched_.load());
     if (is_touched_) put_state(message);
     transport_.send_to_all(std::move(message));
-    is_touched_ = false;
+    distributes_ = is_touched_.exchange(false);
   }
+  if (halo_) settle_rows();
   is_in_tick_ = true;
   try {
     work();
@@ -380,6 +501,40 @@ void Replica::tick(bool has_callback, const std::function<void()>& work) {
   if (may_write()) touch();
 }
 
+/// In a distributed world: leaves on each rank only its own rows and its ghosts, after rank 0 had all rows or
+/// World::set() has made the reach of a device longer.
+void Replica::settle_rows() {
+  if (distributes_ && leads()) halo_->own_all();
+  if (!distributes_ && leads() && halo_->is_complete()) halo_->forget_completion();
+  if (distributes_ || world_.longest_reach() > halo_->reach()) halo_->distribute(0);
+  distributes_ = false;
+  is_stale_ = true;
+}
+
+void Replica::add_candidates(std::vector<Experiment::Candidate>& candidates) {
+  if (!halo_) return;
+  MessageWriter message = message_of(Order::candidates);
+  for (const Experiment::Candidate& candidate : candidates) {
+    message.put(candidate.key);
+    message.put(candidate.body);
+  }
+  transport_.send_to_all(std::move(message));
+  for (unsigned from = 0; from < ranks(); ++from) {
+    if (from == transport_.rank()) continue;
+    ReceivedOrder received = expect(Order::candidates, from);
+    if (received.order == Order::failed) throw OtherFailed();
+    while (!received.rest.is_done()) {
+      Experiment::Candidate& candidate = candidates.emplace_back();
+      candidate.key = received.rest.get<std::uint64_t>();
+      candidate.body = received.rest.get<BodyId>();
+    }
+  }
+}
+
+void Replica::follow_jumps() {
+  if (halo_) halo_->distribute(0);
+}
+
 void Replica::begin(Phase phase) {
   phase_ = phase;
   began_s_[static_cast<std::size_t>(phase)] = transport_.seconds();
@@ -388,6 +543,7 @@ void Replica::begin(Phase phase) {
 void Replica::agree(const std::function<void()>& callback) {
   if (callback) {
     is_in_tick_ = false;
+    if (halo_) gather();  // the callback may read all rows
     callback();
     is_in_tick_ = true;
     if (may_write()) is_touched_ = true;
@@ -398,20 +554,23 @@ void Replica::agree(const std::function<void()>& callback) {
       message.put(is_touched_.load());
       if (is_touched_) put_state(message);
       transport_.send_to_all(std::move(message));
-      is_touched_ = false;
+      distributes_ = is_touched_.exchange(false);
     } else {
       ReceivedOrder received = expect(Order::agree, 0);
       if (received.order == Order::failed) {
         is_exchanged_ = true;  // the callback threw: no message follows in this tick
         throw StepError("the callback of before_tick() threw an exception on rank 0");
       }
-      if (received.rest.get<bool>()) adopt_state(received.rest, true);
+      distributes_ = received.rest.get<bool>();
+      if (distributes_) adopt_state(received.rest, true);
     }
+    if (halo_) settle_rows();
   }
   is_agreed_ = true;
 }
 
 std::span<const std::uint32_t> Replica::own_of(std::span<const std::uint32_t> order) {
+  if (halo_) return halo_->own_of(order);
   const auto [first, end] = own();
   order_.resize(order.size());
   std::size_t count = 0;
@@ -485,14 +644,33 @@ void Replica::exchange() {
                               .sense_s = began(Phase::actuate) - began(Phase::sense),
                               .actuate_s = began(Phase::decide) - began(Phase::actuate),
                               .decide_s = transport_.seconds() - began(Phase::decide)};
-  MessageWriter own = message_of(Order::exchange);
-  own.reserve(exchanged_bytes_);
-  own.put(work_[transport_.rank()]);
-  own.put(options_.requests ? options_.requests() : std::uint32_t{0});
-  put_written(own);
-  exchanged_bytes_ = own.size();
+  const std::uint32_t requests = options_.requests ? options_.requests() : std::uint32_t{0};
+  double longest = halo_ ? halo_->longest_motion() : 0;
+  const auto begin_own = [&] {
+    MessageWriter own = message_of(Order::exchange);
+    own.reserve(exchanged_bytes_);
+    own.put(work_[transport_.rank()]);
+    own.put(requests);
+    return own;
+  };
+  if (shared_effects_) shared_effects_->note();
   is_exchanged_ = true;
-  transport_.send_to_all(std::move(own));
+  if (halo_) {
+    for (unsigned to = 0; to < ranks(); ++to) {
+      if (to == transport_.rank()) continue;
+      MessageWriter own = begin_own();
+      own.put(parts_.beams - beams_before_);
+      own.put(longest);
+      halo_->put_shown(to, own);
+      shared_effects_->put(own);
+      transport_.send(to, std::move(own));
+    }
+  } else {
+    MessageWriter own = begin_own();
+    put_written(own);
+    exchanged_bytes_ = own.size();
+    transport_.send_to_all(std::move(own));
+  }
   std::vector<ReceivedOrder> received(ranks());
   std::vector<Failure> failures;
   for (unsigned from = 0; from < ranks(); ++from)
@@ -505,11 +683,32 @@ void Replica::exchange() {
     } else if (failures.empty()) {
       work_[from] = message.get<RankWork>();
       requests_[from] = message.get<std::uint32_t>();
-      get_written(message, from);
+      if (halo_) {
+        parts_.beams += message.get<std::uint64_t>();
+        longest = std::max(longest, message.get<double>());
+        halo_->get_seen(from, message);
+        shared_effects_->get(message);
+      } else {
+        get_written(message, from);
+      }
     }
   }
   if (!failures.empty()) throw_first(failures, nullptr);
-  note_times();
+  if (!halo_) return note_times();
+  const bool is_unequal = have_unequal_times();
+  if (is_unequal) {
+    ++rebalanced_;
+    halo_->balance(std::exchange(times_, std::vector<std::uint64_t>(ranks(), 0)));
+  }
+  const std::uint64_t distributions = halo_->counts().distributions;
+  halo_->prepare_motions(longest, is_unequal);
+  shared_effects_->begin(halo_->counts().distributions != distributions);
+}
+
+void Replica::apply_effects(std::span<const Effect> effects,
+                            const std::function<void(const Effect&)>& apply) {
+  if (shared_effects_) return shared_effects_->apply(effects, apply);
+  std::ranges::for_each(effects, apply);
 }
 
 Replica::Failure Replica::failure_of(MessageReader message) {
@@ -597,9 +796,11 @@ Cut balanced_cut(const Cut& cut, std::span<const std::uint64_t> times) {
   return balanced;
 }
 
-/// Gives rows to other ranks if the ranks take unequal times, or at random for tests. All ranks have the same
-/// times and compute the same cut.
+/// Called in each tick, if every rank has all rows: counts the own rows. Gives rows to other ranks if the
+/// ranks take unequal times, or at random for tests. All ranks have the same times and compute the same cut.
 void Replica::note_times() {
+  ++counts_.ticks;
+  counts_.own += own().end - own().first;
   if (options_.cut_seed) {
     Random random(*options_.cut_seed, 0, 0, static_cast<std::uint32_t>(world_.tick()));
     const auto rows = static_cast<std::uint32_t>(world_.rows());
@@ -609,21 +810,29 @@ void Replica::note_times() {
     std::ranges::sort(cut);
     return adopt_cut(std::move(cut));
   }
+  if (have_unequal_times()) {
+    Cut cut = balanced_cut(cut_, std::exchange(times_, std::vector<std::uint64_t>(ranks(), 0)));
+    rebalanced_ += cut != cut_;
+    adopt_cut(std::move(cut));
+  }
+}
+
+/// Adds the times of this tick to times_. In one of k_ticks ticks, returns whether the ranks have taken
+/// unequal times since the last of these ticks. If they have, the caller must set times_ to 0.
+bool Replica::have_unequal_times() {
   constexpr std::uint64_t k_ticks = 32;     // between two cuts: times of single ticks vary
   constexpr double k_most_imbalance = 1.1;  // the slowest rank's time over the mean
+  if (options_.cut_seed) return false;
   for (std::size_t rank = 0; rank < work_.size(); ++rank) {
     const RankWork& work = work_[rank];
     times_[rank] += static_cast<std::uint64_t>(1e9 * (work.sense_s + work.actuate_s + work.decide_s));
   }
-  if (world_.tick() % k_ticks != 0) return;
+  if (world_.tick() % k_ticks != 0) return false;
   double sum = 0;
   for (const std::uint64_t time : times_) sum += static_cast<double>(time);
-  if (static_cast<double>(std::ranges::max(times_)) * ranks() > k_most_imbalance * sum) {
-    Cut cut = balanced_cut(cut_, times_);
-    rebalanced_ += cut != cut_;
-    adopt_cut(std::move(cut));
-  }
+  if (static_cast<double>(std::ranges::max(times_)) * ranks() > k_most_imbalance * sum) return true;
   std::ranges::fill(times_, 0);
+  return false;
 }
 
 /// Adopts a cut. The rows of tables that are kept go from their old owners to the new ones.

@@ -1,5 +1,7 @@
 #pragma once
 
+#include "engine/experiment.hpp"
+#include "engine/halo.hpp"
 #include "engine/orders.hpp"
 #include "engine/phase.hpp"
 #include "engine/rank_work.hpp"
@@ -23,11 +25,13 @@ namespace troupe::engine {
 
 struct BodySpec;
 struct BodyType;
+struct Effect;
 class Effects;
 struct Hashes;
 class Links;
 struct Registry;
 struct SettingSpec;
+class SharedEffects;
 class World;
 
 /// How the ranks that compute one world share the rows of a state table. Each row has an *owner*: the rank
@@ -76,6 +80,11 @@ struct ReplicaOptions {
   /// the state, rank 0 gathers all rows after each tick. After the first time that the program changes the
   /// state, rank 0 sends the whole state to the other ranks before each tick.
   bool keeps_references = false;
+  /// True: the rows are distributed among the ranks (class Halo). The world must allow that
+  /// (why_replicated()). False: every rank has all rows.
+  bool is_distributed = false;
+  /// The skin of a distributed world, m (class Halo); not set: it is chosen.
+  std::optional<double> skin_m = std::nullopt;
   /// On ranks other than 0: returns how often a user has requested a checkpoint from this process, by the
   /// signal SIGUSR1. Null: never.
   std::function<std::uint32_t()> requests;
@@ -86,6 +95,9 @@ struct ReplicaOptions {
 /// them. Each rank senses, actuates and decides for its own rows. Once a tick, all ranks exchange the rows
 /// that other ranks may read (Sharing::sent), the effects (actions of devices on other bodies) and the goals
 /// of joints. Results do not depend on the number of ranks, nor on which rows a rank owns.
+///
+/// If the rows are distributed (ReplicaOptions::is_distributed), a rank holds only its own rows and copies of
+/// some others: see Halo. The ranks then exchange the data of these copies only.
 ///
 /// Rank 0 leads: the program calls its World. The Replica of rank 0 orders the others to do the same, and
 /// returns hashes and tables as if there were one world. The other ranks call follow() for each order.
@@ -109,6 +121,9 @@ class Replica {
   std::span<const RankWork> work() const { return work_; }
   /// How often the cut was changed because the ranks took unequal times.
   std::uint64_t rebalanced() const { return rebalanced_; }
+  /// What each rank has counted, one entry per rank; Transport::traffic() may also include other worlds. Rank
+  /// 0 asks the other ranks. Call it on rank 0, between two ticks.
+  std::vector<RankCounts> all_counts();
   /// How often users have requested a checkpoint from the other ranks (ReplicaOptions::requests).
   std::uint64_t requests() const;
 
@@ -133,9 +148,24 @@ class Replica {
   /// Called after the phase decide: sends the rows that other ranks may read, the effects and the goals of
   /// joints to all ranks, and receives theirs.
   void exchange();
+  /// In a distributed world: adds the candidates of the other ranks to those of this rank. Every rank must
+  /// call this for the same interventions, each in the phase intervene. Otherwise does nothing.
+  void add_candidates(std::vector<Experiment::Candidate>& candidates);
+  /// In a distributed world: gives the rows to their owners after interventions have moved bodies. Every rank
+  /// must call this in the same ticks, in the phase intervene. Otherwise does nothing.
+  void follow_jumps();
+  /// Called in the phase move with the effects of all ranks, in their order: applies them, each on the rank
+  /// that owns its source, if the world is distributed (class SharedEffects); else on every rank. `apply`
+  /// applies one.
+  void apply_effects(std::span<const Effect> effects, const std::function<void(const Effect&)>& apply);
   void begin(Phase phase);  ///< called when a phase begins: stores the phase for errors, and the time
 
-  RowRange own() const { return rows_of(transport_.rank()); }  ///< the rows that this rank owns
+  /// The rows that this rank owns.
+  RowRange own() const { return halo_ ? RowRange{0, halo_->own()} : rows_of(transport_.rank()); }
+  /// The ranks with which this rank resolves the motions of a distributed world; otherwise null.
+  Conflicts::Border* border() { return halo_.get(); }
+  /// The rows of a distributed world on this rank; otherwise null.
+  const Halo* halo() const { return halo_.get(); }
   /// Returns those rows of `order` that this rank owns, in that order. Valid until the next call.
   std::span<const std::uint32_t> own_of(std::span<const std::uint32_t> order);
 
@@ -173,6 +203,12 @@ class Replica {
   /// returns its message with Order::failed instead. Obeys other orders that rank 0 gives before.
   ReceivedOrder expect(Order order, unsigned from);
 
+  void make_halo();
+  void own_all();
+  void settle_rows();
+  std::vector<std::uint8_t> known_tables() const;
+  void check_ghosts(std::span<const std::vector<std::uint64_t>> sums) const;
+  std::vector<std::uint64_t> ghost_sums() const;
   void put_state(partition::MessageWriter& message);
   void adopt_state(partition::MessageReader message, bool is_in_tick);
   void put_written(partition::MessageWriter& message);
@@ -184,11 +220,13 @@ class Replica {
   void put_own(partition::MessageWriter& message, const RowRange& rows) const;
   void get_own(partition::MessageReader& message, const RowRange& rows);
   Hashes own_hashes();
+  RankCounts own_counts() const;
   void fail();
   static Failure failure_of(partition::MessageReader message);
   [[noreturn]] void throw_first(std::vector<Failure>& failures, const std::exception_ptr& own);
   Cut equal_cut() const;
   void note_times();
+  bool have_unequal_times();
   void adopt_cut(Cut cut);
 
   World& world_;
@@ -198,11 +236,16 @@ class Replica {
   ReplicaOptions options_;
   std::vector<Sharing> sharing_;  // one per table
   ReplicaParts parts_;
+  std::unique_ptr<Halo> halo_;                     // null: every rank has all rows
+  std::unique_ptr<SharedEffects> shared_effects_;  // null: every rank has all rows
+  // In the next tick, rank 0 gives its rows, which are all rows of the world, to their owners.
+  bool distributes_ = false;
   Cut cut_;                              // which rows the ranks own
   std::vector<RankWork> work_;           // one per rank, of this tick
   std::vector<std::uint64_t> times_;     // one per rank: its time for its own rows since the last cut, ns
   std::vector<std::uint32_t> requests_;  // one per rank: the last result of ReplicaOptions::requests
   std::uint64_t rebalanced_ = 0;
+  RankCounts counts_;                 // only if every rank has all rows
   std::vector<std::uint32_t> order_;  // result of own_of()
 
   // The program has changed the state of rank 0 since the other ranks received it.

@@ -108,7 +108,7 @@ void World::derive_rows() {
   state_.shapes.resize(rows());
   state_.transforms.resize(rows());
   if (!state_.not_drawn.empty()) state_.not_drawn.resize(rows());
-  if (!placed_at_.empty()) {
+  if (!placed_at_.empty() || !placed_.empty()) {
     placed_at_.assign(rows(), 0);
     for (std::uint32_t i = 0; i < placed_.size(); ++i) placed_at_[placed_[i].row.index()] = i + 1;
   }
@@ -116,6 +116,10 @@ void World::derive_rows() {
   links_.build();
   state_.bind_view();
   movement_.draw_odometry_errors();
+  state_.now.absent = 0;
+  for (std::size_t r = 0; state_.life_table && r < rows(); ++r)
+    state_.now.absent += presence(Row(r)) != Presence::there;
+  count_impaired();
   movement_.count_stalls();
   links_.derive();
   for (std::size_t r = 0; r < rows(); ++r) derive(Row(r));
@@ -145,8 +149,43 @@ std::vector<World::RowState> World::remove_rows(std::span<const BodyId> bodies) 
                       state_.spec.name(state_.bodies[leaves[r] ? r : state_.roots[r]])));
   const Completion completion(*this);
   std::vector<RowState> removed;
-  for (const BodyId body : bodies) removed.push_back({body, state_of(row(body))});
+  for (const BodyId body : bodies) removed.push_back({body, row_bytes(row(body))});
+  drop_rows(leaves);
+  state_.own_rows = rows();
+  derive_rows();
+  return removed;
+}
 
+void World::add_rows(std::span<const RowState> added) {
+  begin_row_change("added");
+  for (const RowState& each : added)
+    if (location(each.body) != RowLocation::elsewhere)
+      throw std::invalid_argument(
+          fmt::format("the row of \"{}\" cannot be added: it is in this world already, "
+                      "or the body is static",
+                      state_.spec.name(each.body)));
+  const Completion completion(*this);
+  append_rows(added);
+  state_.own_rows = rows();
+  derive_rows();
+}
+
+void World::exchange_rows(std::span<const BodyId> leaving, std::span<const RowState> coming,
+                          std::size_t own) {
+  std::vector<bool> leaves(rows(), false);
+  for (const BodyId body : leaving) leaves[row(body).index()] = true;
+  if (!leaving.empty()) drop_rows(leaves);
+  if (!coming.empty()) append_rows(coming);
+  state_.own_rows = own;
+  if (!leaving.empty() || !coming.empty())
+    derive_rows();
+  else
+    movement_.count_stalls();
+}
+
+/// Removes each row r with leaves[r]. The other rows, and the slots of their bodies, keep their order.
+/// derive_rows() must follow.
+void World::drop_rows(const std::vector<bool>& leaves) {
   // Moves the rows and slots that stay to the front, in their order.
   std::vector<std::uint32_t> to(rows());
   std::uint32_t kept = 0;
@@ -170,7 +209,7 @@ std::vector<World::RowState> World::remove_rows(std::span<const BodyId> bodies) 
   }
   move_rows(to, slots_to);
 
-  for (const BodyId body : bodies) state_.rows[body.index()] = k_elsewhere;
+  for (std::size_t r = kept; r < rows(); ++r) state_.rows[state_.bodies[r].index()] = k_elsewhere;
   state_.bodies.resize(kept);
   state_.ids.resize(kept);
   state_.row_types.resize(kept);
@@ -184,19 +223,10 @@ std::vector<World::RowState> World::remove_rows(std::span<const BodyId> bodies) 
   for (std::size_t table = 0; table < counts.size(); ++table) state_.tables[table].keep_rows(counts[table]);
   for (std::vector<Placed>* list : {&placed_, &placed_before_})
     std::erase_if(*list, [&](const Placed& placed) { return placed.row.index() >= kept; });
-  derive_rows();
-  return removed;
 }
 
-void World::add_rows(std::span<const RowState> added) {
-  begin_row_change("added");
-  for (const RowState& each : added)
-    if (location(each.body) != RowLocation::elsewhere)
-      throw std::invalid_argument(
-          fmt::format("the row of \"{}\" cannot be added: it is in this world already, "
-                      "or the body is static",
-                      state_.spec.name(each.body)));
-  const Completion completion(*this);
+/// Adds rows after the present ones, in the order of the list. derive_rows() must follow.
+void World::append_rows(std::span<const RowState> added) {
   std::vector<std::uint32_t> counts(state_.types.size(), 0);
   for (const std::uint32_t t : state_.row_types) ++counts[t];
   std::vector<bool> is_of_type(state_.tables.size(), false);
@@ -219,13 +249,13 @@ void World::add_rows(std::span<const RowState> added) {
     });
   }
   state_.bind_view();
-  for (const RowState& each : added) set_state(row(each.body), each.bytes);
-  derive_rows();
+  for (const RowState& each : added)
+    if (!each.bytes.empty()) set_state(row(each.body), each.bytes);
 }
 
 /// All data of a row that are neither constant nor derived: its rows of the state tables, its subscription,
 /// and its entries in the lists of placed bodies.
-std::vector<std::byte> World::state_of(Row row) {
+std::vector<std::byte> World::row_bytes(Row row) {
   partition::MessageWriter message;
   message.put(state_.subscribed[row.index()]);
   for (const std::vector<Placed>* list : {&placed_, &placed_before_}) {
@@ -240,7 +270,7 @@ std::vector<std::byte> World::state_of(Row row) {
   return message.take();
 }
 
-/// Sets all data of a row that state_of() returns.
+/// Sets all data of a row that row_bytes() returns.
 void World::set_state(Row row, std::span<const std::byte> bytes) {
   partition::MessageReader message(bytes);
   state_.subscribed[row.index()] = message.get<std::uint8_t>();

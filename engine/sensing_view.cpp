@@ -8,8 +8,11 @@
 namespace troupe::engine {
 
 void SensingView::throw_elsewhere(BodyId body) const {
-  throw std::logic_error(fmt::format(
-      "internal error: the row of \"{}\" was asked for, but another rank has it", spec().name(body)));
+  throw std::logic_error(
+      fmt::format("internal error: the row of \"{}\" was read, but another rank has it; unless a plug-in "
+                  "caused this, it is "
+                  "no error of your input: please report it",
+                  spec().name(body)));
 }
 
 Pose SensingView::pose(BodyId body) const {

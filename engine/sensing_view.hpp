@@ -30,7 +30,9 @@ inline constexpr Row k_elsewhere{std::size_t{0xfffffffe}};
 
 /// The number of the present tick, and counts of certain rows, so that loops can skip work when a count is 0.
 struct TickCounts {
-  std::uint64_t tick = 0;    ///< completed ticks; in a step from the phase `sense` on: number of its tick
+  /// Number of completed ticks. Within a step, from the phase `sense` on: number of the tick that the step
+  /// computes.
+  std::uint64_t tick = 0;
   std::size_t absent = 0;    ///< rows whose bodies are unborn or dead
   std::size_t impaired = 0;  ///< rows whose bodies are disabled or have a fault
   std::size_t carried = 0;   ///< rows whose bodies are carried
@@ -52,11 +54,13 @@ struct PublicColumns {
   const partition::GridGeometry* geometry = nullptr;  ///< cells and tiles of `index`
   std::span<const BodyType> types;                    ///< compiled types, indexed by TypeId
   std::span<const BodyId> bodies;                     ///< body of each row
-  std::span<const Row> rows;                          ///< by BodyId: row of the body, invalid, or k_elsewhere
-  std::span<const std::uint32_t> row_types;           ///< TypeId of each row
-  std::span<const std::uint32_t> slots;               ///< index of each row among the rows of its type
-  std::span<const std::size_t> outline_begins;        ///< index of the row's first vertex in `outlines`
-  std::span<const std::uint32_t> joint_begins;        ///< index of the row's first joint in `joint_mounts`
+  /// Row of each body, by BodyId: not valid() if the body is static, k_elsewhere if its row is in the world
+  /// of another rank.
+  std::span<const Row> rows;
+  std::span<const std::uint32_t> row_types;     ///< TypeId of each row
+  std::span<const std::uint32_t> slots;         ///< index of each row among the rows of its type
+  std::span<const std::size_t> outline_begins;  ///< index of the row's first vertex in `outlines`
+  std::span<const std::uint32_t> joint_begins;  ///< index of the row's first joint in `joint_mounts`
 
   // Where the bodies are: written in the phases `intervene`, `move` and `index`.
   const partition::BodyIndex* index = nullptr;   ///< spatial index of the bodies with rows
@@ -248,13 +252,13 @@ class CommittedView : public SensingView {
  public:
   using SensingView::SensingView;
 
-  /// State of a device, an element of BodyType::devices: one table row per slot of its type.
+  /// State of a device (an element of BodyType::devices): a table with one row per slot of the body type.
   using SensingView::percepts;
-  /// Commands to a device: one table row per slot of its type. The device must take commands.
+  /// Commands to a device: a table with one row per slot of the body type. The device must take commands.
   using SensingView::commands;
   /// Velocity that the drive of the row's body computed, body frame, m/s and rad/s. It is 0 if the body has
-  /// no drive. From the next tick on, it is also 0 while the body is disabled or dropped out, or while the
-  /// power supply of its drive is empty. It does not become 0 when an obstacle blocks the motion.
+  /// no drive. From the next tick on, it is also 0 while the body is disabled or dropped out by a fault, or
+  /// while the power supply of its drive is empty. It does not become 0 when an obstacle blocks the motion.
   using SensingView::velocity;
   /// Command to the drive of the row's body. The numbers have no meaning for rows without a drive.
   using SensingView::command;
@@ -263,7 +267,8 @@ class CommittedView : public SensingView {
   using SensingView::senses;
   /// Whether the row's device is switched on: no controller has switched it off.
   using SensingView::is_on;
-  /// Whether no fault has broken the row's device, and its body is neither disabled nor dropped out.
+  /// Whether no fault has broken the row's device, and its body is neither disabled nor dropped out by a
+  /// fault.
   using SensingView::works;
   /// Whether a device of the row gets power: false if its power supply is empty. The second argument is the
   /// index of that supply among the devices of the type (BodyType::Device::supply). If it is std::nullopt,

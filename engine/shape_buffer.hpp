@@ -23,7 +23,8 @@ class ShapeBuffer {
   /// Adds a convex piece of a body. The piece is given in the body's frame; `mount` is the body's frame
   /// relative to the frame of the shape.
   void add(const ConvexPrism& piece, const Mount& mount);
-  /// Completes the shape. thinnest: smallest width of any piece, m; infinity if there are no pieces
+  /// Completes the shape. thinnest: the value for ObstacleShape::thinnest, the smallest width of any piece,
+  /// m; infinity if there are no pieces
   void finish(double thinnest);
 
  private:

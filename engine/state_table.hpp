@@ -71,7 +71,7 @@ std::vector<StateField> sparse(std::vector<StateField> fields);
 /// hashes of its components.
 enum class HashGroup : std::uint8_t {
   pose,      ///< poses of bodies and joints, which body carries which, births and deaths
-  velocity,  ///< velocities, commands of drives and devices, whether motions were blocked
+  velocity,  ///< velocities, commands to drives and devices, whether motions were blocked
   sensor,    ///< readings, and state of other devices
   memory,    ///< memories of controllers, odometry, disabled and faulty bodies
 };
@@ -172,9 +172,9 @@ class StateTable {
   void fill_row(std::size_t row, std::byte value);  ///< sets every byte of a row's fields to `value`
   /// Copies the row of the same index from a table that has the same fields, layout and number of rows.
   void copy_row(std::size_t row, const StateTable& from);
-  /// Adds rows for these bodies at the end, with all bytes 0, or removes rows from the end, so that there are
-  /// `count` rows. The table has room for as many rows as it had bodies when it was made; this is not
-  /// checked.
+  /// add_rows() adds a row for each of these bodies at the end, with all fields 0. keep_rows() removes rows
+  /// from the end, so that `count` rows remain. The table has room for as many rows as it had bodies when it
+  /// was made; this is not checked.
   ///@{
   void add_rows(std::span<const BodyId> ids);
   void keep_rows(std::size_t count) { ids_.resize(count); }
@@ -217,8 +217,9 @@ class StateTable {
 /// is a component of a recording. Returns the whole name of a component without a slash, such as `pose`, and
 /// of a component whose second part is a number, such as `wander/0` of a controller.
 std::string_view given_name(std::string_view component);
-/// Whether `name` selects this component. It does if it equals the name of the component, its given_name(),
-/// or its kind, which is the part of the name before the first slash.
+/// Whether a name that a user gives, such as a field to record, selects this component. It does if it equals
+/// the name of the component, its given_name(), or its kind, which is the part of the name before the first
+/// slash.
 bool selects(std::string_view name, std::string_view component);
 
 }  // namespace troupe::engine

@@ -1,6 +1,7 @@
 #include "base/fp_environment.hpp"
 #include "engine/batches.hpp"
 #include "engine/blinkers.hpp"
+#include "engine/finite.hpp"
 #include "engine/kind_errors.hpp"
 #include "engine/replica.hpp"
 #include "engine/world.hpp"
@@ -8,7 +9,6 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <cmath>
 #include <stdexcept>
 
 namespace troupe::engine {
@@ -21,10 +21,6 @@ std::string_view asked_for(ControlMode mode) {
     case ControlMode::position: return "to a goal";
   }
   return "a speed";
-}
-
-bool is_finite(double x, double y, double turn) {
-  return std::isfinite(x) && std::isfinite(y) && std::isfinite(turn);
 }
 
 Velocity scaled(const Velocity& v, double by) { return {v.x * by, v.y * by, v.turn * by}; }
@@ -88,7 +84,10 @@ void World::BlinkersDeleter::operator()(Blinkers* blinkers) const { delete blink
 
 void World::hide_beyond_reach(bool on) {
   if (on && (parallel_.threads() != 1 || state_.ray_grid))
-    throw std::invalid_argument("hide_beyond_reach() needs a world with one thread and the exact ray engine");
+    throw std::invalid_argument(fmt::format(
+        "hide_beyond_reach() needs a world with one thread and the exact ray engine, found {} "
+        "thread{} and the {} ray engine",
+        parallel_.threads(), parallel_.threads() == 1 ? "" : "s", state_.ray_grid ? "grid" : "exact"));
   blinkers_.reset(on ? new Blinkers(state_) : nullptr);
 }
 
@@ -244,7 +243,7 @@ void World::drive(std::span<const Row> rows, const BodyType::Drive& drive,
   for (std::size_t i = 0; i < rows.size(); ++i) {
     const Velocity v = has_slow ? scaled(velocities[i], speed_scale(rows[i])) : velocities[i];
     const Command& command = commands[i];  // drives clamp an infinite command to a finite velocity
-    if (!is_finite(command.x, command.y, command.turn) || !is_finite(v.x, v.y, v.turn)) {
+    if (!is_finite(command) || !is_finite(v)) {
       std::uint32_t lowest = faulty.load();
       const std::uint32_t id = body(rows[i]).value;
       while (id < lowest && !faulty.compare_exchange_weak(lowest, id)) {
@@ -305,7 +304,7 @@ void World::decide(std::span<const Row> rows, const BodyType& type, const BodyTy
 
 void World::move() {
   movement_.propose();
-  movement_.resolve(links_.composites());
+  movement_.resolve(links_.composites(), replica_ ? replica_->border() : nullptr);
   conflict_rounds_ += movement_.rounds();
   movement_.commit();
   if (links_.any()) {
@@ -320,9 +319,9 @@ void World::apply_effects() {
   if (effects_.empty()) return;
   const std::span<const Effect> effects = effects_.sorted();
   bool any_of_life = false;
-  for (const Effect& effect : effects) {
+  const auto apply = [&](const Effect& effect) {
     any_of_life = any_of_life || effect.is_of_life();
-    if (effect.is_of_life()) continue;
+    if (effect.is_of_life()) return;
     const BodyType::Device& device = type(row(effect.source)).devices[effect.device];
     const Row source = row(effect.source);
     call_kind(*this, {&source, 1}, device, [&] {
@@ -330,7 +329,11 @@ void World::apply_effects() {
       device.kind->apply(*this, device.prepared.data, effect);
       if (blinkers_) blinkers_->end_effect(device, effect);
     });
-  }
+  };
+  if (replica_)
+    replica_->apply_effects(effects, apply);
+  else
+    std::ranges::for_each(effects, apply);
   if (any_of_life) resolve_lives(effects);
   effects_.clear();
 }

@@ -20,25 +20,29 @@ std::size_t column_of(const std::vector<MeasureSpec>& measures, const MeasureSpe
   return static_cast<std::size_t>(found - measures.begin());
 }
 
-/// The measures that the conditions test, each listed once.
-std::vector<MeasureSpec> measures_of(std::span<const StopSpec> conditions) {
-  std::vector<MeasureSpec> measures;
-  for (const StopSpec& condition : conditions)
-    if (column_of(measures, condition.measure) == measures.size()) measures.push_back(condition.measure);
-  return measures;
-}
-
 }  // namespace
+
+StopConditions::Tested StopConditions::measures_of(std::span<const StopSpec> conditions) {
+  Tested tested;
+  for (std::size_t i = 0; i < conditions.size(); ++i) {
+    if (column_of(tested.measures, conditions[i].measure) < tested.measures.size()) continue;
+    tested.measures.push_back(conditions[i].measure);
+    tested.paths.push_back(fmt::format("/stop_when/{}", i));
+  }
+  return tested;
+}
 
 StopConditions::StopConditions(World& world, const Registry& registry, std::span<const StopSpec> conditions,
                                Diagnostics& diagnostics)
     : StopConditions(world, registry, conditions, measures_of(conditions), diagnostics) {}
 
 StopConditions::StopConditions(World& world, const Registry& registry, std::span<const StopSpec> conditions,
-                               std::vector<MeasureSpec> measures, Diagnostics& diagnostics)
-    : measures_(world, registry, measures, diagnostics), values_(measures.size()) {
+                               const Tested& tested, Diagnostics& diagnostics)
+    : measures_(world, registry, tested.measures, diagnostics, tested.paths),
+      values_(tested.measures.size()) {
   for (const StopSpec& condition : conditions) {
-    conditions_.push_back({column_of(measures, condition.measure), condition.comparison, condition.value});
+    conditions_.push_back(
+        {column_of(tested.measures, condition.measure), condition.comparison, condition.value});
     text_ += text_of(condition) + '\n';
   }
 }

@@ -2,6 +2,7 @@
 
 #include "base/exact_sum.hpp"
 #include "base/fp_environment.hpp"
+#include "engine/finite.hpp"
 #include "engine/frame.hpp"
 #include "engine/kind_errors.hpp"
 #include "engine/replica.hpp"
@@ -24,10 +25,6 @@ namespace {
 const Localization k_true_pose;  // the localization of bodies without a drive
 constexpr double k_nan = std::numeric_limits<double>::quiet_NaN();
 constexpr Pose k_nowhere{k_nan, k_nan, k_nan, k_nan};
-
-bool is_finite(const Pose& p) {
-  return std::isfinite(p.x) && std::isfinite(p.y) && std::isfinite(p.z) && std::isfinite(p.heading);
-}
 
 }  // namespace
 
@@ -181,7 +178,11 @@ void World::set_estimate(Row row, const Pose& pose) {
     throw std::logic_error(
         fmt::format("\"{}\" has no odometry: its estimated pose is its true pose and cannot be set",
                     state_.spec.name(body(row))));
-  if (!is_finite(pose)) throw std::invalid_argument("the numbers of an estimated pose must be finite");
+  if (!is_finite(pose))
+    throw std::invalid_argument(fmt::format(
+        "the estimated pose of \"{}\" cannot be x {}, y {} (m), heading {} (rad): the numbers must "
+        "be finite",
+        state_.spec.name(body(row)), pose.x, pose.y, pose.heading));
   touch();
   state_.as<Odometry>(*drive->odometry_table)[slot(row)] = {pose.x + 0.0, pose.y + 0.0,
                                                             wrap_angle(pose.heading) + 0.0};
@@ -201,7 +202,7 @@ void World::set_poses(std::span<const Placed> placed) {
       throw std::invalid_argument(
           fmt::format("\"{}\" cannot be placed at x {}, y {}, z {} (m), heading {} (rad): {}",
                       state_.spec.name(body(place.row)), p.x, p.y, p.z, p.heading,
-                      is_finite(p) ? "outside the world's bounds" : "the numbers must be finite"));
+                      is_finite(p) ? outside_text(inside) : "the numbers must be finite"));
     if (const std::optional<BodyId> by = carrier(place.row))
       throw std::invalid_argument(
           fmt::format("\"{}\" cannot be placed while \"{}\" carries it: release it first",
@@ -286,14 +287,27 @@ void World::restart(std::uint64_t seed, std::span<const BodySpec> bodies, const 
     has_scene_changed =
         has_scene_changed || (location(BodyId(b)) == RowLocation::none &&
                               bodies[b].pose_world_body != state_.spec.bodies[b].pose_world_body);
-  state_.spec.seed = seed;
-  std::ranges::copy(bodies, state_.spec.bodies.begin());
-  Diagnostics diagnostics(state_.spec.files);  // stays empty: the constructor has made the same checks
-  if (has_scene_changed) build_scene();
-  build_faults(registry, diagnostics);
-  forget_settings();
-  start();
-  if (has_scene_changed && state_.ray_grid) build_ray_grid(diagnostics);
+  Diagnostics diagnostics(state_.spec.files);  // without errors of build_faults(): see the constructor
+  const auto begin_with = [&](std::uint64_t next_seed, std::span<const BodySpec> next) {
+    state_.spec.seed = next_seed;
+    std::ranges::copy(next, state_.spec.bodies.begin());
+    if (has_scene_changed) build_scene();
+    build_faults(registry, diagnostics);
+    forget_settings();
+    start();
+  };
+  if (!has_scene_changed || !state_.ray_grid) return begin_with(seed, bodies);
+  const std::uint64_t old_seed = state_.spec.seed;
+  const std::vector<BodySpec> old = state_.spec.bodies;
+  begin_with(seed, bodies);
+  try {
+    build_ray_grid(diagnostics);
+  } catch (...) {  // the grid is still that of the old scene
+    Diagnostics none(state_.spec.files);
+    std::swap(diagnostics, none);
+    begin_with(old_seed, old);
+    throw;
+  }
 }
 
 bool World::restore(std::uint64_t tick, const Counters& counters, std::uint64_t state_hash,

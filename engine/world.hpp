@@ -72,10 +72,11 @@ class World {
  public:
   /// Builds the world in the state S(0). Throws InputError for errors that the loader of a world file cannot
   /// find, such as a controller that needs a sensor which its robot does not have, and StepError if a hook
-  /// `start` of a kind throws. If bodies overlap at tick 0, one warning gives the number of overlapping
-  /// pairs, counted up to 10,000. If `diagnostics` is thorough, each of the first hundred pairs gets a
-  /// warning of its own instead, and one more warning gives the number of any further pairs. Bodies that
-  /// extend below the floor (z = 0) also cause a warning. The registry must outlive the world.
+  /// `start` (a function of a device or controller kind) throws. If bodies overlap at tick 0, one warning
+  /// gives the number of overlapping pairs, counted up to 10,000. If `diagnostics` is thorough, each of the
+  /// first hundred pairs gets a warning of its own instead, and one more warning gives the number of any
+  /// further pairs. Bodies that extend below the floor (z = 0) also cause a warning. The registry must
+  /// outlive the world.
   World(WorldSpec spec, const Registry& registry, const WorldOptions& options, Diagnostics& diagnostics);
   World(WorldSpec, Registry&&, const WorldOptions&, Diagnostics&) = delete;
   World(const World&) = delete;
@@ -99,13 +100,13 @@ class World {
   /// Returns to S(0), the state at tick 0, and undoes the changes of set(). The tables, the tick, the
   /// counters and all data derived from them are then as after construction, or as after the last restart().
   /// Callbacks and subscriptions stay. This allocates no memory, and is allowed after a step that threw.
-  /// Throws StepError if a hook `start` of a kind throws.
+  /// Throws StepError if a hook `start` of a device or controller kind throws.
   void reset();
   /// Goes to S(0), the state at tick 0, with another seed and other poses of the bodies. The run then has the
   /// same results as a run of a new world whose spec has this seed and these bodies. Only the order of the
   /// rows may differ. The changes of set() are undone. Callbacks and subscriptions stay. This is allowed
-  /// after a step that threw. Throws StepError if a hook `start` of a kind throws, and InputError if the grid
-  /// ray engine cannot represent the new static scene.
+  /// after a step that threw. Throws StepError if a hook `start` of a device or controller kind throws, and
+  /// InputError if the grid ray engine cannot represent the new static scene.
   ///
   /// bodies: one for each body of the spec, in the same order and with the same names and types, which is
   /// not checked. Poses and colours may differ. If a static body has another pose, the static scene is
@@ -156,11 +157,14 @@ class World {
     std::vector<std::byte> bytes;  ///< the data, for add_rows() of a world with the same spec
   };
   /// Removes the rows of bodies, and returns their data, in the order of `bodies`. location() of the bodies
-  /// is then RowLocation::elsewhere. If a body is carried or carries others, the list must have the whole
-  /// tree. Counts such as robots() still include the removed bodies. The world must get the rows back by
-  /// add_rows() before anything else is done with it. Throws std::invalid_argument if a body has no row in
-  /// this world, occurs twice, or comes without its tree, and std::logic_error if several ranks compute the
-  /// world. Call this between steps.
+  /// is then RowLocation::elsewhere. If a body is carried or carries others, the list must have its whole
+  /// tree: all bodies that move together with it (same_tree()). Counts such as robots() still include the
+  /// removed bodies. If the world cannot be distributed among ranks (engine/halo.hpp), it must get the rows
+  /// back by add_rows() before anything else is done with it. Otherwise it can step: the remaining bodies
+  /// then do what they would do if the removed ones were far away, except that interventions choose at random
+  /// among the remaining bodies only. Throws std::invalid_argument if a body has no row in this world, occurs
+  /// twice, or comes without its tree, and std::logic_error if several ranks compute the world. Call this
+  /// between steps.
   std::vector<RowState> remove_rows(std::span<const BodyId> bodies);
   /// Adds rows that remove_rows() has removed, in any order. Throws std::invalid_argument if location() of a
   /// body is not RowLocation::elsewhere. Call this between steps.
@@ -208,10 +212,19 @@ class World {
   void gather() const {
     if (replica_ != nullptr) gather_rows();
   }
+  /// Calls gather() if the rows of the world are distributed among ranks (engine/halo.hpp): on rank 0, all
+  /// rows are then here until the next step. Measures call this, because they read the rows of all bodies.
+  void gather_distributed() const;
   /// Called by Replica on ranks other than 0, after a program has changed the state on rank 0: replaces the
   /// state by that of rank 0. Works like restore() with the same `tick` and `fill`, but checks nothing.
   /// is_in_tick: whether the interventions of the present tick have already been applied.
   void adopt(std::uint64_t tick, const Fill& fill, bool is_in_tick);
+  /// Called by Halo (engine/halo.hpp), also during a tick, before the phase `move`: removes the rows of
+  /// `leaving`, which are in this world, and then adds those of `coming` after the others. A RowState without
+  /// bytes adds a row of zeros. `own`: number of rows, at the front, that this world computes from now on.
+  void exchange_rows(std::span<const BodyId> leaving, std::span<const RowState> coming, std::size_t own);
+  /// RowState::bytes of a row.
+  std::vector<std::byte> row_bytes(Row row);
 
   // ---- constants and indices
   /// The spec that the world was made from, with the seed and the bodies of the last restart() and the
@@ -220,8 +233,8 @@ class World {
   std::span<const BodyType> types() const { return state_.types; }      ///< compiled types, indexed by TypeId
   const partition::StaticScene& scene() const { return state_.scene; }  ///< geometry of the static bodies
   /// Spatial index of the bodies in the world that have rows, at their present poses. During a step, it has
-  /// the poses before the motions of that step until the phase `index` or, if devices request births, until
-  /// these births at the end of the phase `move`.
+  /// the poses before the motions of that step. It is rebuilt in the phase `index` and, if devices request
+  /// births, already before these births at the end of the phase `move`.
   const partition::BodyIndex& index() const { return state_.index; }
   /// Spatial index of the parts of static bodies that fiducial finders detect.
   const FixedTargets& fixed_targets() const { return state_.fixed_targets; }
@@ -276,8 +289,8 @@ class World {
   const Transform& transform(Row row) const { return state_.view.transform(row); }
   /// Velocity that the drive of each row computed, body frame, m/s and rad/s. It is 0 if the body has no
   /// drive or is not in the world. From the next tick on, it is also 0 while the body is disabled or dropped
-  /// out, or while the power supply of its drive is empty. It does not become 0 when an obstacle blocks the
-  /// motion.
+  /// out by a fault, or while the power supply of its drive is empty. It does not become 0 when an obstacle
+  /// blocks the motion.
   std::span<const Velocity> velocities() const { return state_.as<Velocity>(WorldState::k_velocity); }
   /// Command to the drive of each row. The numbers have no meaning for rows without a drive.
   std::span<const Command> commands() const { return state_.as<Command>(WorldState::k_command); }
@@ -362,8 +375,8 @@ class World {
   /// rad, world frame. If the pose is not free (is_free()) or the reserve has no body left, no body is born,
   /// and Birth::status gives the reason. Apart from its pose and the component `life`, a new body has the
   /// state of a body at tick 0. Throws std::invalid_argument if the pose is not finite, and StepError if a
-  /// hook `start` of a kind throws (see require_whole()). Each birth rebuilds the spatial index of all
-  /// bodies. Call this between steps.
+  /// hook `start` of a device or controller kind throws (see require_whole()). Each birth rebuilds the
+  /// spatial index of all bodies. Call this between steps.
   Birth spawn(std::size_t reserve, const Pose& pose);
   /// Removes a body from the world; bodies that it carries stay where they are. Does nothing if the body is
   /// not in the world. Throws std::logic_error if has_lives() is false. Each call rebuilds the spatial index
@@ -398,7 +411,11 @@ class World {
   std::size_t settings_made() const { return experiment_.made; }
   /// The spec of a type with its present parameters, which settings may have changed.
   TypeSpec present_type(TypeId type) const;
-  /// Number of bodies in the world that are disabled or have a fault, such as a broken device.
+  /// Longest reach of a device of any type with rows, m (DeviceKind::Prepared::reach_m), over all parameters
+  /// that the interventions of spec() give the device during a run.
+  double longest_reach() const;
+  /// Number of bodies in the world that are disabled or have a fault, such as a broken device. Bodies whose
+  /// rows are elsewhere do not count.
   std::size_t impaired_count() const { return state_.now.impaired; }
 
   /// An argument of set_poses(): a row, and a pose for its body.
@@ -532,7 +549,8 @@ class World {
   void begin_row_change(std::string_view what) const;
   void move_rows(std::span<const std::uint32_t> to, std::span<const std::vector<std::uint32_t>> slots_to);
   void derive_rows();
-  std::vector<std::byte> state_of(Row row);
+  void drop_rows(const std::vector<bool>& leaves);
+  void append_rows(std::span<const RowState> added);
   void set_state(Row row, std::span<const std::byte> bytes);
   void build_ray_grid(Diagnostics& diagnostics);
   void report_overlaps(Diagnostics& diagnostics);

@@ -166,9 +166,9 @@ World::World(WorldSpec spec, const Registry& registry, const WorldOptions& optio
     diagnostics.error(
         type.parts.front().where,
         fmt::format(
-            "too large: the sensors of this type and of the types before it have more than {:.0f} beams "
-            "in total (each type is counted once, however many bodies it has)",
-            k_most_beams));
+            "too large: the sensors of this type and of the types before it have {:.0f} beams in total (each "
+            "type is counted once, however many bodies it has), at most {:.0f} are allowed",
+            beams, k_most_beams));
     diagnostics.throw_if_errors();
   }
   check_size(diagnostics);
@@ -301,6 +301,7 @@ void World::build_rows() {
     state_.slots.push_back(slots[t]++);
     robots_at_start_ += type.drive.has_value() && state_.spec.starts(body);
   }
+  state_.own_rows = rows();
   state_.subscribed.resize(rows());
   state_.radii.resize(rows());
   state_.shapes.resize(rows());

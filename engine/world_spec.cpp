@@ -23,13 +23,13 @@ class TypeRules {
       const PartSpec& part = type_.parts[p];
       if (part.parent >= std::max<std::size_t>(p, 1))
         error(part.where, fmt::format("parts[{}].parent", p), part.parent,
-              "must be the index of an earlier part");
+              p == 0 ? "must be 0 for the first part" : "must be the index of an earlier part");
       check_joint(part.where, fmt::format("parts[{}].joint", p), part.joint);
     }
     for (std::size_t j = 0; j < type_.joints.size(); ++j)
       if (type_.joints[j].parent < k_rigid || type_.joints[j].parent >= static_cast<std::int32_t>(j))
         error(type_.parts.front().where, fmt::format("joints[{}].parent", j), type_.joints[j].parent,
-              "must be the index of an earlier joint");
+              "must be -1 (no parent) or the index of an earlier joint");
     for (std::size_t d = 0; d < type_.devices.size(); ++d) {
       const DeviceSpec& device = type_.devices[d];
       check_part(device.where, fmt::format("sensors[{}].part", d), device.part);
@@ -126,7 +126,9 @@ void check_reserves(const WorldSpec& spec, const Report& report) {
                       first, end));
     for (std::size_t b = first; b < last; ++b)
       if (spec.bodies[b].type != spec.bodies[first].type)
-        return error("has bodies of several types; all bodies of a reserve must have the same type");
+        return error(fmt::format(
+            "has bodies of the types \"{}\" and \"{}\"; all bodies of a reserve must have the same type",
+            spec.types[spec.bodies[first].type.index()].name, spec.types[spec.bodies[b].type.index()].name));
     end = last;
   }
 }
@@ -164,8 +166,10 @@ void check_rules(const WorldSpec& spec, const Report& report) {
   };
   for (std::size_t t = 0; t < spec.types.size(); ++t) TypeRules(spec.types[t], t, note).check();
   if (spec.bounds && spec.bounds->empty())
-    note({},
-         "bounds_m: x_min exceeds x_max or y_min exceeds y_max; the order is [x_min, y_min, x_max, y_max]");
+    note({}, fmt::format(
+                 "bounds_m: found [{}, {}, {}, {}], where x_min exceeds x_max or y_min exceeds y_max; the "
+                 "order is [x_min, y_min, x_max, y_max]",
+                 spec.bounds->min.x(), spec.bounds->min.y(), spec.bounds->max.x(), spec.bounds->max.y()));
   check_bodies(spec, note);
   if (!is_right) return;  // the following checks use the indices of bodies and types
   check_part_names(spec, note);

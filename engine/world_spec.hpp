@@ -57,8 +57,10 @@ struct JointSpec {
 /// The image that a part's solids are made from. Only code that writes world files uses this struct; the
 /// simulation uses the solids.
 struct ImageSpec {
-  std::string file;  ///< path of the image; for a ROS map, of its YAML file
-  /// True: the whole image is scaled to the part's size; false: the solid area of the image.
+  /// Path of the image or, for a ROS map, of its YAML file: absolute or relative to the working folder.
+  /// Readers of world files have already joined it with the folder of the world file.
+  std::string file;
+  /// True: the whole image is scaled to the part's size. False: the bounding box of its solid pixels is.
   bool keeps_margins = false;
   bool unknown_is_solid = false;  ///< for ROS maps: whether unknown cells are solid
   bool boundary = false;          ///< true: adds four walls just inside the edges of the image
@@ -80,13 +82,15 @@ struct PartSpec {
   /// A second name of the part, by which programs can find it; for parts from Stage files, the name that
   /// Stage generates. Empty: none.
   std::string alias;
-  std::string kind;                     ///< model kind: "position", "ranger", ...
-  std::uint32_t parent = 0;             ///< index of its parent part; the root's is 0
-  std::int32_t joint = k_rigid;         ///< index of the joint that it is mounted on; k_rigid: none
-  Pose pose_body_part;                  ///< pose of the part's frame in the body frame
-  Eigen::Vector3d size{0.4, 0.4, 1.0};  ///< declared size x, y, z, m (GetGeom() returns it in Stage)
-  std::vector<Solid> solids;            ///< in the body frame with joints at rest, m, after all scaling
-  Returns returns;                      ///< how it interacts with other bodies and with sensors
+  std::string kind;              ///< model kind, for code that writes world files: "position", "ranger", ...
+  std::uint32_t parent = 0;      ///< index of its parent part; the root's is 0
+  std::int32_t joint = k_rigid;  ///< index of the joint that it is mounted on; k_rigid: none
+  Pose pose_body_part;           ///< pose of the part's frame in the body frame
+  /// Declared size x, y, z, m, which fiducial finders report (in Stage, GetGeom() returns it). Collisions and
+  /// rays depend on `solids` alone.
+  Eigen::Vector3d size{0.4, 0.4, 1.0};
+  std::vector<Solid> solids;  ///< in the body frame with joints at rest, m, after all scaling
+  Returns returns;            ///< how it interacts with other bodies and with sensors
   /// Whether the part is a floor plan, such as an image of a building or the walls of an arena. Controllers
   /// that plan paths, and `troupe lint`, use its solids as the plan.
   bool floor_plan = false;
@@ -98,7 +102,10 @@ struct PartSpec {
 
 /// A device that each body of a type has.
 struct DeviceSpec {
-  std::string name;              ///< the name of its part, unless the type gives the device another name
+  /// Name of the device in its type. It is not derived from `part`: a program that fills this struct must set
+  /// it. If an earlier device of the type has the same name, the world appends a number to the name and
+  /// warns.
+  std::string name;
   std::string kind;              ///< name of a kind of Registry::devices
   std::uint32_t part = 0;        ///< index of the part that carries it
   std::int32_t joint = k_rigid;  ///< index of the joint that it is mounted on; k_rigid: none
@@ -181,7 +188,8 @@ struct PartName {
 
 /// The recording that the world asks for (docs/recordings.md).
 struct RecordSpec {
-  /// Path of the recording. Empty: a run is recorded only if the command line names a file.
+  /// Path of the recording, relative to the working folder. Empty: a run is recorded only if the command line
+  /// names a file.
   std::string file;
   std::vector<std::string> fields;  ///< fields to record; empty: the default fields (docs/recordings.md)
   std::optional<double> every_s;    ///< world time between two recorded ticks, s; not set: 0.1 s
@@ -222,7 +230,7 @@ struct WorldSpec {
   std::unordered_map<std::string, PartName> part_aliases;
   /// Measures that a run takes, unless the options of the run choose others.
   std::vector<MeasureSpec> measures;
-  double measure_every_s = 1;    ///< world time between two lines of measures, s
+  double measure_every_s = 1;    ///< world time between two lines of measures, s; 0: every tick
   WatchSpec watch;               ///< speed of a run, and how often the world time is reported
   std::optional<Record> window;  ///< initial view of a window: worldio/window_fields.hpp
   ExperimentSpec experiment;     ///< interventions, faults and stop conditions

@@ -1,12 +1,21 @@
 #include "engine/world_state.hpp"
 
 #include "base/limits.hpp"
+#include "base/number_text.hpp"
+
+#include <fmt/format.h>
 
 #include <cstddef>
 
 namespace troupe::engine {
 
 const partition::ObstacleShape k_no_shape;
+
+std::string outside_text(const Box& bounds) {
+  return fmt::format("outside the world's bounds (x {} to {}, y {} to {} m)", plain_number(bounds.min.x()),
+                     plain_number(bounds.max.x()), plain_number(bounds.min.y()),
+                     plain_number(bounds.max.y()));
+}
 
 void WorldState::bind_view() {
   PublicColumns columns{.spec = &spec,

@@ -19,6 +19,7 @@
 #include <memory>
 #include <optional>
 #include <span>
+#include <string>
 #include <vector>
 
 namespace troupe::engine {
@@ -29,9 +30,10 @@ struct RowRange {
   std::size_t end = 0;    ///< one past the last row
 };
 
-/// The state of a world, the constants that describe the world, and the places of bodies, which are derived
-/// from the state. World owns this object. The parts of World (Links, Movement) read all members, and each
-/// part writes its own columns.
+/// The state of a world, the constants that describe the world, what the program has set, and data that are
+/// derived from the state: the transforms, outlines, radii and shapes of bodies, and the spatial index. World
+/// owns this object. The parts of World (Links, Movement) read all members, and each part writes its own
+/// columns.
 ///
 /// A row is the index of a body in the state tables; static bodies have none. Every vector has one element
 /// per row unless stated otherwise. Members that a comment calls public are also part of PublicColumns:
@@ -64,10 +66,13 @@ struct WorldState {
                    ///< World::set() adds
   /// Compiled types, by TypeId; constant except for parameters, which interventions change.
   std::vector<BodyType> types;
-  partition::GridGeometry geometry;         ///< sizes of the cells and tiles of `index`
-  partition::StaticScene scene;             ///< geometry of the static bodies
-  FixedTargets fixed_targets;               ///< parts of static bodies that fiducial finders detect
-  std::vector<Pool> pools;                  ///< one per type, by TypeId
+  partition::GridGeometry geometry;  ///< sizes of the cells and tiles of `index`
+  partition::StaticScene scene;      ///< geometry of the static bodies
+  FixedTargets fixed_targets;        ///< parts of static bodies that fiducial finders detect
+  std::vector<Pool> pools;           ///< one per type, by TypeId
+  /// Number of rows at the front that this world computes; the rows after them are *ghosts*, copies of rows
+  /// that other ranks compute (engine/halo.hpp). All rows, if the world has no ghosts.
+  std::size_t own_rows = 0;
   std::vector<BodyId> bodies;               ///< public: body of each row
   std::vector<Row> rows;                    ///< public: see PublicColumns::rows; code reads view.row()
   std::vector<std::uint32_t> row_types;     ///< public: TypeId of each row
@@ -100,8 +105,9 @@ struct WorldState {
   /// itself (the root); the row itself if its body is not carried. Empty, like joint_begins, if no type has
   /// joints or can carry bodies.
   std::vector<std::uint32_t> roots;
-  /// Obstacle shapes, body frame, for conflict resolution: k_no_shape for absent and carried bodies, and for
-  /// the root of a tree the shape of the whole tree.
+  /// Obstacle shapes, body frame, for conflict resolution. k_no_shape for absent and carried bodies. For a
+  /// body that carries others and is not carried itself: the common shape of the body and of all bodies that
+  /// it carries, directly or through others.
   std::vector<const partition::ObstacleShape*> shapes;
   /// 1 if the grid ray engine does not draw the row's outlines. Empty unless bodies can be born or die and
   /// the world uses that engine.
@@ -219,5 +225,8 @@ struct WorldState {
 
 /// The obstacle shape of a body that is not in the world, or that another body carries.
 extern const partition::ObstacleShape k_no_shape;
+
+/// For errors: `outside the world's bounds (x -5 to 5, y -5 to 5 m)`.
+std::string outside_text(const Box& bounds);
 
 }  // namespace troupe::engine

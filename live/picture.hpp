@@ -25,9 +25,10 @@ struct Picture {
   /// from 0 to worldio::k_replay_turn - 1, in units of 1 / k_replay_turn of a turn. A robot that is not in
   /// the world has the heading k_gone; its other values are 0.
   std::vector<std::int32_t> poses;
-  /// Red, green and blue, each from 0 to 255, of each robot, and then of each part whose colour devices set,
-  /// in the order of worldio::LivePage::shown_parts and, within one of these entries, of its robots. Empty if
-  /// take() was called without `has_colors`.
+  /// Red, green and blue, each from 0 to 255: first of each robot, and then of each part whose colour devices
+  /// set. The parts are in the order of worldio::LivePage::shown_parts; an entry of that list stands for one
+  /// part of several robots, which are in the order of the page. Empty if take() was called without
+  /// `has_colors`.
   std::vector<std::uint8_t> colors;
   /// For each client that colours robots by a value: one byte per robot, see take_shades().
   std::map<std::uint64_t, std::vector<std::uint8_t>> shades;
@@ -52,8 +53,8 @@ struct SentPicture {
 
 /// Returns the binary frame of a picture for a client (docs/live.md), which contains the number of the
 /// picture and its differences from `sent`. Sets `sent` to the content of this picture. If the picture has no
-/// shades for the client, the frame has none either, and `sent.shades` stays. robots: number of robots that
-/// the page shows. client: number of the client, which selects its Picture::shades.
+/// shades for the client, the frame has none either, and `sent.shades` does not change. robots: number of
+/// robots that the page shows. client: number of the client, which selects its Picture::shades.
 std::string encode(const Picture& picture, std::size_t robots, std::uint64_t client, SentPicture& sent);
 
 }  // namespace troupe::live

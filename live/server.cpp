@@ -194,14 +194,17 @@ class ViewServer::Impl::Connection : public std::enable_shared_from_this<Connect
           "a request whose Host header names neither this machine nor a host of --allow-host");
       return respond(
           http::status::forbidden,
-          "The Host header of this request names neither this machine nor a host of --allow-host.\n");
+          "The Host header of this request names neither this machine nor a host of --allow-host (in Python: "
+          "hosts): give the host there.\n");
     }
     if (websocket::is_upgrade(request)) {
       const std::string_view origin = view_of(request[http::field::origin]);
       if (!origin.empty() && origin != "http://" + host_ &&
           !(server_.is_proxy(host_) && origin == "https://" + host_)) {
         server_.backend.refused("a WebSocket opened by a page of another origin");
-        return respond(http::status::forbidden, "The Origin header of this request names another page.\n");
+        return respond(
+            http::status::forbidden,
+            "The Origin header of this request names another page: connect from the page of this program.\n");
       }
       if (request.target() != "/live")
         return respond(http::status::not_found, "Unknown path: the WebSocket is at /live.\n");
@@ -362,8 +365,10 @@ ViewServer::ViewServer(const Options& options, ViewBackend& backend)
   try {
     impl_->listen(address, options.port);
   } catch (const boost::system::system_error& failure) {
-    throw std::runtime_error(fmt::format("{}:{}: error: cannot listen on this port: {}", url_text(address),
-                                         options.port, failure.code().message()));
+    throw std::runtime_error(
+        fmt::format("{}:{}: error: cannot listen on this port: {}; give another --port or "
+                    "--bind (in C++ and Python: port, bind)",
+                    url_text(address), options.port, failure.code().message()));
   }
   if (!options.bind.empty()) return;
   try {

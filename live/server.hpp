@@ -75,9 +75,9 @@ class ViewServer {
   /// Announces a new picture. The server then calls ViewBackend::picture() for each client that can receive
   /// one. May be called on any thread.
   void offer();
-  /// Tells the server that a client has drawn a picture. The server sends at most two pictures to a client
-  /// that the client has not drawn yet. Does nothing if the client has disconnected. Call it from functions
-  /// of ViewBackend only, because it must run on the server's thread.
+  /// Tells the server that a client has drawn a picture. While a client has not yet drawn two of the pictures
+  /// that the server has sent, the server sends the client no further picture. Does nothing if the client has
+  /// disconnected. Call it from functions of ViewBackend only, because it must run on the server's thread.
   void drawn(std::uint64_t client);
 
  private:

@@ -44,13 +44,20 @@ constexpr std::array<std::string_view, 5> k_looking{"inspect", "plot", "color", 
                                                     "parameters"};  // requests of read-only viewers
 constexpr int k_most_files = 100000;  // largest number of files of one kind in a folder
 
+/// A value of a request for errors, at most 60 bytes of it.
+std::string text_of_value(const Json& value) {
+  constexpr std::size_t k_most_bytes = 60;
+  const std::string text = value.dump(-1, ' ', true);  // ASCII, so it can be cut anywhere
+  return text.size() <= k_most_bytes ? text : text.substr(0, k_most_bytes) + "...";
+}
+
 /// Returns a token: 128 random bits as 32 hexadecimal digits.
 std::string make_token() {
   std::array<unsigned char, 16> bytes{};
   if (getrandom(bytes.data(), bytes.size(), 0) != static_cast<ssize_t>(bytes.size()))
     throw std::runtime_error(
-        "troupe view: error: the page cannot be protected: the system gave no random numbers for its token "
-        "(getrandom)");
+        "troupe view: error: the system gave no random numbers (getrandom) for the token that protects the "
+        "page: start the view again");
   std::string token;
   for (const unsigned char byte : bytes) token += fmt::format("{:02x}", byte);
   return token;
@@ -363,28 +370,32 @@ class View::Impl::Request {
   double number(const char* key, double least, double most) const {
     const Json value = json_.value(key, Json());
     if (!value.is_number() || !(value.get<double>() >= least && value.get<double>() <= most))
-      throw ActRefused(fmt::format("\"{}\" must be a number from {} to {}", key, least, most));
+      throw ActRefused(fmt::format("\"{}\" must be a number from {} to {}, found {}", key, least, most,
+                                   text_of_value(value)));
     return value.get<double>();
   }
   std::uint64_t whole(const char* key, std::uint64_t least, std::uint64_t most) const {
     const Json value = json_.value(key, Json());
     if (!value.is_number_unsigned() || value.get<std::uint64_t>() < least ||
         value.get<std::uint64_t>() > most)
-      throw ActRefused(fmt::format("\"{}\" must be a whole number from {} to {}", key, least, most));
+      throw ActRefused(fmt::format("\"{}\" must be a whole number from {} to {}, found {}", key, least, most,
+                                   text_of_value(value)));
     return value.get<std::uint64_t>();
   }
   /// A name; empty for null and for a missing key.
   std::string name(const char* key) const {
     const Json value = json_.value(key, Json());
     if (value.is_null()) return {};
-    if (!value.is_string()) throw ActRefused(fmt::format("\"{}\" must be a name", key));
+    if (!value.is_string())
+      throw ActRefused(fmt::format("\"{}\" must be a name, found {}", key, text_of_value(value)));
     return value.get<std::string>();
   }
   /// A list of names, each of which must be one of `known`.
   std::vector<std::string> names(const char* key, std::span<const std::string_view> known) const {
     const Json list = json_.value(key, Json());
     std::vector<std::string> names;
-    if (!list.is_array()) throw ActRefused(fmt::format("\"{}\" must be a list of names", key));
+    if (!list.is_array())
+      throw ActRefused(fmt::format("\"{}\" must be a list of names, found {}", key, text_of_value(list)));
     for (const Json& one : list) {
       const std::string name = one.is_string() ? one.get<std::string>() : "";
       if (std::ranges::find(known, name) == known.end())
@@ -458,14 +469,15 @@ bool View::Impl::obey_clock(const Request& request) {
     const double time_s = request.number("time_s", 0, engine::k_most_seconds);
     const std::uint64_t end = engine::ticks_until(time_s, simulation_.tick_s());
     if (end <= simulation_.tick())
-      throw ActRefused(fmt::format("the world is already at {:.10g} s, so \"time_s\" must be later",
-                                   simulation_.time_s()));
+      throw ActRefused(
+          fmt::format("\"time_s\" is {:.10g} s, but the world is already at {:.10g} s: give a later time",
+                      time_s, simulation_.time_s()));
     play(end - simulation_.tick());
   } else if (request.what() == "rate") {
     const double rate = request.number("rate", 0, k_most_rate);
     if (rate > 0 && rate < k_least_rate)
-      throw ActRefused(fmt::format("\"rate\" must be 0 (as fast as possible) or from {} to {}", k_least_rate,
-                                   k_most_rate));
+      throw ActRefused(fmt::format("\"rate\" must be 0 (as fast as possible) or from {} to {}, found {}",
+                                   k_least_rate, k_most_rate, rate));
     rate_ = rate;
     due_ = Clock::now();
   } else {
@@ -609,7 +621,9 @@ void View::Impl::greet_again() {
 /// Returns the name of a file that does not exist: WORLD.WHAT.h5, else WORLD.WHAT-2.h5, and so on.
 fs::path View::Impl::new_file(std::string_view what) const {
   if (file_bytes_ >= k_most_file_bytes)
-    throw ActRefused("the files that viewers requested have reached 10 GB: no further file is written");
+    throw ActRefused(
+        "the files that viewers requested have reached 10 GB, the limit of a view: end this view, and start "
+        "another one");
   const std::string stem = fs::path(simulation_.effective_options().front().second).stem().string();
   for (int i = 1; i <= k_most_files; ++i) {
     fs::path file =
@@ -617,7 +631,9 @@ fs::path View::Impl::new_file(std::string_view what) const {
     if (!fs::exists(file)) return file;
   }
   throw ActRefused(fmt::format(
-      "the folder already has {} files of this kind: move some of them to another folder", k_most_files));
+      "the folder of the view already has the {0} files {1}.{2}.h5 to {1}.{2}-{0}.h5: move some of them to "
+      "another folder",
+      k_most_files, stem, what));
 }
 
 std::string View::Impl::save_checkpoint() {

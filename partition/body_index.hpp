@@ -11,8 +11,8 @@
 namespace troupe::partition {
 
 /// A circle that encloses a body, metres, world frame: an entry of a spatial index. Its coordinates and
-/// radius are floats, so that four circles fill a cache line and kernels load them directly. To cover the
-/// rounding to float, the circle is slightly larger than the exact one, which is centred on the body's
+/// radius are floats, so that four circles fill a cache line and SIMD kernels load them directly. To cover
+/// the rounding to float, the circle is slightly larger than the exact one, which is centred on the body's
 /// origin. The member `row` is the index of the body in the arrays passed to BodyIndex::rebuild(), which hold
 /// its exact position.
 struct BodyCircle {
@@ -106,8 +106,9 @@ class BodyIndex {
   }
 
   /// All rows in the index, each once; valid until the next rebuild(). Rows whose bodies have their origins
-  /// in the same tile are adjacent. Within a tile, rows are sorted by block, then by cell, then by row. If
-  /// rows are processed in this order, the data of their neighbours are often still in the caches.
+  /// in the same tile are adjacent. Within a tile, rows are sorted by block (a square of cells, see
+  /// GridGeometry::block_bits()), then by cell, then by row. If rows are processed in this order, the data of
+  /// their neighbours are often still in the caches.
   std::span<const std::uint32_t> order() const { return order_; }
   /// A number that identifies the cell of the origin of the row's body: two rows have equal numbers if and
   /// only if their origins are in one cell. The row must be in the index. Valid until the next rebuild().

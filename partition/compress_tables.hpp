@@ -24,8 +24,8 @@ constexpr std::array<std::uint8_t, (kLanes * kBytes) << kLanes> compress_table()
   return table;
 }
 
-/// The permutations by lanes, for vectors of eight lanes. The table takes 2 KiB. Four bits per lane would
-/// halve its size but cost two more instructions per use.
+/// The permutations by lanes, for vectors of eight lanes. The table takes 2 KiB. Entries of four bits instead
+/// of eight would halve its size but cost two more instructions per use.
 alignas(64) inline constexpr auto k_compress_lanes = compress_table<8, 1>();
 /// The permutations by bytes, for vectors of four lanes of four bytes.
 alignas(64) inline constexpr auto k_compress_bytes = compress_table<4, 4>();

@@ -16,9 +16,11 @@ namespace troupe::partition {
 class Mailboxes {
  public:
   /// seed: if it is given, messages arrive late and in a random order that follows from the seed, as they may
-  /// on a network; receive() still returns the messages of one rank in their order. For tests. clock: returns
-  /// the time of a rank for Transport::seconds(), s; called on the threads of all ranks. If it is empty,
-  /// there is no clock. Throws std::invalid_argument unless `ranks` is 1 to k_most_ranks.
+  /// on a network; receive() still returns the messages of one rank in the order in which that rank sent
+  /// them. For tests.
+  /// clock: returns the time of a rank for Transport::seconds(), s; called on the threads of all ranks. If it
+  /// is empty, there is no clock.
+  /// Throws std::invalid_argument unless `ranks` is 1 to k_most_ranks.
   explicit Mailboxes(unsigned ranks, std::optional<std::uint64_t> seed = {},
                      std::function<double(unsigned rank)> clock = {});
   ~Mailboxes();

@@ -90,7 +90,10 @@ struct MpiTransport::Impl {
       progress();
       sched_yield();
       if (mpi.seconds() - start > limit_s)
-        fail(fmt::format("waited {:g} s for {}, which does not answer", limit_s, name(other())));
+        fail(fmt::format(
+            "waited {:g} s for {}, which does not answer: see the output of that rank, or give a longer "
+            "--rank-limit",
+            limit_s, name(other())));
     }
     waited_s += mpi.seconds() - start;
   }

@@ -9,8 +9,8 @@
 
 namespace troupe::partition {
 
-/// The transport between the processes that an MPI launcher has started (docs/cluster.md). The MPI library is
-/// not linked: a module, which is a shared library that is linked with MPI, is loaded at run time
+/// The transport between the processes that an MPI launcher has started (docs/cluster.md). Troupe itself is
+/// not linked with MPI. It loads a module at run time: a shared library that is linked with MPI
 /// (partition/mpi/mpi_module.h). After send(), receive() or complete_sending() has thrown RankError, later
 /// calls of these functions throw an error with the same text.
 class MpiTransport : public Transport {
@@ -25,8 +25,8 @@ class MpiTransport : public Transport {
   unsigned rank() const override;
   unsigned ranks() const override;
   /// Waits for a message; other processes may use the processor meanwhile. If no message has come after the
-  /// time that set_limit() has set, throws RankError with the number, and if set_hosts() was called the host,
-  /// of the rank that did not answer. Also throws RankError if MPI fails.
+  /// time that set_limit() has set, throws a RankError that names the rank that did not answer: its number
+  /// and, if set_hosts() was called, its host. Also throws RankError if MPI fails.
   std::shared_ptr<const Message> receive(unsigned from) override;
   double seconds() const override;
   double waited_s() const override;

@@ -18,7 +18,7 @@ namespace troupe::partition {
 struct CircleArrays {
   std::vector<float> x;            ///< x of the centres
   std::vector<float> y;            ///< y of the centres
-  std::vector<float> radius;       ///< minus infinity for a circle that is only padding; no beam hits it
+  std::vector<float> radius;       ///< radius; minus infinity: only padding, which no beam hits
   std::vector<std::uint32_t> row;  ///< row of a body in the state tables, or number of an outline piece
 
   /// Ensures that the arrays have room for this many circles; keeps the contents.
@@ -40,10 +40,10 @@ struct CircleArrays {
 };
 
 /// The candidates of a sensor: the circles of bodies, and of pieces of static outlines, that reach into the
-/// disc within which the sensor looks. Sensors that look in a few directions use this class: lines of sight,
-/// light sensors, cones, and the walls between radios. Rangers use NearbyOutlines instead, which shares one
-/// search among all rangers in a block of cells. Not thread-safe. Keep one object per thread and reuse it:
-/// its arrays keep their memory.
+/// disc within which the sensor looks. This class is for searches in a few directions: fiducial finders,
+/// light sensors, rangers with wide beams, and the walls between two radios. Rangers with thin beams use
+/// NearbyOutlines instead, which shares one search among all rangers in a block of cells. Not thread-safe.
+/// Keep one object per thread and reuse it: its arrays keep their memory.
 class NearCircles {
  public:
   /// Begins an empty list for a disc. centre: the centre of the disc, world frame, m. reach: its radius, m.

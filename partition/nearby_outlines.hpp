@@ -20,11 +20,11 @@ using CircleRun = std::span<const BodyCircle>;
 /// copied.
 void unpack(std::span<const CircleRun> runs, std::uint32_t mark, std::size_t size, CircleArrays& out);
 
-/// The circles that the rays of sensors in one block of cells (see GridGeometry) may hit: the circles of
-/// bodies and of pieces of static outlines. The circles are divided into bands by their distance from the
-/// block; band 0 is the nearest. A wide body (see BodyIndex) may be in several bands, and several times in
-/// one band. A band is gathered on first use and then serves all sensors in the block. In a crowd most
-/// sensors need only the first band.
+/// Finds the outlines that the rays of the sensors in one block of cells (GridGeometry::block_bits()) may
+/// hit: outlines of bodies, and pieces (short chains of edges) of static outlines. Returns the circles that
+/// enclose them. The circles are divided into bands by their distance from the block; band 0 is the nearest.
+/// A wide body (see BodyIndex) may be in several bands, and several times in one band. A band is gathered on
+/// first use and then serves all sensors in the block. In a crowd most sensors need only the first band.
 class NearbyOutlines {
  public:
   /// In circles(), the member `row` is the index of a body in the state tables or, with this bit set, the
@@ -44,7 +44,7 @@ class NearbyOutlines {
   /// that are farther away.
   std::size_t bands() const { return radii_.size(); }
   /// The outer radius of a band, metres: every circle closer than this to any point of the block is in this
-  /// band or an earlier one. That of the last band is the argument `reach` of begin().
+  /// band or an earlier one. The outer radius of the last band is the argument `reach` of begin().
   double radius(std::size_t band) const { return radii_[band]; }
   /// The range of a band in circles(). Bands are padded to a multiple of k_circle_padding with circles that
   /// no beam hits.

@@ -84,9 +84,9 @@ struct RayEdge {
 
 /// A margin, as a fraction of a distance. Tests that discard distant edges treat each beam as longer by this
 /// margin, because rounding may make the computed range to an edge smaller than the distance to its nearest
-/// point. At the smallest angle that is not grazing, the difference is at most 2^-14 of that distance plus
-/// 2^-14 of the distance between the beam's origin and the reference point. If the second distance does not
-/// exceed the first, the margin is at least twice the difference.
+/// point. At the smallest angle that is not grazing (k_grazing), the range is too small by at most 2^-14 of
+/// that distance plus 2^-14 of the distance between the beam's origin and the reference point. If the second
+/// distance does not exceed the first, the margin is at least twice this error.
 constexpr double k_range_slack = 1.0 / 4096;
 
 /// A second margin, metres, which the tests that use k_range_slack add to the first margin. It covers the

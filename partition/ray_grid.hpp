@@ -19,10 +19,11 @@ namespace troupe::partition {
 /// Intelligence, 2008): outlines are drawn into the cells of a nested grid, and rays walk from cell to cell.
 ///
 /// Cells are squares with edges of length `resolution`. The cell of a point (x, y) in the world frame is
-/// (floor(x / resolution), floor(y / resolution)). Only rays, as in Stage, round the position towards zero
-/// instead: at negative coordinates, a ray meets an edge one cell away from the cell in which the edge is
-/// drawn. 8 x 8 cells make a block, stored in one 64-bit word. 8 x 8 blocks make a region, found through a
-/// hash table; another word tells which of its blocks are not empty. Empty regions are not stored.
+/// (floor(x / resolution), floor(y / resolution)). For rays this differs, as in Stage: the cell of a ray's
+/// position is found by rounding towards zero. At negative coordinates, a ray therefore meets an edge one
+/// cell away from the cell in which the edge is drawn. A block of 8 x 8 cells is stored in one 64-bit word. A
+/// region of 8 x 8 blocks is found through a hash table; another word tells which of its blocks are not
+/// empty. Empty regions are not stored.
 ///
 /// An edge is drawn as a staircase of cells, by Cohen's integer line (Graphics Gems IV, 1994): each cell
 /// shares a side with the previous one. The staircase begins in the cell of the edge's start and stops before
@@ -45,11 +46,13 @@ struct MovingOutline {
 
 /// A ray to cast.
 struct GridRay {
-  Vec2 origin;               ///< start of the ray, world frame, m
-  Vec2 direction;            ///< direction of the ray: unit vector, world frame
-  double z = 0;              ///< height, m, world frame
-  float range_max = 0;       ///< length of the ray, m; greater than 0
-  std::uint32_t body = ~0u;  ///< the body that casts the ray and whose outlines are ignored; ~0: none
+  Vec2 origin;          ///< start of the ray, world frame, m
+  Vec2 direction;       ///< direction of the ray: unit vector, world frame
+  double z = 0;         ///< height, m, world frame
+  float range_max = 0;  ///< length of the ray, m; greater than 0
+  /// The body that casts the ray: index into `poses` of RayGrid::redraw(), or ~0 for none. The ray ignores
+  /// the outlines of this body.
+  std::uint32_t body = ~0u;
 };
 
 /// The result of a ray.

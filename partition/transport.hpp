@@ -12,7 +12,8 @@ namespace troupe::partition {
 /// Largest number of ranks of a Transport.
 inline constexpr unsigned k_most_ranks = 1024;
 
-/// Thrown by a Transport if another rank failed, or cannot be reached. The text names that rank.
+/// Thrown by a Transport if another rank failed or cannot be reached, or if MPI fails. The text names the
+/// other rank if it is known.
 class RankError : public std::runtime_error {
  public:
   using std::runtime_error::runtime_error;

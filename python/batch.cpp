@@ -81,6 +81,23 @@ class HeldBatchView {
   std::unique_ptr<live::View> view_;
 };
 
+/// What a member of type T must be, for errors.
+template <class T>
+constexpr std::string_view expected() {
+  if constexpr (std::is_same_v<T, py::list>)
+    return "a list";
+  else if constexpr (std::is_same_v<T, bool>)
+    return "a bool";
+  else if constexpr (std::is_same_v<T, std::string>)
+    return "a text";
+  else if constexpr (std::is_integral_v<T>)
+    return std::is_unsigned_v<T> ? "a whole number from 0" : "a whole number";
+  else if constexpr (std::is_floating_point_v<T> || std::is_same_v<T, std::optional<double>>)
+    return "a number";
+  else
+    return "a list of texts";
+}
+
 /// Reads the members of a dict into variables. A variable keeps its value if the dict lacks its member.
 /// finish() throws if the dict has members that were not read.
 class Members {
@@ -102,9 +119,8 @@ class Members {
         throw py::cast_error();
       into = value.cast<T>();
     } catch (const py::cast_error&) {
-      throw py::type_error(
-          fmt::format("{}: the value {} cannot be converted to the type of the member \"{}\"", what_,
-                      std::string(py::repr(value)), name));
+      throw py::type_error(fmt::format("{}: the value {} of the member \"{}\" must be {}", what_,
+                                       std::string(py::repr(value)), name, expected<T>()));
     }
   }
   template <class Visit>
@@ -197,7 +213,8 @@ BatchTeam team_of(const std::string& what, const py::handle& given) {
     of.finish();
     if (below.has_value() == above.has_value())
       throw py::value_error(
-          fmt::format("{}: must have exactly one of the members \"below\" and \"above\"", at));
+          fmt::format("{}: must have exactly one of the members \"below\" and \"above\", found {}", at,
+                      below ? "both" : "neither"));
     end.is_above = above.has_value();
     end.below = end.is_above ? *above : *below;
   });

@@ -6,6 +6,7 @@
 #include "apps/pictures/film.hpp"
 #include "apps/replay.hpp"
 #include "apps/scripts.hpp"
+#include "base/diagnostics.hpp"
 #include "base/hash.hpp"
 #include "engine/measures.hpp"
 #include "troupe/simulation_source.hpp"
@@ -321,9 +322,17 @@ Result<ControllerKind::Prepared> prepare(const PythonController& controller,
       };
       std::size_t d = 0;
       while (d < devices.size() && !fits(d)) ++d;
-      if (d == devices.size())
-        return Error{
-            fmt::format("uses the device \"{}\", but no device of the type has this name or kind", wanted)};
+      if (d == devices.size()) {
+        std::vector<std::string_view> names;
+        bool is_used_up = false;  // earlier names of the list have taken all devices that fit
+        for (const engine::DeviceInfo& device : devices) {
+          names.push_back(device.name);
+          is_used_up = is_used_up || device.name == wanted || device.kind == wanted;
+        }
+        return Error{fmt::format(
+            "uses the device \"{}\", but no {}device of the type has this name or kind; devices: {}", wanted,
+            is_used_up ? "further " : "", names.empty() ? "none" : comma_list(names))};
+      }
       chosen.push_back(d);
     }
   } else {

@@ -226,7 +226,9 @@ bool run_until(const py::object& self, const py::function& done, double at_most_
 py::object on_tick(const py::object& self, const py::object& callback) {
   self.cast<Holder>()->use_outside("on_tick()");
   if (!callback.is_none() && PyCallable_Check(callback.ptr()) == 0)
-    throw py::type_error("on_tick() takes a function, or None, which removes all callbacks");
+    throw py::type_error(
+        fmt::format("on_tick() takes a function, or None, which removes all callbacks; found {}",
+                    std::string(py::repr(callback))));
   py::list callbacks = callback.is_none() ? py::list() : callbacks_of(self);
   if (!callback.is_none()) callbacks.append(callback);
   py::setattr(self, k_callbacks, callbacks);

@@ -12,6 +12,7 @@
 #include <filesystem>
 #include <optional>
 #include <string>
+#include <vector>
 
 namespace troupe::python {
 namespace {
@@ -20,6 +21,7 @@ py::dict read_study(const std::filesystem::path& file, const std::optional<std::
   using namespace py::literals;
   const engine::Registry registry = make_registry();
   Diagnostics diagnostics;
+  const auto files = diagnostics.files();
   const worldio::Study study = text ? worldio::load_study_text(file, *text, registry, diagnostics)
                                     : worldio::load_study(file, registry, diagnostics);
   diagnostics.throw_if_errors();
@@ -34,9 +36,15 @@ py::dict read_study(const std::filesystem::path& file, const std::optional<std::
     const worldio::Study::Run run = study.run(r);
     runs.append(py::make_tuple(run.values, run.seed));
   }
+  const py::cpp_function check([study, files](const std::vector<std::string>& measures) {
+    Diagnostics found(files);
+    worldio::check_columns(study, measures, found);
+    found.throw_if_errors();
+  });
   return py::dict("world"_a = study.world.string(), "for_s"_a = study.for_s, "parameters"_a = parameters,
                   "measures"_a = study.measures, "statistics"_a = statistics,
-                  "measure_every_s"_a = study.measure_every_s, "series"_a = study.series, "runs"_a = runs);
+                  "measure_every_s"_a = study.measure_every_s, "series"_a = study.series, "runs"_a = runs,
+                  "check_columns"_a = check);
 }
 
 }  // namespace
@@ -44,7 +52,9 @@ py::dict read_study(const std::filesystem::path& file, const std::optional<std::
 void bind_study(py::module_& module) {
   module.def("_read_study", &read_study, py::arg("file"), py::arg("text") = py::none(),
              "Reads a study file of `troupe sweep` and returns it as a dict. Its item \"runs\" is a list "
-             "with one pair per\nrun: the values of the parameters, as JSON texts, and the seed.");
+             "with one pair per\nrun: the values of the parameters, as JSON texts, and the seed. Its item "
+             "\"check_columns\" is a function of the\nnames of the measures, which raises InputError if two "
+             "columns of the results would have one name.");
   module.def("_ticks_until", &engine::ticks_until, py::arg("end_s"), py::arg("tick_s"));
   module.def("_period_ticks", &engine::period_ticks, py::arg("period_s"), py::arg("tick_s"));
 }

@@ -15,7 +15,7 @@ namespace troupe::render {
 
 /// Selects the colour of a triangle. `own` is the colour stored in its vertices. `body`, `edge` and `mark`
 /// are the members with these names of the instance that is drawn, so that instances with different colours
-/// share a mesh. A triangle has the colour of its last corner.
+/// can share a mesh. A triangle has the colour of its last corner.
 enum class Paint : std::uint32_t { own, body, edge, mark };
 
 // ---- flat layers, in the plane of the picture

@@ -11,6 +11,8 @@
 #include "render/value_colors.hpp"
 #include "render/vector_drawing.hpp"
 
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <cfenv>
 #include <cstddef>
@@ -50,7 +52,10 @@ Box shown_bounds(const FrameScene& scene, const View& view) {
   if (view.layers.bounds && !view.region && scene.limits) shown.extend(*scene.limits);
   if (view.region) {
     if (!shown.min.allFinite() || !shown.max.allFinite() || !((shown.size().array() > 0).all()))
-      throw std::runtime_error("cannot draw: the region of the view must be finite and of positive size");
+      throw std::runtime_error(fmt::format(
+          "cannot draw: the region of the view must be finite and of positive size, found [[{:.10g}, "
+          "{:.10g}], [{:.10g}, {:.10g}]]",
+          shown.min.x(), shown.min.y(), shown.max.x(), shown.max.y()));
     return shown;
   }
   if (shown.empty()) shown = Box::around(Vec2::Zero(), 5);  // an empty world: show 10 m of floor
@@ -251,7 +256,10 @@ std::string Painter::draw_vector(const Frame& frame, const View& view, VectorFor
   if (!is_from_above(view.camera))
     throw std::runtime_error(
         "cannot draw this view as vector graphics: only views from straight above without perspective, with "
-        "pitch and yaw 0, are possible");
+        "pitch and yaw 0, are possible; draw other views as pixels (.png)");
+  if (view.width < 1 || view.height < 1)
+    throw std::runtime_error(fmt::format(
+        "cannot draw a picture of {} x {} pixels: each side must be at least 1", view.width, view.height));
   const KeepFpEnvironment keep;
   const WithTypesOf with_types(frame, impl_->scene, impl_->meshes.pieces);
   const Composition composition = compose(frame, view);

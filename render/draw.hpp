@@ -44,8 +44,9 @@ struct Layers {
   /// A red outline with a white rim around bodies whose last motion was blocked or would have ended out of
   /// bounds (FrameBody::stalled).
   bool stalls = true;
-  bool scale = true;   ///< from above: a scale bar; else, with `grid`: the distance of its lines
-  bool clock = true;   ///< the simulated time
+  /// In a view from above: a scale bar. In other views, if `grid` is set: the distance between grid lines.
+  bool scale = true;
+  bool clock = true;   ///< a clock with the simulated time
   bool speed = false;  ///< only with `clock`: the speed of the simulation, Frame::times_real_time, if above 0
   bool legend = true;  ///< legend of the colour scale, if bodies are coloured by Frame::values
   bool bounds = true;  ///< bounds of the world, which robots cannot leave: FrameScene::limits
@@ -135,9 +136,9 @@ class Painter {
   /// Draws a view from above as vector graphics and returns the content of an SVG 1.1 or PDF file. The size
   /// of the picture is that of the view, with pixels of 1/96 inch. `texts` are stored in the file; characters
   /// of their values that the formats do not allow become question marks. Throws std::runtime_error if the
-  /// view is not from above, or if View::region is not finite or has no area. For a PDF it also throws if
-  /// cairo is missing or too old, and the message names the package to install, or if cairo fails. OSMesa is
-  /// not needed.
+  /// view is not from above, if its width or height is below 1, or if View::region is not finite or has no
+  /// area. For a PDF it also throws if cairo is missing or too old, with a message that names the package to
+  /// install, or if cairo fails. OSMesa is not needed.
   std::string draw_vector(const engine::Frame& frame, const View& view, VectorFormat format,
                           const FileTexts& texts);
 

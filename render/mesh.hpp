@@ -11,7 +11,7 @@ struct MeshStyle {
   bool mark = false;  ///< whether there is a heading mark: a triangle at the front that points forward
 };
 
-/// Converts each component as to_byte() does.
+/// Converts a colour with components from 0 to 1 to bytes, each component by to_byte() (base/color.hpp).
 Rgba to_rgba(const Color& color);
 /// The colour for the outline of a shape of the colour `fill`: red, green and blue are 65 % of those of
 /// `fill`, and the opacity is the same.

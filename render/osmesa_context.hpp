@@ -7,8 +7,8 @@
 namespace troupe::render {
 
 /// An OpenGL 3.3 core context without a window, by the library OSMesa. OSMesa is loaded with the first
-/// context and stays loaded. The library is not linked, because linking would cost 57 MB and 26 ms even in
-/// runs that draw no pictures.
+/// context and stays loaded. The library is not linked, because linking would cost every run of a program
+/// about 57 MB of memory and 26 ms of start-up time, even if it draws no pictures.
 class OsmesaContext {
  public:
   /// Creates a context, which is not current on any thread. Throws std::runtime_error if OSMesa is missing or
@@ -36,9 +36,9 @@ class OsmesaContext {
       window_;  // required by OSMesa; pictures are drawn into framebuffer objects
 };
 
-/// Opens the first of these libraries that can be loaded and returns its handle (of dlopen()), which is never
-/// closed. If none can be loaded, throws std::runtime_error; the message names the package to install and
-/// contains the messages of the loader.
+/// Opens the first library of `library_names` that can be loaded and returns its handle (of dlopen()), which
+/// is never closed. If none can be loaded, throws std::runtime_error; the message names the package to
+/// install and contains the messages of the loader.
 void* open_osmesa(std::span<const char* const> library_names);
 
 }  // namespace troupe::render

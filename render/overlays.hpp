@@ -9,8 +9,8 @@ namespace troupe::render {
 
 /// The floor grid of a view that is not from above: lines on the floor, `pitch` metres apart, at multiples of
 /// `pitch`. The grid covers FrameScene::bounds (if these are empty, 10 m x 10 m about Projection::origin()),
-/// but only up to 60 lines from Projection::origin() in each direction. If the bounds are farther away than
-/// that, the grid covers the nearest 5 lines in each direction.
+/// but only up to 60 lines from Projection::origin() in each direction. If no part of the bounds is that
+/// near, the grid extends 5 lines from Projection::origin() in each direction.
 SolidLayer solid_grid(const engine::FrameScene& scene, const Projection& projection, double pitch,
                       Rgba color);
 /// The distance between grid lines for this view, m: a RoundLength that is at least 48 strokes long at

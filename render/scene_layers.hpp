@@ -11,7 +11,7 @@ namespace troupe::render {
 /// A scene, which must outlive this object, and data that are computed once for all its pictures.
 struct SceneMeshes {
   const engine::FrameScene& scene;
-  std::vector<Pieces> pieces;  ///< pieces_of() each type of the scene
+  std::vector<Pieces> pieces;  ///< for each type of the scene, the result of pieces_of()
 };
 
 /// Colour of the outline of a stalled robot.

@@ -23,8 +23,9 @@ struct VectorPath {
 
 /// One line of text.
 struct VectorText {
-  std::string text;          ///< the text, UTF-8
-  Vec2 pen = Vec2::Zero();   ///< a point of its baseline, pixels from the picture's upper left corner, y down
+  std::string text;  ///< the text, UTF-8
+  /// Start of its baseline, or the end if `ends_at_pen`; pixels from the picture's upper left corner, y down.
+  Vec2 pen = Vec2::Zero();
   bool ends_at_pen = false;  ///< true: the text ends at the pen; false: it starts there
   double cap_height = 11;    ///< height of capitals, pixels
   Rgba color{};
@@ -51,12 +52,12 @@ VectorDrawing vector_drawing(const Projection& projection, std::span<const AnyLa
 /// Unicode noncharacters by question marks, one per byte, because SVG or PDF does not allow them.
 std::string printable_utf8(std::string_view text);
 
-/// The drawing as the content of an SVG 1.1 file with the metadata `texts`, which must be valid UTF-8, as
-/// must the texts of the drawing. The latter are stored as text, not as paths.
+/// The drawing as the content of an SVG 1.1 file with the metadata `texts`. The metadata and the texts of the
+/// drawing must be valid UTF-8. The texts of the drawing are stored as text, not as paths.
 std::string svg_text(const VectorDrawing& drawing, const FileTexts& texts);
-/// The drawing as the content of a PDF file with embedded fonts and the metadata `texts`. These and the texts
-/// of the drawing must be valid UTF-8. Throws std::runtime_error if cairo is missing or too old, with the
-/// package to install in the message, or if cairo fails.
+/// The drawing as the content of a PDF file with embedded fonts and the metadata `texts`. The metadata and
+/// the texts of the drawing must be valid UTF-8. Throws std::runtime_error if cairo is missing or too old
+/// (the message names the package to install), or if cairo fails.
 std::string pdf_text(const VectorDrawing& drawing, const FileTexts& texts);
 
 }  // namespace troupe::render

@@ -6,15 +6,15 @@
 
 namespace troupe::sensors {
 
-/// The fields of a blob finder's readings, in order. Arrays have `most_blobs` entries, one per blob; blobs
-/// are listed from right to left, and entries after the last blob are 0. Columns and rows count from 0 at the
-/// upper left corner of the image.
+/// The fields of a blob finder's readings, in order. Words in backquotes are parameters of the sensor. Arrays
+/// have `most_blobs` entries, one per blob. Blobs are listed from right to left, and entries after the last
+/// blob are 0. Columns and rows count from 0 at the upper left corner of the image.
 enum BlobField : std::size_t {
   k_blob_count,   ///< u32: blobs of the colours in `colors` (empty: of all colours); may exceed `most_blobs`
   k_blob_left,    ///< i32 per blob: leftmost column
   k_blob_right,   ///< i32 per blob: rightmost column, inclusive
   k_blob_top,     ///< i32 per blob: top row
-  k_blob_bottom,  ///< i32 per blob: bottom row; image_height if the blob reaches below the image
+  k_blob_bottom,  ///< i32 per blob: bottom row; `image_height` if the blob reaches below the image
   k_blob_range,   ///< f32 per blob, m: mean range of the rays of its columns
   k_blob_color,   ///< u8 [red green blue opacity] per blob, each from 0 to 255
 };

@@ -5,6 +5,8 @@
 #include "engine/shown_color.hpp"
 #include "partition/box_grid.hpp"
 
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <array>
 #include <memory>
@@ -170,7 +172,9 @@ struct GroundSensor {
 
   Result<> bind_part(const engine::TypeSpec&, std::uint32_t) {
     if (!points.empty() && !is_odd) return {};
-    return Error{"needs an even number of values in \"points\", at least 2: x and y of each point"};
+    return Error{fmt::format(
+        "needs an even number of values in \"points\", at least 2 (x and y of each point), found {}",
+        2 * points.size() + (is_odd ? 1 : 0))};
   }
 
   Result<> bind_world(const WorldSpec& world) {

@@ -33,7 +33,7 @@ engine::DeviceKind ground_kind();
 /// The parameter that says which parts of bodies are ground. Devices that read or change the ground include
 /// this struct in their own parameters.
 struct GroundParams {
-  double height = 0.05;  ///< largest height of the top of a part above z = 0, m
+  double height = 0.05;  ///< a part is ground only if its top is at most this far above z = 0, m
 
   static constexpr void describe(engine::Description<GroundParams>& d) {
     using namespace engine::facts;
@@ -58,8 +58,8 @@ class Ground {
     bool is_above(const Zone& other) const;
   };
 
-  /// params: how high the tops of parts may be. floor: the colour of the floor where no part of a body covers
-  /// it.
+  /// params: up to which height parts are ground. floor: the colour of the floor, which is the ground where
+  /// no part of a body covers it.
   explicit Ground(const GroundParams& params, const Color& floor = {})
       : height_(params.height), floor_(floor) {}
 

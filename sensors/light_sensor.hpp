@@ -15,9 +15,10 @@ enum LightSensorField : std::size_t {
 /// Returns the sensor kind `light_sensor`: a ring of light sensors that reads the brightness in several
 /// directions.
 ///
-/// reads  Direction k has the heading 2 pi k / directions in the sensor frame. Its reading is the sum over
-///        all lights in sight of intensity * max(0, cos a) / d^2, where d (m) is the distance to the light,
-///        including height, and a the angle between the direction and the line to the light.
+/// reads  Direction k has the heading 2 pi k / `directions` (a parameter) in the sensor frame. Its reading is
+///        the sum over all lights in sight of intensity * max(0, cos a) / d^2. Here, intensity is that of the
+///        light, d (m) is the distance to the light, including height, and a is the angle between the
+///        direction and the line to the light.
 /// sight  A light is in sight if it is lit and its horizontal distance is at most range_max. Lights on the
 ///        sensor's own body, and on bodies that move with this body (one carries the other, or a third body
 ///        carries both), are ignored. With `occlusion`, a light is hidden by any body or wall that the

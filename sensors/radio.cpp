@@ -293,6 +293,8 @@ std::span<const Sender> Listener::senders(const BodyType& type) {
     if (device.kind != kind_) continue;
     const Radio& radio = *std::any_cast<Radio>(&device.prepared.data);
     if (radio.params.channel != radio_->params.channel) continue;
+    // Too weak for the listener even at distance 0. listen() may skip the test of single links.
+    if (radio.params.power < radio_->params.sensitivity) continue;
     const bool always_runs = device.active && !device.supply && device.switch_bit == 0;
     known.senders.push_back({&radio, &device, &view_->commands(device), always_runs,
                              radio.pose_body_radio.position(), std::min(radio_->hears, radio.params.range)});

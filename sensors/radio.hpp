@@ -17,7 +17,7 @@ namespace troupe::sensors {
 /// are in the order of these radios. Entries after the last message are 0.
 enum RadioField : std::size_t {
   k_radio_count,     ///< u32: number of messages heard
-  k_radio_lost,      ///< u32: number of messages that arrived but are not heard: too many or too long
+  k_radio_lost,      ///< u32: number of messages that arrived but were too many or too long to be heard
   k_radio_dropped,   ///< u32: number of messages dropped at random because of `drop_rate`
   k_radio_sender,    ///< u32 per message: BodyId of the sender
   k_radio_range,     ///< f32 per message, m: horizontal distance to the sending radio

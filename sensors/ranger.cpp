@@ -8,6 +8,8 @@
 #include "sensors/ranger_grid.hpp"
 #include "sensors/ranger_noise.hpp"
 
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <cmath>
 
@@ -117,6 +119,17 @@ void finish(BeamGroup& group) {
                                         group.limits.data());
 }
 
+/// Checks the lower limits of readings. Without apply_range_min they have no effect, and may have any value.
+Result<> check_limits(const std::vector<TransducerParams>& transducers) {
+  for (std::size_t i = 0; i < transducers.size(); ++i)
+    if (const TransducerParams& one = transducers[i]; one.apply_range_min && one.range_min > one.range_max)
+      return Error{fmt::format(
+          "has a range_min of {:g} m in transducer {} (counted from 0), which must be at most its range_max "
+          "of {:g} m, because apply_range_min is true",
+          one.range_min, i, one.range_max)};
+  return {};
+}
+
 }  // namespace
 
 engine::DeviceKind::Prepared Ranger::prepare(const Params& params, const Pose& pose_body_sensor) {
@@ -158,7 +171,7 @@ engine::DeviceKind::Prepared Ranger::prepare(const Params& params, const Pose& p
   if (beams.intensity)
     out.percepts.push_back({"intensities", engine::Element::f32, columns, "",
                             "ranger_return of the surface that each beam hits"});
-  out.data = Ranger{std::make_shared<const RangerBeams>(std::move(beams))};
+  out.data = Ranger{std::make_shared<const RangerBeams>(std::move(beams)), check_limits(params.transducers)};
   return out;
 }
 

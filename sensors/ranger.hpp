@@ -34,11 +34,15 @@ struct Ranger {
   using Params = engine::RangerParams;  ///< the parameters of a ranger in a world file
 
   std::shared_ptr<const RangerBeams> beams;  ///< the beams that the ranger casts; shared by copies
+  Result<> limits = {};  ///< an error if a transducer applies a range_min that exceeds its range_max
 
   /// Prepares the beams of a ranger and the fields of its readings from its parameters. pose_body_sensor:
   /// pose of the ranger in the frame of the body or joint that carries the ranger, m and rad. `data` of the
   /// result is a Ranger.
   static engine::DeviceKind::Prepared prepare(const Params& params, const Pose& pose_body_sensor);
+  /// Returns `limits`. Kinds that extend the ranger must call it in their own bind_part(). Otherwise, a
+  /// range_min above range_max would raise readings above range_max, the reading of a beam that hits nothing.
+  Result<> bind_part(const engine::TypeSpec&, std::uint32_t) const { return limits; }
   /// Computes the readings of the ranger for every body of the batch, and writes them to batch.state. Returns
   /// the number of rays cast.
   std::uint64_t sense(const engine::DeviceBatch& batch) const;

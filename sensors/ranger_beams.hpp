@@ -9,7 +9,7 @@ namespace troupe::sensors {
 
 /// Beams at one height that are cast together. Arrays have one entry per beam, in the order of the readings.
 /// The arrays from dx to `limits` are padded to partition::padded_beams(count) entries by repeating the last
-/// beam, because kernels read whole vectors.
+/// beam, because the code that casts beams reads whole SIMD vectors.
 struct BeamGroup {
   std::size_t first = 0;         ///< column of the first beam in the readings
   std::size_t count = 0;         ///< number of beams
@@ -19,8 +19,8 @@ struct BeamGroup {
   std::vector<float> range_max;  ///< reading of a beam that hits nothing, m
   std::vector<float> limits;     ///< range_max plus the margins of partition::limits_of(), m
   float farthest = 0;            ///< the largest of the limits, m
-  /// Whether each beam i + count / 2 has the opposite direction of beam i, within 1e-9. False if the group
-  /// has an odd number of beams or angular noise.
+  /// Whether, for each beam i of the first half, beam i + count / 2 has the opposite direction, within 1e-9.
+  /// False if the group has an odd number of beams or angular noise.
   bool mirrored = false;
   /// True: the group consists of the beams of one transducer with more than partition::k_most_beams beams,
   /// which start at the reference, have equal angular steps, and have no angular noise. Only then are middle,
@@ -51,8 +51,8 @@ struct TransducerExtras {
   std::vector<double> headings;   ///< headings of the beams, body frame, rad; empty if they have no width
 };
 
-/// The beams of a ranger, prepared once from its parameters, for both ray engines. The body frame is that of
-/// the body, or of the joint, that carries the ranger.
+/// The beams of a ranger, prepared once from its parameters, for both ray engines (exact and grid). The body
+/// frame is that of the body, or of the joint, that carries the ranger.
 struct RangerBeams {
   std::size_t count = 0;           ///< number of beams of all transducers
   std::vector<BeamGroup> groups;   ///< all beams, in the order of the readings

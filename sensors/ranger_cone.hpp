@@ -17,8 +17,8 @@ std::optional<double> nearest_in_cone(const Vec2& right, const Vec2& left, const
 /// Gives the beams of a transducer a width, as those of a sonar have. Each reading becomes the distance to
 /// the nearest surface point within the width of its beam, if that is less than the present reading, which
 /// was measured along the middle of the beam. Only surfaces that the middle beam could hit count: those with
-/// ranger_return >= 0 at the height of the transducer, but not those of the row's body and of bodies that
-/// move with it. The result is exact, not sampled with rays.
+/// ranger_return >= 0 at the height of the transducer, but not those of the body that carries the ranger, or
+/// of bodies that move with it. The result is exact, not sampled with rays.
 ///
 /// own          the row (index in the state tables) of the body that carries the ranger
 /// mount        the frame in which the ranger's beams are given, relative to the world

@@ -6,7 +6,7 @@
 namespace troupe::sensors {
 
 /// Casts the beams of a ranger with the exact ray engine for all bodies of the batch, and writes their
-/// readings. The caller then calls add_extras(), which applies beam widths, noise of readings and lower
+/// readings. The caller must then call add_extras(), which applies beam widths, noise of readings and lower
 /// limits.
 void cast_exact(const engine::DeviceBatch& batch, const RangerBeams& ranger);
 

@@ -12,7 +12,7 @@ from proofs.scenes import Scenes  # noqa: E402
 
 # Commands that are never run: (pattern, reason).
 NOT_RUN = [
-    (r"\bscripts/(quickstart|test|bench|prove|fuzz|setup|build|gallery|scenes|reference|replay-page|format|lint|wheel|check-\w+)\b",
+    (r"\bscripts/(quickstart|test|bench|prove|fuzz|setup|build|gallery|scenes|reference|replay-page|format|lint|wheel|check-\w+|count-ranks)\b",
      "builds, or takes minutes"),
     (r"^(cmake|ctest) --preset ", "builds, or tests, all of Troupe"),
     (r"\bpip3? ", "builds all of Troupe"),

@@ -97,6 +97,36 @@ class OnProcesses:
             self.assertEqual((done.returncode, done.stdout), (0, ""), done.stderr)
             self.assertEqual(lines_of(self.folder / "log"), expected, f"{ranks} processes")
 
+    def test_distributed_robots_have_the_same_bits(self):
+        self.plain("run", "room.json", "--threads", 1, "--hash-log", "plain.log", "--record", "plain.h5", "--quiet")
+        expected = lines_of(self.folder / "plain.log")
+        for ranks in (2, 3, 4):
+            with self.subTest(ranks=ranks):
+                done = self.run_on(ranks, "run", "room.json", "--threads", 1, "--distribute", "--tile-size", 1, "--hash-log",
+                                   "distributed.log", "--json")
+                self.assertEqual(done.returncode, 0, done.stderr)
+                self.assertEqual(lines_of(self.folder / "distributed.log"), expected)
+                summary = json.loads(done.stdout)
+                self.assertEqual(summary["rank_form"], "distributed")
+                self.assertGreater(summary["rank_distributions"], 0)
+        done = self.run_on(3, "run", "room.json", "--threads", 1, "--distribute", "--tile-size", 1, "--rank-seed", 5, "--record",
+                           "distributed.h5", "--checkpoint", "state.h5", "--quiet")
+        self.assertEqual(done.returncode, 0, done.stderr)
+        self.plain("diff", "plain.h5", "distributed.h5")
+        done = self.run_on(2, "resume", "state.h5", "--for", 4, "--distribute", "--hash-log", "resumed.log", "--quiet")
+        self.assertEqual(done.returncode, 0, done.stderr)
+        self.plain("run", "room.json", "--for", 4, "--hash-log", "longer.log", "--quiet")
+        self.assertEqual(lines_of(self.folder / "resumed.log")[-1], lines_of(self.folder / "longer.log")[-1])
+
+    def test_a_world_that_cannot_be_distributed_is_replicated(self):
+        world = json.loads(WORLD)
+        world["populations"][0]["reserve"] = 3
+        (self.folder / "lives.json").write_text(json.dumps(world))
+        done = self.run_on(2, "run", "lives.json", "--for", 0.5, "--distribute", "--json")
+        self.assertEqual(done.returncode, 0, done.stderr)
+        summary = json.loads(done.stdout)
+        self.assertEqual((summary["rank_form"], summary["why_replicated"]), ("replicated", "bodies can be born or die"))
+
     def test_only_rank_0_prints(self):
         done = self.run_on(3, "run", "room.json", "--threads", 1)
         self.assertEqual(done.returncode, 0, done.stderr)
@@ -126,7 +156,7 @@ class OnProcesses:
     def test_check_compares_with_one_process(self):
         done = self.run_on(3, "check", "room.json", "--for", 1, "--threads", "1,2", "--tile-size", "auto")
         self.assertEqual(done.returncode, 0, done.stdout + done.stderr)
-        self.assertIn("division of the robots among the processes: --rank-seed 1\n", done.stdout)
+        self.assertIn("division of the robots among the processes: --rank-seed 1 repeats it\n", done.stdout)
         self.assertEqual(done.stdout.count("same bits"), 4)
         self.assertEqual(done.stdout.count("all processes"), 2)
 
@@ -174,7 +204,7 @@ class OnProcesses:
         done = self.run_on(2, *arguments, SLURM_CPUS_PER_TASK=str(processors + 1))
         self.assertEqual(self.threads_of(done), processors)
         self.assertRegex(done.stderr, rf"troupe: warning: SLURM_CPUS_PER_TASK is {processors + 1}, but rank 0 on \S+ may use only "
-                                      rf"{processors} processors?: it computes with {processors} threads?; give srun the option "
+                                      rf"{processors} processors?: rank 0 computes with {processors} threads?; give srun the option "
                                       rf"-c {processors + 1}, or mpirun the option --bind-to none\n")
         self.assertEqual(done.stderr.count("warning"), 1)
         done = self.run_on(2, *arguments, "--threads", processors + 1, SLURM_CPUS_PER_TASK=str(processors + 1))

@@ -734,7 +734,7 @@ class Attacked(unittest.TestCase):
                 self.assertEqual(answer, {"type": "refused", "reason": '"id" must be a whole number from 0 to 2^64 - 1'})
             self.assertEqual(answer_to('{"do": "pause"}'), {"type": "done", "id": 0})
             self.assertEqual(answer_to('{"do": "step", "ticks": 1.5, "id": 7}'),
-                             {"type": "refused", "id": 7, "reason": '"ticks" must be a whole number from 1 to 1000000000'})
+                             {"type": "refused", "id": 7, "reason": '"ticks" must be a whole number from 1 to 1000000000, found 1.5'})
 
     def test_half_open_connections(self):
         soft, hard = resource.getrlimit(resource.RLIMIT_NOFILE)

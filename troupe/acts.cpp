@@ -34,7 +34,10 @@ Model body_of(Simulation& simulation, const Act& act) {
 
 void check_finite(const Pose& pose) {
   for (const double x : {pose.x, pose.y, pose.z, pose.heading})
-    if (!std::isfinite(x)) refuse_act("the pose must have finite x, y, z and heading");
+    if (!std::isfinite(x))
+      refuse_act(
+          fmt::format("the pose must have finite x, y, z and heading, found x {}, y {}, z {}, heading {}",
+                      pose.x, pose.y, pose.z, pose.heading));
 }
 
 void move(Model& model, const Pose& pose) {
@@ -143,7 +146,8 @@ void carry_out_checked(Simulation& simulation, const Act& act, Holds& holds) {
       return holds.set(model.id().value, act.speed);
     case Kind::release:
       if (!holds.release(model.id().value))
-        refuse_act(fmt::format("\"{}\" cannot be released: the robot is not held", act.whom));
+        refuse_act(
+            fmt::format("\"{}\" cannot be released: no act \"hold\" of this robot is in effect", act.whom));
       return;
     case Kind::command: return command(model, act);
     case Kind::remove: return simulation.remove(model);

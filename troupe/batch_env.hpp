@@ -60,8 +60,9 @@ struct BatchPart {
 struct BatchArraySpec {
   std::string name;              ///< unique among the arrays of its team
   std::vector<BatchPart> parts;  ///< one or more groups of columns, from the first column to the last
-  /// False: the elements are float32. True: the elements have the type of the field, and `scale` is not
-  /// applied; use this for images. Such an array must have exactly one part, of the source `reading`.
+  /// False: the elements are float32. True: the elements have the type of the field, and `scale` is applied
+  /// only if this type is float32; use this for images. Such an array must have exactly one part, of the
+  /// source `reading`.
   bool raw = false;
 };
 
@@ -88,9 +89,9 @@ struct BatchColumn {
   std::string measure;     ///< name of the column of a measure of BatchSpec::measures (Measures::find())
 };
 
-/// A term of the reward. The reward of a robot in a step is the sum of all terms, plus BatchEnd::reward if
-/// the step finishes the robot. It is 0 for robots that were finished before the step or are not in the
-/// world.
+/// A term of the reward. The reward of a robot in a step is the sum of all terms, plus BatchEnd::reward of
+/// each end that holds after the step. It is 0 for robots that were finished before the step or are not in
+/// the world.
 struct BatchReward {
   BatchColumn of;     ///< the number that is rewarded
   double weight = 1;  ///< factor by which the number is multiplied

@@ -66,7 +66,8 @@ struct BatchEnv::Impl {
     std::vector<std::uint8_t> terminated;
     std::vector<std::uint8_t> alive;
   };
-  /// A field of the readings of a device: its index. A field of the commands to a device: its offset, bytes.
+  /// A field of a device: for a field of its readings, `field` is the index of the field; for a field of its
+  /// command, `field` is the offset in the command, bytes.
   struct DeviceField {
     const engine::BodyType::Device* device;
     std::size_t field;

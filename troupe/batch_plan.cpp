@@ -70,8 +70,8 @@ void BatchEnv::Impl::check_array(const BatchTeam& team, const BatchArraySpec& ar
                     array.name, team.name));
   for (const BatchPart& part : array.parts) {
     if (part.of == Of::nearest && (part.count < 1 || part.count > k_most_neighbours))
-      refuse(fmt::format("array \"{}\" of team \"{}\": count is {} nearest robots: give 1 to {}", array.name,
-                         team.name, part.count, k_most_neighbours));
+      refuse(fmt::format("array \"{}\" of team \"{}\": the part \"nearest\" has the count {}: give 1 to {}",
+                         array.name, team.name, part.count, k_most_neighbours));
     if (!(part.range_m > 0))
       refuse(fmt::format("array \"{}\" of team \"{}\": range_m is {}: give a distance above 0", array.name,
                          team.name, part.range_m));
@@ -153,7 +153,7 @@ void BatchEnv::Impl::plan_drive_action(const BatchAction& action, bool has_drive
   if (!has_drive)
     refuse(
         fmt::format("team \"{}\": an action without a device commands the drive, but the robots have "
-                    "no drive",
+                    "no drive: give the action a device",
                     team.spec->name));
   team.drives = true;
   team.actions_plan.push_back({.command = static_cast<std::size_t>(found - k_commands.begin()),

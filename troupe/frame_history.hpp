@@ -10,12 +10,12 @@
 
 namespace troupe {
 
-/// Positions of bodies during about the last k_seconds seconds (or the last 50 ticks, if ticks are longer
-/// than 0.4 s), for the picture layer `trails`. Pass frames to see() in the order of their ticks; a frame
-/// with an earlier tick than the last stored one clears the history.
+/// Past positions of bodies, for the picture layer `trails`. A position is stored every k_seconds / 50
+/// seconds, rounded up to whole ticks, and the last 50 positions are kept. Pass frames to see() in the order
+/// of their ticks; a frame with an earlier tick than the last stored one clears the history.
 class Trails {
  public:
-  static constexpr double k_seconds = 20;  ///< length of the trails, s
+  static constexpr double k_seconds = 20;  ///< length of the trails, s; longer if the rounding adds to it
 
   /// tick_s: length of a tick, s.
   explicit Trails(double tick_s);

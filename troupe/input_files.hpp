@@ -13,8 +13,8 @@ namespace troupe {
 /// one.
 std::vector<std::filesystem::path> input_files(const engine::WorldSpec& world);
 
-/// Whether two paths name the same file, which need not exist yet. Links to one file, hard or symbolic, are
-/// the same file. False if one of the paths is empty.
+/// Whether two paths name the same file, which need not exist yet; also true if one path is a link, hard or
+/// symbolic, to the other. False if one of the paths is empty.
 bool same_file(const std::filesystem::path& a, const std::filesystem::path& b);
 
 }  // namespace troupe

@@ -315,9 +315,10 @@ void Lint::check_who_stands_in(const std::vector<BodyId>& plans) {
     for (const BodyId plan : scene.overlapping(type.obstacle, body.pose_world_body)) {
       if (found++ >= k_most_listed) continue;
       last = body.where;
-      diagnostics_.warning(
-          last, fmt::format("\"{}\" starts inside a wall of floor plan \"{}\", which does not block it",
-                            spec_.name(BodyId(b)), spec_.name(plan)));
+      diagnostics_.warning(last, fmt::format("\"{}\" overlaps a wall of floor plan \"{}\" at the start, and "
+                                             "can drive through the wall, because the plan "
+                                             "is no obstacle: move the robot, or make the plan an obstacle",
+                                             spec_.name(BodyId(b)), spec_.name(plan)));
     }
   }
   if (found > k_most_listed)

@@ -5,16 +5,22 @@
 #include "troupe/simulation.hpp"
 #include "worldio/json/measures_json.hpp"
 
+#include <fmt/format.h>
+
 #include <stdexcept>
 #include <utility>
 
 namespace troupe {
 namespace {
 
+/// Whether to take the measures of the world file.
+bool are_of_world(const Simulation& simulation, const std::vector<std::string>& wanted) {
+  return wanted.empty() && !simulation.world().spec().measures.empty();
+}
+
 std::vector<engine::MeasureSpec> specs_of(const Simulation& simulation,
                                           const std::vector<std::string>& wanted, Diagnostics& diagnostics) {
-  if (wanted.empty() && !simulation.world().spec().measures.empty())
-    return simulation.world().spec().measures;
+  if (are_of_world(simulation, wanted)) return simulation.world().spec().measures;
   std::vector<engine::MeasureSpec> specs;
   if (wanted.empty())
     for (const engine::MeasureKind& kind : simulation.registry().measures)
@@ -37,8 +43,11 @@ Measures::Measures(Simulation& simulation, const std::vector<std::string>& wante
   Diagnostics diagnostics(simulation.world().spec().files);
   const std::vector<engine::MeasureSpec> specs = specs_of(simulation, wanted, diagnostics);
   diagnostics.throw_if_errors();
+  std::vector<std::string> paths;
+  for (std::size_t i = 0; are_of_world(simulation, wanted) && i < specs.size(); ++i)
+    paths.push_back(fmt::format("/measures/{}", i));
   impl_ = std::make_unique<Impl>(
-      Impl{engine::MeasureSet(simulation.world(), simulation.registry(), specs, diagnostics), {}});
+      Impl{engine::MeasureSet(simulation.world(), simulation.registry(), specs, diagnostics, paths), {}});
   diagnostics.throw_if_errors();
   for (const engine::MeasureSpec& spec : specs) {
     const std::string kind = spec.of.empty() ? spec.kind : spec.kind + ":" + spec.of;

@@ -51,7 +51,9 @@ Row Model::Place::row() const {
 }
 
 Row Model::Place::whole() const {
-  if (part > 0) throw std::logic_error(fmt::format("\"{}\" is a part of a body: give the body itself", name));
+  if (part > 0)
+    throw std::logic_error(fmt::format("\"{}\" is a part of \"{}\": use the model \"{}\" instead", name,
+                                       world->spec().name(body), world->spec().name(body)));
   const Row row = world->row(body);
   if (!row.valid())
     throw std::logic_error(fmt::format(
@@ -175,6 +177,8 @@ void Model::go_to(double x, double y, double heading) {
 
 Model::Speed Model::speed() const {
   if (const auto* wheels = place_->wheels()) {
+    if (!place_->world->view().runs(place_->row(), *wheels))
+      return {};  // they keep the state of their last run
     const auto& state = place_->world->percepts(*wheels).as<models::WheelsState>(place_->slot());
     return {state.forward, state.left, state.turn};
   }
@@ -190,7 +194,8 @@ bool Model::is_alive() const {
 
 bool Model::stalled() const {
   if (const auto* wheels = place_->wheels())
-    return place_->world->percepts(*wheels).as<models::WheelsState>(place_->slot()).stalled != 0;
+    return place_->world->view().runs(place_->row(), *wheels) &&
+           place_->world->percepts(*wheels).as<models::WheelsState>(place_->slot()).stalled != 0;
   return place_->world->stalled(place_->row());
 }
 

@@ -19,8 +19,8 @@ struct Model::Place {
   /// Returns the row of the body in the state tables. Throws std::logic_error for static geometry, which has
   /// no row, and if the state is incomplete after a failed step.
   Row row() const;
-  /// Returns the row of the body in the state tables, for functions that do not apply to parts. Throws
-  /// std::logic_error for a part and for static geometry.
+  /// As row(), for functions that do not apply to parts: also throws std::logic_error if this model is a
+  /// part.
   Row whole() const;
   const engine::BodyType& type() const {
     return world->types()[world->spec().bodies[body.index()].type.index()];
@@ -61,8 +61,8 @@ struct Model::Place {
   /// Returns the device named `wanted` of this model. Throws std::out_of_range, with the known names, if
   /// there is none.
   const engine::BodyType::Device& device(std::string_view wanted) const;
-  /// Returns the device named `wanted` of this model, which takes commands. Throws std::out_of_range, with
-  /// the known names, if there is none.
+  /// Returns the device of this model that is named `wanted` and takes commands. Throws std::out_of_range,
+  /// with the known names, if there is none.
   const engine::BodyType::Device& commanded(std::string_view wanted) const;
 };
 

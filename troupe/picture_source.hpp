@@ -15,7 +15,7 @@ namespace troupe {
 /// A number that bodies have in their state: one column of a field of a component. Troupe stores the state in
 /// components, each with named fields of one or more columns.
 struct ChosenValue {
-  std::string component;   ///< as StateTable::component(): "velocity", "wander/0"
+  std::string component;   ///< name of the component: "velocity", "wander/0" (StateTable::component())
   std::string field;       ///< name of the field in the component
   std::size_t column = 0;  ///< index of the column in the field
   std::string text;        ///< label with unit: "velocity.x (m/s)"
@@ -45,7 +45,7 @@ class PictureSource {
   virtual std::string world() const { return file(); }
   virtual std::uint64_t seed() const = 0;  ///< seed of the world
   virtual double tick_s() const = 0;       ///< length of a tick, s
-  /// The entry `window` of the world file; null if it has none.
+  /// The entry `window` of the world file, which describes a view of the world; null if the file has none.
   virtual const engine::Record* window() const = 0;
   virtual engine::FrameScene scene() const = 0;  ///< the data that do not change during the run
   /// The id of the body of this name; empty if there is no such body.

@@ -22,11 +22,13 @@ struct PictureOptions {
   /// Width, pixels. 0 or less: 1280, or, with the camera `window`, the width of the entry `window` of the
   /// world file.
   int width = 0;
-  int height = 0;  ///< height, pixels; 0 or less: 720, or the height of the entry `window`
+  /// Height, pixels. 0 or less: 720, or, with the camera `window`, the height of the entry `window` of the
+  /// world file.
+  int height = 0;
   /// `top`: looks straight down at the whole world, as a map. `fit`: straight down at the region that
-  /// contains the robots. `perspective`: from an oblique angle, with bodies as solids. `follow:all`:
-  /// perspective view of the region that contains the robots. `follow:NAME`: perspective view centred on the
-  /// body NAME. `window`: the view that the entry `window` of the world file describes.
+  /// contains the robots. `perspective`: the whole world from an oblique angle, with bodies as solids.
+  /// `follow:all`: perspective view of the region that contains the robots. `follow:NAME`: perspective view
+  /// centred on the body NAME. `window`: the view that the entry `window` of the world file describes.
   std::string camera = "top";
   /// Point at the centre of the picture, m, in the world frame. Not given: the camera chooses it.
   std::optional<std::array<double, 2>> center_m;
@@ -43,8 +45,8 @@ struct PictureOptions {
   /// or COMPONENT.FIELD.COLUMN for one column of a field, such as `ranger/ir.ranges.0`. Empty: robots have
   /// the colours of the world file.
   std::string color_by;
-  /// Values at the two ends of the colour scale. Not given: the smallest and the largest value in each
-  /// picture.
+  /// Values at the two ends of the colour scale, in the unit of the value that `color_by` names. Not given:
+  /// the smallest and the largest value in each picture.
   std::optional<std::array<double, 2>> color_range;
   /// Background: `paper` (warm white), `white`, `dark`, or `transparent` (opaque only where something is
   /// drawn).
@@ -99,7 +101,8 @@ class Pictures {
   int height() const;  ///< height of the pictures, pixels
 
   /// Collects the data of the current tick for the layers `trails` and `coverage`. Call it after every step.
-  /// Without these layers it does nothing. A tick before the previous one clears the collected data.
+  /// Without these layers it does nothing. If the current tick is earlier than that of the previous call, for
+  /// example after a reset, the data collected before are discarded.
   void see(const Simulation& simulation);
   void see(const PictureSource& source);  ///< collects the data of the current state of another source
   /// Discards the data that see() collected for the layers `trails` and `coverage`, and the position and

@@ -120,12 +120,12 @@ constexpr std::uint64_t layout() {
        TROUPE_PLUGIN_MEMBERS(partition::FixedSolid, solid, body, obstacle, ranger_return, part),
        TROUPE_PLUGIN_MEMBERS(partition::BodyCircle, x, y, radius, row),
        TROUPE_PLUGIN_MEMBERS(partition::GridGeometry, cell_m, tile_bits),
-       // Types with private members or references.
+       // Types with private members or references: only sizes and alignments.
        of_sizes<DeviceInfo, Percept, Actions, Readings, Random, DeviceBatch, SenseBatch, Effects, DeviceView,
                 Measure, StateTable, SensingView, CommittedView, Transform, Mount, FixedTargets,
                 partition::StaticScene, partition::FixedOutlines, partition::BodyIndex,
                 partition::TileDirectory, partition::RayGrid>(),
-       // apply() and born() change the world.
+       // DeviceKind::apply() and DeviceKind::born() get a World.
        of_sizes<World>()});
 }
 #pragma GCC diagnostic pop

@@ -39,7 +39,7 @@ namespace troupe::plugin {
 /// Version of the interface: of struct Library, of the functions that it points to, and of the layouts of the
 /// types that plug-in and program exchange (layout()). A test fails if the layouts have changed but the
 /// version has not.
-inline constexpr std::uint32_t k_interface = 8;
+inline constexpr std::uint32_t k_interface = 9;
 
 /// Build settings that change the layout of types or the bits of results although all headers are equal.
 inline constexpr const char* k_build = TROUPE_PLUGIN_STANDARD_LIBRARY
@@ -58,9 +58,9 @@ struct Library {
   /// that its macro states.
   void (*list)(std::vector<engine::ControllerKind>& controllers, std::vector<engine::DeviceKind>& devices,
                std::vector<engine::MeasureKind>& measures);
-  /// Hash of the bytes of the library file; 0 until the loader writes it at the first load. The hash is
-  /// stored in the library because a process loads a library only once, even if several simulations request
-  /// it.
+  /// Points to the hash of the bytes of the library file, which is 0 until the loader writes it at the first
+  /// load. The hash is stored in the library because a process loads a library only once, even if several
+  /// simulations request it.
   std::atomic<std::uint64_t>* contents;
 };
 

@@ -56,7 +56,8 @@ bool is_whole(std::string_view bytes) {
 /// Returns success if the bytes of a file look like a plug-in, else an error that continues a sentence about
 /// the file. This is checked before loading, because loading runs code of the file.
 Result<> check_contents(std::string_view bytes) {
-  if (!bytes.starts_with("\177ELF")) return Error{"is not a shared library"};
+  if (!bytes.starts_with("\177ELF"))
+    return Error{"is not a shared library: build it with the CMake target troupe::plugin"};
   if (!is_whole(bytes)) return Error{"is truncated: build it again"};
   if (mentions(bytes, plugin::k_symbol)) return {};
   if (mentions(bytes, "Init"))
@@ -181,8 +182,10 @@ auto Plugins::find(std::string_view name, Group Loaded::*kinds, std::string unkn
 
 Result<const Plugins::Library*> Plugins::load(std::string_view name) {
   if (!plugin::is_name(name))
-    return Error{
-        fmt::format("\"{}\" is not a valid name of a plug-in, which is one word without : and =", name)};
+    return Error{fmt::format(
+        "\"{}\" is not a valid name of a plug-in: give one word without : = / \\ and quotation marks "
+        "that does not begin with a dot",
+        name)};
   const Loaded& library = loaded(name);
   if (!library.found) return library.found.error();
   if (!library.opened) return library.opened.error();

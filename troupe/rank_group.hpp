@@ -7,8 +7,8 @@ class Replica;
 namespace troupe {
 
 /// The ranks (threads or processes, docs/cluster.md) that compute one world together with the calling thread.
-/// Each has a replica, its own copy of the world. Destroying this object destroys the replicas of these
-/// ranks.
+/// Each of these ranks has a replica, its own copy of the world, which is destroyed together with this
+/// object.
 class RankGroup {
  public:
   RankGroup() = default;
@@ -16,8 +16,12 @@ class RankGroup {
   RankGroup& operator=(const RankGroup&) = delete;
   virtual ~RankGroup() = default;
 
-  virtual unsigned nodes() const = 0;                  ///< number of computers on which the ranks run
-  virtual const engine::Replica& replica() const = 0;  ///< the replica of the calling thread, which is rank 0
+  virtual unsigned nodes() const = 0;  ///< number of computers on which the ranks run
+  /// The replica of rank 0, the rank of the calling thread.
+  ///@{
+  virtual const engine::Replica& replica() const = 0;
+  virtual engine::Replica& replica() = 0;
+  ///@}
 };
 
 }  // namespace troupe

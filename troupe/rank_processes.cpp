@@ -52,9 +52,13 @@ worldio::StoredSpec get_spec(MessageReader& message) {
   return spec;
 }
 
-engine::ReplicaOptions options_for(std::optional<std::uint64_t> seed,
+engine::ReplicaOptions options_for(std::optional<std::uint64_t> seed, bool distribute,
                                    const std::function<std::uint32_t()>& requests = {}) {
-  return {.cut_seed = seed, .verify = seed.has_value(), .keeps_references = false, .requests = requests};
+  return {.cut_seed = seed,
+          .verify = seed.has_value(),
+          .keeps_references = false,
+          .is_distributed = distribute,
+          .requests = requests};
 }
 
 /// A replica (a copy) of a world of rank 0 in this process, with the registry and the plug-ins that it uses.
@@ -73,6 +77,7 @@ struct Follower {
     options.tile_size_m = message.get<double>();
     const bool has_seed = message.get<bool>();
     const auto seed = message.get<std::uint64_t>();
+    const bool distribute = message.get<bool>();
     for (auto left = message.get<std::uint64_t>(); left > 0; --left) {
       const std::string name = message.get_text();
       const auto contents = message.get<std::uint64_t>();
@@ -90,7 +95,7 @@ struct Follower {
     world = std::make_unique<engine::World>(std::move(spec), registry, options, diagnostics);
     replica = std::make_unique<engine::Replica>(
         *world, registry, transport, number,
-        options_for(has_seed ? std::optional(seed) : std::nullopt, requests));
+        options_for(has_seed ? std::optional(seed) : std::nullopt, distribute, requests));
   }
 };
 
@@ -98,10 +103,10 @@ struct Follower {
 class ProcessGroup : public RankGroup {
  public:
   ProcessGroup(engine::World& world, const engine::Registry& registry, Transport& transport, unsigned nodes,
-               std::uint32_t number, std::optional<std::uint64_t> seed)
+               std::uint32_t number, std::optional<std::uint64_t> seed, bool distribute)
       : transport_(transport),
         nodes_(nodes),
-        replica_(world, registry, transport, number, options_for(seed)) {}
+        replica_(world, registry, transport, number, options_for(seed, distribute)) {}
   ~ProcessGroup() override {
     try {
       transport_.send_to_all(begin_message(Order::drop, replica_.number()));
@@ -110,6 +115,7 @@ class ProcessGroup : public RankGroup {
   }
   unsigned nodes() const override { return nodes_; }
   const engine::Replica& replica() const override { return replica_; }
+  engine::Replica& replica() override { return replica_; }
 
  private:
   Transport& transport_;
@@ -129,13 +135,14 @@ RankProcesses::~RankProcesses() {
 
 std::unique_ptr<RankGroup> RankProcesses::add(engine::World& world, const engine::Registry& registry,
                                               const Plugins& plugins, const engine::WorldOptions& options,
-                                              std::optional<std::uint64_t> seed) {
+                                              std::optional<std::uint64_t> seed, bool distribute) {
   const std::uint32_t number = worlds_++;
   MessageWriter message = begin_message(Order::make, number);
   message.put(std::uint32_t{options.threads});
   message.put(options.tile_size_m);
   message.put(seed.has_value());
   message.put(seed.value_or(0));
+  message.put(distribute);
   const std::vector<Plugins::Library> libraries = plugins.libraries();
   message.put(static_cast<std::uint64_t>(libraries.size()));
   for (const Plugins::Library& library : libraries) {
@@ -155,7 +162,7 @@ std::unique_ptr<RankGroup> RankProcesses::add(engine::World& world, const engine
     transport_.send_to_all(begin_message(Order::drop, number));
     throw InputError(failures);
   }
-  return std::make_unique<ProcessGroup>(world, registry, transport_, nodes_, number, seed);
+  return std::make_unique<ProcessGroup>(world, registry, transport_, nodes_, number, seed, distribute);
 }
 
 void RankProcesses::follow(const std::vector<std::filesystem::path>& plugin_path,

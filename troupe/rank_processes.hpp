@@ -22,9 +22,9 @@ namespace troupe {
 
 class Plugins;
 
-/// The processes of one program, each of them a rank (docs/cluster.md). Rank 0 runs the program, and makes a
-/// replica (a copy) of each of its worlds on the other ranks, which only execute the orders that rank 0 sends
-/// them.
+/// The processes of one program, each of them a rank (docs/cluster.md). Rank 0 runs the program. For each
+/// world of the program, it makes a replica (a copy of the world) on every other rank. The other ranks only
+/// execute the orders that rank 0 sends them.
 class RankProcesses {
  public:
   /// transport: the connection to the other processes; it must outlive this object
@@ -37,16 +37,18 @@ class RankProcesses {
   RankProcesses(const RankProcesses&) = delete;
   RankProcesses& operator=(const RankProcesses&) = delete;
 
-  /// On rank 0: makes replicas of a world, which is at tick 0. `world` and `registry` must outlive the
+  /// On rank 0: makes replicas of a world, which must be at tick 0. `world` and `registry` must outlive the
   /// result. Throws InputError, with the rank and the reason, if a process cannot make its replica, for
   /// example because it lacks a plug-in.
   ///
   /// plugins: the plug-ins that the world uses
-  /// options: of all replicas; threads 0: each process uses its own default
+  /// options: options of all replicas; if their number of threads is 0, each process uses its own threads()
   /// seed: SimulationOptions::rank_seed; here it determines only how robots move between ranks
+  /// distribute: whether each rank has only the state of its own robots and of robots near them; only for
+  /// worlds that can be distributed (engine/halo.hpp)
   std::unique_ptr<RankGroup> add(engine::World& world, const engine::Registry& registry,
                                  const Plugins& plugins, const engine::WorldOptions& options,
-                                 std::optional<std::uint64_t> seed);
+                                 std::optional<std::uint64_t> seed, bool distribute);
   /// On all other ranks: carries out orders of rank 0 until rank 0 destroys its RankProcesses. Throws
   /// partition::RankError if a rank fails.
   ///

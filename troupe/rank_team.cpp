@@ -36,8 +36,7 @@ void check_ranks(const RankOptions& options) {
   if (const std::optional<Launcher> launcher = find_launcher(); launcher && launcher->ranks > 1)
     throw std::invalid_argument(fmt::format(
         "{} ranks: the ranks of a program are threads of one process, but {} started {} processes: start the "
-        "program without the launcher, or with one rank; only the commands troupe run, resume and check "
-        "divide one world among processes",
+        "program without the launcher, or use troupe run, whose ranks may be processes",
         options.ranks, launcher->name, launcher->ranks));
 }
 
@@ -52,7 +51,8 @@ struct RankTeam::Impl {
       : mailboxes(options.ranks, options.seed, options.clock),
         replica_options{.cut_seed = options.seed,
                         .verify = options.seed.has_value(),
-                        .keeps_references = true,
+                        .keeps_references = !options.distribute,  // rows change
+                        .is_distributed = options.distribute,
                         .requests = {}} {
     for (unsigned rank = 1; rank < options.ranks; ++rank) {
       threads.push_back(std::make_unique<partition::JobThread>(1));
@@ -97,5 +97,6 @@ RankTeam::RankTeam(engine::World& lead, const engine::Registry& registry, const 
 RankTeam::~RankTeam() = default;
 
 const engine::Replica& RankTeam::replica() const { return *impl_->replica; }
+engine::Replica& RankTeam::replica() { return *impl_->replica; }
 
 }  // namespace troupe

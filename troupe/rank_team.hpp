@@ -15,21 +15,22 @@ struct WorldOptions;
 
 namespace troupe {
 
-/// How many ranks compute a simulation in this process. The members are SimulationOptions::ranks, rank_seed
-/// and rank_clock, where they are described.
+/// The options of a RankTeam, which SimulationOptions describes. There, `seed` and `clock` are called
+/// `rank_seed` and `rank_clock`.
 struct RankOptions {
   unsigned ranks = 1;
   std::optional<std::uint64_t> seed;
   std::function<double(unsigned rank)> clock;
+  bool distribute = false;
 };
 
-/// Throws std::invalid_argument, with the reason, if the number of ranks is not allowed: because it is not
-/// one of 1 to k_most_ranks, or because it is more than 1 and a launcher such as mpirun started several
-/// processes.
+/// Throws std::invalid_argument, with the reason, if the number of ranks is not from 1 to k_most_ranks, or if
+/// it is more than 1 and a launcher such as mpirun started several processes.
 void check_ranks(const RankOptions& options);
-/// Returns the number of worker threads of each rank. threads: the number that the user wants per rank, which
-/// is returned; 0: the result is the number of processors that the process may use divided by `ranks`, at
-/// least 1, or, with one rank, 0 (the world then chooses the number).
+/// Returns the number of worker threads of each rank: `threads`, the number that the user wants per rank,
+/// unless it is 0. If it is 0 and there are several ranks, the result is the number of processors that the
+/// process may use, divided by `ranks`, but at least 1. If it is 0 and there is one rank, the result is 0:
+/// the world then chooses the number.
 unsigned threads_per_rank(unsigned threads, unsigned ranks);
 
 /// Replicas (copies) of a world on threads of this process, one per rank (engine/replica.hpp). The calling
@@ -37,15 +38,15 @@ unsigned threads_per_rank(unsigned threads, unsigned ranks);
 class RankTeam : public RankGroup {
  public:
   /// Makes the replicas of `lead`, which is at tick 0 and becomes the replica of rank 0. world: options of
-  /// the worlds of the other ranks. options: number of ranks, test seed and clock, which check_ranks() has
-  /// accepted. `lead` and `registry` must outlive this object. Throws partition::RankError if a replica
-  /// cannot be made.
+  /// the worlds of the other ranks. options: must have passed check_ranks(). `lead` and `registry` must
+  /// outlive this object. Throws partition::RankError if a replica cannot be made.
   RankTeam(engine::World& lead, const engine::Registry& registry, const engine::WorldOptions& world,
            const RankOptions& options);
   ~RankTeam() override;
 
   unsigned nodes() const override { return 1; }
   const engine::Replica& replica() const override;
+  engine::Replica& replica() override;
 
  private:
   struct Impl;

@@ -99,7 +99,9 @@ struct RecordedRun::Impl {
     for (std::size_t row = 0; row < reader.ids().size(); ++row)
       rows[reader.ids()[row]] = static_cast<std::uint32_t>(row);
     if (!pose[0] || !pose[1] || !pose[3])
-      refuse("the recording has no poses: record the run with pose in --record-fields");
+      refuse(
+          "the recording has no poses: record the run with pose in --record-fields (in C++ and Python: "
+          "fields)");
     stalled = find("stall", "stalled");
     for (const RecordedScene::Type& type : world.types) {
       // If two types have the same name, recordings append "~2" to the second one. Hence type_name(), the
@@ -455,8 +457,10 @@ Result<ChosenValue> RecordedRun::find_value(const std::string& name) const {
   std::vector<std::string> known;
   for (const Array& array : impl_->reader.arrays())
     known.push_back(fmt::format("{}.{}", engine::given_name(array.component), array.field.name));
-  return Error{fmt::format("{}; troupe run --record-fields selects the fields that are recorded",
-                           unknown_name("value", name, {known.begin(), known.end()}))};
+  return Error{
+      fmt::format("{}; the option --record-fields of the run (in C++ and Python: fields) selects what "
+                  "is recorded",
+                  unknown_name("value", name, {known.begin(), known.end()}))};
 }
 
 std::optional<std::string> RecordedRun::present_name(std::string_view name) const {
@@ -465,8 +469,10 @@ std::optional<std::string> RecordedRun::present_name(std::string_view name) cons
 
 Result<> RecordedRun::check(const FrameWishes& wishes) const {
   const auto not_recorded = [](std::string_view what, std::string_view field) {
-    return Error{
-        fmt::format("the recording has no {}: record the run with --record-fields pose,{}", what, field)};
+    return Error{fmt::format(
+        "the recording has no {}: record the run with --record-fields pose,{} (in C++ and Python: "
+        "fields)",
+        what, field)};
   };
   const bool has_ranges = std::ranges::any_of(impl_->readings, [](const Array* a) { return a != nullptr; });
   if (wishes.scans && !has_ranges) return not_recorded("ranges", "ranges");

@@ -50,11 +50,11 @@ class RecordedRun : public PictureSource {
   const engine::Record* window() const override;
   engine::FrameScene scene() const override;
   std::optional<std::uint32_t> find_body(std::string_view name) const override;
-  /// Finds a value by name among the recorded fields. Also accepts a path of earlier versions with a dot
-  /// before the field, such as `sensors/minibot/eye.ranges`. For a path with a slash before the field, the
-  /// error states the present name, see present_name().
+  /// Finds a value by name among the recorded fields. Names in the form of earlier versions of Troupe are
+  /// also found if they have a dot before the field, as in `sensors/minibot/eye.ranges`. If such a name has a
+  /// slash there, as in `sensors/minibot/eye/ranges`, the error states the present name.
   Result<ChosenValue> find_value(const std::string& name) const override;
-  /// Returns the present name of a value if `name` is its spelling in earlier versions, such as
+  /// Returns the present name of a value if `name` is its name in earlier versions of Troupe, such as
   /// `eye.ranges.3` for `sensors/minibot/eye.ranges.3`. Empty for all other names.
   std::optional<std::string> present_name(std::string_view name) const;
   Result<> check(const FrameWishes& wishes) const override;

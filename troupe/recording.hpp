@@ -11,7 +11,8 @@
 namespace troupe {
 
 /// What a recording contains, and how it is written. Fields and interval that are not given are taken from
-/// the key `record` of the world file. Without this key, poses are recorded every 0.1 s.
+/// the key `record` of the world file. If that key gives none either, the field is `pose` and the interval
+/// 0.1 s.
 struct RecordingOptions {
   /// Names of components of the state or of fields of sensors: "pose", "velocity", "stall", "ranges", ...;
   /// "all" for all of them. Empty: not given.

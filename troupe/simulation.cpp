@@ -43,7 +43,9 @@ void Simulation::Impl::refuse_in_callbacks(std::string_view what) const {
 
 void Simulation::Impl::require_own(const Model& model) const {
   if (model.place_->world != world.get())
-    throw std::logic_error(fmt::format("\"{}\" is a model of another simulation", model.name()));
+    throw std::logic_error(fmt::format(
+        "\"{}\" is a model of another simulation: give the model that find() of this simulation returns",
+        model.name()));
 }
 
 void Simulation::Impl::refuse_to_replace_inputs(const std::filesystem::path& output) const {
@@ -52,10 +54,10 @@ void Simulation::Impl::refuse_to_replace_inputs(const std::filesystem::path& out
   for (const Plugins::Library& library : plugins->libraries()) inputs.push_back(library.file);
   for (const std::filesystem::path& input : inputs)
     if (same_file(output, input))
-      throw std::runtime_error(
-          fmt::format("{}: error: cannot be written: this simulation was read from the file: choose another "
-                      "file name",
-                      output.string()));
+      throw std::runtime_error(fmt::format(
+          "{}: error: cannot be written: the simulation was loaded from this file: choose another "
+          "file name",
+          output.string()));
 }
 
 Pictures& Simulation::Impl::pictures_of(const Simulation& simulation, const PictureOptions& options) {
@@ -226,7 +228,9 @@ RayHit Simulation::cast(const Pose& from, double range_max, const Model* without
   impl_->world->require_whole();
   for (const double value : {from.x, from.y, from.z, from.heading})
     if (!std::isfinite(value))
-      throw std::invalid_argument("cast(): x, y, z and heading of the start of the ray must be finite");
+      throw std::invalid_argument(fmt::format(
+          "cast(): x, y, z and heading of the start of the ray must be finite, found {}, {}, {}, {}", from.x,
+          from.y, from.z, from.heading));
   if (!(range_max >= 0 && range_max <= k_longest_ray_m))
     throw std::invalid_argument(
         fmt::format("cast(): range_max is {} m; allowed are 0 to {} m", range_max, k_longest_ray_m));
@@ -329,10 +333,12 @@ std::vector<std::string> Simulation::robot_names() const {
 
 void Simulation::subscribe(std::string_view model) {
   Model::refuse_in_for_each(*impl_->world, "subscribe()");
-  if (tick() > 0) throw std::logic_error("subscribe() must be called before the first step");
+  if (tick() > 0)
+    throw std::logic_error(fmt::format(
+        "subscribe() must be called before the first step, but this simulation is at tick {}", tick()));
   const BodyId body = find(model).place_->body;
   // A body without drive, sensor and controller has no row, and no sensor to run.
-  if (impl_->world->row(body).valid()) impl_->world->subscribe(body);
+  if (impl_->world->location(body) != engine::RowLocation::none) impl_->world->subscribe(body);
 }
 
 std::uint64_t Simulation::state_hash() const { return impl_->world->hashes().state; }
@@ -401,13 +407,22 @@ RankStatistics Simulation::rank_statistics() const {
   if (!impl_->ranks) return {};
   const engine::Replica& replica = impl_->ranks->replica();
   const partition::Transport& transport = replica.transport();
+  const engine::Halo* const halo = replica.halo();
   return {.ranks = transport.ranks(),
           .nodes = impl_->ranks->nodes(),
           .messages = transport.traffic().messages,
           .bytes = transport.traffic().bytes,
           .waited_s = transport.waited_s(),
           .rebalanced = replica.rebalanced(),
-          .requests = replica.requests()};
+          .requests = replica.requests(),
+          .is_distributed = halo != nullptr,
+          .why_replicated = impl_->why_replicated,
+          .distributions = halo != nullptr ? halo->counts().distributions : 0};
+}
+
+std::vector<RankCounts> Simulation::rank_counts() {
+  if (!impl_->ranks) return {};
+  return impl_->ranks->replica().all_counts();
 }
 
 std::span<const RankWork> Simulation::rank_work() const {

@@ -64,19 +64,20 @@ struct SimulationOptions {
   /// Edge length of the square tiles into which the world is divided for parallel work, m. 0, a negative
   /// number or NaN: Troupe chooses it from body sizes and sensor ranges.
   double tile_size_m = 0;
-  /// Seed of all random numbers of the run; replaces the seed of the world file.
+  /// Seed of all random numbers of the run. Not set: the seed of the world file.
   std::optional<std::uint64_t> seed;
-  /// Replaces the ranging engine of the world file.
+  /// How rangers compute ranges. Not set: as the world file states.
   std::optional<RangingEngine> ranging;
   /// New numbers of robots of populations: pairs of the name of a population and its number of robots. An
-  /// empty name means the only population of the world. A name of no population, and an empty name if the
-  /// world has several populations or none, are reported as an error in the world (InputError).
+  /// empty name means the only population of the world. Loading the world throws InputError if no population
+  /// has a given name, and for an empty name if the world has several populations or none.
   std::vector<std::pair<std::string, std::size_t>> robots;
   /// Values of the world file to replace: pairs of a JSON pointer (a path in the file, RFC 6901) and a JSON
   /// value, such as {"/populations/0/count", "500"}.
   std::vector<std::pair<std::string, std::string>> set;
-  /// Directories in which Troupe looks for a world file, or for a file that it includes, that does not exist
-  /// at the given path. Only the file name is looked up there, without the folders of the given path.
+  /// If a world file, or a file that the world includes, does not exist at the given path, Troupe searches
+  /// these directories for it, in their order. Only the name of the file is searched, without the folders of
+  /// the given path.
   std::vector<std::filesystem::path> search_path;
   /// Directories to search for plug-ins, shared libraries with controllers and sensors that Troupe does not
   /// ship (docs/controllers.md).
@@ -88,28 +89,34 @@ struct SimulationOptions {
   /// option changes no state hash as long as the program does not use it to remove or disable a body.
   bool mortal = false;
   /// Number of robots that spawn() can add to each population while the world runs (docs/lives.md). These
-  /// unborn robots are the reserve of the population; populations that declare a reserve keep their own.
-  /// Their ids follow those of all other bodies. A world with a reserve has other state hashes than the same
-  /// world without it.
+  /// unborn robots are the reserve of the population. The option adds no robots to a population for which the
+  /// world file declares a reserve. The ids of the robots that the option adds follow those of all other
+  /// bodies. A world with a reserve has other state hashes than the same world without it.
   std::uint32_t spare = 0;
-  /// Number of ranks among which the robots are divided, at most 1,024; a larger number, or 0, throws
-  /// std::invalid_argument, as does more than 1 if a launcher such as mpirun started several processes of
-  /// this program. Each rank is a thread of this process that has its own copy of the world (its replica) and
-  /// its own worker threads (docs/cluster.md). With more than one rank, `threads` is the number per rank; 0:
-  /// the available processors, divided by the number of ranks.
+  /// Number of ranks among which the robots are divided, from 1 to 1,024; other numbers throw
+  /// std::invalid_argument, and so does more than one rank if a launcher such as mpirun started several
+  /// processes of this program. Each rank is a thread of this process that has its own copy of the world (its
+  /// replica) and its own worker threads (docs/cluster.md). With more than one rank, `threads` is the number
+  /// of worker threads per rank; 0: the number of available processors, divided by the number of ranks.
   unsigned ranks = 1;
   /// For tests of the ranks: if a seed is given, messages between ranks arrive late and shuffled, and robots
   /// move to random ranks during the run. The seed determines the delays, the order of the messages and the
   /// ranks of the robots. No simulated result depends on it.
   std::optional<std::uint64_t> rank_seed;
   /// A clock with which the ranks of this process measure how long the work for their own robots takes. It
-  /// returns the present time, s, from any fixed origin, and is called on the threads of all ranks. With a
-  /// clock, robots move to other ranks if the ranks take unequal times, and rank_work() and rank_statistics()
-  /// contain times. Null: no clock. No result depends on the clock.
+  /// returns the present time, s, from any fixed origin, and is called on the threads of all ranks, each of
+  /// which passes the number of its rank. With a clock, robots move to other ranks if the ranks take unequal
+  /// times, and rank_work() and rank_statistics() contain times. Null: no clock. No result depends on the
+  /// clock.
   std::function<double(unsigned rank)> rank_clock;
   /// The processes that compute the world together; this process is rank 0 of them. Only the program `troupe`
   /// sets this option (docs/cluster.md). Null: this process computes the world alone.
   std::shared_ptr<RankProcesses> processes;
+  /// True: each rank stores only the state of its own robots and of robots near them (docs/cluster.md). This
+  /// process then has the other robots only after engine::World::gather(). Without effect if one rank
+  /// computes the world, and for worlds that cannot be distributed in this way, for which
+  /// RankStatistics::why_replicated states the reason. Only the program `troupe` sets this option.
+  bool distribute = false;
 };
 
 /// How a run is resumed from a checkpoint. Only the options `set`, `across_versions` and `across_plugins` can
@@ -129,14 +136,16 @@ struct ResumeOptions {
   /// Directories to search for plug-ins, as in SimulationOptions. They must contain every plug-in that the
   /// run used.
   std::vector<std::filesystem::path> plugin_path;
-  /// The scripts that the run used.
+  /// Scripts, as in SimulationOptions. They must contain every script that the run used.
   std::vector<std::shared_ptr<const Script>> scripts;
-  /// Accepts plug-ins whose files differ from those that were loaded when the checkpoint was written.
+  /// Accepts plug-ins and scripts whose files differ from those that were loaded when the checkpoint was
+  /// written.
   bool across_plugins = false;
   unsigned ranks = 1;  ///< number of ranks, as in SimulationOptions; may differ from the saved run
   std::optional<std::uint64_t> rank_seed;           ///< for tests, as in SimulationOptions
   std::function<double(unsigned rank)> rank_clock;  ///< as in SimulationOptions
   std::shared_ptr<RankProcesses> processes;         ///< as in SimulationOptions
+  bool distribute = false;                          ///< as in SimulationOptions
 };
 
 /// The phases of a tick, in the order in which they run (engine/phase.hpp).
@@ -147,13 +156,14 @@ using engine::phase_name;
 /// Numbers that describe a run: counters since tick 0, and the state after the last tick. A robot is a body
 /// whose type has a drive.
 struct Statistics {
-  std::size_t robots = 0;             ///< number of robots that are in the world now
-  std::uint64_t ticks = 0;            ///< completed ticks (time steps)
-  double time_s = 0;                  ///< world time, s
-  std::uint64_t beams = 0;            ///< rays that sensors have cast
-  std::size_t stalled = 0;            ///< robots whose last motion was blocked or would have left the bounds
-  std::size_t held_at_bounds = 0;     ///< robots whose last motion would have left the bounds of the world
-  double mean_displacement_m = 0;     ///< mean straight-line distance of robots from their start or birth, m
+  std::size_t robots = 0;          ///< number of robots that are in the world now
+  std::uint64_t ticks = 0;         ///< completed ticks (time steps)
+  double time_s = 0;               ///< world time, s
+  std::uint64_t beams = 0;         ///< rays that sensors have cast
+  std::size_t stalled = 0;         ///< robots whose last motion was blocked or would have left the bounds
+  std::size_t held_at_bounds = 0;  ///< robots whose last motion would have left the bounds of the world
+  /// Mean straight-line distance of the robots from their positions at tick 0 or at birth, m.
+  double mean_displacement_m = 0;
   std::uint64_t conflict_rounds = 0;  ///< rounds in which conflicting motions were resolved, since tick 0
   std::size_t state_bytes = 0;        ///< memory of all state tables, bytes
 };
@@ -166,15 +176,26 @@ struct RankStatistics {
   std::uint64_t messages = 0;  ///< messages sent
   std::uint64_t bytes = 0;     ///< total length of these messages, bytes
   double waited_s = 0;         ///< time spent waiting, s; 0 if neither rank_clock nor `processes` is given
-  /// How often robots moved to other ranks because the slowest rank took more than 1.1 times the mean time.
+  /// How often robots moved to other ranks because the slowest rank took more than 1.1 times the mean time of
+  /// all ranks.
   std::uint64_t rebalanced = 0;
   /// Number of signals SIGUSR1, which request a checkpoint, that the processes of other ranks have received.
   std::uint64_t requests = 0;
+  /// Whether the world is distributed: each rank has only the state of its own robots and of robots near
+  /// them. Otherwise, each rank has the state of all robots.
+  bool is_distributed = false;
+  /// Why the world is not distributed although SimulationOptions::distribute is true; else empty.
+  std::string why_replicated;
+  /// If the world is distributed: how often its robots were divided among the ranks during the run.
+  std::uint64_t distributions = 0;
 };
 
 /// Number of bodies that a rank computed in the last tick, and the times of its phases sense, actuate and
 /// decide, s (engine/rank_work.hpp).
 using engine::RankWork;
+/// What a rank has counted: its own bodies, its copies of bodies of other ranks, messages
+/// (engine/rank_work.hpp).
+using engine::RankCounts;
 
 class Recording;
 class Simulation;
@@ -204,10 +225,10 @@ class Model {
   /// Commands speeds in the body frame: forward and left in m/s, turn in rad/s (for a car drive: the steering
   /// angle, rad). They apply from the next tick on, within the limits of the drive, until another command
   /// replaces them. If the robot has a controller, the controller overrides them. For a part that has a drive
-  /// of its own (a device `wheels`), the command goes to that drive, also in accelerate() and go_to().
-  /// Numbers that are not finite make the next step in which the drive runs throw StepError. Throws
-  /// std::logic_error, as accelerate() and go_to() do, for a model that has no drive, and for a body that is
-  /// not in the world.
+  /// of its own (a device `wheels`), the command goes to that drive, also in accelerate() and go_to(); for
+  /// any other part, it goes to the drive of the body. Numbers that are not finite make the next step in
+  /// which the drive runs throw StepError. Throws std::logic_error, as accelerate() and go_to() do, for a
+  /// model that has no drive, and for a body that is not in the world.
   void set_speed(double forward, double left, double turn);
   void set_speed(double forward, double turn) { set_speed(forward, 0, turn); }  ///< as above, left = 0
   /// Commands accelerations in the body frame: forward and left in m/s^2, turn in rad/s^2 (for a car drive:
@@ -226,10 +247,10 @@ class Model {
     double left = 0;     ///< speed to the left, m/s
     double turn = 0;     ///< turn rate, counter-clockwise, rad/s
   };
-  /// Velocity that the drive of this model computed in the last tick, in the body frame. It is not 0 while an
-  /// obstacle blocks the motion, see stalled(). At tick 0 it is the initial velocity of the drive (0 for a
-  /// part with a device `wheels`). It is 0 for a model without a drive, for a body that is not in the world,
-  /// and while a body is disabled or its drive has no power.
+  /// Velocity that the drive of this model computed in the last tick, in the body frame. An obstacle that
+  /// blocks the motion does not change it; stalled() is then true. At tick 0 it is the initial velocity of
+  /// the drive (0 for a part with a device `wheels`). It is 0 for a model without a drive, for a body that is
+  /// not in the world, and while a body is disabled or its drive has no power.
   Speed speed() const;
   /// Whether the body is in the world: it was spawned or present from the start, and it was not removed
   /// (docs/lives.md). Static geometry is always in the world.
@@ -263,8 +284,8 @@ class Model {
   bool is_free(const Pose& pose) const;
 
   /// Returns a random number stream for a program that drives this robot. The stream depends only on the seed
-  /// of the simulation, `name`, the robot and the current tick. A second call in the same tick therefore
-  /// returns the same numbers: use one name per purpose.
+  /// of the simulation, `name`, the robot and the current tick. A second call with the same name in the same
+  /// tick therefore returns the same numbers: use one name per purpose.
   Random random(std::string_view name) const;
 
   /// Names of the sensors, in the order of the world file. If this model is a body, these are the sensors on
@@ -272,8 +293,8 @@ class Model {
   std::vector<std::string> sensors() const;
   /// Ranges that the ranger named `sensor` measured, m, one per beam, counter-clockwise within each
   /// transducer. An empty name means the first ranger. The span stays valid while the simulation lives, and
-  /// its content changes with each step; it is 0 before the first step and for a body that is not in the
-  /// world. Throws std::out_of_range, with the known names, if there is no such ranger. Throws
+  /// its content changes with each step. All ranges are 0 before the first step and for a body that is not in
+  /// the world. Throws std::out_of_range, with the known names, if there is no such ranger. Throws
   /// std::logic_error if the sensor does not run; Simulation::subscribe() makes all sensors of a robot run.
   std::span<const float> ranges(std::string_view sensor = {}) const;
   /// Intensities that the ranger named `sensor` measured, one per value of ranges(); errors as in ranges().
@@ -303,7 +324,8 @@ class Model {
     const engine::StateField* field = nullptr;  ///< description of the field; lives as long as the simulation
     std::span<const std::byte> bytes;           ///< all values of the field
   };
-  /// Returns a field of a device. The parameters and errors are those of readings(), without a type T.
+  /// Returns one field of a device as bytes. Parameters and errors are as in readings(), except that there is
+  /// no type T that could be wrong.
   Reading reading(std::string_view field, std::string_view device = {}) const;
   /// The fields of a device that readings() can return, with their names, element types, numbers of values
   /// and units. Throws std::out_of_range, with the known names, if there is no such device.
@@ -356,9 +378,8 @@ class Model {
   std::span<const std::byte> cell(std::string_view field, std::string_view device,
                                   engine::Element element) const;
   std::byte* asked(std::string_view device, std::size_t bytes, std::span<const engine::StateField> fields);
-  /// While an object of this class exists, its robot is marked as the one for which Swarm::for_each() has
-  /// called the caller's function on this thread. Functions that change other robots then throw
-  /// std::logic_error on this thread.
+  /// Swarm::for_each() keeps an object of this class on a thread while the function `visit` runs there for
+  /// `robot`. On this thread, functions that change other robots then throw std::logic_error.
   class Visit {
    public:
     explicit Visit(const Model& robot);
@@ -399,7 +420,7 @@ class Simulation {
   static Simulation from_text(std::string text, const std::filesystem::path& name,
                               const SimulationOptions& options, engine::Registry registry);
   /// Makes the world that a WorldBuilder describes (troupe/world_builder.hpp). Throws InputError as
-  /// from_text() does; the line numbers in its text are those of WorldBuilder::json().
+  /// from_text() does; its line numbers are those of the text that WorldBuilder::json() returns.
   explicit Simulation(const WorldBuilder& world, const SimulationOptions& options = {});
   /// Makes the world that a WorldBuilder describes, with the kinds in `registry`.
   Simulation(const WorldBuilder& world, const SimulationOptions& options, engine::Registry registry);
@@ -422,9 +443,9 @@ class Simulation {
   /// Resumes a run from a checkpoint that save() or `troupe run --checkpoint` wrote. The run then has the
   /// same bits as if it had never stopped, on any number of threads. The files that the world was loaded from
   /// are not needed. Throws InputError, `run.h5: error: ...`, if the file is not a checkpoint, is truncated
-  /// or damaged, or was written by another version of Troupe (unless ResumeOptions::across_versions is true),
-  /// if a plug-in or script of the run is missing or has changed (unless ResumeOptions::across_plugins is
-  /// true), and if a value of ResumeOptions::set is invalid. Throws std::invalid_argument for numbers of
+  /// or damaged, or was written by another version of Troupe (unless ResumeOptions::across_versions is true);
+  /// if a plug-in or script of the run is missing, or has changed (unless ResumeOptions::across_plugins is
+  /// true); and if a value of ResumeOptions::set is invalid. Throws std::invalid_argument for numbers of
   /// threads or ranks that are not allowed.
   static Simulation resume(const std::filesystem::path& checkpoint, const ResumeOptions& options = {});
   /// Resumes a run whose world was loaded with a registry of the program. `registry` must have the same kinds
@@ -459,14 +480,14 @@ class Simulation {
   /// throw std::logic_error, also those of models, swarms and observers of this simulation.
   void step();
   /// Steps until `seconds` more of world time have passed, rounded up to whole ticks, or until a stop
-  /// condition ends the run (stopped()). A last fraction of a tick of up to 1e-9 of `seconds` or of a tick is
-  /// a rounding error and is dropped. Makes no step if a stop condition already holds. Throws
-  /// std::invalid_argument if `seconds` is negative, NaN or more than 1e12.
+  /// condition ends the run (stopped()). If `seconds` exceeds a whole number of ticks by at most 1e-9 of
+  /// `seconds` or of a tick, as rounding errors do, the excess adds no tick. Makes no step if a stop
+  /// condition already holds. Throws std::invalid_argument if `seconds` is negative, NaN or more than 1e12.
   void run_for(double seconds);
   /// Steps until the callback `done`, which is called after each step, returns true; then returns true.
   /// Returns false if `at_most_s` seconds of world time have passed before that, or if a stop condition has
-  /// ended the run (stopped()), also before the first of these steps. Throws std::invalid_argument if
-  /// `at_most_s` is negative, NaN or more than 1e12.
+  /// ended the run (stopped()). If a stop condition already holds, makes no step and returns false. Throws
+  /// std::invalid_argument if `at_most_s` is negative, NaN or more than 1e12.
   bool run_until(const std::function<bool(const Simulation&)>& done, double at_most_s);
   /// Adds a callback that is called at the end of every step, also in run_for() and run_until(). Callbacks
   /// are called in the order in which they were added, after the stop conditions have been evaluated and the
@@ -511,9 +532,9 @@ class Simulation {
   /// world file nor the images and other files that it refers to. Subscriptions and commanded speeds are
   /// saved, callbacks are not. The file is written under a temporary name and renamed once it is complete and
   /// on the disk: if the process dies, `checkpoint` is either the previous checkpoint or the new one. Throws
-  /// std::runtime_error, `run.h5: error: ...`, if the file cannot be written, if the simulation was read from
-  /// it, or if the build has no HDF5; a previous checkpoint then remains. Passes on exceptions of callbacks
-  /// of on_save().
+  /// std::runtime_error, `run.h5: error: ...`, if the file cannot be written, if it is a file that the
+  /// simulation was read from (world, image, plug-in, ...), or if the build has no HDF5; a previous
+  /// checkpoint then remains. Passes on exceptions of callbacks of on_save().
   void save(const std::filesystem::path& checkpoint) const;
 
   /// Sets a callback that provides data of the program for the checkpoint, such as the state of an observer.
@@ -624,7 +645,7 @@ class Simulation {
   /// Starts to record this run in a file (troupe/recording.hpp): the current state, and then the state at
   /// every recording interval, until stop_recording(), reset() or the destruction of the simulation. Throws
   /// as the constructor of Recording does, std::logic_error if a recording is already running, and
-  /// std::runtime_error if the simulation was read from the file.
+  /// std::runtime_error if the file is one that the simulation was read from (world, image, plug-in, ...).
   void record(const std::filesystem::path& file);
   /// Starts to record this run, as the other record() does, with the fields, the interval and the other
   /// options that `options` states.
@@ -660,9 +681,12 @@ class Simulation {
   unsigned ranks() const;                  ///< number of ranks, threads or processes, that compute the world
   RankStatistics rank_statistics() const;  ///< numbers that describe the messages between ranks
   /// For each rank, the number of its bodies and the times of its phases in the last tick, by number of the
-  /// rank; empty with one rank. The times are 0 without SimulationOptions::rank_clock and `processes`. Valid
-  /// until the next step.
+  /// rank; empty with one rank. The times are 0 if neither SimulationOptions::rank_clock nor
+  /// SimulationOptions::processes is set. Valid until the next step.
   std::span<const RankWork> rank_work() const;
+  /// What each rank has counted so far, by number of the rank; empty with one rank. This process asks the
+  /// other ranks. Must not be called during a step.
+  std::vector<RankCounts> rank_counts();
   /// Sets a callback, for example to measure the time of phases. It is called with the phase when a phase of
   /// a tick begins, and with std::nullopt when the tick ends, on the thread that calls step(). A second call
   /// replaces the callback; a null callback removes it.
@@ -688,8 +712,8 @@ class Simulation {
 
   /// Draws the world from above into a PNG file, or into an SVG or PDF file if the name ends in .svg or .pdf.
   /// width, height: size in pixels; 0 or less: the default size. Throws std::runtime_error if the library
-  /// OSMesa is missing (cairo for PDF), if the build has no renderer, if the file cannot be written, or if
-  /// the simulation was read from it.
+  /// OSMesa is missing (cairo for PDF), if the build has no renderer, if the file cannot be written, or if it
+  /// is a file that the simulation was read from (world, image, plug-in, ...).
   void snapshot(const std::filesystem::path& png, int width = 1280, int height = 720) const;
   /// Draws the world into a file with the camera, size and layers of `options` (troupe/pictures.hpp); the
   /// ending of the name selects the format, as above. Throws std::runtime_error as above, and InputError if

@@ -1,6 +1,7 @@
 #include "base/diagnostics.hpp"
 #include "base/fp_environment.hpp"
 #include "base/hash.hpp"
+#include "engine/halo.hpp"
 #include "partition/simd_target.hpp"
 #include "troupe/build_info.hpp"
 #include "troupe/rank_processes.hpp"
@@ -85,14 +86,18 @@ void append(std::vector<std::string>& lines, const std::vector<std::string>& mor
 
 template <class Options>
 void Simulation::Impl::make_world(engine::WorldSpec spec, const Options& options, Diagnostics& diagnostics) {
-  const RankOptions team{options.ranks, options.rank_seed, options.rank_clock};
+  RankOptions team{options.ranks, options.rank_seed, options.rank_clock, options.distribute};
   check_ranks(team);
   const engine::WorldOptions asked{threads_per_rank(options.threads, team.ranks), options.tile_size_m};
   engine::WorldOptions own = asked;
   if (options.processes && own.threads == 0) own.threads = options.processes->threads();
   world = std::make_unique<engine::World>(std::move(spec), *registry, own, diagnostics);
+  if (team.distribute && (options.processes || team.ranks > 1)) {
+    why_replicated = engine::why_replicated(*world);
+    team.distribute = why_replicated.empty();
+  }
   if (options.processes)
-    ranks = options.processes->add(*world, *registry, *plugins, asked, options.rank_seed);
+    ranks = options.processes->add(*world, *registry, *plugins, asked, options.rank_seed, team.distribute);
   else if (team.ranks > 1)
     ranks = std::make_unique<RankTeam>(*world, *registry, own, team);
 }

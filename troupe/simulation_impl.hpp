@@ -32,10 +32,11 @@ struct Simulation::Impl {
   std::unique_ptr<engine::World> world;
   /// The ranks that compute `world` together with this thread; null if it is computed by one rank.
   std::unique_ptr<RankGroup> ranks;
+  std::string why_replicated;  ///< RankStatistics::why_replicated
   std::vector<std::string> warnings;
   std::filesystem::path file;       ///< path of the world file
   double tile_size_m = 0;           ///< SimulationOptions::tile_size_m
-  worldio::PlaceAgain place_again;  ///< places bodies for another seed; empty if no place depends on it
+  worldio::PlaceAgain place_again;  ///< places bodies for another seed; empty if no pose depends on seeds
   /// Changes to the world, as pairs of key and value for effective_options(): the values of the option `set`
   /// (if a run was resumed with a value, the key contains the tick), and the option `spare`.
   std::vector<std::pair<std::string, std::string>> changes;

@@ -268,10 +268,11 @@ void Swarm::for_cells(FindCells find, std::size_t bytes, std::string_view field,
             field, world_->spec().name(ids_.front()), first.columns, engine::element_name(first.element),
             world_->spec().name(ids_[i]), its.field->columns, engine::element_name(its.field->element)));
       if (bytes != size() * its.bytes())
-        throw std::invalid_argument(
-            fmt::format("found {} bytes for \"{}\" of {} robots with {} columns each: give an element per "
-                        "robot and column",
-                        bytes, field, size(), its.field->columns));
+        throw std::invalid_argument(fmt::format(
+            "found {} bytes for \"{}\" of {} robots with {} columns each: give {}, one element of "
+            "type {} per robot and column",
+            bytes, field, size(), its.field->columns, size() * its.bytes(),
+            engine::element_name(its.field->element)));
       runs.push_back({.cells = its});
       type = &own;
     }
@@ -328,7 +329,10 @@ void Swarm::set_commands(std::span<const std::byte> values, std::string_view fie
 
 void Swarm::subscribe() {
   Model::refuse_in_for_each(*world_, "subscribe()");
-  if (world_->tick() > 0) throw std::logic_error("subscribe() must be called before the first step");
+  if (world_->tick() > 0)
+    throw std::logic_error(
+        fmt::format("subscribe() must be called before the first step, but this simulation is at tick {}",
+                    world_->tick()));
   for (const BodyId id : ids_) world_->subscribe(id);
 }
 

@@ -65,9 +65,10 @@ class Swarm {
   /// and rad/s, as Model::speed() returns them.
   void speeds(std::span<Model::Speed> out) const;
 
-  /// Returns the number of beams of the ranger named `sensor`, which must be the same for all robots; 0 for a
-  /// swarm without robots. An empty name means the first ranger of each robot. Throws std::out_of_range if a
-  /// robot has no such ranger, and std::invalid_argument if the numbers of beams differ between robots.
+  /// Returns the number of beams of the ranger named `sensor` of each robot; 0 for a swarm without robots.
+  /// All robots must have the same number of beams. An empty name means the first ranger of each robot.
+  /// Throws std::out_of_range if a robot has no such ranger, and std::invalid_argument if the numbers of
+  /// beams differ between robots.
   std::size_t beams(std::string_view sensor = {}) const;
   /// Writes the ranges that the ranger named `sensor` of each robot measured, m: robots x beams, row-major,
   /// size() * beams(sensor) elements. Throws as beams() does, std::invalid_argument for a span of another

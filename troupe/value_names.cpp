@@ -38,7 +38,8 @@ std::string with_unit(const std::string& name, std::string_view unit) {
 
 Error no_such_column(const ChosenValue& value, std::size_t columns) {
   if (columns == 0) return {fmt::format("\"{}.{}\" has no columns", value.component, value.field)};
-  return {fmt::format("\"{}.{}\" has only the columns 0 to {}", value.component, value.field, columns - 1)};
+  return {fmt::format("there is no column {}: \"{}.{}\" has only the columns 0 to {}", value.column,
+                      value.component, value.field, columns - 1)};
 }
 
 }  // namespace troupe

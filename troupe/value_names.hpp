@@ -17,8 +17,8 @@ std::vector<ChosenValue> readings_of(const std::string& name);
 
 /// Appends the unit to a name: "velocity.x (m/s)". Returns the name alone if the unit is empty.
 std::string with_unit(const std::string& name, std::string_view unit);
-/// Returns the error for a value whose column index is too large: it states the columns that the field has.
-/// columns: number of columns that the field has.
+/// Returns the error for a value whose column index is too large. The error states which columns the field
+/// has. columns: number of columns of the field.
 Error no_such_column(const ChosenValue& value, std::size_t columns);
 
 }  // namespace troupe

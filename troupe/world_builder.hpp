@@ -190,7 +190,7 @@ class WorldBuilder {
   /// file: index of the world's name in the list of source files.
   worldio::JsonNode node(std::uint32_t file) const;
   /// Returns the content of json() as a tree. Its line numbers are not those of json(): they only mark the
-  /// values that Layout writes on several lines.
+  /// values that json() writes on several lines.
   worldio::JsonNode unplaced() const;
   std::filesystem::path name_;
   Settings values_;

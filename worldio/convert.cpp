@@ -3,6 +3,7 @@
 #include "worldio/files.hpp"
 #include "worldio/json/json_text.hpp"
 #include "worldio/json/json_world.hpp"
+#include "worldio/stage/stage_files.hpp"
 #include "worldio/stage/stage_writer.hpp"
 
 #include <fmt/format.h>
@@ -35,7 +36,8 @@ std::optional<WorldDocument> document_of(const std::filesystem::path& file, cons
 
 ConvertedWorld convert_world(const std::filesystem::path& from, const std::filesystem::path& to,
                              const engine::Registry& registry, const LoadOptions& options,
-                             Diagnostics& diagnostics) {
+                             Diagnostics& diagnostics,
+                             const std::function<void(const engine::WorldSpec&)>& loaded) {
   const std::string ending = to.extension().string();
   if (ending != ".world" && ending != ".json") {
     diagnostics.error(
@@ -46,11 +48,14 @@ ConvertedWorld convert_world(const std::filesystem::path& from, const std::files
   }
   engine::WorldSpec spec = load_world(from, registry, options, diagnostics);
   if (diagnostics.has_errors()) return {};
+  if (loaded) loaded(spec);
+  // The file that load_world() has read.
+  const std::filesystem::path file = find_stage_file(from, options.search_path).value_or(from);
   // A Stage world without a name has its file name as the title, which is replaced by the name of the new
   // file.
-  if (spec.title == from.string() || spec.title == from.stem().string()) spec.title = to.stem().string();
+  if (spec.title == file.string() || spec.title == file.stem().string()) spec.title = to.stem().string();
   ConvertedWorld converted{.bodies = spec.bodies.size() - 1, .types = count_types(spec)};
-  const auto source = document_of(from, registry, options, diagnostics);
+  const auto source = document_of(file, registry, options, diagnostics);
   if (ending == ".world")
     converted.text = write_stage_world(spec, to, source ? &*source : nullptr, registry, diagnostics);
   else if (const auto document = write_json_world(spec, to, registry, diagnostics))

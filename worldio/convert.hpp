@@ -5,6 +5,7 @@
 
 #include <cstddef>
 #include <filesystem>
+#include <functional>
 #include <string>
 
 namespace troupe::worldio {
@@ -25,8 +26,12 @@ struct ConvertedWorld {
 /// pose that is rounded, for each heading that is wrapped, and for bounds of floor plans, which a `.world`
 /// file does not have. Without such a warning, a run of the new world has the same state hash at every tick
 /// as a run of the old world. Do not use the result if `diagnostics` has errors.
+///
+/// loaded: a function that is called with the world of `from` before the conversion. It is not called if this
+/// world has errors, or if `loaded` is empty. Its exceptions leave convert_world().
 ConvertedWorld convert_world(const std::filesystem::path& from, const std::filesystem::path& to,
                              const engine::Registry& registry, const LoadOptions& options,
-                             Diagnostics& diagnostics);
+                             Diagnostics& diagnostics,
+                             const std::function<void(const engine::WorldSpec&)>& loaded = {});
 
 }  // namespace troupe::worldio

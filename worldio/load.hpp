@@ -17,7 +17,7 @@ namespace troupe::worldio {
 /// A function that places the populations of a loaded world again, with another seed. A population is a group
 /// of bodies of one type that a rule places in a region; its reserve are bodies that are born later. The
 /// argument `bodies` must be a copy of WorldSpec::bodies of this world. For each body of a population, the
-/// function overwrites the pose and, if colours of the population are random, the colour in `bodies` by the
+/// function overwrites the pose and, if colours of the population are random, the colour in `bodies` with the
 /// values that follow from `seed`. Bodies of a reserve keep their poses. The function throws InputError if a
 /// population does not fit into its region; some of `bodies` are then already overwritten. Several threads
 /// may call it at the same time.

@@ -108,7 +108,7 @@ std::vector<Variant> load(const CheckOptions& options, const engine::Registry& r
   if (options.amnesia) {
     const double tile_size_m = options.tile_sizes_m.front();
     const unsigned threads = options.threads.front();
-    add(threads, tile_size_m, Memory::forgotten, ", caches cleared");
+    add(threads, tile_size_m, Memory::forgotten, ", junk in derived data");
     add(threads, tile_size_m, Memory::remade, ", world rebuilt");
     add(threads, tile_size_m, Memory::shuffled, ", rows shuffled");
   }
@@ -272,9 +272,20 @@ ExitCode check_checked(const CheckOptions& options, const engine::Registry& regi
   if (options.controllers) decisions.emplace(variants.front());
 
   if (std::ranges::max(options.ranks) > 1)
-    fmt::print("random delays between ranks: --rank-seed {}\n", rank_seed_of(options));
+    fmt::print("random delays and order of messages between ranks: --rank-seed {} repeats them\n",
+               rank_seed_of(options));
   if (options.simulation.processes)
-    fmt::print("random division of the robots among the processes: --rank-seed {}\n", rank_seed_of(options));
+    fmt::print("random division of the robots among the processes: --rank-seed {} repeats it\n",
+               rank_seed_of(options));
+  if (options.simulation.distribute)
+    if (const auto several = std::ranges::find_if(
+            variants, [](const Variant& variant) { return variant.simulation.ranks() > 1; });
+        several != variants.end()) {
+      const RankStatistics ranks = several->simulation.rank_statistics();
+      fmt::print("form of the ranks: {}\n",
+                 ranks.is_distributed ? std::string("distributed")
+                                      : fmt::format("replicated, because {}", ranks.why_replicated));
+    }
   const std::vector<std::string> differences =
       step_to_end(variants, decisions ? &*decisions : nullptr, end_s);
   print_table(variants, decisions ? &*decisions : nullptr);

@@ -16,11 +16,12 @@ process) do not change the results of a world. Runs one variant of the world for
 tick at which a variant differs from the first variant. Prints the component, the robot, the field, the value in the
 variant and the value in the first variant.
 
-With --ranks, the world also runs on each given number of ranks, which are replicas of the world that divide its robots
-among themselves (docs/cluster.md). The ranks are threads of this process. Their messages arrive late and in a shuffled
-order, and in each tick robots move to other ranks, both at random with the seed --rank-seed (default: 1). After each
-tick, the data that every rank computes are compared between the ranks. Under mpirun, --ranks is not allowed; instead,
-the world also runs on all processes.
+With --ranks, the world also runs on each given number of ranks, which divide its robots among themselves
+(docs/cluster.md). With --distribute, a rank has only its own robots and those near them, if the world allows it;
+without it, all robots. The ranks are threads of this process. Their messages arrive late and in a shuffled order, and
+in each tick robots move to other ranks, both at random with the seed --rank-seed (default: 1). After each tick, the
+data that every rank computes are compared between the ranks. Under mpirun, --ranks is not allowed; instead, the world
+also runs on all processes.
 
 --amnesia adds three variants. In the first, all data that are not part of the state are overwritten with junk after
 each tick and computed again. In the second, the world is discarded after each tick and rebuilt from its description and
@@ -85,11 +86,14 @@ void add_check_options(CLI::App& check, CheckOptions& options) {
               split(text, [&](std::string_view item) { options.ranks.push_back(rank_count(item)); });
               options.gives_ranks = true;
             });
+  add_distribute_option(check, options);
   add_rank_limit_option(check, options.rank_limit_s);
   add_rank_seed_option(check, options);
   check
-      .add_flag("--amnesia", options.amnesia,
-                "Also compare runs that, after each tick, discard all data except the state")
+      .add_flag(
+          "--amnesia", options.amnesia,
+          "Also compare runs with junk in data derived from the state, with a world rebuilt after each\n"
+          "tick, and with bodies at other places in memory")
       ->disable_flag_override();
   check
       .add_flag("--reach", options.reach,

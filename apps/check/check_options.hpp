@@ -14,7 +14,8 @@ struct CheckOptions : WorldOptions {
   /// less than the range of most sensors, so that their beams cross several tiles.
   std::vector<double> tile_sizes_m{0, 1.7};
   std::vector<unsigned> ranks{1};  ///< numbers of ranks, each of which is a variant
-  /// Also check variants that discard caches, rebuild the world or shuffle its rows in each tick.
+  /// Also check variants that, in each tick, discard caches, rebuild the world or shuffle the order of the
+  /// bodies in the state tables.
   bool amnesia = false;
   bool reach = false;        ///< also check a variant in which devices cannot see bodies beyond their reach
   bool controllers = false;  ///< also repeat each decision of the controllers and compare the results

@@ -152,8 +152,10 @@ ExitCode compare_frames(const RecordingReader& first, const RecordingReader& sec
     ++j;
   }
   if (frames == 0)
-    throw InputError(fmt::format("{}: error: the recording has no tick in common with {}",
-                                 second.file().string(), first.file().string()));
+    throw InputError(
+        fmt::format("{}: error: the recording has no tick in common with {}: record both runs with the same "
+                    "--record-every, over the same time",
+                    second.file().string(), first.file().string()));
   if (const RecordingReader* ended = shorter(first, second)) {
     fmt::print("differs in length: {} ends at tick {}, but {} continues; same bits from tick {} until then\n",
                ended->file().string(), ended->ticks().back(),

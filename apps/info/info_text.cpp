@@ -83,8 +83,9 @@ Span span_of(const fs::path& file, const Lines& lines, const std::vector<std::st
   const auto tick = number<std::uint64_t>(cells[0]);
   const auto time_s = cells.size() > 1 ? finite(cells[1]) : std::nullopt;
   if (!tick || !time_s)
-    throw InputError(fmt::format("{}:{}: error: the line must begin with a tick and a time in seconds",
-                                 file.string(), lines.number()));
+    throw InputError(
+        fmt::format("{}:{}: error: the line must begin with a tick and a time in seconds, found \"{}\"",
+                    file.string(), lines.number(), fmt::format("{}", fmt::join(cells, ",")).substr(0, 60)));
   return {*tick, *time_s};
 }
 

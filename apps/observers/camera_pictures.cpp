@@ -31,12 +31,14 @@ using Text = std::vector<std::pair<std::string, std::string>>;
 /// A camera of a robot. slot: the row of the robot in the table of the camera's readings.
 struct RobotCamera {
   std::string name;  ///< "r0.eye"
+  Row row;
   const engine::BodyType::Device* device;
   std::size_t slot;
   engine::Camera pictures;
 };
 
-/// Returns the cameras that run in this tick, in the order of body ids.
+/// Returns the cameras that run in this tick, in the order of body ids, also those of robots that are not in
+/// the world.
 std::vector<RobotCamera> running_cameras(const Simulation& simulation) {
   const engine::World& world = simulation.world();
   std::vector<RobotCamera> cameras;
@@ -46,11 +48,16 @@ std::vector<RobotCamera> running_cameras(const Simulation& simulation) {
     for (const engine::BodyType::Device& device : world.type(row).devices) {
       if (!device.prepared.camera || !world.senses(row, device)) continue;
       const std::string body = world.spec().name(BodyId(b));
-      cameras.push_back({device.name.empty() ? body : fmt::format("{}.{}", body, device.name), &device,
+      cameras.push_back({device.name.empty() ? body : fmt::format("{}.{}", body, device.name), row, &device,
                          world.slot(row), *device.prepared.camera});
     }
   }
   return cameras;
+}
+
+/// Whether the camera has a reading: its robot is in the world, and has been for a period of the camera.
+bool has_reading(const engine::World& world, const RobotCamera& camera) {
+  return world.is_there(camera.row) && world.tick() - world.birth_tick(camera.row) >= camera.device->period;
 }
 
 /// Returns the name of a camera in a form for file names: `/` is replaced by `_`, and a number is appended if
@@ -99,7 +106,7 @@ void CameraPictures::observe(const Simulation& simulation) {
   std::set<std::string> taken;
   for (const RobotCamera& camera : running_cameras(simulation)) {
     const std::string stem = file_stem(camera.name, taken);
-    if (tick < camera.device->period) continue;  // the camera has no reading yet
+    if (!has_reading(simulation.world(), camera)) continue;
     const engine::StateTable& state = simulation.world().percepts(*camera.device);
     const engine::Camera& pictures = camera.pictures;
     const auto color = state.cell<std::uint8_t>(camera.slot, pictures.color);
@@ -133,15 +140,15 @@ void check_cameras(const Simulation& simulation, const std::filesystem::path& wo
 class CameraOutput : public ClonedOutput<CameraOutput> {
  public:
   void add_options(CLI::App& app, RunOptions&) override {
-    CLI::Option* folder =
-        add_value(app, "--camera-png", "DIR",
-                  "Write camera images into a folder: one PNG of colours and one of depths per camera",
-                  [this](const std::string& text) {
-                    if (text.empty() || text.starts_with('-'))
-                      refuse("--camera-png", text, "the name of a folder");
-                    folder_ = text;
-                    if (!folder_.has_filename()) folder_ = folder_.parent_path();
-                  });
+    CLI::Option* folder = add_value(app, "--camera-png", "DIR",
+                                    "Write PNGs of the colours and depths of each running camera into a "
+                                    "folder, at intervals",
+                                    [this](const std::string& text) {
+                                      if (text.empty() || text.starts_with('-'))
+                                        refuse("--camera-png", text, "the name of a folder");
+                                      folder_ = text;
+                                      if (!folder_.has_filename()) folder_ = folder_.parent_path();
+                                    });
     add_value(app, "--camera-every", "S",
               "Interval of camera images in simulated seconds; 0: every tick (default: 1)",
               [this](const std::string& text) { every_s_ = seconds_from_zero("--camera-every", text); })

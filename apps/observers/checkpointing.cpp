@@ -5,6 +5,7 @@
 #include "apps/outputs.hpp"
 #include "apps/run/run_options.hpp"
 #include "engine/ticks.hpp"
+#include "engine/world.hpp"
 #include "troupe/input_files.hpp"
 
 #include <CLI/CLI.hpp>
@@ -58,6 +59,7 @@ void Checkpointing::finish(const Simulation& simulation) {
 }
 
 void Checkpointing::save(const Simulation& simulation) {
+  if (simulation.rank_statistics().is_distributed) simulation.world().gather();
   simulation.save(file_);
   saved_ = simulation.tick();
 }

@@ -37,6 +37,7 @@ class Checkpointing : public Observer {
                 std::vector<Observer*> others);
 
   void observe(const Simulation& simulation) override;
+  bool reads_robots() const override { return false; }
   void finish(const Simulation& simulation) override;
   void save_at_least(const Simulation& simulation) override { finish(simulation); }
 

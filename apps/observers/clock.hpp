@@ -17,6 +17,7 @@ class ClockLines : public Observer {
   ClockLines(std::uint64_t every_ticks, const Simulation& simulation);
 
   void observe(const Simulation& simulation) override;
+  bool reads_robots() const override { return false; }
 
  private:
   using WallClock = std::chrono::steady_clock;

@@ -30,6 +30,9 @@ class Observer {
   Observer& operator=(const Observer&) = delete;
   virtual ~Observer() = default;
 
+  /// Whether observe() reads the state of robots, not only hashes and times. If it does, and the robots are
+  /// divided among several ranks, rank 0 fetches the robots of the other ranks after every tick.
+  virtual bool reads_robots() const { return true; }
   /// Called once before the first step and after every tick.
   virtual void observe(const Simulation& simulation) = 0;
   /// Called before a checkpoint is saved during the run, periodically or on request. The observer must then
@@ -38,8 +41,8 @@ class Observer {
   virtual void before_save() {}
   /// Called when the run has ended or was stopped, after the last observe().
   virtual void finish(const Simulation& /*simulation*/) {}
-  /// Called if another part of the run failed after a complete tick, so that an observer that saves
-  /// checkpoints can still save the state.
+  /// Called if another part of the run, such as writing an output, failed after a complete tick. An observer
+  /// that saves checkpoints can then still save the state.
   virtual void save_at_least(const Simulation& /*simulation*/) {}
   /// Called after the summary was printed, for slow work that may fail: the summary is then not lost.
   virtual void after_summary(const Simulation& /*simulation*/) {}

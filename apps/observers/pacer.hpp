@@ -18,6 +18,7 @@ class Pacer : public Observer {
   Pacer(double rate, std::function<bool()> is_over);
 
   void observe(const Simulation& simulation) override;
+  bool reads_robots() const override { return false; }
   /// Wall time spent waiting, s.
   double waited_s() const { return waited_s_; }
 

@@ -62,6 +62,7 @@ class Profile : public Observer, public TickWatcher {
   /// Writes the tick that has just ended, if the profile is to contain this tick. Does nothing before the
   /// first tick.
   void observe(const Simulation& simulation) override;
+  bool reads_robots() const override { return false; }
 
   /// Returns a line that states which ticks and tasks were omitted because of the limits; empty: none.
   std::string warning() const override;
@@ -120,7 +121,9 @@ class Profile : public Observer, public TickWatcher {
   PerThread<Track> tracks_;
 };
 
-/// Returns a new output with the options --profile and --profile-ticks.
+/// Returns the kind of output that writes a Profile (see RunOutput). It adds the options --profile and
+/// --profile-ticks to the command line, and writes the profile to the file that --profile names. Without
+/// --profile, nothing is written.
 std::unique_ptr<RunOutput> profile_output();
 
 }  // namespace troupe::apps

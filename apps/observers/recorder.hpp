@@ -20,8 +20,8 @@ std::filesystem::path recording_file(const RunOptions& options, const Simulation
 class Recorder;
 /// Opens the recording of a run (recording_file()). Returns null if the run is not recorded. If the
 /// simulation was resumed from a checkpoint, an existing recording is continued, unless --force was given.
-/// Throws InputError for an invalid file or invalid fields, and if there is no recording but an interval or
-/// fields of one are given, before anything is written.
+/// Before anything is written, throws InputError for an invalid file or invalid fields, and if an interval or
+/// fields are given for a run that is not recorded.
 std::unique_ptr<Recorder> make_recorder(const RunOptions& options, const Simulation& simulation);
 
 /// Writes a recording. Starts to flush the frames to the disk every 2 s of wall time, so that readers of the

@@ -93,8 +93,9 @@ Measures remembering(const fs::path& file, const Simulation& simulation, Measure
           "parameters: give the measures of this run other names (key \"name\")");
   } else if (goes_on(file, simulation) && !measures.memory().empty()) {
     fail(
-        "the table cannot be continued: the checkpoint was saved without these measures, so it does not "
-        "contain their data of earlier ticks: choose another file");
+        "this table cannot be continued: the checkpoint has no data of earlier ticks for the measures of "
+        "this "
+        "run, because it was saved without them: give the option a new file");
   }
   return measures;
 }

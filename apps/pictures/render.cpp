@@ -194,7 +194,8 @@ void render_checked(const RenderOptions& options) {
   check_film(wanted);
   const bool is_checkpoint = worldio::is_checkpoint(options.world);
   if (!is_checkpoint && is_hdf5(options.world)) {
-    refuse_given(options, k_of_recordings, "recording; --at selects one of its times");
+    refuse_given(options, k_of_recordings,
+                 "recording: omit this option (--at selects a time of the recording)");
     RecordedRun run(options.world);
     const std::string& value = wanted.look.color_by;
     if (const auto present = run.present_name(value))
@@ -206,7 +207,7 @@ void render_checked(const RenderOptions& options) {
     if (!wanted.film.empty()) film_recording(options, run);
     return;
   }
-  if (is_checkpoint) refuse_given(options, k_of_checkpoints, "checkpoint");
+  if (is_checkpoint) refuse_given(options, k_of_checkpoints, "checkpoint: omit this option");
   if (!wanted.snapshot.empty()) {
     Simulation simulation = load(options, is_checkpoint);
     add_inputs(simulation, inputs);

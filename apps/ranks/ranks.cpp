@@ -257,7 +257,7 @@ unsigned threads_of_rank(const std::vector<std::string>& hosts, unsigned rank) {
         fmt::print(
             stderr,
             "troupe: warning: SLURM_CPUS_PER_TASK is {}, but rank 0 on {} may use only {} processor{}: "
-            "it computes with {} thread{}; give srun the option -c {}, or mpirun the option --bind-to "
+            "rank 0 computes with {} thread{}; give srun the option -c {}, or mpirun the option --bind-to "
             "none\n",
             *cpus, hosts[rank], allowed, allowed == 1 ? "" : "s", allowed, allowed == 1 ? "" : "s", *cpus);
       return std::min(*cpus, allowed);

@@ -41,7 +41,7 @@ class RankDeal {
   unsigned rank() const;
   unsigned ranks() const;
   unsigned threads() const { return threads_; }  ///< number of runs that this process makes at the same time
-  /// The longest time between two calls of tell_that_it_works() by a rank that is at work, s.
+  /// A rank that is at work must call tell_that_it_works() at intervals of at most this time.
   std::chrono::duration<double> interval() const { return interval_; }
   /// Tells the ranks that wait for this rank that it is at work, so that they start to count `limit_s` again.
   /// While rank 0 waits in gather(), it passes such a message of one rank on to all other ranks. Does nothing

@@ -42,9 +42,10 @@ class LoadClock {
   /// Fraction of the wall time of all ticks that was spent outside parallel loops, from 0 to 1; 0 before the
   /// first tick. More worker threads do not shorten this part.
   double serial_share() const { return ticks_s_ > 0 ? 1 - loops_s_ / ticks_s_ : 0; }
-  /// The time of the busiest worker in the tasks of a parallel loop, summed over all loops, divided by the
-  /// mean time of all `threads` workers: 1 if all workers had equal work, `threads` if one worker did
-  /// everything, 0 if no task was run.
+  /// How unevenly the parallel loops loaded the workers. The numerator is the time that the busiest worker of
+  /// a loop spent in its tasks, summed over all loops; the denominator is the time of all tasks, divided by
+  /// the number of workers, `threads`. The result is 1 if all workers had equal work, `threads` if one worker
+  /// did everything, and 0 if no task was run.
   double imbalance(unsigned threads) const { return busy_s_ > 0 ? threads * longest_s_ / busy_s_ : 0; }
 
  private:

@@ -6,6 +6,7 @@
 #include <nlohmann/json.hpp>
 
 #include <algorithm>
+#include <array>
 #include <iterator>
 #include <numeric>
 
@@ -16,6 +17,17 @@ namespace {
 double ratio(double a, double b) { return b > 0 ? a / b : 0; }
 
 std::string hash_text(std::uint64_t hash) { return fmt::format("{:016x}", hash); }
+
+/// The members of RankCounts.
+constexpr std::array k_counts{&RankCounts::ticks,      &RankCounts::own,           &RankCounts::ghosts,
+                              &RankCounts::neighbours, &RankCounts::distributions, &RankCounts::migrated,
+                              &RankCounts::rounds,     &RankCounts::messages,      &RankCounts::bytes};
+static_assert(sizeof(RankCounts) == k_counts.size() * sizeof(std::uint64_t), "a member is missing");
+
+/// "12.5 bytes (at most 20)": the mean and the largest value among the ranks.
+std::string per_rank_text(const Report::PerRank& value, std::string_view what) {
+  return fmt::format("{} {} (at most {})", four_digits(value.mean), what, four_digits(value.most));
+}
 
 std::string percent(double part, double whole) { return fmt::format("{:.1f} %", 100 * ratio(part, whole)); }
 
@@ -38,6 +50,27 @@ double Report::bytes_per_tick() const {
 
 double Report::messages_per_tick() const {
   return ratio(static_cast<double>(ranks.messages), static_cast<double>(ticks_here()));
+}
+
+void Report::subtract_counts(std::span<const RankCounts> before) {
+  for (std::size_t rank = 0; rank < rank_counts.size(); ++rank)
+    for (const auto count : k_counts) rank_counts[rank].*count -= before[rank].*count;
+}
+
+double Report::ghosts_per_own() const {
+  return ratio(per_rank(&RankCounts::ghosts).mean, per_rank(&RankCounts::own).mean);
+}
+
+double Report::PerRank::imbalance() const { return ratio(most, mean); }
+
+Report::PerRank Report::per_rank(std::uint64_t RankCounts::*count) const {
+  PerRank result;
+  for (const RankCounts& counts : rank_counts) {
+    const double per_tick = ratio(static_cast<double>(counts.*count), static_cast<double>(counts.ticks));
+    result.mean += per_tick / static_cast<double>(rank_counts.size());
+    result.most = std::max(result.most, per_tick);
+  }
+  return result;
 }
 
 double Report::observe_s() const {
@@ -82,6 +115,25 @@ std::string summary_text(const Report& report) {
                               four_digits(report.ranks.waited_s), four_digits(report.bytes_per_tick()),
                               four_digits(report.messages_per_tick()), report.ranks.rebalanced,
                               report.ranks.rebalanced == 1 ? "" : "s"));
+  if (!report.rank_counts.empty())
+    line("per rank", fmt::format("{}, {}, in each tick",
+                                 per_rank_text(report.per_rank(&RankCounts::messages), "messages"),
+                                 per_rank_text(report.per_rank(&RankCounts::bytes), "bytes")));
+  if (report.ranks.is_distributed) {
+    const Report::PerRank own = report.per_rank(&RankCounts::own);
+    line("robots per rank",
+         fmt::format("{}, {}, imbalance {:.2f}", per_rank_text(own, "own"),
+                     per_rank_text(report.per_rank(&RankCounts::ghosts), "ghosts"), own.imbalance()));
+    line("neighbours",
+         fmt::format("{} per rank, {}", per_rank_text(report.per_rank(&RankCounts::neighbours), "ranks"),
+                     per_rank_text(report.per_rank(&RankCounts::rounds), "rounds per tick")));
+    line("form",
+         fmt::format("distributed: {} ghosts (copies of robots of other ranks) per own robot; robots changed "
+                     "ranks {} time{}",
+                     four_digits(report.ghosts_per_own()), report.ranks.distributions,
+                     report.ranks.distributions == 1 ? "" : "s"));
+  } else if (!report.ranks.why_replicated.empty())
+    line("form", fmt::format("replicated, because {}", report.ranks.why_replicated));
   line("peak memory",
        fmt::format("{} MiB", four_digits(static_cast<double>(report.peak_rss_bytes) / (1024.0 * 1024.0))));
   line("stalled", fmt::format("{} ({})", grouped(s.stalled),
@@ -127,6 +179,28 @@ std::string summary_json(const Report& report) {
     json["rank_bytes_per_tick"] = report.bytes_per_tick();
     json["rank_messages_per_tick"] = report.messages_per_tick();
     json["rank_rebalanced"] = report.ranks.rebalanced;
+    json["rank_form"] = report.ranks.is_distributed ? "distributed" : "replicated";
+    if (report.ranks.is_distributed) {
+      json["rank_ghosts_per_row"] = report.ghosts_per_own();
+      json["rank_distributions"] = report.ranks.distributions;
+    }
+    // Of all ranks, per rank and tick.
+    const auto put = [&](std::string_view name, std::uint64_t RankCounts::*count) {
+      const Report::PerRank value = report.per_rank(count);
+      json[fmt::format("ranks_{}_mean", name)] = value.mean;
+      json[fmt::format("ranks_{}_most", name)] = value.most;
+    };
+    put("own", &RankCounts::own);
+    if (report.ranks.is_distributed) {
+      put("ghosts", &RankCounts::ghosts);
+      put("neighbours", &RankCounts::neighbours);
+      put("rounds", &RankCounts::rounds);
+      put("migrated", &RankCounts::migrated);
+    }
+    put("messages", &RankCounts::messages);
+    put("bytes", &RankCounts::bytes);
+    json["ranks_imbalance"] = report.per_rank(&RankCounts::own).imbalance();
+    if (!report.ranks.why_replicated.empty()) json["why_replicated"] = report.ranks.why_replicated;
   }
   json["serial_share"] = report.serial_share;
   json["imbalance"] = report.imbalance;

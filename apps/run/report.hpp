@@ -4,6 +4,7 @@
 
 #include <array>
 #include <cstdint>
+#include <span>
 #include <string>
 #include <utility>
 #include <vector>
@@ -24,10 +25,12 @@ struct Report {
   std::string stopped_by;        ///< the condition of the world's `stop_when` that ended the run; empty: none
   unsigned threads = 0;          ///< worker threads per rank
   RankStatistics ranks;          ///< messages and waiting of the ranks during this run
-  double load_s = 0;             ///< wall time of loading the world, s
-  double wall_s = 0;             ///< wall time of all ticks, including the observers (hash log, ...), s
-  double rate = 0;               ///< limit of the speed, in multiples of real time; 0: none
-  double waited_s = 0;           ///< part of wall_s that was spent waiting because of `rate`, s
+  /// Counts of this run, one entry per rank; empty with one rank.
+  std::vector<RankCounts> rank_counts;
+  double load_s = 0;    ///< wall time of loading the world, s
+  double wall_s = 0;    ///< wall time of all ticks, including the observers (hash log, ...), s
+  double rate = 0;      ///< limit of the speed, in multiples of real time; 0: none
+  double waited_s = 0;  ///< part of wall_s that was spent waiting because of `rate`, s
   /// Part of wall_s that each phase took, s. The rest was spent waiting and in observers.
   std::array<double, k_phases> phase_s{};
   double serial_share = 0;  ///< fraction of the time of ticks outside parallel loops, 0 to 1 (LoadClock)
@@ -42,6 +45,21 @@ struct Report {
   double beams_per_tick() const;     ///< mean number of beams per tick, since tick 0
   double bytes_per_tick() const;     ///< mean number of bytes that rank 0 sent to other ranks per tick
   double messages_per_tick() const;  ///< mean number of messages that rank 0 sent to other ranks per tick
+
+  /// Subtracts `before`, the counts of the ranks at the beginning of this run, from `rank_counts`. before:
+  /// one entry per rank
+  void subtract_counts(std::span<const RankCounts> before);
+  /// A count per tick: its mean over the ranks, and its value on the rank that has the most; 0 with one rank.
+  struct PerRank {
+    double mean = 0;
+    double most = 0;
+    /// `most` divided by `mean`, 1 if all ranks have the same value; 0 if the mean is 0.
+    double imbalance() const;
+  };
+  PerRank per_rank(std::uint64_t RankCounts::*count) const;
+  /// Number of ghosts (copies of bodies of other ranks) of all ranks, divided by the number of own bodies of
+  /// all ranks.
+  double ghosts_per_own() const;
 
   double observe_s() const;  ///< part of wall_s that was spent in observers, s
   /// Number of ticks of this run, without those before it was resumed.

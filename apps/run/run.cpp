@@ -43,8 +43,8 @@ std::vector<RunOptions> one_for_each_world(const RunOptions& options) {
       if (options.worlds.size() > 1 && name == output->string())
         throw InputError(
             fmt::format("troupe run: error: several worlds need different outputs: write {} in the name, as "
-                        "in {}-{}; it is replaced by the name of the world",
-                        k_world_mark, k_world_mark, output->filename().string()));
+                        "in {}-{}; the name of the world replaces {}",
+                        k_world_mark, k_world_mark, output->filename().string(), k_world_mark));
       *output = name;
     }
   }
@@ -119,6 +119,16 @@ ExitCode run_checked(const RunOptions& options) {
     throw InputError(
         "--view: error: --view shows a run of one process, but a launcher such as mpirun started several: "
         "start the program without the launcher; --ranks N computes N ranks in one process");
+  if (options.dry_run && options.view)
+    throw InputError("--dry-run: error: --dry-run cannot be combined with --view: omit one of them");
+  if (options.dry_run && options.simulation.processes)
+    throw InputError(
+        "--dry-run: error: --dry-run needs only one process, but a launcher such as mpirun started several: "
+        "start the program without the launcher, and give the number of ranks with --ranks");
+  if (!options.balances_ranks && options.simulation.processes)
+    throw InputError(
+        "--rank-balance: error: --rank-balance off is for ranks in one process, but a launcher such as "
+        "mpirun started several: omit --rank-balance");
   count_save_requests();
   std::vector<RunOptions> each = one_for_each_world(options);
   check_files(each);
@@ -134,6 +144,13 @@ ExitCode run_checked(const RunOptions& options) {
     return stop_requested() || (options.wall_limit_s && seconds_since(start) >= *options.wall_limit_s);
   };
   for (const auto& run : runs) run->rehearse();
+  if (options.dry_run) {
+    for (const auto& run : runs) {
+      if (!options.quiet && !options.json) run->print_options();
+      run->print_dry_run();
+    }
+    return k_finished;
+  }
   for (const auto& run : runs) run->open_outputs(is_over);
   if (options.view) runs.front()->open_view(is_over);
 

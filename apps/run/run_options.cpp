@@ -44,9 +44,14 @@ line, as in maze.world:41: error: ...
 Results depend only on the world, --seed, --raytracer, --robots, --spare, --session and --set. They do not depend on
 --threads, --ranks, --tile-size or --simd.
 
-With --ranks N, this process runs N ranks, each on threads of its own. A rank is a replica of the world that computes a
-part of the robots and exchanges messages with the other ranks. --ranks is for testing a world before it runs on several
-processes (docs/cluster.md); on one computer, --threads is faster.
+With --ranks N, this process runs N ranks, each on threads of its own. A rank computes a part of the robots and
+exchanges messages with the other ranks. It has all robots of the world or, with --distribute, only its own and those
+near them. --ranks is for testing a world before it runs on several processes (docs/cluster.md); on one computer,
+--threads is faster.
+
+--dry-run loads the world on one rank, checks that the outputs can be written, prints the number of ticks and the memory
+of the loaded world, and ends. With --ranks N it also prints how many robots each of N ranks would have, and with
+--distribute how many copies of robots of other ranks, and of how many ranks. It computes no tick and writes no file.
 
 A checkpoint contains the state and the world. troupe resume needs no other file and continues with the same bits as an
 uninterrupted run. Each checkpoint is written to a temporary file that then replaces the previous checkpoint, so a valid
@@ -90,8 +95,8 @@ gaps or repetitions; a new file begins at that tick. --checkpoint may name the c
 prints the stored world. Only values that do not change the layout of the state can be changed:
   {}
 
-The program exits with an error if the file is not a checkpoint, was cut off, is damaged, or was written by a newer
-version of Troupe.
+The program exits with an error if the file is not a checkpoint, was cut off, is damaged, or was written by another
+version of Troupe (unless --across-versions is given).
 
 Exit codes: those of troupe run.
 
@@ -107,8 +112,7 @@ Examples:
 void add_output_options(CLI::App& app, RunOptions& options) {
   add_value(app, "--threads", "N", "Worker threads of each rank (default: one per available processor)",
             [&options](const std::string& text) { options.simulation.threads = thread_count(text); });
-  add_value(app, "--ranks", "N",
-            "Number of ranks: each holds a copy of the world and computes some of its robots (default: 1)",
+  add_value(app, "--ranks", "N", "Number of ranks: each computes some of the robots (default: 1)",
             [&options](const std::string& text) {
               options.simulation.ranks = rank_count(text);
               options.gives_ranks = true;
@@ -116,7 +120,15 @@ void add_output_options(CLI::App& app, RunOptions& options) {
   add_value(app, "--tile-size", "M",
             "Edge length of the tiles (squares of the world that threads process), m (default: automatic)",
             [&options](const std::string& text) { options.simulation.tile_size_m = tile_size_m(text); });
+  add_distribute_option(app, options);
   add_rank_seed_option(app, options);
+  add_value(app, "--rank-balance", "time|off",
+            "time: slower ranks give robots to faster ranks; off: they do not (default: time)",
+            [&options](const std::string& text) {
+              if (text != "time" && text != "off") refuse("--rank-balance", text, "time or off");
+              options.balances_ranks = text == "time";
+            })
+      ->group("Advanced");
   add_rank_limit_option(app, options.rank_limit_s);
   options.outputs.add_options(app, options);
   const auto add_switch = [&app](const char* name, bool& on, const char* help) {
@@ -124,6 +136,8 @@ void add_output_options(CLI::App& app, RunOptions& options) {
   };
   add_switch("--force", options.force, "Replace an existing checkpoint or recording");
   add_switch("--json", options.json, "Print only the summary, as one flat JSON object, on standard output");
+  add_switch("--dry-run", options.dry_run,
+             "Load the world and check the outputs, print what the run would need, and end");
   add_switch("--quiet", options.quiet, "Print only errors (and the JSON object of --json)");
   add_switch("--view", options.view, "Show the run in a browser, as troupe view does (docs/live.md)");
 }

@@ -35,6 +35,10 @@ struct RunOptions : WorldOptions {
   bool across_versions = false;  ///< resume although another version of Troupe wrote the checkpoint
   bool across_plugins = false;   ///< resume although plug-ins were rebuilt since the checkpoint
 
+  bool dry_run = false;  ///< --dry-run: load the world, print what the run would need, and end
+  /// True (--rank-balance time): ranks that take longer than others pass robots to the faster ranks. False:
+  /// --rank-balance off
+  bool balances_ranks = true;
   bool json = false;   ///< print the summary as JSON
   bool quiet = false;  ///< print neither progress, warnings nor the summary as text
 };

@@ -3,6 +3,7 @@
 #include "apps/numbers.hpp"
 #include "apps/observers/clock.hpp"
 #include "apps/observers/pacer.hpp"
+#include "apps/run/dry_run.hpp"
 #include "base/diagnostics.hpp"
 #include "engine/ticks.hpp"
 #include "engine/world.hpp"
@@ -35,6 +36,9 @@ double rank_clock(unsigned) {
 
 Simulation load(const RunOptions& options) {
   const SimulationOptions& simulation = options.simulation;
+  const unsigned ranks = options.dry_run ? 1 : simulation.ranks;  // a dry run needs no other ranks
+  // Without a clock, the ranks cannot compare their times.
+  const auto clock = options.balances_ranks ? rank_clock : nullptr;
   if (options.is_checkpoint)
     return Simulation::resume(options.world, {.threads = simulation.threads,
                                               .tile_size_m = simulation.tile_size_m,
@@ -43,13 +47,15 @@ Simulation load(const RunOptions& options) {
                                               .plugin_path = plugin_path(simulation.plugin_path),
                                               .scripts = simulation.scripts,
                                               .across_plugins = options.across_plugins,
-                                              .ranks = simulation.ranks,
+                                              .ranks = ranks,
                                               .rank_seed = simulation.rank_seed,
-                                              .rank_clock = rank_clock,
-                                              .processes = simulation.processes});
+                                              .rank_clock = clock,
+                                              .processes = simulation.processes,
+                                              .distribute = simulation.distribute});
   SimulationOptions given = with_environment(simulation);
   given.mortal = !options.session.empty() || options.view;
-  given.rank_clock = rank_clock;
+  given.rank_clock = clock;
+  given.ranks = ranks;
   return Simulation(options.world, given);
 }
 
@@ -133,7 +139,8 @@ std::vector<std::string> standstill_warnings(const Simulation& simulation, const
                        them));
     else if (robots.all > 0 && robots.uncommanded == robots.all)
       warn(type.controllers.front().where,
-           fmt::format("{} did not command {} to move", controllers_text(type), them));
+           fmt::format("{} did not command {} to move: check the controller and its parameters",
+                       controllers_text(type), them));
   }
   if (warnings.empty() && all > 0 && still == all)
     warnings.push_back(fmt::format(
@@ -184,7 +191,10 @@ const RunOptions& WorldRun::take_names_from_world() {
   return options_;
 }
 
-void WorldRun::rehearse() { prepared_ = options_.outputs.prepare(options_, simulation_, ticks_); }
+void WorldRun::rehearse() {
+  fetch_robots();  // outputs look up the robots that they observe
+  prepared_ = options_.outputs.prepare(options_, simulation_, ticks_);
+}
 
 bool WorldRun::tells_time() const {
   return !options_.quiet && (options_.clock || simulation_.world().spec().watch.clock);
@@ -219,7 +229,7 @@ void WorldRun::open_view(const std::function<bool()>& is_over) {
 }
 
 void WorldRun::print_options() const {
-  fmt::print("running\n");
+  fmt::print("{}\n", options_.dry_run ? "options" : "running");
   for (const auto& [key, value] : report_.options)
     fmt::print("  {:<18} {}\n", key, key == "tile_m" ? four_digits(std::stod(value)) : value);
   if (options_.simulation.rank_seed && simulation_.ranks() > 1)
@@ -230,7 +240,14 @@ void WorldRun::print_options() const {
   std::fflush(stdout);
 }
 
+void WorldRun::print_dry_run() const {
+  const SimulationOptions& given = options_.simulation;
+  const DryRun run = dry_run_of(simulation_, report_, given.ranks, given.distribute);
+  fmt::print("{}", options_.json ? dry_run_json(run) : dry_run_text(run));
+}
+
 void WorldRun::begin() {
+  report_.rank_counts = simulation_.rank_counts();  // first: waiting for the answers is no part of the run
   report_.ranks = simulation_.rank_statistics();
   simulation_.on_phase([this](std::optional<Phase> phase) {
     phases_(phase);
@@ -242,6 +259,18 @@ void WorldRun::begin() {
     load_.task(begins);
     for (TickWatcher* watcher : watchers_) watcher->task(task, begins);
   });
+  observe();
+}
+
+/// Fetches the robots of the other ranks, if this rank does not have them.
+void WorldRun::fetch_robots() {
+  if (simulation_.rank_statistics().is_distributed) simulation_.world().gather();
+}
+
+/// Notifies the observers of the present tick.
+void WorldRun::observe() {
+  if (std::ranges::any_of(observers_, [](const auto& observer) { return observer->reads_robots(); }))
+    fetch_robots();
   for (const auto& observer : observers_) observer->observe(simulation_);
 }
 
@@ -250,7 +279,7 @@ void WorldRun::step() {
   is_intact_ = false;
   simulation_.step();
   is_intact_ = true;
-  for (const auto& observer : observers_) observer->observe(simulation_);
+  observe();
   if (options_.checkpoint.empty() && requests_.has_new(simulation_) && !options_.quiet)
     fmt::print(
         stderr,
@@ -261,6 +290,15 @@ void WorldRun::step() {
 }
 
 void WorldRun::finish() {
+  const RankStatistics before = std::exchange(report_.ranks, simulation_.rank_statistics());
+  report_.ranks.messages -= before.messages;
+  report_.ranks.bytes -= before.bytes;
+  report_.ranks.waited_s -= before.waited_s;
+  report_.ranks.rebalanced -= before.rebalanced;
+  report_.ranks.distributions -= before.distributions;
+  const std::vector<RankCounts> counted = std::exchange(report_.rank_counts, simulation_.rank_counts());
+  report_.subtract_counts(counted);
+  if (is_intact_) fetch_robots();  // observers and the summary read all robots
   for (const auto& observer : observers_) observer->finish(simulation_);
   simulation_.on_phase(nullptr);
   simulation_.on_loop(nullptr);
@@ -270,11 +308,6 @@ void WorldRun::finish() {
   report_.imbalance = load_.imbalance(report_.threads);
   report_.stopped = !is_done();
   report_.stopped_by = simulation_.stopped().value_or("");
-  const RankStatistics before = std::exchange(report_.ranks, simulation_.rank_statistics());
-  report_.ranks.messages -= before.messages;
-  report_.ranks.bytes -= before.bytes;
-  report_.ranks.waited_s -= before.waited_s;
-  report_.ranks.rebalanced -= before.rebalanced;
   report_.statistics = simulation_.statistics();
   report_.hashes = simulation_.hashes();
   report_.waited_s = pacer_ ? pacer_->waited_s() : 0;

@@ -54,6 +54,10 @@ class WorldRun {
   /// Prints the effective options on standard output.
   void print_options() const;
 
+  /// Prints on standard output what the run would need (--dry-run), as text or JSON. Call it instead of the
+  /// functions below.
+  void print_dry_run() const;
+
   /// Calls observe() of all observers for the current tick. Call it once, before the first step().
   void begin();
   /// Makes one step, and then calls observe() of all observers.
@@ -78,6 +82,8 @@ class WorldRun {
 
  private:
   using Clock = std::chrono::steady_clock;
+  void fetch_robots();
+  void observe();
 
   RunOptions options_;
   Clock::time_point start_ = Clock::now();

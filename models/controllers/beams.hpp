@@ -16,11 +16,12 @@ struct Beam {
   std::size_t reading = 0;     ///< index of its reading in Percept::ranges()
   std::size_t transducer = 0;  ///< index of the transducer (fan of beams) to which it belongs
   double bearing = 0;          ///< bearing, rad, counter-clockwise from straight ahead, in [-pi, pi]
-  SinCos direction;            ///< unit vector of the bearing
+  SinCos direction;            ///< cosine and sine of the bearing
   Vec2 origin = Vec2::Zero();  ///< point at which the beam starts, m
 };
 
-/// The beams of a ranger with its joints at rest, in the order of its readings. Empty if the device is not a
+/// Returns the beams of the ranger `device`, in the order of its readings. If a joint carries the ranger, the
+/// beams are those while the joint has its pose in the world file. The result is empty if `device` is not a
 /// ranger.
 inline std::vector<Beam> beams_of(const engine::DeviceInfo& device) {
   const engine::DeviceKind::Prepared& layout = device.prepared;

@@ -15,8 +15,9 @@ namespace troupe::models {
 ///           repulsion by other robots. Let R be the sum of the radii of the robot and of another robot that
 ///           it hears, and r the distance between their radios. If r is below R, p has a term of length
 ///           `push` (1 - r / R) that points away from the other robot.
-/// drives    The forward speed is `speed` times min(|a|, 1) times the cosine of the angle of a, which may be
-///           negative. The turn rate is `gain` times this angle.
+/// drives    The forward speed is `speed` times min(|a|, 1) times cos(b), where b is the angle of a from
+///           straight ahead, so the robot drives backwards if a points backwards. The turn rate is `gain`
+///           times b.
 /// needs     a drive, a light sensor of three directions or more, a radio with a payload of 4 bytes or more
 /// source    Gross, Magnenat, Mondada: Segregation in swarms of mobile robots based on the Brazil nut effect,
 ///           IROS 2009: random walk, taxis, and repulsion between robots that broadcast their sizes

@@ -4,9 +4,11 @@
 
 namespace troupe::models {
 
-/// Chains of standing robots that lead other robots from a nest to a prey. A standing robot in a chain is a
-/// link. Links are numbered from the nest, which has the number 0: the next link after link n has the number
-/// n + 1. A link has a path if the chain leads on from this link to the prey.
+/// Chains of standing robots that lead other robots from a nest to a prey. The nest and the prey are bodies
+/// with this controller, too: its parameter `role` is `robot` (the default), `nest` or `prey`. The nest and
+/// the prey only broadcast, and do not move. A standing robot in a chain is a link. Links are numbered from
+/// the nest, which has the number 0: the next link after link n has the number n + 1. A link has a path if
+/// the chain leads on from this link to the prey.
 ///
 /// sends     The nest, the links and the prey each broadcast two bytes: their number, and 1 if they have a
 ///           path, else 0. The prey sends 255 and 1.
@@ -15,8 +17,8 @@ namespace troupe::models {
 ///           chain it goes to the place for a new link: the distance `spacing` (m, a parameter) beyond the
 ///           last link, in line with the last two links, or towards the robot if it hears only the last one.
 ///           At the nest it may also start a new chain: at a place `spacing` from the nest that is more than
-///           `spacing` from the nearest first link. At the place for a new link, it becomes a link with
-///           probability `joins` per decision.
+///           `spacing` from the nearest first link (a link with the number 1). At the place for a new link,
+///           it becomes a link with probability `joins` per decision.
 /// leaves    A link leaves the chain in three cases. If it has no path and hears no next link, it leaves with
 ///           probability `leaves` per decision. If it has not heard the link before it for more than 20
 ///           decisions, it leaves. If two links of the same number are nearer to each other than half of
@@ -27,8 +29,8 @@ namespace troupe::models {
 ///           link that has a path.
 /// LED       If the robot has an LED, the LED is grey while the robot explores. The LEDs of the links of a
 ///           chain are blue, green and yellow in turn.
-/// needs     a radio with a payload of 2 bytes or more; a robot (role `robot`) also needs a drive and a
-///           ranger with more than 8 beams that sees ahead
+/// needs     in every role, a radio with a payload of 2 bytes or more; with the role `robot`, also a drive,
+///           and a ranger with more than 8 beams that sees ahead
 /// source    Nouyan, Campo, Dorigo: Path formation in a robot swarm: self-organized strategies to find your
 ///           way home, Swarm Intelligence 2, 2008; Nouyan, Gross, Bonani, Mondada, Dorigo: Teamwork in
 ///           self-organized robot colonies, IEEE Transactions on Evolutionary Computation 13, 2009. In the

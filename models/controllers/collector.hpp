@@ -12,8 +12,8 @@ namespace troupe::models {
 ///          puck, slowly for the last half metre, and closes its gripper when the puck breaks the inner beam.
 /// carries  It carries the puck to within 0.5 m of the nearest sink and opens the gripper there. Sinks are
 ///          the models that are in the world from the start and whose name is the parameter `sink`, or this
-///          name followed by digits. A world without sinks is an error. The places of sinks and chargers are
-///          those in the world file.
+///          name followed by digits. A world without sinks is an error. The robot looks for sinks and
+///          chargers where the world file places them, even if they have moved since.
 /// charges  If its power pack holds less than 25 % of its capacity, it goes to the nearest model whose
 ///          fiducial_return is `charger` and stands there until the pack holds 95 %. A robot without a pack,
 ///          or in a world without a charger, never charges.

@@ -4,13 +4,13 @@
 
 namespace troupe::models {
 
-/// The controller `source` creates flags (coloured tokens) for robots to take. At each decision, it adds a
-/// yellow flag of 0.25 m to the device `flags` of its model if the model holds fewer flags than the parameter
-/// `capacity` and there is room for one.
+/// The controller `source` creates flags (coloured tokens) for robots to take. At each decision, it adds one
+/// yellow flag (k_yellow_flag) to the device `flags` of its model if this device holds fewer flags than the
+/// parameter `capacity` and is not full.
 engine::ControllerKind source_controller();
 
-/// The controller `sink` receives flags. It stores in its memory how many flags its model has received since
-/// tick 0, and deletes one flag per decision to make room for more.
+/// The controller `sink` receives flags. It stores in its memory how many flags other bodies have given to
+/// its model since tick 0. At each decision, it deletes one flag, to make room for more.
 engine::ControllerKind sink_controller();
 
 }  // namespace troupe::models

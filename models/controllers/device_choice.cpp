@@ -21,8 +21,8 @@ Result<Scanner> DeviceChoice::take_scanner(std::size_t share) {
 }
 
 Result<Scanner> DeviceChoice::take_ground_radio_scanner(std::size_t share) {
-  if (!take_kind("ground")) return Error{"needs a ground sensor"};
-  if (!take_kind("radio")) return Error{"needs a radio"};
+  if (!take_kind("ground")) return Error{"needs a ground sensor (a device of kind \"ground\")"};
+  if (!take_kind("radio")) return Error{"needs a radio (a device of kind \"radio\")"};
   return take_scanner(share);
 }
 

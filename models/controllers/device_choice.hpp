@@ -37,9 +37,9 @@ class DeviceChoice {
   }
   /// Claims an unclaimed ranger that sees ahead (Scanner::is_usable) and returns its Scanner. The function
   /// takes the first such ranger that has a transducer (fan of beams) with k_least_samples or more beams, as
-  /// in Stage. If there is none, it takes the first such ranger whose transducers have that many beams
-  /// together. If no ranger can be used, the error states the reason for each ranger of the robot. share: the
-  /// second argument of the constructor of Scanner.
+  /// in Stage. If there is none, it takes the first such ranger whose transducers together have
+  /// k_least_samples or more beams. If no ranger can be used, the error states the reason for each ranger of
+  /// the robot. share: the second argument of the constructor of Scanner.
   Result<Scanner> take_scanner(std::size_t share);
   /// Claims a ground sensor, a radio and a scanner (take_scanner), in this order, and returns the scanner.
   /// Returns an error if one of the three is missing; devices that were claimed before stay claimed. share:

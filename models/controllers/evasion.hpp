@@ -26,9 +26,10 @@ struct Evasion {
   static constexpr std::size_t window_share = 4;
 
   /// Turns away from obstacles as the controller `wander` does, with two differences, because many robots
-  /// meet near their common goals: avoids() looks at the middle half of the scan (window_share) instead of
-  /// the middle third, and the robot turns for 5 to 9 decisions, half as long. ranges: readings of the
-  /// scanner's ranger, m. Returns true if it has set `command`, false if the way is free; `command` is then
+  /// meet near their common goals. It looks at the middle half of the scan (window_share) instead of the
+  /// middle third, and a turn takes 5 to 9 decisions, half as many as with `wander`. ranges: readings of the
+  /// scanner's ranger, m. command: on entry, the last command of the robot, whose turn rate is kept until the
+  /// turn ends. Returns true if it has set `command`. Returns false if the way is free; `command` is then
   /// unchanged.
   template <class Memory>
   bool avoids(Memory& memory, const Scanner& scanner, std::span<const float> ranges, Random& random,

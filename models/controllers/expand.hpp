@@ -4,11 +4,12 @@
 
 namespace troupe::models {
 
-/// Dispersal by ranges: a robot turns towards the vector sum of its beams. It drives while every reading
-/// exceeds the clearance of its beam (parameter `clearance` or `clearances`, m) and the sum is within the
-/// angle `cone` of straight ahead. Each beam contributes a vector along the beam whose length is the reading
-/// of the beam. The controller reads all beams of the first ranger that no other controller of the robot has
-/// claimed.
+/// Dispersal by ranges: a robot turns towards the vector sum of its beams. Each beam contributes a vector
+/// along the beam whose length is the reading of the beam. The robot drives while every reading exceeds the
+/// clearance of its beam and the sum is within the angle `cone` of straight ahead. The clearance of a beam at
+/// the angle a from straight ahead is `clearance` cos(a). The parameter `clearances` replaces it by one
+/// clearance (m) per transducer. The controller reads all beams of the first ranger that no other controller
+/// of the robot has claimed.
 /// edges   If the vector sum is not longer than 1e-6 times the sum of the readings, as in a ring of beams in
 ///         open space, it has no direction, and straight ahead is used instead. If the sum points straight
 ///         ahead (within 1e-6 rad) but the way is not clear, the robot turns left, unless `invert` is set.

@@ -70,7 +70,8 @@ struct Flocking {
     if (!choice.take(is_ring) && !choice.take(is_usable))
       return Error{
           "needs a ranger with beams to the left, to the right and within 30 degrees of straight ahead"};
-    if (!choice.take_kind("fiducial")) return Error{"needs a fiducial finder"};
+    if (!choice.take_kind("fiducial"))
+      return Error{"needs a fiducial finder (a device of kind \"fiducial\")"};
     finder = FiducialReadings(devices[choice.chosen()[1]]);
     sonars = front_of(devices[choice.chosen()[0]]);
     return choice.chosen();

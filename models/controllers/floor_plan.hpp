@@ -20,7 +20,7 @@ class FloorPlan {
   explicit FloorPlan(const Box& box) : box_(box), blocked_(k_cells * k_cells, 0) {}
   /// The raster of the solids of a body at its pose in the world file, over the bounding box of these solids
   /// in the world frame. For a body without solids, it is a free square with edges of 1 m around the body's
-  /// origin. Throws std::length_error as convex_pieces() does.
+  /// origin. Throws std::length_error if a solid is too complex for convex_pieces().
   static FloorPlan of_body(const engine::WorldSpec& world, BodyId body);
   /// The raster of the body with this name. If no body has this name, returns the raster of the first body
   /// whose outline is an image. If there is no such body either, returns a free square with edges of 16 m
@@ -51,9 +51,9 @@ inline constexpr int k_blocked_cost = 9;  ///< cost in find_way() of a step to a
 /// of several equally cheap paths is returned depends only on the arguments.
 std::vector<int> find_way(const FloorPlan& plan, int from, std::span<const int> goals);
 
-/// A table of the cheapest path (find_way) from every cell of a plan to one of several goals. The table is
-/// computed when the world is built, so that a lookup during a tick allocates nothing and all robots share
-/// one constant table.
+/// A table of the cheapest path (find_way) from every cell of a plan to any of several goals. The constructor
+/// computes the whole table. Controllers make the table when the world is built, so that all robots share it
+/// and a lookup during a tick allocates nothing.
 class WaysTo {
  public:
   /// goals: indices of cells. If there are none, next() returns its argument.

@@ -371,8 +371,9 @@ struct Fasr2 : Forager {
   Result<std::vector<std::size_t>> choose(std::span<const DeviceInfo> devices, std::vector<bool>& claimed) {
     if (names.empty())
       return Error{
-          "needs at least one of `task`, `task2` to `task8`; the task \"red\" uses the models red_source and "
-          "red_sink"};
+          "has no task: give `task`; with the value \"red\", the robot carries flags from the model "
+          "red_source to "
+          "the model red_sink"};
     return Forager::choose(devices, claimed);
   }
 };

@@ -19,7 +19,7 @@ namespace troupe::models {
 ///           robots that it hears on a site of the same colour. It does not stop again before it has been on
 ///           ground that is neither black nor white.
 /// colours   Ground is black below a quarter of full brightness, and white above three quarters.
-/// stuck     A robot that walks but does not move backs out.
+/// stuck     If a walking robot does not move, it backs out (Evasion::escapes()).
 /// needs     a drive, a ground sensor, a radio, a ranger with more than 8 beams that sees ahead
 /// source    Firat, Ferrante, Cambier, Tuci: Self-organised aggregation in swarms of robots with informed
 ///           robots, TPNC 2018. Robots stay longer the more other robots are near, as cockroaches do: Jeanson

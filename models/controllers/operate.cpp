@@ -142,8 +142,10 @@ struct Operate {
       }
       const std::string_view wanted = takes_value(step.order) ? "actuator" : "gripper";
       if (device->kind != wanted)
-        return Error{fmt::format("has an order \"{}\" for \"{}\", which is not a device of kind \"{}\"",
-                                 k_orders[static_cast<std::size_t>(step.order)], step.device, wanted)};
+        return Error{fmt::format(
+            "has an order \"{}\" for \"{}\", which is of kind \"{}\": only devices of kind \"{}\" "
+            "take this order",
+            k_orders[static_cast<std::size_t>(step.order)], step.device, device->kind, wanted)};
       const auto index = static_cast<std::size_t>(device - devices.begin());
       const auto known = std::ranges::find(chosen, index);
       step.chosen = static_cast<std::size_t>(known - chosen.begin());

@@ -13,8 +13,8 @@ namespace troupe::models {
 ///           robot, r the distance between the radios, and w = 1 - (`distance` / r)^2, clamped to the
 ///           interval from -5 to 0.3. Near robots repel (w < 0) and far robots attract (w > 0). If the robot
 ///           has a ranger, obstacles nearer than `clearance` (m) add a repulsion to a.
-/// drives    The forward speed is `speed` times the cosine of the angle of a, but not below -`speed` / 2. The
-///           turn rate is `gain` times this angle.
+/// drives    The forward speed is `speed` times cos(b), where b is the angle of a from straight ahead, but
+///           not below -`speed` / 2. The turn rate is `gain` times b.
 /// needs     a drive, a radio with a payload of 4 bytes or more. The heading that a robot broadcasts is that
 ///           of its estimated pose
 /// source    Turgut, Celikkanat, Gokce, Sahin: Self-organized flocking in mobile robot swarms, Swarm

@@ -69,7 +69,8 @@ class Scanner {
   bool sees_ahead_ = false;
 };
 
-/// Describes the parameter `min_front`, m, of controllers that turn away from obstacles ahead.
+/// Adds the parameter `min_front` (m) to the description of a controller that turns away from obstacles
+/// ahead. `Params` must have a member of this name.
 template <class Params>
 constexpr void describe_min_front(engine::Description<Params>& d) {
   using namespace engine::facts;

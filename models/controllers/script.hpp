@@ -4,9 +4,10 @@
 
 namespace troupe::models {
 
-/// Open-loop driving by the parameter `law`. With `timed`, the robot drives with given speeds until given
-/// world times, and stands still after the last of them. The other laws compute the speeds from the number n
-/// of the decision, which starts at 1. Divisions of n are integer divisions, and % is the remainder:
+/// Open-loop driving by the parameter `law`. With `timed`, the robot drives with the speeds of each entry of
+/// the parameter `legs` until the world time of that entry, and stands still after the last entry. The other
+/// laws compute the speeds from n, the number of the present decision; the first decision has n = 1.
+/// Divisions of n are integer divisions, and % is the remainder:
 ///
 /// wave   forward 0.2 + 0.1 * ((n / 7) % 3) m/s, turn 0.4 * (((n / 11) % 5) - 2) rad/s
 /// line   forward 0.5 m/s

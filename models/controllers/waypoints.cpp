@@ -89,9 +89,10 @@ struct Waypoints {
     if (type.drive) period = engine::period_ticks(type.drive->period_s, world.tick_s);
     if (std::ranges::none_of(params.goals, &Goal::is_tracked)) return {};
     if (!type.drive || type.drive->kind != omni_drive().name)
-      return Error{
-          "has goals with `at` or `speed`, which need a drive of kind \"omni\": other drives do not move "
-          "straight to a goal"};
+      return Error{fmt::format(
+          "has goals with `at` or `speed`, which need a drive of kind \"omni\", found {}: other drives "
+          "do not move straight to a goal",
+          type.drive ? fmt::format("\"{}\"", type.drive->kind) : "no drive")};
     const MotionParams motion = engine::from_record<DriveParams>(type.drive->params).motion;
     speed_max = std::min(
         {motion.velocity_max_x, -motion.velocity_min_x, motion.velocity_max_y, -motion.velocity_min_y});
@@ -199,7 +200,8 @@ struct Waypoints {
       return Error{"it has both `at` and `speed`; give only one, because the other follows from it"};
     if (goal.speed > speed_max)
       return Error{
-          fmt::format("its `speed` is {:g} m/s, but the drive reaches only {:g} m/s in every direction",
+          fmt::format("its `speed` is {:g} m/s, but the drive reaches {:g} m/s in its slowest direction: "
+                      "give a lower one",
                       goal.speed, speed_max)};
     if (i == 0 || !(goal.at_s > 0)) return {};
     const Goal& before = params.goals[i - 1];
@@ -210,10 +212,10 @@ struct Waypoints {
     const double way = (goal.pose.position() - before.pose.position()).norm();
     const double time_s = goal.at_s - before.at_s - before.wait_s;
     if (before.at_s > 0 && way > speed_max * time_s * (1 + 1e-9))
-      return Error{
-          fmt::format("it is {:g} m from the goal before it and must be reached within {:g} s, but the drive "
-                      "reaches only {:g} m/s in every direction",
-                      way, std::max(time_s, 0.0), speed_max)};
+      return Error{fmt::format(
+          "it is {:g} m from the goal before it, and {:g} s remain after the `at` and `wait` of that "
+          "goal, but the drive reaches {:g} m/s in its slowest direction: give a later `at`",
+          way, std::max(time_s, 0.0), speed_max)};
     return {};
   }
 };

@@ -11,7 +11,7 @@ namespace troupe::models {
 struct ActuatorCommand {
   /// Meaning of `goal`.
   enum Mode : std::uint8_t {
-    velocity,  ///< `goal` is a speed
+    velocity,  ///< `goal` is a signed speed
     position,  ///< `goal` is a position
   };
   std::uint8_t mode = velocity;  ///< meaning of `goal`, a Mode
@@ -25,7 +25,8 @@ struct ActuatorCommand {
 
 /// State of an actuator.
 struct ActuatorState {
-  /// m along the axis (linear) or rad about the vertical axis (rotational); 0 is the pose in the world file.
+  /// Position of the joint: m along the axis (linear), or rad about the vertical axis (rotational). At 0, the
+  /// moved parts are where the world file places them.
   double position = 0;
   double velocity = 0;       ///< velocity in this tick, m/s or rad/s; 0 if stalled
   double asked = 0;          ///< position at the end of this tick if the motion is not blocked, m or rad
@@ -43,13 +44,13 @@ struct ActuatorState {
 
 /// A joint that moves the parts mounted on it: along an axis (linear) or about a vertical axis (rotational).
 ///
-/// parameters  type (linear or rotational), axis (x, y, z; only for linear), min_position, max_position (m or
-///             rad), max_speed (m/s or rad/s), start_position (m or rad)
+/// parameters  type (linear or rotational), axis (x, y, z, frame of the actuator; only for linear),
+///             min_position, max_position (m or rad), max_speed (m/s or rad/s), start_position (m or rad)
 /// state       ActuatorState; commands: ActuatorCommand
 /// moves       In velocity mode, the joint moves at the commanded speed, which is clamped to +-max_speed, and
 ///             stops at min_position and max_position. In position mode, the goal is clamped to these limits.
-///             The joint moves towards the goal at max_speed and reaches the goal exactly, with a shorter
-///             last step.
+///             The joint moves towards the goal at max_speed and reaches the goal exactly: its last step is
+///             shorter.
 /// draws       2 W from the power pack that supplies it, even if the joint stands still
 /// edges       An axis of length 0 means the x axis. If the moved parts would overlap a body or static
 ///             geometry, the joint does not move in this tick, and is stalled.

@@ -11,10 +11,11 @@ namespace troupe::models {
 /// A flag: a coloured token that a body holds.
 struct Flag {
   std::uint32_t color = 0;  ///< colour, 0xRRGGBBAA
-  float size = 0;           ///< size, m
+  /// Size as in Stage, m. It is only stored with the flag: it affects no motion, sensor or picture.
+  float size = 0;
   friend bool operator==(const Flag&, const Flag&) = default;
 };
-inline constexpr Flag k_yellow_flag{0xffff00ff, 0.25f};  ///< the flag of Stage's examples
+inline constexpr Flag k_yellow_flag{0xffff00ff, 0.25f};  ///< a yellow flag of 0.25 m, as in Stage's examples
 
 /// The command of the device `flags`, a list of flags: one operation. Each time `request` changes, the list
 /// carries out the operation once, in the next tick. Controllers call ask(), which increases `request`; if a
@@ -30,8 +31,8 @@ struct FlagCommand {
   };
   std::uint32_t request = 0;    ///< number of operations requested so far
   std::uint32_t target = 0;     ///< value of the BodyId of the other body, for `take` and `give`
-  std::uint32_t color = 0;      ///< colour of the flag that `push` adds, 0xRRGGBBAA
-  float size = 0;               ///< size of the flag that `push` adds, m
+  std::uint32_t color = 0;      ///< Flag::color of the flag that `push` adds, 0xRRGGBBAA
+  float size = 0;               ///< Flag::size of the flag that `push` adds, m
   std::uint8_t verb = nothing;  ///< the operation, a Verb
 
   static constexpr void describe(engine::Description<FlagCommand>& d) {
@@ -56,19 +57,20 @@ struct FlagCommand {
 
 /// Indices of the fields of the state of a list of flags.
 enum FlagField : std::size_t {
-  k_flag_received,  ///< u64: flags that other bodies put into the list with `give`, since tick 0
+  k_flag_received,  ///< u64: number of flags that other bodies gave (`give`) to the list since tick 0
   k_flag_count,     ///< u32: number of flags in the list
   k_flag_request,   ///< u32: FlagCommand::request of the last operation that was carried out
   k_flag_colors,    ///< array of u32: colours, 0xRRGGBBAA, first flag first; 0 after the last flag
-  k_flag_sizes,     ///< array of f32: sizes, m, in the same order
+  k_flag_sizes,     ///< array of f32: Flag::size of each flag, m, in the same order
 };
 
 /// The device `flags`: a list of flags that a body holds. The parameter `most` is the greatest number of
-/// flags in the list.
+/// flags in the list. The parameter `yellow` is the number of flags (k_yellow_flag) in the list at the start.
 ///
 /// edges  These operations have no effect: `push` to a full list, `pop` from an empty list, and `take` or
 ///        `give` if the list that loses the flag is empty, if the list that gets it is full, or if the other
-///        body is not in the world, has no list, or is the requesting body itself.
+///        body is not in the world, has no list, or is the requesting body itself. If the other body has
+///        several lists, its first list takes part.
 /// order  `take` and `give` are carried out after all motions of the tick, one after another in the order of
 ///        the ids of the requesting bodies. So if two bodies take the last flag of a list, the body with the
 ///        lower id gets it. No flag is lost or duplicated.

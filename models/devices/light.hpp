@@ -27,11 +27,11 @@ using sensors::LightState;
 /// A light that blinks: in each `period`, the light is first lit for the fraction `dutycycle` of the period,
 /// and then dark. The first period begins at tick 0.
 ///
-/// parameters  period (s), dutycycle (0 to 1), enabled, intensity (brightness read at 1 m)
+/// parameters  period (s), dutycycle (0 to 1), enabled, intensity (reading of a light sensor 1 m away)
 /// state       LightState; commands: LightCommand, whose `on` and `off` override the blinking
-/// edges       If `enabled` is false, it is dark until a controller switches it on. With a period of 0 it
-///             does not blink: it is lit unless the dutycycle is 0. At the instant at which the lit part of
-///             a period ends, it is dark.
+/// edges       If `enabled` is false, the light is dark until a controller switches it on. With a period of
+///             0, the light does not blink: it is lit unless the dutycycle is 0. At the instant at which the
+///             lit part of a period ends, the light is dark.
 engine::DeviceKind blinkenlight_kind();
 
 /// A light that is dark until a controller switches it on (parameter: intensity; state: LightState; commands:

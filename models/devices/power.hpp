@@ -92,8 +92,8 @@ struct PowerContactState {
 ///           indirectly, do not exchange energy
 engine::DeviceKind power_contact_kind();
 
-/// Greatest distance between two outlines that still touch, m. It is the width of the grid cells by which
-/// Stage detects contact of bodies.
+/// Greatest distance, m, between the outlines of two contacts that count as touching. It is the width of the
+/// grid cells with which Stage detects contact of bodies.
 inline constexpr double k_contact_m = 0.02;
 /// Greatest number of contacts to which one contact gives energy in a tick.
 inline constexpr std::size_t k_most_takers = 16;

@@ -93,7 +93,9 @@ struct Spawner {
     for (const engine::ReserveSpec& other : world.reserves) known.push_back(other.population);
     if (known.empty())
       return Error{
-          fmt::format("spawns \"{}\", but no population of this world has a \"reserve\"", params.population)};
+          fmt::format("spawns \"{}\", but no population of this world has a \"reserve\": give this one a "
+                      "\"reserve\"",
+                      params.population)};
     return Error{
         fmt::format("spawns {}", unknown_name("population with a reserve", params.population, known))};
   }

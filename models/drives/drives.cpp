@@ -40,7 +40,7 @@ Drive drive_of(const DriveParams& params, double wheelbase = 1) {
           .x_rate = {m.acceleration_min_x, m.acceleration_max_x},
           .y_rate = {m.acceleration_min_y, m.acceleration_max_y},
           .turn_rate = {m.turn_acceleration_min, m.turn_acceleration_max},
-          .start = {m.start_x, m.start_y, m.start_turn},
+          .start = {params.start.x, params.start.y, params.start.turn},
           .wheelbase = wheelbase};
 }
 Drive drive_of(const CarParams& params) { return drive_of(params.drive, params.wheelbase); }

@@ -8,9 +8,8 @@
 
 namespace troupe::models {
 
-/// Limits of the speeds and accelerations of a drive, and its velocity until it runs for the first time.
-/// describe() gives the units and meanings of the members. x and y are the axes of the robot frame: x
-/// forward, y to the left.
+/// Limits of the speeds and accelerations of a drive. describe() gives the units and meanings of the members.
+/// x and y are the axes of the robot frame: x forward, y to the left.
 struct MotionParams {
   double velocity_min_x = -1;
   double velocity_max_x = 1;
@@ -24,9 +23,6 @@ struct MotionParams {
   double acceleration_max_y = 1;
   double turn_acceleration_min = -radians(90);
   double turn_acceleration_max = radians(90);
-  double start_x = 0;
-  double start_y = 0;
-  double start_turn = 0;
 
   static constexpr void describe(engine::Description<MotionParams>& d) {
     using namespace engine::facts;
@@ -57,15 +53,6 @@ struct MotionParams {
                                                    "lower limit of a commanded angular acceleration");
     d.member<&MotionParams::turn_acceleration_max>("turn_acceleration_max", radians_per_second_squared,
                                                    "upper limit of a commanded angular acceleration");
-    d.member<&MotionParams::start_x>(
-        "start_x", meters_per_second,
-        "forward speed until the drive runs for the first time; the limits do not apply to it");
-    d.member<&MotionParams::start_y>(
-        "start_y", meters_per_second,
-        "speed to the left until the drive runs for the first time; the limits do not apply to it");
-    d.member<&MotionParams::start_turn>(
-        "start_turn", radians_per_second,
-        "turn rate until the drive runs for the first time; the limits do not apply to it");
   }
 
   /// Returns an error if a lower limit exceeds its upper limit; the error names the first such pair and both
@@ -73,15 +60,37 @@ struct MotionParams {
   Result<> check() const;
 };
 
+/// Velocity of a robot until its drive runs for the first time.
+struct StartParams {
+  double x = 0;
+  double y = 0;
+  double turn = 0;
+
+  static constexpr void describe(engine::Description<StartParams>& d) {
+    using enum engine::Unit;
+    d.member<&StartParams::x>(
+        "start_x", meters_per_second,
+        "forward speed until the drive runs for the first time; the limits do not apply to it");
+    d.member<&StartParams::y>(
+        "start_y", meters_per_second,
+        "speed to the left until the drive runs for the first time; the limits do not apply to it");
+    d.member<&StartParams::turn>(
+        "start_turn", radians_per_second,
+        "turn rate until the drive runs for the first time; the limits do not apply to it");
+  }
+};
+
 /// Parameters that all drives have.
 struct DriveParams {
   MotionParams motion;
+  StartParams start;
   std::int64_t pushes = 4;
   engine::LocalizationParams localization;
 
   static constexpr void describe(engine::Description<DriveParams>& d) {
     using namespace engine::facts;
     d.part<&DriveParams::motion>();
+    d.part<&DriveParams::start>();
     d.member<&DriveParams::pushes>("pushes", within(0, engine::k_most_pushed), fixed,
                                    "greatest number of pushable bodies that the robot pushes at once; if "
                                    "there are more in its way, they block it");

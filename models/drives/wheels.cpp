@@ -1,6 +1,7 @@
 #include "models/drives/wheels.hpp"
 
 #include "engine/device_kind.hpp"
+#include "engine/finite.hpp"
 #include "engine/sensing_view.hpp"
 #include "engine/step_error.hpp"
 #include "models/drives/drives.hpp"
@@ -8,7 +9,6 @@
 #include <fmt/format.h>
 
 #include <array>
-#include <cmath>
 
 namespace troupe::models {
 namespace {
@@ -37,7 +37,8 @@ const DriveKind& kind_of(Law law) {
 
 struct Wheels {
   /// The parameters of a drive, except those of localization, because the estimated pose is the true pose,
-  /// and except `pushes`, because joints push nothing.
+  /// except `pushes`, because joints push nothing, and except the start velocities, because the drive runs
+  /// before the first motion of the part.
   struct Params {
     Law drive = Law::diff;
     double wheelbase = CarParams().wheelbase;
@@ -95,10 +96,6 @@ Pose moved(const Pose& q, const Velocity& v, double dt) {
   return {q.x + way.x(), q.y + way.y(), q.z, q.heading + v.turn * dt};
 }
 
-bool is_finite(double x, double y, double turn) {
-  return std::isfinite(x) && std::isfinite(y) && std::isfinite(turn);
-}
-
 void Wheels::act(const DeviceBatch& batch) const {
   for (std::size_t i = 0; i < batch.rows.size(); ++i) {
     auto& state = batch.state.as<WheelsState>(batch.slot(i));
@@ -106,7 +103,7 @@ void Wheels::act(const DeviceBatch& batch) const {
     const Pose at = compose(batch.mount(i), compose(rest, q));
     const auto& command = batch.commands->as<Command>(batch.slot(i));
     const Velocity v = drive(command, at, batch.period_s, {state.forward, state.left, state.turn});
-    if (!is_finite(command.x, command.y, command.turn) || !is_finite(v.x, v.y, v.turn))
+    if (!is_finite(command) || !is_finite(v))
       throw engine::StepError(fmt::format(
           "tick {}: a drive on a part of \"{}\" was commanded a velocity that is not a finite number",
           batch.view.tick(), batch.view.spec().name(batch.body(i))));

@@ -36,8 +36,8 @@ struct WheelsState {
 /// A drive for one part of a body, like a `position` model inside another model of Stage. The driven part
 /// moves relative to the part on which it is mounted, and is carried along when that part moves.
 ///
-/// parameters  drive (diff, omni or car), and the parameters of that kind of drive, except `pushes` and those
-///             of localization. The start velocities (start_x, start_y, start_turn) have no effect
+/// parameters  drive (diff, omni or car), and the parameters of that kind of drive, except `pushes`, the
+///             start velocities (start_x, start_y, start_turn) and the parameters of localization
 /// state       WheelsState; commands: engine::Command, as for the drive of a body
 /// moves       The part moves as a joint does, together with the parts mounted on it. A motion is blocked if
 ///             one of these parts would overlap a wall or another body. Bodies that carry the part's body,

@@ -11,17 +11,19 @@ engine::MeasureKind stalls_measure();
 /// `held`: number of robots whose last motion would have left the world's bounds.
 engine::MeasureKind held_measure();
 engine::MeasureKind alive_measure();  ///< `alive`: number of robots that are in the world
-/// `deaths`: number of bodies of a type, with or without a drive, that have died since tick 0.
+/// `deaths`: number of bodies of one type (the parameter `type`), with or without a drive, that have died
+/// since tick 0.
 engine::MeasureKind deaths_measure();
 /// `displacement`, m: mean straight-line distance of the robots from where they started or were born; NaN
 /// without robots.
 engine::MeasureKind displacement_measure();
 /// `path_length`, m: mean length of the robots' paths since measuring began; NaN without robots.
 engine::MeasureKind path_length_measure();
-/// `mean_speed`, m/s: mean speed of the robots in the last tick, 0 for a stalled robot; NaN without robots.
+/// `mean_speed`, m/s: mean speed of the robots in the last tick; a stalled robot has the speed 0. NaN without
+/// robots.
 engine::MeasureKind mean_speed_measure();
-/// `order`: agreement of the robots' headings, the length of the mean of their unit vectors, from 0 to 1 (all
-/// headings are equal); NaN without robots.
+/// `order`: agreement of the robots' headings: the length of the mean of their unit heading vectors, from 0
+/// to 1. It is 1 if all headings are equal; NaN without robots.
 engine::MeasureKind order_measure();
 /// `polarisation`: another name of `order`.
 engine::MeasureKind polarisation_measure();
@@ -30,10 +32,11 @@ engine::MeasureKind spread_measure();
 /// `share_within`: fraction of the robots whose origin is in the circle with the parameters `center` and
 /// `radius` (m); NaN without robots.
 engine::MeasureKind share_within_measure();
-/// `state_mean`: mean of one number of the state, such as a reading, over the robots that have this number.
-/// Robots whose sensor does not run are left out; NaN if no robot has the number.
+/// `state_mean`: mean of one number of the robots' state, such as a reading, over the robots that have this
+/// number. The parameters `component`, `field` and `column` select the number. If it is a reading, robots
+/// whose sensor does not run are left out. NaN if no robot has the number.
 engine::MeasureKind state_mean_measure();
-/// `state_variance`: variance of the number of which `state_mean` is the mean, over the same robots.
+/// `state_variance`: variance of the number that `state_mean` averages, over the same robots.
 engine::MeasureKind state_variance_measure();
 
 }  // namespace troupe::models

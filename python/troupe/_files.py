@@ -7,7 +7,8 @@ _SOURCE = pathlib.Path(__file__).resolve().parent
 
 
 def _roots() -> "list[pathlib.Path]":
-    """The folders below which an installation has its files: the package, as in a wheel, and a prefix or a build tree."""
+    """Returns the folders below which the files of an installation may be: the package itself (a wheel has them there)
+    and, if the package is in PREFIX/lib/python3/dist-packages, the folder PREFIX of an installation or a build tree."""
     is_below_prefix = _PACKAGE.parts[-4:-1] == ("lib", "python3", "dist-packages")
     return [_PACKAGE, *([_PACKAGE.parents[3]] if is_below_prefix else [])]
 

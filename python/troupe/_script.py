@@ -62,7 +62,8 @@ def measure(function: _Function) -> _Function: ...
 @overload
 def measure(*, unit: str = ..., name: Optional[str] = ...) -> Callable[[_Function], _Function]: ...
 def measure(function: Optional[Callable[..., Any]] = None, *, unit: str = "", name: Optional[str] = None) -> Any:
-    """Declares a function of a script as a measure: the argument of the function is a Swarm, its result a number.
+    """Declares a function of a script as a measure: the argument of the function is a Swarm with the robots for which
+    the measure is computed, its result a number.
 
         @troupe.measure(unit="m")
         def reach(robots):
@@ -169,7 +170,8 @@ def _check_decide(cls: Any, instance: Any, file: str, line: int) -> None:
 
 
 class ResultError(TypeError):
-    """Raised if a function of a script returns a wrong result. lineno: the line of the function, or 0."""
+    """Raised if a function of a script returns a wrong result. lineno: the line of the function; 0 if it is not
+    known."""
 
     lineno = 0
 
@@ -272,9 +274,9 @@ def _file_of(cls: Any) -> str:
 
 
 def load(sources: Sequence[Any]) -> List[Dict[str, Any]]:
-    """Returns one description, a dict, per file: of scripts, and of files that define given classes. sources: names of
-    scripts, and classes derived from Controller. Raises InputError for a script that cannot be read or executed or that
-    defines nothing, and TypeError for a source that is neither a name nor such a class."""
+    """Returns one description, a dict, for each script and for each file that defines some of the given classes.
+    sources: names of scripts, and classes derived from Controller. Raises InputError for a script that cannot be read
+    or executed or that defines nothing, and TypeError for a source that is neither a name nor such a class."""
     descriptions: List[Dict[str, Any]] = []
     classes: Dict[str, List[Any]] = {}
     for source in sources:

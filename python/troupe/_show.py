@@ -25,7 +25,7 @@ def film(
     self: Simulation, file: _File, seconds: float, width: int = 1280, height: int = 720, *,
     speed: float = 1.0, fps: float = 30.0, **look: Any,
 ) -> None:
-    """Steps the simulation by `seconds` of world time, rounded to whole ticks, and writes a film of the run (.mp4;
+    """Steps the simulation by `seconds` of world time, rounded to the nearest tick, and writes a film of the run (.mp4;
     needs ffmpeg).
 
     width, height: size of the film, pixels. A second of the film shows `speed` seconds of world time in `fps` pictures.

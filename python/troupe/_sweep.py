@@ -13,8 +13,6 @@ from . import _core
 if TYPE_CHECKING:
     import pandas
 
-_OWN_COLUMNS = frozenset(("run", "seed", "ticks", "time_s", "stopped_by", "state_hash", "error"))
-
 Rows = Tuple[Dict[str, Any], List[Dict[str, Any]]]
 
 
@@ -34,23 +32,6 @@ def _statistic(name: str, values: List[float]) -> float:
 
 def _column(measure: str, statistic: str) -> str:
     return measure if statistic == "last" else f"{measure}_{statistic}"
-
-
-def _check_columns(name: str, study: Dict[str, Any], measures: List[str]) -> None:
-    """Raises InputError if two columns of the results would have one name."""
-    columns = [_column(measure, statistic) for measure in measures for statistic in study["statistics"]]
-    columns += sorted(_OWN_COLUMNS.intersection(measures).difference(columns))  # in a series, measures are columns too
-    taken = set(_OWN_COLUMNS)
-    for column in columns:
-        if column in taken:
-            raise _core.InputError(f'{name}: error: the table of results already has a column "{column}": '
-                                   'give the measure of this column another "name"')
-        taken.add(column)
-    taken.update(measures)
-    for index, (parameter, _) in enumerate(study["parameters"]):
-        if parameter in taken:
-            raise _core.InputError(f'{name}: error: /parameters/{index}: a measure has the column "{parameter}" of the '
-                                   'table of results: give this parameter another "name"')
 
 
 def _wanted(measures: Sequence[str]) -> List[Union[str, Dict[str, Any]]]:
@@ -136,7 +117,7 @@ def sweep(study: Union[str, "os.PathLike[str]", Mapping[str, Any]], *, series: O
 
     # Errors of the study or its world are raised here; errors of single runs become rows.
     first = _core.Simulation(world, threads=1, **({**options, "name": name} if isinstance(world, Mapping) else options))
-    _check_columns(name, read, list(_core.Measures(first, _wanted(read["measures"])).columns))
+    read["check_columns"](list(_core.Measures(first, _wanted(read["measures"])).columns))
     del first
     rows: List[Dict[str, Any]] = []
     looks: List[Dict[str, Any]] = []

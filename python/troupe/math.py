@@ -31,5 +31,5 @@ def sincos(radians: npt.ArrayLike) -> Tuple[npt.NDArray[np.float64], npt.NDArray
 def ordered_sum(values: npt.ArrayLike, axis: int = -1) -> npt.NDArray[np.float64]:
     """Returns the sums of an array along an axis, added in ascending order of the index: 0 + v[0] + v[1] + ... The
     result has the shape of the array without this axis; the sum of no numbers is 0. Raises NumPy's AxisError, an
-    IndexError, if the array has no such axis, as for a single number."""
+    IndexError, if the array has no such axis; a single number has none."""
     return _ordered_sum(np.moveaxis(np.asarray(values, dtype=np.float64), axis, -1))

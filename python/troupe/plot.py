@@ -33,7 +33,7 @@ def _read(file: str) -> Tuple[List[str], List[List[str]]]:
         with open(file, newline="", encoding="utf-8") as stream:
             rows = list(csv.reader(stream))
     except FileNotFoundError:
-        raise PlotError(f"{file}: error: there is no such file: is this the folder of a completed sweep?") from None
+        raise PlotError(f"{file}: error: there is no such file: give the folder of a completed sweep") from None
     except (OSError, UnicodeDecodeError) as error:
         raise PlotError(f"{file}: error: cannot be read: {error}") from None
     if not rows or any(len(row) != len(rows[0]) for row in rows):
@@ -49,7 +49,8 @@ def _known(what: str, name: str, known: Sequence[str]) -> str:
 
 
 def _column_of(measure: str, columns: Sequence[str]) -> str:
-    """Returns the column of a measure: its name, to which the column may append a unit, as in displacement_m:leaders."""
+    """Returns the name of the column of a measure, which may have a unit in addition: the measure displacement:leaders
+    has the column displacement_m:leaders. Raises PlotError if there is no such column."""
     name, _, of = measure.partition(":")
     with_unit = [column for column in columns
                  if column.startswith(f"{name}_") and "_" not in column[len(name) + 1:].split(":")[0]

@@ -64,9 +64,9 @@ def with_planted(name):
 
 
 def accepts_a_world_of_one(program):
-    """Whether a planted fault makes the program accept three processes of an MPI launcher that use the module of
-    another MPI, so that each process sees only itself. Returns whether the tests in tests/mpi_test.py that check this
-    error fail."""
+    """Whether the program, which has a planted fault, accepts that a launcher starts three processes with the module of another
+    MPI, so that each process sees only itself. Runs the tests in tests/mpi_test.py that expect an error in this case; returns
+    whether they fail."""
     name = "test_a_world_of_one_under_a_launcher_of_three_is_an_error"
     test = [ROOT / "tests" / "mpi_test.py", program, f"OpenMpi.{name}", f"Mpich.{name}"]
     done = subprocess.run([sys.executable, *map(str, test)], capture_output=True, text=True)

@@ -23,6 +23,7 @@ def options_of(check):
     options = [OPTIONS[check["check"]]] if check["check"] in OPTIONS else []
     if check["check"] == "ranks":
         options += ["--ranks", ",".join(map(str, check["ranks"])), "--rank-seed", str(check["seed"])]
+        options += ["--distribute"] if check.get("distribute") else []
     return options
 
 
@@ -60,9 +61,10 @@ def plan(seed, index, ticks, program_only=False, controllers=False):
 
 def plan_of_ranks(seed, index, *_):
     """Returns the checks of a random world, as plan() does, for `scripts/prove --ranks`: only runs on several numbers of ranks
-    and threads, with three seeds of delays."""
+    and threads, with three seeds of delays, and with two more for ranks that have only their own robots and those near them."""
     draws = random.Random(f"ranks {seed} {index}")
-    return [{"check": "ranks", "ranks": [1, 2, 3, 4, 7], "threads": [1, 2], "seed": draws.randrange(1 << 32)} for _ in range(3)]
+    return [{"check": "ranks", "ranks": [1, 2, 3, 4, 7], "threads": [1, 2], "seed": draws.randrange(1 << 32),
+             "distribute": distribute} for distribute in (False, False, False, True, True)]
 
 
 def difference(expected, got, whole=True):

@@ -11,7 +11,8 @@ EVENTS = {"birth": "born", "death": "dies", "fails": "disabled", "recovers": "en
 
 
 def parts_of(one):
-    """Returns (family, kind) of the drive, the sensors, devices and controllers of a type of a world, a dict."""
+    """Returns (family, kind) of the drive, the sensors, devices and controllers of a type. one: the type, a dict as in a JSON
+    world."""
     parts = [("drive", one["drive"]["kind"])] if "drive" in one else []
     for family, key in (("sensor", "sensors"), ("device", "devices"), ("controller", "controllers")):
         parts += [(family, part["kind"]) for part in one.get(key, ())]

@@ -60,7 +60,7 @@ def pairs_of(kinds):
 
 class Generator(Parameters):
     """Makes one world. After construction, `world` is the JSON document and `ticks` the length of its run. focus: (family,
-    kind, event), as of focus_of()."""
+    kind, event), as focus_of() returns it."""
 
     def __init__(self, kinds, seed, index, focus):
         self.kinds = kinds
@@ -187,7 +187,8 @@ class Generator(Parameters):
         return [each for each in made if each["kind"] != "operate" or each["orders"]]
 
     def _orders(self, operable):
-        """Returns random orders of an `operate` controller for some of these devices, in ascending order of their times."""
+        """Returns random orders (timed commands) of an `operate` controller for some of these devices, in ascending order of
+        their times."""
         orders, at = [], 0
         for _ in range(self.draws.randint(1, 4)):
             device = self.draws.choice(operable)

@@ -18,7 +18,7 @@ TIMEOUT_S = 300
 
 class Viewer(threading.Thread):
     """A thread that connects to a view as a browser does, steps the simulation tick by tick, and makes up to three random acts
-    before each tick. Meanwhile another thread must call step() of the simulation `ticks` times, each of which waits for this
+    before each tick. Meanwhile another thread must call step() of the simulation `ticks` times; each call waits for this
     viewer. world: the JSON world; seed: seed of the acts.
 
     done        the kinds of the acts that were carried out; other acts were refused, for example because a place was occupied

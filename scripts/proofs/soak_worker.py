@@ -58,7 +58,8 @@ class Soaker:
 
     def save(self, name, simulation, turn, ends):
         """Saves a run after TICKS ticks, resumes it, continues its recording (which removes the frame recorded after the
-        checkpoint), and compares the hash of its state after further TICKS ticks with `ends`."""
+        checkpoint), and compares the hash of its state after further TICKS ticks with `ends`, the hash of an uninterrupted
+        run."""
         checkpoint, recording = self.folder / "checkpoint.h5", self.folder / "recording.h5"
         simulation.reset()
         self.counts["resets"] += 1

@@ -41,6 +41,13 @@ def ranks(base, teams):
     return Proof("T0 ranks", "late, shuffled messages; robots change their ranks", variants)
 
 
+def distributed_ranks(base, teams):
+    """Like ranks(), but each rank has only its own robots and those near them, if the world allows it."""
+    variants = tuple(replace(base, label=f"{n} ranks, distributed, {threads} threads, seed {seed}", threads=threads,
+                             options=("--ranks", n, "--rank-seed", seed, "--distribute")) for n, threads, seed in teams)
+    return Proof("T0 distributed ranks", "late, shuffled messages; ground changes its rank", variants)
+
+
 # The launcher of each MPI, and options that let ranks share the processors of a small computer.
 LAUNCHERS = {"openmpi": ("--oversubscribe", "--bind-to", "none"), "mpich": ()}
 # Runs a command with scalar kernels, except on rank 0.
@@ -49,7 +56,8 @@ MIXED = 'if [ "${OMPI_COMM_WORLD_RANK:-$PMI_RANK}" != 0 ]; then export TROUPE_SI
 
 def processes(base, numbers):
     """Several processes of the mpirun of each installed MPI: one variant for each number of processes in `numbers`, and three
-    processes with different instruction sets. Prints a line for each MPI that is not installed, and returns None if none is."""
+    processes with different instruction sets. Prints a line for each MPI that is not installed, and returns None if no MPI is
+    installed."""
     variants = []
     for mpi, options in LAUNCHERS.items():
         launcher, module = shutil.which(f"mpirun.{mpi}"), base.program.with_name(f"libtroupe_mpi_{mpi}.so")
@@ -128,8 +136,8 @@ def restarts(base, ticks):
 
 
 def repetitions(base, ticks, count):
-    """The last 50 ticks, repeated `count` times from a checkpoint, to find races between threads. Two threads show races that
-    eight hide."""
+    """The last 50 ticks, repeated `count` times from a checkpoint, to find races between threads. Runs on two threads find
+    races that runs on eight threads do not."""
     start = max(1, ticks - 50)
     variants = tuple(replace(base, label=f"stepped again, {i + 1}", threads=2, restarts=(start,)) for i in range(count))
     return Proof("T0 the same ticks again", f"{count} x {ticks - start} ticks from a checkpoint, 2 threads", variants)

@@ -136,6 +136,23 @@ TEST_F(CameraPicturesOf, CamerasOfOneNameAndSlowOnes) {
                           "a_b.eye-000000.300s-color.png", "a_b.eye-000000.300s-depth.png"));
 }
 
+TEST_F(CameraPicturesOf, RobotsThatAreNotInTheWorldHaveNone) {
+  write("w.json", R"({"troupe": 1, "tick_s": 0.1,
+  "types": {"bot": {"size_m": [0.2, 0.2, 0.2], "drive": {"kind": "diff"}, "sensors": [
+    {"name": "eye", "kind": "camera", "active": true, "width": 4, "height": 3, "period_s": 0.2}]}},
+  "populations": [{"name": "r", "type": "bot", "count": 1, "reserve": 2,
+    "place": {"rule": "grid", "region_m": [[0, 0], [0, 0]], "pitch_m": 1}}],
+  "at": [{"time_s": 0.3, "remove": {"model": "r0"}},
+         {"time_s": 0.5, "add": {"population": "r", "pose": {"x_m": 4}}}]})");
+  const Outcome outcome =
+      troupe({"run", "w.json", "--for", "0.8", "--quiet", "--camera-png", "seen", "--camera-every", "0.1"});
+  ASSERT_EQ(outcome.code, 0) << outcome.err;
+  std::vector<std::string> colors = pictures("seen");
+  std::erase_if(colors, [](const std::string& name) { return name.find("-depth") != std::string::npos; });
+  EXPECT_THAT(colors, ElementsAre("r0.eye-000000.200s-color.png", "r0.eye-000000.300s-color.png",
+                                  "r1.eye-000000.700s-color.png", "r1.eye-000000.800s-color.png"));
+}
+
 TEST_F(CameraPicturesOf, WhatCannotBeWrittenIsToldBeforeTheRun) {
   write("file", "x");
   write("blind.world", "position()\n");

@@ -94,11 +94,25 @@ TEST_F(CheckProgram, ComparesNumbersOfRanks) {
                                   "auto", "--ranks", "1,3", "--rank-seed", "9"});
   EXPECT_EQ(outcome.code, 0) << outcome.err;
   EXPECT_THAT(lines_of(outcome.out),
-              ElementsAre("random delays between ranks: --rank-seed 9", StartsWith("variant "),
+              ElementsAre("random delays and order of messages between ranks: --rank-seed 9 repeats them",
+                          StartsWith("variant "),
                           MatchesRegex("1 thread, automatic tiles .* same bits  [0-9a-f]{16}"),
                           MatchesRegex("2 threads, automatic tiles .* same bits  [0-9a-f]{16}"),
                           MatchesRegex("3 ranks, 1 thread, automatic tiles .* same bits  [0-9a-f]{16}"),
                           MatchesRegex("3 ranks, 2 threads, automatic tiles .* same bits  [0-9a-f]{16}")));
+}
+
+TEST_F(CheckProgram, SaysWhetherTheRobotsAreDistributed) {
+  write("room.world", k_room);
+  const auto form = [&](const std::string& world) {
+    const Outcome outcome = troupe({"check", world, "--for", "0.5", "--threads", "1", "--tile-size", "1",
+                                    "--ranks", "1,3", "--distribute"});
+    EXPECT_EQ(outcome.code, 0) << outcome.err;
+    return lines_of(outcome.out)[1];
+  };
+  EXPECT_EQ(form("room.world"), "form of the ranks: distributed");
+  EXPECT_EQ(form(TROUPE_SOURCE_DIR "/worlds/colony.json"),
+            "form of the ranks: replicated, because bodies can be born or die");
 }
 
 TEST_F(CheckProgram, BadInputIsExitCode2) {
@@ -355,7 +369,7 @@ TEST_F(Check, AmnesiaPassesWhereAllIsState) {
   EXPECT_THAT(
       lines_of(outcome.out),
       ElementsAre(StartsWith("variant "), MatchesRegex("2 threads, automatic tiles +5  same bits  .*"),
-                  MatchesRegex("2 threads, automatic tiles, caches cleared +5  same bits  .*"),
+                  MatchesRegex("2 threads, automatic tiles, junk in derived data +5  same bits  .*"),
                   MatchesRegex("2 threads, automatic tiles, world rebuilt +5  same bits  .*"),
                   MatchesRegex("2 threads, automatic tiles, rows shuffled +5  same bits  .*")));
 }
@@ -452,23 +466,23 @@ TEST_P(CheckScope, OfAnEffectIsWhatItsKindDeclares) {
 
 std::string changed(std::string_view kind) {
   return fmt::format(
-      "changed the component \"{}/it\" of \"r1\", which is neither the body of the device nor its target, "
-      "nor "
-      "moves together with one of them: do not change such bodies, or set DeviceKind::scope to "
-      "ApplyScope::anything",
+      "changed the component \"{}/it\" of \"r1\", a body that is neither the body of the device nor the "
+      "target of its effect, nor moves together with one of them: if this is intended, set "
+      "DeviceKind::scope to ApplyScope::anything",
       kind);
 }
 
 INSTANTIATE_TEST_SUITE_P(
     Scopes, CheckScope,
-    ::testing::Values(
-        Meddling{"trees_no_target", changed("trees_no_target")},
-        Meddling{"any_target_no_target", changed("any_target_no_target")}, Meddling{"anything_no_target", ""},
-        Meddling{"trees_far_target",
-                 "requested an effect on \"r1\", but that body is beyond its reach: the kind of "
-                 "the device must declare a larger reach (DeviceKind::Prepared::reach_m) or a wider scope "
-                 "(DeviceKind::scope)"},
-        Meddling{"any_target_far_target", ""}, Meddling{"anything_far_target", ""}),
+    ::testing::Values(Meddling{"trees_no_target", changed("trees_no_target")},
+                      Meddling{"any_target_no_target", changed("any_target_no_target")},
+                      Meddling{"anything_no_target", ""},
+                      Meddling{
+                          "trees_far_target",
+                          "requested an effect on \"r1\", which is beyond the reach of the device: declare a "
+                          "larger reach in its kind (DeviceKind::Prepared::reach_m) or a wider scope "
+                          "(DeviceKind::scope)"},
+                      Meddling{"any_target_far_target", ""}, Meddling{"anything_far_target", ""}),
     [](const auto& meddling) {
       std::string name = meddling.param.kind;
       std::erase(name, '_');

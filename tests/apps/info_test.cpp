@@ -80,7 +80,8 @@ TEST_F(Info, OfATableOfMeasures) {
   EXPECT_THAT(info("lines"),
               AllOf(Contains("lines 2"), Contains("ticks 0 to 5, 0 to 0.5 s"), Contains("complete yes")));
   write("copy", "tick,time_s,order\n0,0,1\nx,1,1\n");
-  EXPECT_EQ(error_of("copy"), "copy:3: error: the line must begin with a tick and a time in seconds\n");
+  EXPECT_EQ(error_of("copy"),
+            "copy:3: error: the line must begin with a tick and a time in seconds, found \"x,1\"\n");
 }
 
 TEST_F(Info, OfATableOfEvents) {

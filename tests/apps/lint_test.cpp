@@ -99,7 +99,8 @@ TEST_F(LintTest, ReportsFloorPlansThatBlockNothingAndWhoStandsInThem) {
                "position( name \"in\" pose [-1.5 0 0 0] )\n"),
       ElementsAre(
           "w.world:1: warning: floor plan \"cave\" blocks no robot: it is not an obstacle",
-          "w.world:5: warning: \"in\" starts inside a wall of floor plan \"cave\", which does not block it",
+          "w.world:5: warning: \"in\" overlaps a wall of floor plan \"cave\" at the start, and can drive "
+          "through the wall, because the plan is no obstacle: move the robot, or make the plan an obstacle",
           "w.world: 2 findings"));
   EXPECT_THAT(
       findings("high.world",
@@ -129,7 +130,8 @@ TEST_F(LintTest, ReportsFloorPlansInJson) {
     {"name": "r1", "type": "bot", "pose": {"x_m": -1.5}} ] })"),
       ElementsAre(
           "w.json:2: warning: floor plan \"cave\" blocks no robot: it is not an obstacle",
-          "w.json:5: warning: \"r1\" starts inside a wall of floor plan \"cave\", which does not block it",
+          "w.json:5: warning: \"r1\" overlaps a wall of floor plan \"cave\" at the start, and can drive "
+          "through the wall, because the plan is no obstacle: move the robot, or make the plan an obstacle",
           "w.json: 2 findings"));
 }
 

@@ -269,17 +269,20 @@ TEST_F(Render, WhatARecordingHasNotIsRefused) {
     return outcome.err;
   };
   EXPECT_EQ(refusal({"run.h5", "--layers", "scans"}),
-            "run.h5: error: the recording has no ranges: record the run with --record-fields pose,ranges\n");
+            "run.h5: error: the recording has no ranges: record the run with --record-fields pose,ranges (in "
+            "C++ and Python: fields)\n");
   EXPECT_EQ(refusal({"run.h5", "--layers", "energy"}),
             "run.h5: error: the recording has no power packs: record the run with --record-fields "
-            "pose,power_pack\n");
+            "pose,power_pack (in C++ and Python: fields)\n");
   for (const char* layer : {"sights", "blobs", "grips", "links", "speed"})
     EXPECT_EQ(refusal({"run.h5", "--layers", layer}),
               "run.h5: error: the layer \"" + std::string(layer) +
                   "\" can be drawn for worlds and checkpoints, but not for recordings: omit this layer\n");
-  EXPECT_THAT(refusal({"run.h5", "--color-by", "velocity.x"}),
-              AllOf(HasSubstr("run.h5: error: unknown value \"velocity.x\"; known: pose.heading, pose.x, "),
-                    HasSubstr("; troupe run --record-fields selects the fields that are recorded\n")));
+  EXPECT_THAT(
+      refusal({"run.h5", "--color-by", "velocity.x"}),
+      AllOf(HasSubstr("run.h5: error: unknown value \"velocity.x\"; known: pose.heading, pose.x, "),
+            HasSubstr("; the option --record-fields of the run (in C++ and Python: fields) selects what is "
+                      "recorded\n")));
   EXPECT_EQ(refusal({"run.h5", "--camera", "follow:missing"}),
             "run.h5: error: there is no model \"missing\" to follow\n");
   EXPECT_THAT(
@@ -287,12 +290,16 @@ TEST_F(Render, WhatARecordingHasNotIsRefused) {
       HasSubstr(
           "run.h5: error: the camera \"window\" needs a world file with the entry window; other cameras"));
   EXPECT_EQ(refusal({"run.h5", "--seed", "3"}),
-            "run.h5: error: --seed cannot be used with a recording; --at selects one of its times\n");
+            "run.h5: error: --seed cannot be used with a recording: omit this option (--at selects a time of "
+            "the recording)\n");
   EXPECT_EQ(refusal({"run.h5", "--spare", "3"}),
-            "run.h5: error: --spare cannot be used with a recording; --at selects one of its times\n");
-  EXPECT_EQ(refusal({"c.h5", "--spare", "3"}), "c.h5: error: --spare cannot be used with a checkpoint\n");
+            "run.h5: error: --spare cannot be used with a recording: omit this option (--at selects a time "
+            "of the recording)\n");
+  EXPECT_EQ(refusal({"c.h5", "--spare", "3"}),
+            "c.h5: error: --spare cannot be used with a checkpoint: omit this option\n");
   EXPECT_EQ(refusal({"run.h5", "--for", "0.5"}),
-            "run.h5: error: --for cannot be used with a recording; --at selects one of its times\n");
+            "run.h5: error: --for cannot be used with a recording: omit this option (--at selects a time of "
+            "the recording)\n");
   EXPECT_EQ(refusal({"run.h5", "--at", "2"}),
             "run.h5: error: 2 s is not recorded: the recording contains 0 s to 1 s\n");
   ASSERT_EQ(troupe({"run", "room.world", "--for", "1", "--quiet", "--record", "v.h5", "--record-fields",
@@ -300,7 +307,8 @@ TEST_F(Render, WhatARecordingHasNotIsRefused) {
                 .code,
             0);
   EXPECT_EQ(refusal({"v.h5"}),
-            "v.h5: error: the recording has no poses: record the run with pose in --record-fields\n");
+            "v.h5: error: the recording has no poses: record the run with pose in --record-fields (in C++ "
+            "and Python: fields)\n");
 }
 
 TEST_F(Render, BadInputIsOneLine) {

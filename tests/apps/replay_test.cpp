@@ -100,8 +100,9 @@ TEST_F(ReplayPage, SaysThatFramesAreLeftOut) {
   EXPECT_EQ(outcome.code, 0) << outcome.err;
   const std::vector<std::string> lines = lines_of(outcome.out);
   ASSERT_EQ(lines.size(), 2u);
-  EXPECT_THAT(lines[1], MatchesRegex("long.html: every (2nd|3rd) of 2001 recorded frames, to stay under "
-                                     "[0-9.]+ MB \\(--max-mb\\)"));
+  EXPECT_THAT(lines[1],
+              MatchesRegex("long.html: contains every (2nd|3rd) of 2001 recorded frames, to stay under "
+                           "[0-9.]+ MB \\(--max-mb\\)"));
   EXPECT_LE(static_cast<double>(read("long.html").size()) / 1e6, whole - 0.005);
 }
 

@@ -9,6 +9,7 @@
 #include <cmath>
 #include <csignal>
 #include <cstdlib>
+#include <filesystem>
 
 namespace troupe::apps {
 namespace {
@@ -19,6 +20,7 @@ using ::testing::ElementsAre;
 using ::testing::HasSubstr;
 using ::testing::IsEmpty;
 using ::testing::MatchesRegex;
+using ::testing::Not;
 using ::testing::StartsWith;
 
 class Run : public ProgramTest {
@@ -88,6 +90,85 @@ TEST_F(Run, JsonIsOneFlatObjectAndNothingElse) {
   EXPECT_LE(json.at("imbalance").get<double>(), json.at("threads").get<double>() + 1e-9);
 }
 
+TEST_F(Run, SummariesCountWhatAllRanksHoldAndSend) {
+  const std::vector<std::string> options{"--for",       "1", "--ranks",        "3",  "--threads", "1",
+                                         "--tile-size", "1", "--rank-balance", "off"};
+  const nlohmann::json replicated = json(options);
+  EXPECT_EQ(replicated.at("rank_form"), "replicated");
+  EXPECT_EQ(replicated.at("ranks_own_mean"), 4);
+  EXPECT_EQ(replicated.at("ranks_own_most"), 4);
+  EXPECT_EQ(replicated.at("ranks_imbalance"), 1);
+  EXPECT_FALSE(replicated.contains("ranks_ghosts_mean"));
+  EXPECT_GE(replicated.at("ranks_messages_mean"), 2) << "one to each other rank";
+
+  std::vector<std::string> distribute = options;
+  distribute.emplace_back("--distribute");
+  const nlohmann::json summary = json(distribute);
+  EXPECT_EQ(summary.at("state_hash"), replicated.at("state_hash"));
+  EXPECT_EQ(summary.at("rank_form"), "distributed");
+  EXPECT_NEAR(summary.at("ranks_own_mean").get<double>(), 4, 1e-9) << "each robot has one owner";
+  for (const char* count : {"own", "ghosts", "neighbours", "rounds", "migrated", "messages", "bytes"})
+    EXPECT_LE(summary.at(std::string("ranks_") + count + "_mean").get<double>(),
+              summary.at(std::string("ranks_") + count + "_most").get<double>() + 1e-9)
+        << count;
+  EXPECT_GT(summary.at("ranks_ghosts_mean"), 0);
+  EXPECT_LE(summary.at("ranks_neighbours_most"), 2);
+  EXPECT_NEAR(summary.at("rank_ghosts_per_row").get<double>(),
+              summary.at("ranks_ghosts_mean").get<double>() / 4, 1e-9);
+  EXPECT_LE(summary.at("rank_bytes_per_tick"), summary.at("ranks_bytes_most"));
+  EXPECT_EQ(json(distribute).at("ranks_bytes_most"), summary.at("ranks_bytes_most")) << "not reproducible";
+
+  std::vector<std::string> text = distribute;
+  text.insert(text.begin(), {"run", "room.world"});
+  for (const char* line :
+       {"per rank +[0-9.,]+ messages .at most [0-9.,]+., [0-9.,]+ bytes .at most [0-9.,]+., in each tick",
+        "robots per rank +4 own .at most [0-9.]+., [0-9.]+ ghosts .at most [0-9.]+., imbalance [0-9.]+",
+        "neighbours +[0-9.]+ ranks .at most [0-9.]+. per rank, [0-9.]+ rounds per tick .at most [0-9.]+.",
+        "form +distributed: [0-9.]+ ghosts .copies of robots of other ranks. per own robot; robots changed "
+        "ranks "
+        "[0-9]+ times?"})
+    EXPECT_THAT(lines_of(troupe(text).out), Contains(MatchesRegex("  " + std::string(line))));
+}
+
+TEST_F(Run, ADryRunPrintsWhatTheRunWouldNeed) {
+  const Outcome alone = troupe(
+      {"run", "room.world", "--for", "2", "--dry-run", "--hash-log", "dry.log", "--checkpoint", "dry.h5"});
+  EXPECT_EQ(alone.code, 0) << alone.err;
+  EXPECT_FALSE(std::filesystem::exists(path("dry.log")));
+  EXPECT_FALSE(std::filesystem::exists(path("dry.h5")));
+  EXPECT_THAT(alone.out, StartsWith("options\n"));
+  for (const char* line : {"robots +12", "ticks +20, until 2 s",
+                           "memory +[0-9.]+ MiB with the whole world, of which state tables [0-9.e-]+ MiB"})
+    EXPECT_THAT(lines_of(alone.out), Contains(MatchesRegex("  " + std::string(line))));
+
+  const std::vector<std::string> options{"--for",     "0.1", "--ranks",     "3",
+                                         "--threads", "1",   "--tile-size", "1"};
+  const auto with = [&](const std::vector<std::string>& more) {
+    std::vector<std::string> all = options;
+    all.insert(all.end(), more.begin(), more.end());
+    return json(all);
+  };
+  const nlohmann::json plan = with({"--distribute", "--dry-run"});
+  const nlohmann::json run = with({"--distribute"});  // the robots stand still in the first tick
+  EXPECT_EQ(plan.at("rank_form"), "distributed");
+  EXPECT_EQ(plan.at("ranks_own_most"), run.at("ranks_own_most"));
+  EXPECT_GE(plan.at("ranks_ghosts_mean"), run.at("ranks_ghosts_mean")) << "the robots drive at no speed yet";
+  EXPECT_GE(plan.at("ranks_neighbours_most"), 1);
+  EXPECT_GT(plan.at("coverage_m"), 0);
+  EXPECT_LE(plan.at("ranks_state_bytes_most"), plan.at("state_bytes"));
+  const nlohmann::json whole = with({"--dry-run"});
+  EXPECT_EQ(whole.at("rank_form"), "replicated");
+  EXPECT_EQ(whole.at("ranks_state_bytes_mean"), whole.at("state_bytes"));
+
+  const Outcome births = troupe({"run", TROUPE_SOURCE_DIR "/worlds/colony.json", "--for", "1", "--ranks", "3",
+                                 "--distribute", "--dry-run"});
+  EXPECT_EQ(births.code, 0) << births.err;
+  EXPECT_THAT(lines_of(births.out),
+              Contains(MatchesRegex("  form +replicated: each rank has the whole world, "
+                                    "because bodies can be born or die")));
+  EXPECT_EQ(troupe({"run", "none.world", "--for", "1", "--dry-run"}).code, 2);
+}
+
 TEST_F(Run, OneWorkerIsNeverOutOfBalance) {
   const Outcome outcome = troupe({"run", "room.world", "--for", "1", "--threads", "1", "--json"});
   EXPECT_NEAR(nlohmann::json::parse(outcome.out).at("imbalance").get<double>(), 1, 1e-9);
@@ -142,6 +223,26 @@ TEST_F(Run, EndsWhereTheWorldSaysThatItIsOver) {
   const Outcome whole = troupe({"run", "w.json", "--for", "2", "--json", "--set", "/stop_when=[]"});
   EXPECT_EQ(nlohmann::json::parse(whole.out).at("ticks"), 20);
   EXPECT_FALSE(nlohmann::json::parse(whole.out).contains("stopped_by"));
+}
+
+TEST_F(Run, TellsWhichMeasureIsWrong) {
+  const std::string types = R"({"troupe": 1, "quit_time_s": 1,
+  "types": {"bot": {"size_m": [0.4, 0.4, 0.4], "drive": {"kind": "diff"}}},
+  "models": [{"name": "r", "type": "bot"}],
+)";
+  write("stop.json", types + R"("stop_when": ["alive == 0", "alive == 7", "stalls:bat > 3"]})");
+  Outcome outcome = troupe({"run", "stop.json"});
+  EXPECT_EQ(outcome.code, 2);
+  EXPECT_THAT(outcome.err,
+              HasSubstr("stop.json:4: error: /stop_when/2: unknown type or population of robots \"bat\""));
+  write("measures.json", types + R"("measures": ["alive", {"kind": "stalls", "name": "alive"}]})");
+  outcome = troupe({"run", "measures.json", "--measures", "m.csv"});
+  EXPECT_EQ(outcome.code, 2);
+  EXPECT_THAT(outcome.err,
+              HasSubstr("measures.json:4: error: /measures/1: two measures have the column \"alive\""));
+  outcome = troupe({"run", "measures.json", "--measures", "m.csv", "--measure", "stalls:bat"});
+  EXPECT_EQ(outcome.code, 2);
+  EXPECT_THAT(outcome.err, Not(HasSubstr("/measures/"))) << "the measure is not that of the file";
 }
 
 TEST_F(Run, TellsWhatIsWrongWithAnExperiment) {
@@ -347,9 +448,11 @@ TEST_F(Run, RobotsThatNothingMovedAreWarnings) {
   const std::string e = R"({"name": "e", "type": "idler", "pose": {"x_m": -1}})";
   const std::string f = R"({"name": "f", "type": "turner", "pose": {"y_m": -1}})";
   const std::string g = R"({"name": "g", "type": "post", "pose": {"y_m": 1}})";
-  EXPECT_THAT(world(c + "," + e),
-              ElementsAre("still.json:4: warning: 1 robot of type \"idler\" did not move, because the "
-                          "controller \"script\" did not command it to move"));
+  EXPECT_THAT(
+      world(c + "," + e),
+      ElementsAre(
+          "still.json:4: warning: 1 robot of type \"idler\" did not move, because the "
+          "controller \"script\" did not command it to move: check the controller and its parameters"));
   EXPECT_THAT(world(c + "," + f + "," + g), IsEmpty()) << "f has turned, and g has no drive";
   EXPECT_THAT(lines_of(troupe({"run", "still.json", "--for", "1", "--quiet"}).err), IsEmpty());
   for (const char* end_s : {"0", "0.1"})

@@ -214,9 +214,11 @@ TEST_F(Tables, WrongMeasuresOfAWorldAreFoundAtTheirLines) {
           "robot after the colon",
           StartsWith("w.json:7: error: /measures/5: missing \"kind\"")));
   write("w.json", "{\"troupe\": 1,\n \"measures\": [\n  \"stalls:missing\"]}");
-  EXPECT_THAT(lines_of(troupe({"run", "w.json", "--for", "1", "--measures", "m.csv"}).err),
-              ElementsAre("w.json:3: error: unknown type or population of robots \"missing\"; no type or "
-                          "population of robots exists"));
+  EXPECT_THAT(
+      lines_of(troupe({"run", "w.json", "--for", "1", "--measures", "m.csv"}).err),
+      ElementsAre(
+          "w.json:3: error: /measures/0: unknown type or population of robots \"missing\"; no type or "
+          "population of robots exists"));
 }
 
 TEST_F(Tables, WhatCannotBeMeasuredIsRefusedBeforeTheRun) {
@@ -295,8 +297,9 @@ TEST_F(Tables, ThatCannotGoOnAreRefusedAndLeftAsTheyAre) {
   EXPECT_EQ(outcome.code, 2);
   EXPECT_THAT(
       lines_of(outcome.err),
-      ElementsAre("m.csv: error: the table cannot be continued: the checkpoint was saved without these "
-                  "measures, so it does not contain their data of earlier ticks: choose another file"));
+      ElementsAre(
+          "m.csv: error: this table cannot be continued: the checkpoint has no data of earlier ticks for the "
+          "measures of this run, because it was saved without them: give the option a new file"));
   outcome = with({"order"});
   EXPECT_EQ(outcome.code, 2);
   EXPECT_THAT(outcome.err, HasSubstr("m.csv: error: cannot be written: this table cannot be continued after "

@@ -187,7 +187,7 @@ TEST_F(Worlds, OutputsNeedNamesOfTheirOwn) {
   EXPECT_THAT(
       lines_of(shared.err),
       ElementsAre("troupe run: error: several worlds need different outputs: write {world} in the name, as "
-                  "in {world}-out.log; it is replaced by the name of the world"));
+                  "in {world}-out.log; the name of the world replaces {world}"));
   const Outcome equal = troupe({"run", "a.world", "sub/a.world", "--for", "1", "--hash-log", "{world}.log"});
   EXPECT_EQ(equal.code, 2);
   EXPECT_THAT(

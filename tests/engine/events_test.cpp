@@ -57,6 +57,22 @@ TEST(Events, StallsBeginAndEndAndRobotsAreHeldAtTheBounds) {
   EXPECT_THAT(next(), IsEmpty());
 }
 
+TEST(Events, AStallEndsWithTheDeathOfTheRobot) {
+  test::SceneBuilder scene;
+  const TypeId bot = scene.robot("bot", {Solid{{test::box_ring(0.2, 0.2)}, {0, 0.3}}}, "omni");
+  scene.wall(1, -1, 1.1, 1);
+  scene.body("bot", bot, {0.85, 0, 0, 0});
+  scene.spec.mortal = true;
+  World world = scene.world();
+  EventWatch watch(world);
+  world.set_command(Row(0), {1, 0, 0});
+  world.step();
+  EXPECT_THAT(texts(world, watch.see(world)), ElementsAre("stall_begins bot"));
+  world.remove(Row(0));
+  world.step();
+  EXPECT_THAT(texts(world, watch.see(world)), ElementsAre("stall_ends bot", "death bot"));
+}
+
 TEST(Events, AHeldRobotThatIsRefusedEndsTheOneAndBeginsTheOther) {
   test::SceneBuilder scene;
   const TypeId bot = scene.robot("bot", {Solid{{test::box_ring(0.2, 0.2)}, {0, 0.3}}}, "omni");

@@ -181,9 +181,9 @@ TEST(Localization, AWrongNumberOfNumbersIsAnError) {
     return how ? std::string() : how.error().text;
   };
   EXPECT_EQ(check({{"odom_error", std::vector<double>{1, 2}}}),
-            "odom_error must have three numbers, [forward, left, turn], or none");
+            "odom_error must have three numbers, [forward, left, turn], or none, found 2");
   EXPECT_EQ(check({{"localization_origin", std::vector<double>{1}}}),
-            "localization_origin must have two numbers, [x, y], or none");
+            "localization_origin must have two numbers, [x, y], or none, found 1");
   EXPECT_EQ(check({}), "");
   Robot robot("diff", {{"odom_error", std::vector<double>{1}}});
   Diagnostics diagnostics;

@@ -142,7 +142,8 @@ TEST(Placing, RefusesAnInvalidPlaceAndThenMovesNoRobot) {
     return "";
   };
   EXPECT_EQ(refusal({11, 0, 0, 0}),
-            "\"a\" cannot be placed at x 11, y 0, z 0 (m), heading 0 (rad): outside the world's bounds");
+            "\"a\" cannot be placed at x 11, y 0, z 0 (m), heading 0 (rad): outside the world's bounds (x "
+            "-10 to 10, y -10 to 10 m)");
   EXPECT_EQ(refusal({0, std::numeric_limits<double>::infinity(), 0, 0}),
             "\"a\" cannot be placed at x 0, y inf, z 0 (m), heading 0 (rad): the numbers must be finite");
   EXPECT_EQ(world.hashes().state, before);

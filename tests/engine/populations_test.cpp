@@ -123,16 +123,35 @@ TEST(Populations, ReservesFollowWithoutAPlace) {
   EXPECT_EQ(again.bodies[8].pose_world_body.x, 4);
 }
 
+TEST(Populations, StaticBodiesOfAReserveTakeUpNoRoom) {
+  WorldSpec spec = room();
+  TypeSpec beacon{.name = "beacon"};
+  beacon.parts.push_back({.kind = "model", .solids = {square(0.5)}});
+  spec.types.push_back(beacon);
+  PopulationSpec beacons = row_of("s", 0);
+  beacons.type = TypeId(3);
+  beacons.reserve = 1;
+  ASSERT_TRUE(is_static(beacon));
+  Diagnostics diagnostics;
+  place(std::span(&beacons, 1), spec, diagnostics);
+  ASSERT_EQ(spec.bodies.size(), 4u);
+  // In a second call, the obstacles are those of the spec.
+  const PopulationSpec robots = row_of("a", 1);
+  place(std::span(&robots, 1), spec, diagnostics);
+  ASSERT_FALSE(diagnostics.has_errors());
+  EXPECT_EQ(spec.bodies[4].pose_world_body.x, 0) << "the pose of the body that is not in the world";
+}
+
 TEST(Populations, ErrorsNameFileLineAndPopulation) {
   EXPECT_THAT(
       errors_of({row_of("a", 1), row_of("b", 9)}),
       ElementsAre("room.txt:8: error: populations[1].rule: placed 7 of 9 bodies: the region has no further "
-                  "free cell (it has 10 cells)"));
+                  "free cell (it has 10 cells); enlarge the region or lower the count"));
   PopulationSpec named = row_of("b", 9);
   named.path = "/populations/0/place";
   EXPECT_THAT(errors_of({named}),
               ElementsAre("room.txt:8: error: /populations/0/place: placed 8 of 9 bodies: the region has no "
-                          "further free cell (it has 10 cells)"));
+                          "further free cell (it has 10 cells); enlarge the region or lower the count"));
   EXPECT_THAT(errors_of({row_of("a", 3)}, room(), {.most_bodies = 5}),
               ElementsAre("room.txt:7: error: the world would hold 6 bodies; at most 5 are allowed"));
   PopulationSpec dense = row_of("a", 1);
@@ -142,11 +161,12 @@ TEST(Populations, ErrorsNameFileLineAndPopulation) {
               ElementsAre("room.txt:8: error: populations[0].rule: the region has 810002 million cells of "
                           "0.00001 m; at most 100 million are allowed: give a larger \"pitch_m\""));
   PopulationSpec nowhere = row_of("a", 1);
-  nowhere.rule.region = Box();
+  nowhere.rule.region.min = Vec2(0, 9);
+  nowhere.rule.region.max = Vec2(9, 0);
   EXPECT_THAT(
       errors_of({nowhere}),
-      ElementsAre("room.txt:8: error: populations[0].rule: the region is empty: x_min must not exceed "
-                  "x_max, and y_min must not exceed y_max"));
+      ElementsAre("room.txt:8: error: populations[0].rule: the region is empty: x from 0 to 9 m, y from 9 "
+                  "to 0 m; x_min must not exceed x_max, and y_min must not exceed y_max"));
 }
 
 }  // namespace

@@ -26,7 +26,10 @@ TEST(SensingView, TheRowOfABodyIsHereOrElsewhereOrThereIsNone) {
     static_cast<void>(view.row(BodyId(2)));
     ADD_FAILURE() << "the row of a body elsewhere was returned";
   } catch (const std::logic_error& error) {
-    EXPECT_STREQ(error.what(), "internal error: the row of \"far\" was asked for, but another rank has it");
+    EXPECT_STREQ(
+        error.what(),
+        "internal error: the row of \"far\" was read, but another rank has it; unless a plug-in caused "
+        "this, it is no error of your input: please report it");
   }
 }
 

@@ -31,6 +31,40 @@ TEST(World, ACommandOfAControllerActsATickAfterItsReadings) {
   EXPECT_DOUBLE_EQ(world.pose(body).x, 0.05);
 }
 
+TEST(World, ARestartThatTheGridRefusesChangesNothing) {
+  SceneBuilder scene;
+  const TypeId type = scene.robot("robot", {box(0.4, 0.4)});
+  scene[type].devices = {test::ranger("eye", {{.range_max = 5}})};
+  scene[type].devices[0].pose_body_device.z = 0.5;
+  scene[type].controllers = {test::controller("script", {{"law", "line"}})};
+  const BodyId robot = scene.body("r", type);
+  const BodyId wall = scene.body("w", scene.type("wall", {box(0.2, 2)}), {2, 0, 0, 0});
+  scene.spec.ranging = RangingEngine::grid;
+  World world = scene.world();
+  const std::uint64_t start = world.hashes().state;
+  const auto range_after_a_step = [&] {
+    world.step();
+    const Row row = world.row(robot);
+    return world.percepts(world.type(row).devices[0]).cell<float>(world.slot(row), 0)[0];
+  };
+  const float range = range_after_a_step();
+  EXPECT_NEAR(range, 1.9, 0.03);
+
+  std::vector<BodySpec> bodies = world.spec().bodies;
+  bodies[wall.index()].pose_world_body.x = 2e7;
+  EXPECT_THROW(world.restart(7, bodies, test::registry()), InputError);
+  EXPECT_EQ(world.tick(), 0u);
+  EXPECT_EQ(world.hashes().state, start);
+  EXPECT_EQ(world.spec().seed, scene.spec.seed);
+  EXPECT_EQ(world.spec().bodies[wall.index()].pose_world_body.x, 2);
+  EXPECT_EQ(range_after_a_step(), range);
+
+  bodies[wall.index()].pose_world_body.x = 3;
+  world.restart(7, bodies, test::registry());
+  EXPECT_EQ(world.spec().seed, 7u);
+  EXPECT_NEAR(range_after_a_step(), 2.9, 0.03);
+}
+
 TEST(World, TransformsAreThoseOfThePoses) {
   SceneBuilder scene;
   const TypeId type = scene.robot("robot", {box(0.4, 0.4)});

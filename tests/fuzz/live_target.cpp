@@ -111,9 +111,9 @@ class Connection {
     to.sin_port = htons(port);
     to.sin_addr.s_addr = htonl(INADDR_LOOPBACK);
     const timeval most{k_hang_s, 0};
-    if (socket_ < 0 || setsockopt(socket_, SOL_SOCKET, SO_RCVTIMEO, &most, sizeof most) != 0 ||
-        ::connect(socket_, reinterpret_cast<const sockaddr*>(&to), sizeof to) != 0)
-      std::abort();  // the program no longer listens
+    if (socket_ < 0 || setsockopt(socket_, SOL_SOCKET, SO_RCVTIMEO, &most, sizeof most) != 0) std::abort();
+    while (::connect(socket_, reinterpret_cast<const sockaddr*>(&to), sizeof to) != 0)
+      if (errno != EINTR) std::abort();  // the program no longer listens; EINTR: a timer of libFuzzer
   }
   ~Connection() { ::close(socket_); }
   Connection(const Connection&) = delete;

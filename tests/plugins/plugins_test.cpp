@@ -235,11 +235,11 @@ TEST_F(PluginsTest, ThatCannotBeUsedSayWhy) {
       AllOf(testing::StartsWith(about("undefined_symbol") + "cannot be loaded: undefined symbol: "),
             HasSubstr("no_such_function"), EndsWith(" (link it with the CMake target troupe::plugin)")));
   EXPECT_THAT(error_of("another_version"),
-              MatchesRegex(about("another_version") + "was built for troupe 99.1.0 .interface 8., but this "
-                                                      "program is troupe 0.2.0 .interface 8.: rebuild it"));
+              MatchesRegex(about("another_version") + "was built for troupe 99.1.0 .interface 9., but this "
+                                                      "program is troupe 0.2.0 .interface 9.: rebuild it"));
   EXPECT_THAT(error_of("old_interface"),
               MatchesRegex(about("old_interface") + "was built for troupe 0.2.0 .interface 3., but this "
-                                                    "program is troupe 0.2.0 .interface 8.: rebuild it"));
+                                                    "program is troupe 0.2.0 .interface 9.: rebuild it"));
   EXPECT_THAT(error_of("another_build"),
               MatchesRegex(about("another_build") +
                            "was built with libc.., vectorized Eigen, but Troupe with libstdc..*"));
@@ -262,7 +262,7 @@ TEST_F(PluginsTest, ThatCannotBeUsedSayWhy) {
                 "has no controller \"swarm\"; it has: swarm:follower, swarm:leader, swarm:needy");
   EXPECT_THAT(error_of("swarm:leadr", "plugins"), EndsWith("(did you mean \"swarm:leader\"?)"));
   EXPECT_THAT(error_of("swarm:needy", "plugins"),
-              EndsWith("controller \"swarm:needy\" needs a device of kind ranger"));
+              EndsWith("controller \"swarm:needy\" needs a device of kind \"ranger\""));
 }
 
 TEST_F(PluginsTest, WhoseControllersThrowAreNamedWithTickAndRobot) {
@@ -301,7 +301,8 @@ TEST_F(PluginsTest, FilesThatAreNoLibrariesAreNotLoaded) {
   write("text.so", "troupe_plugin");
   write("cut.so",
         content(folder_of("plugins") / "walker.so").substr(0, 3000) + std::string("troupe_plugin\0", 14));
-  EXPECT_THAT(error_of(stage_world("text"), options({folder_})), EndsWith("text.so is not a shared library"));
+  EXPECT_THAT(error_of(stage_world("text"), options({folder_})),
+              EndsWith("text.so is not a shared library: build it with the CMake target troupe::plugin"));
   EXPECT_THAT(error_of(stage_world("cut"), options({folder_})),
               EndsWith("cut.so is truncated: build it again"));
 }
@@ -498,7 +499,7 @@ TEST_F(PluginSensors, ThatCannotBeUsedSayWhereAndWhy) {
       error(room("another_version"), "unusable"),
       MatchesRegex(at("3", "/kind") +
                    "sensor or device \"another_version\": .*another_version.so was built for troupe "
-                   "99.1.0 .interface 8., but this program is troupe 0.2.0 .interface 8.: rebuild it"));
+                   "99.1.0 .interface 9., but this program is troupe 0.2.0 .interface 9.: rebuild it"));
   EXPECT_THAT(
       error(room("ranger:ranger"), "unusable"),
       EndsWith(

@@ -340,7 +340,7 @@ class Vector(unittest.TestCase):
                 wrong()
         env = troupe.envs.VectorEnv(Short(2), 4)
         env.reset(seed=1)
-        with self.assertRaisesRegex(ValueError, r"shape \(4, 2\), found \(2, 2\)"):
+        with self.assertRaisesRegex(ValueError, r"actions: must have the shape \(4, 2\), found \(2, 2\)"):
             env.step(np.zeros((2, 2)))
         with self.assertRaisesRegex(ValueError, 'action 1 of "r1" in copy 0 \(both counted from 0\) is nan'):
             env.step(np.array([[0, 0], [0, np.nan], [0, 0], [0, 0]]))
@@ -542,7 +542,7 @@ class Human(unittest.TestCase):
         for call in (batch.robots, batch.names, batch.actions, batch.rewards, batch.terminated, batch.alive):
             with self.assertRaisesRegex(LookupError, "team 1 does not exist: give a number from 0 to 0"):
                 call(1)
-        with self.assertRaisesRegex(TypeError, 'batch: the value None cannot be converted to the type of the member "teams"'):
+        with self.assertRaisesRegex(TypeError, 'batch: the value None of the member "teams" must be a list'):
             troupe.BatchEnv(troupe.Simulation(ROOM), {"teams": None})
 
 

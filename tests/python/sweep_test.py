@@ -1,6 +1,7 @@
 """Tests that troupe.sweep() makes the same runs as `troupe sweep`, and that troupe.plot draws their results."""
 
 import importlib.util
+import json
 import math
 import pathlib
 import subprocess
@@ -89,6 +90,15 @@ class Sweep(unittest.TestCase):
         ):
             with self.subTest(text), self.assertRaisesRegex(troupe.InputError, text):
                 troupe.sweep(wrong)
+
+        # As for `troupe sweep`, the error names the line of the study.
+        with tempfile.TemporaryDirectory() as folder:
+            file = pathlib.Path(folder) / "columns.json"
+            (file.parent / "world.json").write_text(json.dumps(WORLD))
+            file.write_text(json.dumps({**study("stalls_mean", "stalls"), "world": "world.json"}, indent=1))
+            line = file.read_text().splitlines().index('   "set": "/populations/0/count",')
+            with self.assertRaisesRegex(troupe.InputError, f"columns.json:{line}: error: /parameters/0: a measure"):
+                troupe.sweep(file)
 
 
 class Plot(unittest.TestCase):

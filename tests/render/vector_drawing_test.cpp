@@ -1,5 +1,6 @@
 #include "render/vector_drawing.hpp"
 
+#include <fmt/format.h>
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
@@ -7,6 +8,7 @@
 #include <stdexcept>
 #include <string>
 #include <string_view>
+#include <utility>
 
 namespace troupe::render {
 namespace {
@@ -124,6 +126,22 @@ TEST(VectorDrawing, OnlyMapsCanBeDrawnAsPaths) {
   Sheet sheet;
   sheet.view.camera.perspective = true;
   EXPECT_THROW(sheet.svg(), std::runtime_error);
+}
+
+TEST(VectorDrawing, APictureWithoutPixelsIsAnError) {
+  for (const auto& [width, height] : {std::pair(0, 400), std::pair(800, 0), std::pair(-1, 400)}) {
+    Sheet sheet;
+    sheet.view.width = width;
+    sheet.view.height = height;
+    try {
+      sheet.svg();
+      FAIL() << width << " x " << height;
+    } catch (const std::runtime_error& error) {
+      EXPECT_EQ(error.what(), fmt::format("cannot draw a picture of {} x {} pixels: each side must be at "
+                                          "least 1",
+                                          width, height));
+    }
+  }
 }
 
 TEST(VectorDrawing, APdfHoldsThePage) {

@@ -236,7 +236,8 @@ TEST(Ground, WhatCannotBeIsAnError) {
     FAIL();
   } catch (const InputError& error) {
     EXPECT_THAT(error.what(),
-                HasSubstr("device \"ground\" needs an even number of values in \"points\", at least 2: "));
+                HasSubstr("device \"ground\" needs an even number of values in \"points\", at least 2 (x "
+                          "and y of each point), found "));
   }
 }
 

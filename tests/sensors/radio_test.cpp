@@ -310,6 +310,21 @@ TEST(Radio, ChannelsAndRangesAreEachRadiosOwn) {
   EXPECT_THAT(senders(world, asleep), IsEmpty());
 }
 
+TEST(Radio, ASpeakerThatIsTooWeakIsNotHeardAtAnyDistance) {
+  for (const double drop_rate : {0.0, 1e-9}) {
+    RadioScene scene;
+    const BodyId weak = scene.beacon(
+        {0, 0, 0, 0}, {{"power_dBm", -50.0}, {"sensitivity_dBm", -60.0}, {"drop_rate", drop_rate}});
+    const BodyId strong = scene.beacon(
+        {1, 0, 0, 0},
+        {{"power_dBm", 0.0}, {"sensitivity_dBm", -49.0}, {"walls", "pass"}, {"drop_rate", drop_rate}});
+    World world = scene.world();
+    world.step();
+    EXPECT_THAT(senders(world, strong), IsEmpty()) << "-50 dBm is below its sensitivity";
+    EXPECT_THAT(senders(world, weak), ElementsAre(strong.value));
+  }
+}
+
 TEST(Radio, SeveralOfOneBodyDoNotHearOneAnother) {
   RadioScene scene;
   const TypeId twin = scene.type("twin", {box(1, 0.2)});

@@ -408,7 +408,8 @@ TEST(BatchEnv, SaysWhatIsWrong) {
       k_argument, [](auto&, auto& t) { t.arrays[1].raw = true; },
       "an array with \"raw\" must have exactly one part");
   is_wrong(
-      k_argument, [](auto&, auto& t) { t.arrays[0].parts[1].count = 0; }, "count is 0 nearest robots");
+      k_argument, [](auto&, auto& t) { t.arrays[0].parts[1].count = 0; },
+      "the part \"nearest\" has the count 0");
 
   BatchEnv batch(world, spec_of(2));
   EXPECT_THAT([&] { batch.step(); }, ThrowsMessage<std::logic_error>(HasSubstr("call reset() before")));

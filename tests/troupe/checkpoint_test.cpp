@@ -284,7 +284,7 @@ TEST_F(Checkpoint, RefusesChangesOfTheShapeOfTheState) {
       error_of(file_, {.set = {{"/types/3/sensors/0/params/transducers/0/samples", "11"}}}),
       StartsWith(
           file_.string() +
-          ": error: /tables/ranger/eye%2F0/ranges has 9 values of type float32 per body, but the world has "
+          ": error: /tables/ranger/eye%2F0/ranges has 9 values of type float32 per body, but this run needs "
           "11 of type float32: "));
   EXPECT_THAT(error_of(file_, {.set = {{"/tick_s", "0.2"}}}), StartsWith("--set /tick_s: error: "));
 }

@@ -270,10 +270,10 @@ TEST_F(ConvertTest, SecondNamesJointsAndLargeSeedsAreNamedWithTheirLines) {
   EXPECT_THAT(
       found,
       ElementsAre(
-          HasSubstr("a .world file cannot express this: \"_ground_model\": its second name \"floor\""),
-          HasSubstr("w.json:9: error: a .world file cannot express this: \"r\": its second name \"robot\""),
+          HasSubstr("a .world file cannot express this: \"_ground_model\": its alias \"floor\""),
+          HasSubstr("w.json:9: error: a .world file cannot express this: \"r\": its alias \"robot\""),
           HasSubstr("w.json:6: error: a .world file cannot express this: type \"big bot\": part \"box\": "
-                    "its second name \"chest\""),
+                    "its alias \"chest\""),
           HasSubstr("w.json:5: error: a .world file cannot express this: type \"big bot\": part \"load\": "
                     "the joint that it is mounted on")));
   EXPECT_THAT(warnings,
@@ -384,9 +384,8 @@ TEST_F(ConvertTest, BirthsAndDeathsAreNotOfStage) {
                                            "\"populations\": Stage has no \"reserve\"")));
   convert(write("w.json", types + "\n\"mortal\": true, \"models\": [{\"name\": \"a\", \"type\": \"t\"}]}"),
           "w.world");
-  EXPECT_THAT(found, ElementsAre(HasSubstr(
-                         "w.json:2: error: a .world file cannot express this: \"mortal\": a .world file "
-                         "has no property for this")));
+  EXPECT_THAT(found, ElementsAre(HasSubstr("w.json:2: error: a .world file cannot express this: \"mortal\": "
+                                           "a .world file has no such property: remove this key")));
 }
 
 TEST_F(ConvertTest, ExtentsThatAreNotThoseOfOutlinesAreNotOfStage) {
@@ -421,6 +420,16 @@ TEST_F(ConvertTest, HeadingsOfDevicesBeyondHalfATurnAreAWarning) {
   EXPECT_THAT(warnings,
               ElementsAre(HasSubstr(
                   "w.json:3: warning: type \"bot\": device \"eye\": its heading is changed by whole turns")));
+}
+
+TEST_F(ConvertTest, AWorldOfTheSearchPathHasItsLines) {
+  write("shelf/w.json", R"({"troupe": 1,
+  "types": {"bot": {"size_m": [0.3, 0.3, 0.2], "sensors": [
+    {"name": "eye", "kind": "ranger", "pose": {"heading_deg": 210}, "transducers": [{}]}]}},
+  "models": [{"name": "r", "type": "bot"}]})");
+  convert("elsewhere/w.json", "w.world", {.search_path = {folder_ / "shelf"}});
+  EXPECT_THAT(found, IsEmpty());
+  EXPECT_THAT(warnings, ElementsAre(HasSubstr("shelf/w.json:3: warning: type \"bot\": device \"eye\"")));
 }
 
 TEST_F(ConvertTest, ATextThatIsNoUtf8IsRefusedInJson) {

@@ -263,8 +263,9 @@ TEST_F(StopWhen, WhatIsWrongIsToldWithItsPlace) {
     }
     return std::string("none");
   };
-  EXPECT_THAT(error_of(R"("stop_when": ["displacement:q > 3"])"),
-              HasSubstr("w.json:4: error: unknown type or population of robots \"q\"; known: bot"));
+  EXPECT_THAT(
+      error_of(R"("stop_when": ["displacement:q > 3"])"),
+      HasSubstr("w.json:4: error: /stop_when/0: unknown type or population of robots \"q\"; known: bot"));
   EXPECT_THAT(
       error_of(
           R"("at": [{"time_s": 5, "enable": {"type": "bot"}}, {"time_s": 3, "remove": {"population": "r"}}])"),

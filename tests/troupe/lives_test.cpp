@@ -210,6 +210,29 @@ TEST_F(Lives, ProgramsBearAndRemove) {
   EXPECT_EQ(simulation.unborn("more"), 2u);
 }
 
+TEST_F(Lives, WheelsThatDoNotRunHaveNoSpeed) {
+  Simulation simulation(write("w.json", R"({
+    "troupe": 1, "tick_s": 0.1,
+    "types": {
+      "bot": {"size_m": [0.4, 0.4, 0.4], "drive": {"kind": "diff"},
+              "devices": [{"name": "feet", "kind": "wheels", "pose": {"z_m": 0.4}, "size_m": [0.1, 0.1, 0.1]}]}
+    },
+    "models": [{"name": "r", "type": "bot"}],
+    "at": [{"time_s": 0.3, "disable": {"model": "r"}}, {"time_s": 0.6, "enable": {"model": "r"}}]
+  })"));
+  Model feet = simulation.find("r.feet");
+  feet.set_speed(0.5, 0);
+  simulation.run_for(0.3);
+  EXPECT_EQ(feet.speed().forward, 0.5);
+  const double x = feet.pose().x;
+  simulation.run_for(0.2);
+  EXPECT_EQ(feet.speed().forward, 0) << "the body is disabled";
+  EXPECT_FALSE(feet.stalled());
+  EXPECT_EQ(feet.pose().x, x);
+  simulation.run_for(0.2);
+  EXPECT_EQ(feet.speed().forward, 0.5);
+}
+
 TEST_F(Lives, DevicesTakeNoCommandsBeforeTheBirthOrAfterTheDeath) {
   Simulation simulation(write("w.json", R"({
     "troupe": 1,

@@ -249,7 +249,7 @@ TEST_F(PicturesTest, WhatTheWorldHasNotIsNamed) {
                     HasSubstr("(did you mean \"velocity.x\"?)")));
   EXPECT_THAT(refusal({.color_by = "velocity"}), HasSubstr("unknown value \"velocity\""));
   EXPECT_EQ(refusal({.color_by = "ranger/eye.ranges.9"}),
-            file + ": error: \"ranger/eye.ranges\" has only the columns 0 to 8");
+            file + ": error: there is no column 9: \"ranger/eye.ranges\" has only the columns 0 to 8");
   EXPECT_THAT(refusal({.layers = "scan"}), HasSubstr("unknown layer \"scan\""));
   world_ = write("no_window.json", R"({"troupe": 1})");
   EXPECT_EQ(

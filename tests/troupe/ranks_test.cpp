@@ -43,6 +43,7 @@ struct Team {
   unsigned ranks = 1;
   unsigned threads = 1;
   std::uint64_t seed = 1;
+  bool distribute = false;
 };
 
 SimulationOptions options_of(const Team& team, const scenes::Run& run) {
@@ -50,6 +51,7 @@ SimulationOptions options_of(const Team& team, const scenes::Run& run) {
   options.threads = team.threads;
   options.ranks = team.ranks;
   options.rank_seed = team.seed;
+  options.distribute = team.distribute;
   if (run.by_grid) options.ranging = RangingEngine::grid;
   if (run.robots) options.robots = {{"", *run.robots}};
   return options;
@@ -96,6 +98,16 @@ class Ranks : public ::testing::TestWithParam<scenes::Run> {};
 // One team for each world; the worlds together use all of them.
 TEST_P(Ranks, GiveTheSameBits) {
   expect_golden(GetParam(), {k_teams[hash_text(GetParam().name()) % k_teams.size()]});
+}
+
+// The same, if each rank has only its own robots and those near them.
+TEST_P(Ranks, GiveTheSameBitsDistributed) {
+  Team team = k_teams[hash_text(GetParam().name() + " distributed") % k_teams.size()];
+  team.distribute = true;
+  const RankStatistics ranks = Simulation(GetParam().file(), options_of(team, GetParam())).rank_statistics();
+  EXPECT_NE(ranks.is_distributed, !ranks.why_replicated.empty());
+  if (!ranks.is_distributed) GTEST_SKIP() << "replicated, because " << ranks.why_replicated;
+  expect_golden(GetParam(), {team});
 }
 
 class RanksOfScene : public ::testing::TestWithParam<scenes::Run> {};
@@ -251,6 +263,46 @@ TEST_F(RanksOfAProgram, ResumeWhatOthersSaved) {
     options.rank_seed = 3;
     Simulation resumed = Simulation::resume(file, options);
     EXPECT_EQ(resumed.ranks(), ranks);
+    for (int i = 0; i < 10; ++i) resumed.step();
+    EXPECT_EQ(resumed.hash_log_line(), straight.hash_log_line()) << ranks << " ranks";
+  }
+}
+
+constexpr std::string_view k_rangers = R"({
+  "troupe": 1, "title": "A room",
+  "types": {
+    "wanderer": {"size_m": [0.31, 0.17, 0.2], "drive": {"kind": "diff"}, "controller": {"kind": "wander"}, "sensors": [
+      {"name": "eyes", "kind": "ranger", "pose": {"z_m": 0.1}, "transducers": [{"range_max_m": 1.1, "fov_deg": 170.5, "samples": 9}]}]}
+  },
+  "populations": [{"name": "w", "type": "wanderer", "count": 60, "place": {"rule": "uniform", "region_m": [[-4, -4], [4, 4]]}}]
+})";
+
+class DistributedRanks : public test::ScratchTest {};
+
+TEST_F(DistributedRanks, ResumeWhatOthersSaved) {
+  const fs::path world = write("rangers.json", k_rangers);
+  const fs::path file = folder_ / "run.h5";
+  SimulationOptions one;
+  one.threads = 1;
+  Simulation straight(world, one);
+  for (int i = 0; i < 20; ++i) straight.step();
+  SimulationOptions options = one;
+  options.ranks = 3;
+  options.rank_seed = 3;
+  options.tile_size_m = 1;
+  options.distribute = true;
+  Simulation saved(world, options);
+  EXPECT_TRUE(saved.rank_statistics().is_distributed);
+  for (int i = 0; i < 10; ++i) saved.step();
+  saved.world().gather();
+  saved.save(file);
+  for (const unsigned ranks : {1u, 2u, 5u}) {
+    ResumeOptions resume;
+    resume.threads = 1;
+    resume.ranks = ranks;
+    resume.distribute = true;
+    Simulation resumed = Simulation::resume(file, resume);
+    EXPECT_EQ(resumed.rank_statistics().is_distributed, ranks > 1);
     for (int i = 0; i < 10; ++i) resumed.step();
     EXPECT_EQ(resumed.hash_log_line(), straight.hash_log_line()) << ranks << " ranks";
   }
@@ -445,8 +497,8 @@ TEST_F(RanksOfAProgram, AreOneIfALauncherStartedSeveralProcesses) {
   } catch (const std::invalid_argument& error) {
     EXPECT_EQ(std::string(error.what()),
               "2 ranks: the ranks of a program are threads of one process, but mpirun of Open MPI started 3 "
-              "processes: start the program without the launcher, or with one rank; only the commands troupe "
-              "run, resume and check divide one world among processes");
+              "processes: start the program without the launcher, or use troupe run, whose ranks may be "
+              "processes");
   }
   setenv("OMPI_COMM_WORLD_SIZE", "1", 1);
   EXPECT_EQ(load(2).ranks(), 2u);

@@ -289,7 +289,8 @@ TEST_F(Sessions, AnActThatCannotBeDoneSaysWhyAndChangesNothing) {
   EXPECT_THAT(
       refusal({.kind = Kind::speed, .whom = "b0", .speed = {std::numeric_limits<double>::infinity(), 0, 0}}),
       HasSubstr("a speed is inf"));
-  EXPECT_THAT(refusal({.kind = Kind::release, .whom = "b0"}), HasSubstr("not held"));
+  EXPECT_THAT(refusal({.kind = Kind::release, .whom = "b0"}),
+              HasSubstr("no act \"hold\" of this robot is in effect"));
   EXPECT_THAT(refusal({.kind = Kind::enable, .whom = "b0"}), HasSubstr("not disabled"));
   EXPECT_THAT(refusal({.kind = Kind::add, .whom = "x"}), HasSubstr("no population \"x\" with a reserve"));
   EXPECT_THAT(refusal({.kind = Kind::add, .whom = "b", .pose = {3, 3, 0, 0}}), HasSubstr("can be added at"));

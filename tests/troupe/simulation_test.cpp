@@ -417,7 +417,7 @@ TEST_F(SimulationTest, SubscriptionsComeBeforeTheFirstStep) {
   Simulation simulation = json();
   simulation.step();
   EXPECT_EQ(message_of<std::logic_error>([&] { simulation.subscribe("r0"); }),
-            "subscribe() must be called before the first step");
+            "subscribe() must be called before the first step, but this simulation is at tick 1");
 }
 
 TEST_F(SimulationTest, SubscribingToWhatIsNotThereIsAnError) {

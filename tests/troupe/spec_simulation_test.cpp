@@ -143,8 +143,7 @@ TEST_F(SpecSimulation, WhatIsWrongIsNamedByItsPath) {
   expect([](Spec& s) { s.types[2].parts.clear(); },
          "error: types[2].parts: empty; a type needs at least one part");
   expect([](Spec& s) { s.types[2].parts[0].parent = 1; },
-         "error: types[2].parts[0].parent: must be the index of an earlier part, found index 1 (counted from "
-         "0)");
+         "error: types[2].parts[0].parent: must be 0 for the first part, found index 1 (counted from 0)");
   expect([](Spec& s) { s.types[2].devices[0].joint = 0; },
          "error: types[2].sensors[0].joint: must be -1 (no joint) or the index of a joint; the type has 0 "
          "joints, found "

@@ -120,7 +120,7 @@ std::vector<Style> styles() {
        1,
        1,
        false,
-       {"inc/discs.inc:27: warning: \"size\" takes 3 values [x y z]; the further values are ignored",
+       {"inc/discs.inc:27: warning: \"size\" takes 3 values [x y z], found 4; the further values are ignored",
         "inc/plan.inc:5: warning: properties without effect on the run, because only Stage's window uses "
         "them: "
         "gui_nose, gui_grid, gui_move, gui_outline"}},
@@ -130,8 +130,7 @@ std::vector<Style> styles() {
        1,
        false,
        {"camera.world:11: warning: \"watts\" of a model of type camera has no effect: Troupe computes the "
-        "power of such a "
-        "model (docs/stage-worlds.md)",
+        "power of such a model (docs/stage-worlds.md): remove this property",
         "inc/plan.inc:5: warning: properties without effect on the run, because only Stage's window uses "
         "them: "
         "gui_nose, gui_grid, gui_move, gui_outline"}},
@@ -140,21 +139,22 @@ std::vector<Style> styles() {
        3,
        4,
        true,
-       {"arms.world:13: warning: the name \"puck\" is already used: a search for this name finds only the "
+       {"arms.world:13: warning: the name \"puck\" is already used by the model at line 12: a search for "
+        "this name finds only the "
         "last model that has it"}},
       {"layers.world",
        3,
        1,
        3,
        false,
-       {"layers.world:10: warning: \"late_base\" is already defined, at line 4; the first definition is "
-        "used"}},
+       {"layers.world:10: warning: macro \"late_base\" is already defined, at line 4; that definition is "
+        "used: remove this one"}},
       {"everything.world",
        11,
        7,
        5,
        true,
-       {"inc/discs.inc:27: warning: \"size\" takes 3 values [x y z]; the further values are ignored",
+       {"inc/discs.inc:27: warning: \"size\" takes 3 values [x y z], found 4; the further values are ignored",
         "inc/plan.inc:5: warning: properties without effect on the run, because only Stage's window "
         "uses them: "
         "gui_nose, gui_grid, gui_move, gui_outline, color_rgba of a sensor"}},
@@ -194,10 +194,8 @@ std::vector<Style> styles() {
        6,
        true,
        {"inc/discs.inc:43: warning: \"watts\" of a model of type position has no effect: Troupe computes the "
-        "power of such "
-        "a "
-        "model (docs/stage-worlds.md)",
-        "inc/discs.inc:27: warning: \"size\" takes 3 values [x y z]; the further values are ignored",
+        "power of such a model (docs/stage-worlds.md): remove this property",
+        "inc/discs.inc:27: warning: \"size\" takes 3 values [x y z], found 4; the further values are ignored",
         "inc/plan.inc:5: warning: properties without effect on the run, because only Stage's window uses "
         "them: "
         "gui_nose, gui_grid, gui_move, gui_outline"}},
@@ -242,7 +240,7 @@ std::vector<Style> styles() {
        false,
        {"old_swarm.world:7: warning: old syntax: the two values of \"size\" are read as [x y], with a "
         "height of 1 m; write [x y z]",
-        "old_swarm.world:14: warning: a ranger without a sensor( ... ) measures nothing",
+        "old_swarm.world:14: warning: a ranger without a sensor( ... ) measures nothing: add a sensor( ... )",
         "old_swarm.world:16: warning: old syntax: the three values of \"pose\" are read as [x y heading]; "
         "write [x y z heading] (and 9 more)",
         "old_swarm.world:3: warning: obsolete properties, ignored as in Stage: size, gui_interval, polygons, "
@@ -298,7 +296,10 @@ TEST(StageStylesRefused, MapsOfOlderVersions) {
 TEST(StageStylesRefused, IncludesThatAreNotWhereTheyAreSaidToBe) {
   const std::string text = refusal("lost.world");
   EXPECT_THAT(text, HasSubstr("lost.world:1: error: cannot read the included file "));
-  EXPECT_THAT(text, HasSubstr("tests/troupe/pioneer.inc\n"));  // beside the folder, where it is said to be
+  EXPECT_THAT(
+      text,
+      HasSubstr(
+          "tests/troupe/pioneer.inc: there is no such file\n"));  // beside the folder, where it is said to be
   EXPECT_THAT(text, HasSubstr("lost.world:2: error: cannot read the included file wifi/map.inc"));
 }
 

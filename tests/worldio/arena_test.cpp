@@ -141,9 +141,9 @@ TEST(WallLine, Errors) {
     return LoadedArena(world(R"("floorplans": [{"name": "w", )" + keys + "}]")).found;
   };
   const std::string at = "maze.json:2: error: /floorplans/0";
-  EXPECT_THAT(
-      error_of(R"("walls_m": [[0, 0], [1, 0], [1, 0]])"),
-      ElementsAre(at + "/walls_m: a wall of no length: point 2 repeats point 1 (points are counted from 0)"));
+  EXPECT_THAT(error_of(R"("walls_m": [[0, 0], [1, 0], [1, 0]])"),
+              ElementsAre(at + "/walls_m: a wall of no length: point 2 repeats point 1 (points are counted "
+                               "from 0): remove one of them"));
   EXPECT_THAT(error_of(R"("walls_m": [[0, 0]])"),
               ElementsAre(at + "/walls_m: expected 2 to 1000 points, found 1"));
   EXPECT_THAT(
@@ -152,7 +152,7 @@ TEST(WallLine, Errors) {
                        "turn by at most 165 degrees"));
   EXPECT_THAT(error_of(R"("walls_m": [[0, 0], [0.1, 0], [0.1, 1]], "thickness_m": 0.4)"),
               ElementsAre(at + "/walls_m: the segment that begins at point 0, counted from 0, is too short "
-                               "for walls 0.4 m thick"));
+                               "for walls 0.4 m thick: move this point, or make the walls thinner"));
   EXPECT_THAT(error_of(R"("walls_m": [[0, 0], [1, 0]], "bitmap": "x.png")"),
               ElementsAre(at + R"(: give "bitmap" or "walls_m", not both)"));
 }
@@ -294,7 +294,7 @@ TEST_F(IncludeTest, ErrorsNameTheirFileAndLine) {
               ElementsAre(testing::StartsWith("broken.json:2: error: ")));
   EXPECT_THAT(load(R"("include": ["a.json"])").found,
               ElementsAre("sub/b.json:2: error: /include/0: a circle of includes: a.json includes sub/b.json "
-                          "includes a.json"));
+                          "includes a.json; remove one of them"));
   EXPECT_THAT(
       load("\"include\": [\"base.json\"],\n\"types\": {\"base\": {\"size_m\": [1, 1, 1]}}").found,
       ElementsAre("maze.json:3: error: /types/base: the type is already given in base.json, line 2: choose "
@@ -346,8 +346,8 @@ TEST_F(IncludeTest, ErrorsOfExtends) {
       load("\"types\": {\"a\": {\"extends\": \"b\"},\n\"b\": {\"extends\": \"c\"}, \"c\": {\"extends\": "
            "\"a\"}}")
           .found,
-      ElementsAre("maze.json:2: error: /types/a/extends: the types extend each other in a circle: a "
-                  "extends b extends c extends a"));
+      ElementsAre("maze.json:2: error: /types/a/extends: the types extend each other in a circle: a extends "
+                  "b extends c extends a; remove one \"extends\""));
   EXPECT_THAT(
       load(R"("types": {"a": {"extends": 3, "size_m": [1, 1, 1]}})").found,
       ElementsAre("maze.json:2: error: /types/a/extends: expected the name of a type, found the number 3"));
@@ -356,14 +356,21 @@ TEST_F(IncludeTest, ErrorsOfExtends) {
 TEST_F(IncludeTest, AWrongBaseHidesNoOtherError) {
   EXPECT_THAT(
       load("\"types\": {\"a\": {\"extends\": \"b\"},\n\"b\": {\"extends\": \"a\", \"fidget\": 3}}").found,
-      ElementsAre("maze.json:2: error: /types/a/extends: the types extend each other in a circle: a "
-                  "extends b extends a",
+      ElementsAre("maze.json:2: error: /types/a/extends: the types extend each other in a circle: a extends "
+                  "b extends a; remove one \"extends\"",
                   testing::StartsWith("maze.json:3: error: /types/b: unknown key \"fidget\"; known: ")));
   EXPECT_THAT(
       load("\"types\": {\"a\": {\"extends\": \"bass\",\n\"fidget\": 3}, \"base\": {\"size_m\": [1, 1, 1]}}")
           .found,
       ElementsAre(testing::HasSubstr("unknown type \"bass\""),
                   testing::StartsWith("maze.json:3: error: /types/a: unknown key \"fidget\"")));
+}
+
+TEST_F(IncludeTest, AKeyThatATypeDoesNotInheritIsNoErrorIfTheBaseIsWrong) {
+  const std::string types =
+      R"("types": {"base": {"size_m": [1, 1, 1], "drive": {"kind": "diff"}, "sensors": []},
+    "a": {"extends": "bass", "sensors": null, "drive": {"pushes": null, "kind": "diff"}}})";
+  EXPECT_THAT(load(types).found, ElementsAre(testing::HasSubstr("unknown type \"bass\"")));
 }
 
 TEST_F(IncludeTest, AnErrorOfABaseIsReportedOnce) {

@@ -259,8 +259,9 @@ TEST(PlacementJson, RulesAreReadAndWhatDoesNotFitIsCounted) {
             "nothing");
   EXPECT_THAT(
       found(R"({"rule": "poisson_disc", "distance_m": 1, "region_m": [[0, 0], [5, 5]]})"),
-      ::testing::MatchesRegex("maze.json:3: error: /populations/0/place: placed [12][0-9] of 200 bodies: "
-                              "none of 1000 random poses for the next body was free"));
+      ::testing::MatchesRegex(
+          "maze.json:3: error: /populations/0/place: placed [12][0-9] of 200 bodies: "
+          "none of 1000 random poses for the next body was free; enlarge the region or lower the count"));
   EXPECT_THAT(found(R"({"rule": "gaussian", "mean_m": [3, 4], "deviation_m": [0, 0]})"),
               HasSubstr("placed 1 of 200 bodies"));
   EXPECT_THAT(found(R"({"rule": "gaussian", "mean_m": [3, 4]})"), HasSubstr("missing \"deviation_m\""));

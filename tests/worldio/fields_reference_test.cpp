@@ -79,9 +79,10 @@ TEST(WorldFormatReference, AMissingHeadingOrTableIsAnError) {
     }
     return {};
   };
-  EXPECT_EQ(error("# Page\n"), "the documentation page has no heading \"## One\"");
+  EXPECT_EQ(error("# Page\n"), "the documentation page has no heading \"## One\": add this heading");
   EXPECT_EQ(error("# Page\n\n## One\n\n| key |\n\n## Two\n\n| key |\n"),
-            "the documentation page has too few tables below the heading \"## One\"");
+            "the documentation page has too few tables below the heading \"## One\": add a table that begins "
+            "with \"| key\"");
   EXPECT_EQ(with_key_tables("# Page\n\n## One\n\nText\n\n| key |\n|---|\n| old |\n\nMore\n\n| key |\nold\n",
                             tables),
             "# Page\n\n## One\n\nText\n\n| key |\n|---|\n| new |\n\nMore\n\n| key |\n");

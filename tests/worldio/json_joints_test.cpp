@@ -148,9 +148,10 @@ TEST(JsonJoints, WhatIsWrongIsTold) {
       error_of(changed(R"("device": "boom")", R"("device": "barrier")")),
       ::testing::HasSubstr("gate.json:15: error: controller \"operate\" has an order for the unknown device "
                            "\"barrier\"; known: boom, eye, hand, lamp"));
-  EXPECT_THAT(
-      error_of(changed(R"("order": "go_to")", R"("order": "close")")),
-      ::testing::HasSubstr("has an order \"close\" for \"boom\", which is not a device of kind \"gripper\""));
+  EXPECT_THAT(error_of(changed(R"("order": "go_to")", R"("order": "close")")),
+              ::testing::HasSubstr(
+                  "has an order \"close\" for \"boom\", which is of kind \"actuator\": only devices of kind "
+                  "\"gripper\" take this order"));
 }
 
 }  // namespace

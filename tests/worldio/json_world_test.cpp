@@ -330,7 +330,7 @@ TEST_F(JsonWorldOfPictures, MapsOfRosSayTheirSizeAndPlaceThemselves) {
                      {}, file);
   EXPECT_THAT(solid.found, ElementsAre(testing::EndsWith(
                                ":3: warning: /floorplans/0/unknown: \"solid\" has no effect, because "
-                               "the ROS map \"explored.yaml\" has no unknown cell")));
+                               "the ROS map \"explored.yaml\" has no unknown cell: remove this key")));
 }
 
 TEST(JsonWorld, ItSaysHowItIsToBeWatched) {
@@ -653,7 +653,7 @@ INSTANTIATE_TEST_SUITE_P(
               R"(maze.json:17: error: /populations/0: missing "count": number of bodies)"},
         Wrong{R"("count": 4)", R"("count": 26)",
               "maze.json:18: error: /populations/0/place: placed 25 of 26 bodies: the region has no "
-              "further free cell (it has 25 cells)"},
+              "further free cell (it has 25 cells); enlarge the region or lower the count"},
         Wrong{
             R"("rule": "grid", )", "",
             R"(maze.json:18: error: /populations/0/place: missing "rule": grid, uniform, gaussian, poisson_disc or free_floor)"},
@@ -666,13 +666,13 @@ INSTANTIATE_TEST_SUITE_P(
         Wrong{R"("rule": "grid", "region_m": [[0, 0], [1, 1]], "pitch_m": 0.25)",
               R"("rule": "uniform", "region_m": [[0, 0], [0.1, 0.1]])",
               "maze.json:18: error: /populations/0/place: placed 1 of 4 bodies: none of 1000 random "
-              "poses for the next body was free"},
+              "poses for the next body was free; enlarge the region or lower the count"},
         Wrong{
             R"("region_m": [[0, 0], [1, 1]], )", "",
             R"(maze.json:18: error: /populations/0/place: missing "region_m", [[x_min, y_min], [x_max, y_max]] (or "polygon_m"), which is needed because the world has no bounds, floor plans or arena)"},
         Wrong{"[[0, 0], [1, 1]]", "[[0, 0], [1, -1]]",
               "maze.json:18: error: /populations/0/place/region_m: the corners are in the wrong order: "
-              "expected [[x_min, y_min], [x_max, y_max]]"},
+              "expected [[x_min, y_min], [x_max, y_max]], found [[0, 0], [1, -1]]"},
         Wrong{"[[0, 0], [1, 1]]", "[[0, 0]]",
               "maze.json:18: error: /populations/0/place/region_m: expected 2 points, found 1"},
         Wrong{
@@ -749,7 +749,7 @@ TEST_F(JsonWorldOfPictures, FloorPlanErrors) {
   EXPECT_EQ(wrong(R"({"name": "a", "bitmap": "dark.pgm", "size_m": [4, 4, 1], "obstacle": false})"), "");
   EXPECT_EQ(
       wrong(R"({"name": "a", "bitmap": "dark.pgm", "size_m": [4, 4, 1], "pose": {"x_m": 9}})"),
-      R"(maze.json:3: error: /models/0: "m" is outside the bounds of the world; move it, or change "bounds_m")");
+      R"(maze.json:3: error: /models/0: "m" is at [0, 0], outside the bounds of the world, [[7, -2], [11, 2]]: move the model, or change "bounds_m")");
 }
 
 TEST(JsonWorld, OutlineFaults) {
@@ -840,10 +840,9 @@ TEST(JsonWorld, RobotsSetAPopulation) {
                                                       "the one whose number of robots is set; known: r, s"));
   EXPECT_THAT(load(two, {{"t", 3}}).found,
               ElementsAre("--robots t=3: error: unknown population \"t\"; known: r, s"));
-  EXPECT_THAT(
-      load("{\"troupe\": 1}", {{"", 3}}).found,
-      ElementsAre("--robots 3: error: the number of robots can be set only for a population, but the world "
-                  "has none"));
+  EXPECT_THAT(load("{\"troupe\": 1}", {{"", 3}}).found,
+              ElementsAre("--robots 3: error: the number of robots can be set only for a population, but the "
+                          "world has no populations"));
   EXPECT_THAT(
       load(k_world, {{"r", ~std::size_t{0}}}).found,
       ElementsAre(
@@ -853,7 +852,7 @@ TEST(JsonWorld, RobotsSetAPopulation) {
       load(k_world, {{"", 100}}).found,
       ElementsAre(
           "maze.json:18: error: /populations/0/place: placed 25 of 100 bodies: the region has no further "
-          "free cell (it has 25 cells)"));
+          "free cell (it has 25 cells); enlarge the region or lower the count"));
 }
 
 TEST(JsonWorld, AReserveFollowsItsPopulation) {
@@ -909,7 +908,7 @@ TEST(JsonWorld, AGridMaySpill) {
   EXPECT_THAT(Loaded(k_world, options).found,
               ElementsAre("--set /populations/0/place/spill_m: error: /populations/0/place/spill_m: the "
                           "corners are in the wrong "
-                          "order: expected [[x_min, y_min], [x_max, y_max]]"));
+                          "order: expected [[x_min, y_min], [x_max, y_max]], found [[2, 0], [1, 3]]"));
 }
 
 TEST(JsonWorld, AMillionRobotsLoadInSeconds) {

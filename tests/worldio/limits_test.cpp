@@ -181,8 +181,10 @@ TEST_F(Limits, SamplesAndReadings) {
                 "bodies take more than 16 GB"));
   std::string types = many;
   for (int i = 1; i < 14; ++i) types += "bot( size [1 1 " + std::to_string(i) + "] )\n";
-  EXPECT_THAT(refusal("types.world", types),
-              HasSubstr("too large: the sensors of this type and of the types before it have more than"));
+  EXPECT_THAT(
+      refusal("types.world", types),
+      HasSubstr(
+          "too large: the sensors of this type and of the types before it have 10800000 beams in total"));
 }
 
 TEST_F(Limits, Populations) {

@@ -100,9 +100,8 @@ TEST_F(RosMapTest, WhatIsWrongIsToldAtItsLine) {
 
 TEST_F(RosMapTest, KeysThatMapsDoNotHaveAreWarnings) {
   EXPECT_TRUE(parse(std::string(k_least) + "occupied_tresh: 0.6\n"));
-  EXPECT_THAT(messages_,
-              ElementsAre("maps/lab.yaml:4: warning: a ROS map has no key \"occupied_tresh\"; it is "
-                          "ignored (did you mean \"occupied_thresh\"?)"));
+  EXPECT_THAT(messages_, ElementsAre("maps/lab.yaml:4: warning: a ROS map has no key \"occupied_tresh\"; the "
+                                     "key is ignored (did you mean \"occupied_thresh\"?)"));
 }
 
 TEST_F(RosMapTest, TheMisspeltKeyIsShownBesideTheMissingOne) {
@@ -119,15 +118,14 @@ TEST_F(RosMapTest, WhatIsNoYamlIsAnError) {
   EXPECT_THAT(messages_, ElementsAre(StartsWith("maps/lab.yaml:2: error: not valid YAML: ")));
   for (const std::string_view text : {"", "just a text", "- image: a.png\n"}) {
     EXPECT_FALSE(parse(text));
-    EXPECT_THAT(messages_, ElementsAre("maps/lab.yaml: error: a ROS map consists of lines \"key: value\" "
-                                       "with the keys image, resolution, origin and others"));
+    EXPECT_THAT(messages_,
+                ElementsAre(StartsWith("maps/lab.yaml: error: a ROS map consists of lines \"key: value\" "
+                                       "with the keys image, resolution, origin and others, found ")));
   }
   EXPECT_FALSE(parse(std::string(60000, '[')));
   EXPECT_FALSE(parse(std::string(70000, ' ')));
-  EXPECT_THAT(
-      messages_,
-      ElementsAre(
-          "maps/lab.yaml: error: the file is too large: a ROS map is a few lines of YAML, at most 64 KiB"));
+  EXPECT_THAT(messages_, ElementsAre("maps/lab.yaml: error: the file is too large: 70000 bytes; a ROS map is "
+                                     "a few lines of YAML, at most 65536 bytes"));
 }
 
 using Pixel = std::vector<std::uint8_t>;

@@ -27,7 +27,7 @@ TEST_F(Conformance14, CommaInATuple) {
 
 TEST_F(Conformance14, MissingParenthesis) {
   load("model()\n\nmodel(\n  size [1 1 1]\n");
-  EXPECT_THAT(messages(), ElementsAre("w.world:3: error: the ( of \"model\" is never closed"));
+  EXPECT_THAT(messages(), ElementsAre("w.world:3: error: the ( of \"model\" is never closed: add a )"));
 }
 
 TEST_F(Conformance14, ExtraParenthesis) {
@@ -127,7 +127,20 @@ TEST_F(Conformance14, UnknownProperty) {
           "w.world:3: warning: a model has no property \"wibble\"; the property is ignored",
           "w.world:4: warning: a ranger has no property \"samples\"; the property is ignored: it must be "
           "inside a sensor( ... )",
-          "w.world:4: warning: a ranger without a sensor( ... ) measures nothing"));
+          "w.world:4: warning: a ranger without a sensor( ... ) measures nothing: add a sensor( ... )"));
+}
+
+TEST_F(Conformance14, UnknownPropertyOfALaser) {
+  load(
+      "position( laser( noize [0 0 0] ) )\nposition( laser( intensty 1 ) )\nposition( sonar( beam_wdth 3 ) "
+      ")");
+  const std::string ignored = "the property is ignored (did you mean ";
+  EXPECT_THAT(
+      messages(),
+      ElementsAre(
+          "w.world:1: warning: a laser has no property \"noize\"; " + ignored + "\"noise\"?)",
+          "w.world:2: warning: a laser has no property \"intensty\"; " + ignored + "\"intensity\"?)",
+          "w.world:3: warning: a sonar has no property \"beam_wdth\"; " + ignored + "\"beam_width\"?)"));
 }
 
 TEST_F(Conformance14, MissingOrUnreadableBitmap) {
@@ -171,9 +184,8 @@ TEST_F(Conformance14, PiecesInWrongPlaces) {
 
 TEST_F(Conformance14, FirstDefineWins) {
   const auto spec = load("define a model( name \"first\" )\ndefine a model( name \"second\" )\na()");
-  EXPECT_THAT(
-      messages(),
-      ElementsAre("w.world:2: warning: \"a\" is already defined, at line 1; the first definition is used"));
+  EXPECT_THAT(messages(), ElementsAre("w.world:2: warning: macro \"a\" is already defined, at line 1; that "
+                                      "definition is used: remove this one"));
   EXPECT_EQ(name_of(spec, 1), "first");
 }
 
@@ -239,7 +251,9 @@ TEST_F(StageParser, ParsesWhatStageParses) {
 TEST_F(StageParser, CountsEveryKindOfLineEnd) {
   for (const std::string end : {"\n", "\r", "\r\n", "\n\r"}) {
     load("# comment" + end + end + "model()" + end + "?" + end);
-    EXPECT_THAT(messages(), ElementsAre("w.world:4: error: unexpected '?'"));
+    EXPECT_THAT(
+        messages(),
+        ElementsAre("w.world:4: error: unexpected '?': this character may be only in strings and comments"));
   }
 }
 
@@ -252,12 +266,12 @@ TEST_F(StageParser, LexicalErrors) {
            "w.world:2: error: unexpected ';'; a line end or a blank separates properties",
            "w.world:3: error: unexpected '{'; the properties of a model are written in ( )",
            "w.world:4: error: unexpected \"'\"; strings are written in double quotes",
-           "w.world:5: error: unexpected byte 0x01",
+           "w.world:5: error: unexpected byte 0x01: this byte may be only in strings and comments",
            "w.world:6: error: a string must end with \" on the line on which it begins",
            "w.world:7: error: \"2e-2\" is not a number; numbers are written without exponent and unit, as in "
            "0.02",
            "w.world:8: error: a tuple must end with ] on the line on which it begins",
-           "w.world:9: error: a tuple cannot hold a tuple",
+           "w.world:9: error: a tuple cannot contain a tuple: remove the inner [ and ]",
            "w.world:10: error: \"two\" in a tuple needs quotes: [\"two\"]",
            "w.world:11: error: the value 5 has no property name before it; a property is written: name value",
            "w.world:12: error: this ] has no matching [",
@@ -343,15 +357,14 @@ TEST_F(StageParser, IncludesThatMultiplyAreReported) {
     write(fmt::format("{}.inc", i), fmt::format("include \"{0}.inc\"\ninclude \"{0}.inc\"\n", i + 1));
   write("20.inc", "");
   load("include \"0.inc\"\n");
-  EXPECT_THAT(
-      messages(),
-      ElementsAre(EndsWith(
-          "too many includes: the limit is 1000 included files, each counted every time it is included")));
+  EXPECT_THAT(messages(), ElementsAre(EndsWith("too many includes: the limit is 1000 included files, each "
+                                               "counted every time it is included: join files")));
 }
 
 TEST_F(StageParser, AMissingIncludeIsReported) {
   load("\ninclude \"no.inc\"\n");
-  EXPECT_THAT(messages(), ElementsAre("w.world:2: error: cannot read the included file no.inc"));
+  EXPECT_THAT(messages(),
+              ElementsAre("w.world:2: error: cannot read the included file no.inc: there is no such file"));
 }
 
 TEST_F(StageParser, TheSearchPathIsTriedByBaseName) {
@@ -362,8 +375,8 @@ TEST_F(StageParser, TheSearchPathIsTriedByBaseName) {
   // The file found there moves the base of later paths: b.inc lies beside it.
   EXPECT_EQ(name_of(load("include \"inc/a.inc\"\n", options), 1), "b");
   load("include \"c.inc\"\n", options);
-  EXPECT_THAT(messages(), ElementsAre("w.world:1: error: cannot read the included file c.inc, nor a file of "
-                                      "that name in the folders of the search path"));
+  EXPECT_THAT(messages(), ElementsAre("w.world:1: error: cannot read the included file c.inc: there is no "
+                                      "such file, and none of that name in the folders of the search path"));
 }
 
 // Macros.
@@ -383,16 +396,22 @@ TEST_F(StageParser, AMacroMayShadowAType) {
   load("define model position()\nmodel()");
   EXPECT_THAT(messages(), IsEmpty());
   load("define model model()\nmodel()");
-  EXPECT_THAT(messages(), ElementsAre("w.world:1: error: macro \"model\" is based on itself"));
+  EXPECT_THAT(
+      messages(),
+      ElementsAre("w.world:1: error: macro \"model\" is based on itself: base the macro on a model type"));
 }
 
 TEST_F(StageParser, EndlessMacrosAreReported) {
   load("define a b()\ndefine b a()\na()");
-  EXPECT_THAT(messages(), ElementsAre("w.world:1: error: macro \"a\" is based on itself"));
+  EXPECT_THAT(
+      messages(),
+      ElementsAre("w.world:1: error: macro \"a\" is based on itself: base the macro on a model type"));
   load("define a model( a() )\na()");
-  EXPECT_THAT(messages(), ElementsAre("w.world:1: error: macro \"a\" contains itself"));
+  EXPECT_THAT(messages(),
+              ElementsAre("w.world:1: error: macro \"a\" contains itself: remove this model from the macro"));
   load("define a model( b() )\ndefine b model( model( a() ) )\na()");
-  EXPECT_THAT(messages(), ElementsAre("w.world:2: error: macro \"a\" contains itself"));
+  EXPECT_THAT(messages(),
+              ElementsAre("w.world:2: error: macro \"a\" contains itself: remove this model from the macro"));
 }
 
 TEST_F(StageParser, MacrosThatMultiplyAreReported) {
@@ -400,20 +419,21 @@ TEST_F(StageParser, MacrosThatMultiplyAreReported) {
   for (int i = 1; i < 40; ++i) text += fmt::format("define a{0} model( a{1}() a{1}() )\n", i, i - 1);
   load(text + "a39()");
   EXPECT_THAT(messages(), ElementsAre("w.world:41: error: with its macros expanded, this model contains more "
-                                      "than 20000 models and blocks"));
+                                      "than 20000 models and blocks: use smaller macros"));
 }
 
 TEST_F(StageParser, DeepNestingIsReported) {
   std::string text;
   for (int i = 0; i < 100000; ++i) text += "model(";
   load(text);
-  EXPECT_THAT(messages(),
-              ElementsAre("w.world:1: error: models and blocks are nested deeper than 200 levels"));
+  EXPECT_THAT(
+      messages(),
+      ElementsAre("w.world:1: error: models and blocks are nested deeper than the limit, 200 levels"));
   text = "define a0 model()\n";
   for (int i = 1; i < 1000; ++i) text += fmt::format("define a{} model( a{}() )\n", i, i - 1);
   load(text + "a999()");
-  EXPECT_THAT(messages(),
-              ElementsAre("w.world:1001: error: the macros of this model nest deeper than 200 levels"));
+  EXPECT_THAT(messages(), ElementsAre("w.world:1001: error: with its macros expanded, this model contains "
+                                      "models or blocks nested more than 200 levels deep: nest fewer"));
 }
 
 TEST_F(StageParser, LongChainsOfBasesAreFine) {

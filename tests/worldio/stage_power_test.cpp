@@ -58,9 +58,11 @@ TEST_F(StagePowerTest, WhatModelsDrawGoesToTheNearestPack) {
       "  model( watts 4 )\n"  // does not run
       "  model( joules 9 model( watts 8 alwayson 1 model( watts 16 ctrl \"source 3\" ) ) )\n"
       ")\n");
-  EXPECT_THAT(messages(),
-              ElementsAre("w.world:1: warning: \"watts\" of a model of type position has no "
-                          "effect: Troupe computes the power of such a model (docs/stage-worlds.md)"));
+  EXPECT_THAT(
+      messages(),
+      ElementsAre(
+          "w.world:1: warning: \"watts\" of a model of type position has no "
+          "effect: Troupe computes the power of such a model (docs/stage-worlds.md): remove this property"));
   std::vector<const DeviceSpec*> packs;
   for (const DeviceSpec& device : found)
     if (device.kind == "power_pack") packs.push_back(&device);

@@ -153,9 +153,8 @@ TEST_F(StageSensors, WrongBumpersAreErrors) {
   device("bumper( size [0.1 0.1 0.1] bcount 0 )");
   EXPECT_THAT(messages(), ElementsAre("w.world:1: error: \"bcount\" must be from 1 to 1000, found 0"));
   device("bumper( size [0.1 0.1 0.1] )");
-  EXPECT_THAT(
-      messages(),
-      ElementsAre("w.world:1: warning: a bumper without \"bcount\" has no bumpers and senses nothing"));
+  EXPECT_THAT(messages(), ElementsAre("w.world:1: warning: a bumper without \"bcount\", the number of "
+                                      "bumpers, senses nothing: give \"bcount\""));
 }
 
 TEST_F(StageSensors, ACameraIsWrittenInDegrees) {

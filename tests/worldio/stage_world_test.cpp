@@ -188,11 +188,9 @@ TEST_F(StageWorld, PopulationsAreForJson) {
   LoadOptions options;
   options.robots = {{"", 3}};
   load("", options);
-  EXPECT_THAT(
-      messages(),
-      ElementsAre(
-          "w.world: error: the number of robots can be set only in a world with populations; a .world file "
-          "lists its robots one by one"));
+  EXPECT_THAT(messages(),
+              ElementsAre("w.world: error: the number of robots can be set only in a world with populations, "
+                          "a .json file; a .world file lists its robots one by one"));
 }
 
 TEST_F(StageWorld, PointersReachIntoWhatItBecomesInJson) {
@@ -222,8 +220,10 @@ TEST_F(Conformance07, Names) {
       "model()\nposition()\nmodel( name \"box\" )\nmodel( name \"/g\" )\n"
       "position( name \"r0\" ranger() ranger( name \"eye\" model() ) ranger() model( name \"/gkid\" model() "
       ") )\n");
-  EXPECT_THAT(messages(),
-              ElementsAre("w.world:5: warning: a ranger without a sensor( ... ) measures nothing"));
+  EXPECT_THAT(
+      messages(),
+      ElementsAre(
+          "w.world:5: warning: a ranger without a sensor( ... ) measures nothing: add a sensor( ... )"));
   EXPECT_THAT(body_names(spec), ElementsAre("_ground_model", "model:1", "position:0", "box", "g", "r0"));
   EXPECT_EQ(alias(spec, "model:0"), BodyId(0));
   EXPECT_EQ(alias(spec, "model:2"), BodyId(3));
@@ -257,7 +257,8 @@ TEST_F(StageWorld, DuplicateAndEmptyNamesAreReported) {
   EXPECT_THAT(
       messages(),
       ElementsAre(
-          "w.world:2: warning: the name \"x\" is already used: a search for this name finds only the "
+          "w.world:2: warning: the name \"x\" is already used by the model at line 1: a search for this name "
+          "finds only the "
           "last model that has it",
           "w.world:3: warning: \"name\" is empty or only a /; a generated name is used instead (and 1 more)",
           "w.world:5: error: \"name\" needs one value, not a tuple"));
@@ -272,7 +273,8 @@ TEST_F(StageWorld, DefaultBodiesAreBoxesOfTheirSize) {
       messages(),
       ElementsAre("w.world:3: warning: as in Stage, a bumper without \"size\" has a body of 0.4 m x 0.4 m x "
                   "1 m; give it a \"size\" (or \"noblocks 1\", if it should have no body)",
-                  "w.world:3: warning: a bumper without \"bcount\" has no bumpers and senses nothing"));
+                  "w.world:3: warning: a bumper without \"bcount\", the number of bumpers, senses nothing: "
+                  "give \"bcount\""));
   const engine::PartSpec& box = type_of(spec, 1).parts[0];
   ASSERT_THAT(box.solids, SizeIs(1));
   expect_box(bounds_of(box.solids), -1, 1, -2, 2);
@@ -316,9 +318,10 @@ TEST_F(StageWorld, WarnsOfDoubtfulBlocks) {
   EXPECT_THAT(
       messages(),
       ElementsAre("w.world:2: warning: \"point[7]\" is ignored: the block has 4 corners, numbered from 0",
-                  "w.world:1: warning: 2 of the 4 corners \"point[k]\" are not given; as in Stage, they are "
-                  "at [0 0]",
-                  "w.world:1: warning: this block has no height; give it the property \"z\", [min max]",
+                  "w.world:1: warning: 2 of the 4 corners have no \"point[k]\" and are at [0 0], as in "
+                  "Stage: give all, \"point[0]\" to \"point[3]\"",
+                  "w.world:1: warning: this block has no height: give the block a \"z\" [min max], with min "
+                  "below max",
                   "w.world:3: warning: this block has no area: check its corners, \"point[k]\""));
 }
 
@@ -345,8 +348,9 @@ TEST_F(StageWorld, BlocksDiscardWhatCameBeforeUnlessABitmapDid) {
   const std::string block = " block( points 3 point[0] [0 0] point[1] [1 0] point[2] [1 1] z [0 1] ) )\n";
   const auto spec = load("model( size [4 2 1]\n boundary 1" + block + "model( boundary 1 bitmap \"dot.png\"" +
                          block + "ranger( boundary 1 sensor()" + block);
-  EXPECT_THAT(messages(), ElementsAre("w.world:2: warning: \"boundary\" has no effect: as in Stage, the "
-                                      "walls are not added to a model that has blocks and no \"bitmap\""));
+  EXPECT_THAT(messages(),
+              ElementsAre("w.world:2: warning: \"boundary\" has no effect: as in Stage, a model that has "
+                          "blocks and no \"bitmap\" gets no walls: remove this property"));
   EXPECT_THAT(type_of(spec, 1).parts[0].solids, SizeIs(1));
   EXPECT_THAT(type_of(spec, 2).parts[0].solids, SizeIs(6));
   EXPECT_THAT(type_of(spec, 3).parts[0].solids, SizeIs(5));
@@ -402,7 +406,7 @@ TEST_F(StageWorld, AMapOfRosLiesWhereItSays) {
       "plan( block( points 3 point[1] [1 0] point[2] [1 1] z [0 1] ) )\n");
   EXPECT_THAT(messages(),  // one cell is unknown
               ElementsAre("w.world:4: warning: only the height (third value) of \"size\" is used: the ROS "
-                          "map has a size of its own, 2 m x 1 m",
+                          "map is 2 m x 1 m, not 0.01 m x 0.01 m",
                           "w.world:6: error: a model whose \"bitmap\" is a ROS map cannot have blocks: "
                           "remove them, or put them into a model of their own"));
   const engine::PartSpec& plan = type_of(spec, 1).parts[0];
@@ -419,9 +423,8 @@ TEST_F(StageWorld, SolidUnknownCellsOfAMapWithoutSuchCellsAreAWarning) {
   write("lab.pgm", "P5 2 1 255\n" + std::string("\xfe\x00", 2));
   write("lab.yaml", "image: lab.pgm\nresolution: 0.5\norigin: [0, 0, 0]\n");
   load("model( bitmap \"lab.yaml\" )\nmodel( bitmap \"lab.yaml\" bitmap_unknown 1 )\n");
-  EXPECT_THAT(messages(),
-              ElementsAre("w.world:2: warning: \"bitmap_unknown\" has no effect: the ROS map lab.yaml has no "
-                          "unknown cell"));
+  EXPECT_THAT(messages(), ElementsAre("w.world:2: warning: \"bitmap_unknown\" has no effect: the ROS map "
+                                      "lab.yaml has no unknown cell: remove this property"));
 }
 
 TEST_F(StageWorld, WhatIsWrongWithAMapOfRosIsToldInItsFile) {
@@ -436,7 +439,8 @@ TEST_F(StageWorld, WhatIsWrongWithAMapOfRosIsToldInItsFile) {
       messages(),
       ElementsAre("a.yaml:2: error: \"resolution\" needs a length from 0.000001 to 200000 m, found \"0\"",
                   "b.yaml:2: error: cannot read the image no.pgm: there is no such file",
-                  "w.world:3: error: the ROS map c.yml has no occupied cell",
+                  "w.world:3: error: the ROS map c.yml has no occupied cell: check its image, \"negate\" and "
+                  "\"occupied_thresh\"",
                   "w.world:4: error: cannot read the map d.yml: there is no such file"));
 }
 
@@ -453,12 +457,14 @@ TEST_F(StageWorld, ZeroAndNegativeSizesOfBodiesAreErrors) {
       "[1000000 "
       "1 1] )\nfiducial( block( points 3 point[0] [0 0] point[1] [1 0] point[2] "
       "[1 1] z [0 1] ) )");
-  EXPECT_THAT(messages(),
-              ElementsAre("w.world:1: error: \"size\" must be above 0 in every direction, found 0",
-                          "w.world:2: error: \"size\" must be above 0 in every direction, found -1",
-                          "w.world:3: error: \"size\" must be above 0 in every direction, found -1",
-                          "w.world:4: error: \"size\" is larger than the world, which is 200 km wide",
-                          "w.world:5: error: \"size\" must be above 0 in every direction, found 0"));
+  EXPECT_THAT(
+      messages(),
+      ElementsAre(
+          "w.world:1: error: \"size\" must be above 0 in every direction, found 0",
+          "w.world:2: error: \"size\" must be above 0 in every direction, found -1",
+          "w.world:3: error: \"size\" must be above 0 in every direction, found -1",
+          "w.world:4: error: \"size\" is larger than the world, which is 200 km wide: found 1000000 m",
+          "w.world:5: error: \"size\" must be above 0 in every direction, found 0"));
 }
 
 TEST_F(StageWorld, WhatHasNoBodyNeedsNoSize) {
@@ -467,8 +473,9 @@ TEST_F(StageWorld, WhatHasNoBodyNeedsNoSize) {
       "  ranger( size [0 0 0] pose [0 0 0.1 0] sensor( size [0 0 0] ) model( size [0.1 0.1 0.1] ) )\n"
       "  fiducial( size [0 0 0] ) )\n"
       "model( noblocks 1 size [0 0 0] )\nmodel( size [4 4 0] obstacle_return 0 )\n");
-  EXPECT_THAT(messages(), ElementsAre("w.world:5: warning: \"size\" gives this model a height of 0: only "
-                                      "bodies and beams at exactly its height meet it"));
+  EXPECT_THAT(messages(),
+              ElementsAre("w.world:5: warning: \"size\" gives this model a height of 0, so that only bodies "
+                          "and beams at exactly that height meet the model: give a third value above 0"));
   const engine::TypeSpec& robot = type_of(spec, 1);
   EXPECT_EQ(robot.parts[1].size, Eigen::Vector3d(0, 0, 0));
   EXPECT_NEAR(robot.devices[0].pose_body_device.z + transducer_pose(robot.devices[0], 0, "z"), 0.3, 1e-15);
@@ -513,17 +520,18 @@ TEST_F(StageWorld, LongTuplesAreCutWithAWarning) {
   load("model( size [1 1 1 0] )\nposition( velocity_bounds [-1 1 -1 1 -1 1 -90 90 3] )");
   EXPECT_THAT(
       messages(),
-      ElementsAre("w.world:1: warning: \"size\" takes 3 values [x y z]; the further values are ignored",
-                  "w.world:2: warning: \"velocity_bounds\" takes 8 values [xmin xmax ymin ymax "
-                  "zmin zmax amin amax]; the further values are ignored"));
+      ElementsAre(
+          "w.world:1: warning: \"size\" takes 3 values [x y z], found 4; the further values are ignored",
+          "w.world:2: warning: \"velocity_bounds\" takes 8 values [xmin xmax ymin ymax "
+          "zmin zmax amin amax], found 9; the further values are ignored"));
 }
 
 TEST_F(StageWorld, PlacesOutsideTheWorldAreErrors) {
   load("model( pose [200000 0 0 0] )\nmodel( model( pose [0 0 -100001 0] ) )");
-  EXPECT_THAT(
-      messages(),
-      ElementsAre("w.world:1: error: \"pose\" is outside the world, which reaches 100 km from its origin",
-                  "w.world:2: error: \"pose\" is outside the world, which reaches 100 km from its origin"));
+  EXPECT_THAT(messages(), ElementsAre("w.world:1: error: \"pose\" is outside the world, which reaches 100 km "
+                                      "from its origin: found 200000 m",
+                                      "w.world:2: error: \"pose\" is outside the world, which reaches 100 km "
+                                      "from its origin: found -100001 m"));
 }
 
 TEST_F(StageWorld, ChildrenStackOnTheirParent) {
@@ -705,7 +713,7 @@ TEST_F(StageWorld, RefusesWrongTransducers) {
                   "w.world:2: error: \"range\" must be above 0 m, found 0",
                   "w.world:3: error: \"range\" needs [min max] with min at most max, found [3 2]",
                   HasSubstr("w.world:4: error: \"fov\" must be at most 6.28"),
-                  "w.world:5: error: \"range\" needs a tuple [min max]",
+                  "w.world:5: error: \"range\" needs a tuple [min max], found 5",
                   "w.world:6: error: \"update_interval\" must be 0 (every tick) or above, in ms, found -1"));
 }
 
@@ -821,14 +829,25 @@ TEST_F(StageWorld, RefusesWrongDrives) {
                   "w.world:3: error: \"wheelbase\" must be above 0, found 0"));
 }
 
+TEST_F(StageWorld, TheLimitOfBodiesDoesNotApplyIfValuesAreSet) {
+  LoadOptions options;
+  options.most_bodies = 1;
+  const std::string world = "model()\nmodel( pose [3 0 0 0] )\n";
+  EXPECT_THAT(load(world, options).bodies, SizeIs(3));
+  options.set = {{"/seed", "7"}};
+  EXPECT_THAT(load(world, options).bodies, SizeIs(3));
+}
+
 TEST_F(StageWorld, APositionInsideAModelHasWheelsOfItsOwn) {
   const auto spec = load(
       "model( position() )\n"
       "position( position( pose [1 0 0 90] drive \"omni\" velocity_bounds [-2 2 0 0 0 0 -90 90]\n"
       "  localization \"odom\" model() ) )");
-  EXPECT_THAT(messages(),
-              ElementsAre("w.world:3: warning: \"localization\" of a model of type position inside "
-                          "another model has no effect: such a model always knows its true pose"));
+  EXPECT_THAT(
+      messages(),
+      ElementsAre(
+          "w.world:3: warning: \"localization\" of a model of type position inside "
+          "another model has no effect: such a model always knows its true pose: remove this property"));
   EXPECT_FALSE(type_of(spec, 1).drive);
   ASSERT_EQ(type_of(spec, 1).joints.size(), 1u);
   const engine::TypeSpec& type = type_of(spec, 2);
@@ -844,6 +863,15 @@ TEST_F(StageWorld, APositionInsideAModelHasWheelsOfItsOwn) {
   EXPECT_NEAR(type.joints[0].pose_body_joint.x, 1, 1e-12);
   EXPECT_EQ(type.parts[1].joint, 0);
   EXPECT_EQ(type.parts[2].joint, 0) << "what stands on it goes with it";
+}
+
+TEST_F(StageWorld, AStartVelocityOfAPositionInsideAModelIsAWarning) {
+  load("position( position( velocity [1 0 0 0] ) )\nposition( velocity [1 0 0 0] )");
+  EXPECT_THAT(messages(),
+              ElementsAre("w.world:1: warning: \"velocity\" of a model of type position inside another model "
+                          "has no effect: its drive sets its velocity before its first motion: remove this "
+                          "property"));
+  EXPECT_EQ(test_registry().device("wheels")->params.find("start_x"), -1);
 }
 
 // Controllers.
@@ -1045,7 +1073,7 @@ TEST_F(StageOwnWorld, Roomba) {
   EXPECT_THAT(
       messages(),
       ElementsAre(
-          "irobot.inc:29: warning: \"size\" takes 3 values [x y z]; the further values are ignored",
+          "irobot.inc:29: warning: \"size\" takes 3 values [x y z], found 4; the further values are ignored",
           "roomba.world:11: warning: properties without effect on the run, because only Stage's window uses "
           "them: paused, gui_nose, gui_grid, gui_move, gui_outline"));
   EXPECT_THAT(body_names(spec), ElementsAre("_ground_model", "cave", "r0"));
@@ -1072,8 +1100,8 @@ TEST_F(StageOwnWorld, Cave) {
   EXPECT_THAT(
       messages(),
       ElementsAre(
-          "benchmark/cave.world:52: warning: \"greenrob\" is already defined, at line 48; the first "
-          "definition is used",
+          "benchmark/cave.world:52: warning: macro \"greenrob\" is already defined, at line 48; that "
+          "definition is used: remove this one",
           "benchmark/cave.world:15: warning: properties without effect (docs/stage-worlds.md says why): "
           "threads",
           "benchmark/cave.world:13: warning: properties without effect on the run, because only Stage's "
@@ -1128,7 +1156,8 @@ TEST_F(StageOwnWorld, LspTest) {
   const auto spec = open("lsp_test.world");
   EXPECT_THAT(
       messages(),
-      ElementsAre("lsp_test.world:33: warning: a ranger without a sensor( ... ) measures nothing",
+      ElementsAre("lsp_test.world:33: warning: a ranger without a sensor( ... ) measures nothing: add a "
+                  "sensor( ... )",
                   "lsp_test.world:11: warning: properties without effect on the run, because only Stage's "
                   "window uses "
                   "them: paused, gui_nose, gui_grid, gui_move, gui_outline, color_rgba of a sensor",

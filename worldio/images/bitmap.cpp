@@ -271,7 +271,8 @@ std::optional<Bitmap> read_bitmap(const std::filesystem::path& file, Where where
 std::optional<Bitmap> decode_bitmap(std::string_view bytes, std::string_view name, Where where,
                                     Diagnostics& diagnostics, double most_pixels, const PixelRule& is_solid) {
   if (bytes.size() > static_cast<std::size_t>(std::numeric_limits<int>::max())) {
-    diagnostics.error(where, fmt::format("the image {} is larger than 2 GB", name));
+    diagnostics.error(
+        where, fmt::format("the image {} has {} bytes; at most 2^31 - 1 are allowed", name, bytes.size()));
     return {};
   }
   struct Format {

@@ -78,7 +78,10 @@ class MapReader {
 
 std::optional<RosMap> MapReader::read(const YAML::Node& node) {
   if (!node.IsMap()) {
-    error(0, "a ROS map consists of lines \"key: value\" with the keys image, resolution, origin and others");
+    error(0, fmt::format(
+                 "a ROS map consists of lines \"key: value\" with the keys image, resolution, origin and "
+                 "others, found {}",
+                 shown(node)));
     return {};
   }
   RosMap map;
@@ -130,7 +133,7 @@ void MapReader::check_keys(const YAML::Node& map) {
     const std::string suggestion = did_you_mean(key, k_keys);
     if (is_right)
       diagnostics_.warning({file_number_, line_of(entry.first.Mark())},
-                           fmt::format("a ROS map has no key \"{}\"; it is ignored{}", key, suggestion));
+                           fmt::format("a ROS map has no key \"{}\"; the key is ignored{}", key, suggestion));
     else
       error(entry.first, fmt::format("a ROS map has no key \"{}\"{}", key, suggestion));
   }
@@ -190,9 +193,10 @@ std::optional<RosMap> read_ros_map(const std::filesystem::path& file, Where wher
 std::optional<RosMap> parse_ros_map(const std::filesystem::path& file, std::string_view text,
                                     Diagnostics& diagnostics) {
   if (text.size() > k_most_bytes) {
-    diagnostics.error({diagnostics.files()->add(file.string()), 0},
-                      fmt::format("the file is too large: a ROS map is a few lines of YAML, at most {} KiB",
-                                  k_most_bytes >> 10));
+    diagnostics.error(
+        {diagnostics.files()->add(file.string()), 0},
+        fmt::format("the file is too large: {} bytes; a ROS map is a few lines of YAML, at most {} bytes",
+                    text.size(), k_most_bytes));
     return {};
   }
   return MapReader(file, diagnostics).read(text);

@@ -35,8 +35,8 @@ bool is_ros_map(const std::filesystem::path& file);
 /// Reads the YAML file of a ROS map, but not its image. If the file has errors, returns nothing and adds the
 /// errors at their lines; an error about a missing key, or about the whole file, has no line. If the file
 /// cannot be read, returns nothing and adds an error at `where`, the place of the file's name in the world
-/// file. Adds a warning for each unknown key, or an error if the values of the known keys have errors. A file
-/// of more than 64 KiB is an error.
+/// file. Each unknown key adds a warning. If the file also has an error, each unknown key adds an error
+/// instead, because it may be a misspelt known key. A file of more than 64 KiB is an error.
 std::optional<RosMap> read_ros_map(const std::filesystem::path& file, Where where, Diagnostics& diagnostics);
 /// Like read_ros_map(), but reads `text`, the content of the YAML file. `file` is the path of this file in
 /// messages. A relative path of the image is relative to its folder.

@@ -72,10 +72,13 @@ struct DocumentKey {
   std::size_t most = std::numeric_limits<std::size_t>::max();  ///< maximum number of points of an outline
   bool always = false;         ///< true: the writer also writes default values, except a z of 0 in a pose
   bool counts_bodies = false;  ///< true: the value must also be at most LoadOptions::most_bodies
-  /// Used in place of `field` if the kind of the object has a parameter with the name of `field`.
+  /// A copy of `field` with another name, set by or_named(). Used in place of `field` in an object whose kind
+  /// has a parameter with the name of `field`, because parameters are keys of the same object. Not set: the
+  /// key has only one name.
   std::optional<engine::Field> other;
-  std::uint32_t variants = ~0u;               ///< bit i is 1 if an object may have this key when its key
-                                              ///< DocumentTable::variant has the i-th of its choices
+  /// Bit i is 1 if an object may have this key while its key with the name DocumentTable::variant has the
+  /// i-th of the choices of that key.
+  std::uint32_t variants = ~0u;
   const DocumentTable& (*table)() = nullptr;  ///< Form::object, list and map: table of the struct
   const engine::FieldTable* block = nullptr;  ///< Form::block: the fields of the object
   /// Returns whether a JSON object may have this key, given its other keys. Null: every object may.
@@ -213,7 +216,7 @@ struct DocumentShorthand {
 
 /// The description of a struct: its keys, and rules for them.
 struct DocumentTable {
-  std::string_view definition;      ///< name under "definitions" in the schema; empty: written at every use
+  std::string_view definition;      ///< name under "definitions" in the schema; empty: each use has a copy
   std::vector<DocumentKey> keys;    ///< in the order in which the writer writes them
   std::vector<DocumentRule> rules;  ///< checked in this order
   const DocumentKinds* kinds = nullptr;          ///< null: the objects have no key `kind`
@@ -225,8 +228,8 @@ struct DocumentTable {
   void (*check)(const void* object, const JsonCursor& at) = nullptr;
   Placed& (*placed)(void* object) = nullptr;  ///< returns the struct as its base class Placed
   const void* usual = nullptr;                ///< a struct whose members have their default values
-  /// Names of the structs that have members for which describe() called neither a function that adds a key
-  /// nor DocumentKeys::no_key(). It must be empty; a test checks this.
+  /// Names of the structs with forgotten members. For each member, describe() must call a function that adds
+  /// a key, or DocumentKeys::no_key(). The list must be empty; a test checks this.
   std::vector<std::string> incomplete;
   /// Returns whether the writer omits the key `kind` of this object, because the reader finds its kind by
   /// DocumentKinds::implied. Null: the writer always writes the key.
@@ -240,7 +243,8 @@ struct DocumentTable {
 /// `>= 0.9`. Spaces around the operator and the number are allowed. If the text is not such a comparison,
 /// reports an error at `at` and returns nothing.
 std::optional<ComparisonDocument> read_comparison(const JsonCursor& at, std::string_view text);
-/// Returns the regular expression that every text that read_comparison() accepts matches, for the schema.
+/// Returns a regular expression for the schema. Every text that read_comparison() accepts matches this
+/// expression.
 std::string comparison_pattern();
 
 /// Returns the table of a struct. The first call fills the table with T::describe().
@@ -402,7 +406,7 @@ class DocumentKeys {
     note<Members...>();
   }
 
-  /// Returns DocumentTable::incomplete, after all keys were added.
+  /// Returns the value for DocumentTable::incomplete. Call this function after all keys are added.
   std::vector<std::string> incomplete() const {
     std::vector<std::string> found;
     for (const Noted& of : noted_)
@@ -419,7 +423,7 @@ class DocumentKeys {
       Check(*static_cast<const T*>(object), at);
     };
   }
-  /// The table that is filled, for members that no function above sets.
+  /// The table that this object fills. It gives access to the members that no function above sets.
   DocumentTable& table() { return table_; }
 
  private:
@@ -441,10 +445,11 @@ class DocumentKeys {
 
   /// The members of a struct that were given to a function that adds a key, or to no_key().
   struct Noted {
-    std::string_view name;                  ///< a text that contains the name of the struct
+    std::string_view name;                  ///< name_of() of the struct, which identifies it
     std::size_t count = 0;                  ///< number of its members
     std::vector<std::string_view> members;  ///< those that were given, by engine::detail::tag()
   };
+  /// The compiler's text for this function, which is different for each C and contains the name of C.
   template <class C>
   static constexpr std::string_view name_of() {
     return __PRETTY_FUNCTION__;

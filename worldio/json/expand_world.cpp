@@ -250,10 +250,12 @@ void WorldExpander::expand_model(const ModelDocument& document, const DocumentPa
   const DocumentPath global(at, "global_parts", document.where_of("global_parts"));
   for (std::size_t i = 0; i < document.global_parts.size(); ++i) {
     const std::string& name = document.global_parts[i];
-    if (std::ranges::find(parts, name, &engine::PartSpec::name) == parts.end())
-      DocumentPath(global, i, global.where())
-          .error(fmt::format("the type \"{}\" of this model has no part \"{}\"",
-                             spec_.types[model.body.type.index()].name, name));
+    if (std::ranges::find(parts, name, &engine::PartSpec::name) != parts.end()) continue;
+    std::vector<std::string_view> known;
+    for (const engine::PartSpec& part : parts) known.push_back(part.name);
+    DocumentPath(global, i, global.where())
+        .error(fmt::format("the type \"{}\" of this model has no part \"{}\"; known: {}",
+                           spec_.types[model.body.type.index()].name, name, comma_list(known)));
   }
   model.global_parts = document.global_parts;
   if (!document.reserve_of.empty()) model.reserve_of = document.reserve_of;
@@ -410,8 +412,11 @@ void WorldExpander::check_model(const Model& model, engine::Occupancy& occupancy
       !spec_.bounds->contains(body.pose_world_body.position()))
     diagnostics_.error(
         body.where,
-        fmt::format("{}: \"{}\" is outside the bounds of the world; move it, or change \"bounds_m\"",
-                    model.pointer, spec_.names.text(body.name)));
+        fmt::format(
+            "{}: \"{}\" is at [{:.10g}, {:.10g}], outside the bounds of the world, [[{:.10g}, {:.10g}], "
+            "[{:.10g}, {:.10g}]]: move the model, or change \"bounds_m\"",
+            model.pointer, spec_.names.text(body.name), body.pose_world_body.x, body.pose_world_body.y,
+            spec_.bounds->min.x(), spec_.bounds->min.y(), spec_.bounds->max.x(), spec_.bounds->max.y()));
   crowd.add(shape, body.pose_world_body);
 }
 
@@ -499,7 +504,8 @@ std::optional<std::size_t> population_index(const JsonNode& document, const std:
                                                    : std::string_view());
     }
   if (names.empty()) {
-    diagnostics.error(where, "the number of robots can be set only for a population, but the world has none");
+    diagnostics.error(
+        where, "the number of robots can be set only for a population, but the world has no populations");
     return std::nullopt;
   }
   if (name.empty()) {

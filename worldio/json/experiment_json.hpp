@@ -43,13 +43,15 @@ std::optional<engine::SettingSpec> read_setting(std::string_view type, std::stri
                                                 const engine::WorldSpec& spec, Diagnostics& diagnostics);
 /// Returns the parameters of a type as JSON on one line: a list of the objects that read_setting() reads, one
 /// for the drive and for each device and controller whose kind has parameters. Values that are not finite,
-/// and parameters that are blocks (FieldType::record and records), are left out. Throws like json_text().
+/// and parameters that are blocks (FieldType::record and records), are left out. Throws std::runtime_error
+/// for a text that is not UTF-8.
 std::string parameters_json(const engine::TypeSpec& type, const engine::Registry& registry);
 
 /// Reads the keys of an experiment (`stop_when`, `at`, `faults`) from `object`, the JSON object of a stored
 /// world (worldio/json/spec_json.hpp), and adds the experiment to spec.experiment with expand_experiment().
-/// Other keys of the object are neither read nor reported. `type_keys` has, for each type in spec.types, the
-/// text that names it in the object.
+/// Errors are reported to the diagnostics of object.at(). Other keys of the object are neither read nor
+/// reported. The types of `spec` must be set already: `type_keys` has, for each of them, the text that names
+/// it in the object.
 void read_experiment(JsonObject& object, std::span<const std::string> type_keys,
                      const engine::Registry& registry, engine::WorldSpec& spec);
 /// The inverse of read_experiment(): adds the keys of spec.experiment to `object`. Adds nothing for a world

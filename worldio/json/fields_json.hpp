@@ -34,9 +34,9 @@ FoundField find_field(JsonObject& object, const engine::Field& field);
 engine::Value read_value(const JsonCursor& at, const engine::Field& field);
 
 /// Reads all fields of a table from an object. A field that the object lacks takes its value from `presets`,
-/// which are pairs of a field name and a value, or else its default. A field that is missing and has neither
-/// is an error, unless the field is optional: the record then has no value for the field. A field with a
-/// wrong value is an error, and also takes its preset or default. Unknown keys are not reported;
+/// which are pairs of a field name and a value, or else its default. If it has neither and is optional, the
+/// record has no value for it; if it has neither and is not optional, the missing field is an error. A field
+/// with a wrong value is an error, and also takes its preset or default. Unknown keys are not reported;
 /// JsonObject::finish() reports them.
 engine::Record read_fields(JsonObject& object, const engine::FieldTable& table,
                            std::span<const std::pair<std::string_view, engine::Value>> presets = {});

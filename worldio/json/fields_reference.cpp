@@ -358,7 +358,8 @@ std::string with_key_tables(const std::string& page, const std::vector<KeyTable>
     if (table.heading != heading) {
       at = made.find(fmt::format("\n{}\n", table.heading));
       if (at == made.npos)
-        throw std::runtime_error(fmt::format("the documentation page has no heading \"{}\"", table.heading));
+        throw std::runtime_error(
+            fmt::format("the documentation page has no heading \"{}\": add this heading", table.heading));
       ++at;
     }
     heading = table.heading;
@@ -366,7 +367,9 @@ std::string with_key_tables(const std::string& page, const std::vector<KeyTable>
     const std::size_t begin = made.find("\n| key", at);
     if (begin >= next)
       throw std::runtime_error(
-          fmt::format("the documentation page has too few tables below the heading \"{}\"", heading));
+          fmt::format("the documentation page has too few tables below the heading \"{}\": add a table that "
+                      "begins with \"| key\"",
+                      heading));
     const std::size_t end = std::min(made.find("\n\n", begin), made.size() - 1);
     made.replace(begin + 1, end - begin, table.markdown);
     at = begin + 1 + table.markdown.size();

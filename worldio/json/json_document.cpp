@@ -159,8 +159,9 @@ class TreeBuilder {
 
   bool open() {
     if (open_.size() == k_max_depth) {
-      diagnostics_.error(last_->where,
-                         fmt::format("lists and objects are nested deeper than {} levels", k_max_depth));
+      diagnostics_.error(
+          last_->where,
+          fmt::format("lists and objects are nested deeper than the limit, {} levels", k_max_depth));
       return false;
     }
     open_.push_back(

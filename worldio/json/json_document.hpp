@@ -25,8 +25,8 @@ void set_json_value(JsonNode& document, const std::string& pointer, const std::s
 
 /// Reports an error for every repeated key of an object. Checks `node` and all objects inside it.
 void report_repeated_keys(const JsonNode& node, Diagnostics& diagnostics);
-/// Gives every node without a file in its place (Where::k_no_file) the place of the node that contains it; a
-/// root without a file gets `around`. Each key gets the place of its value.
+/// Changes the place of every node whose place has no file (Where::k_no_file): the node gets the place of the
+/// node that contains it, and the root gets `around`. Each key gets the place of its value.
 void place_nodes(JsonNode& node, const Where& around);
 
 /// Returns a key as a token of a JSON pointer: `~` becomes `~0`, `/` becomes `~1`.

@@ -104,7 +104,7 @@ class Includer {
     if (same != open_.end()) {
       std::string chain;
       for (auto each = same; each != open_.end(); ++each) chain += fmt::format("{} includes ", each->name);
-      return at.error(fmt::format("a circle of includes: {}{}", chain, same->name));
+      return at.error(fmt::format("a circle of includes: {}{}; remove one of them", chain, same->name));
     }
     if (std::ranges::find(done_, path) != done_.end()) return;
     done_.push_back(path);
@@ -216,6 +216,14 @@ bool have_other_kinds(const JsonNode& a, const JsonNode& b) {
   return kind_a && kind_b && *kind_a != *kind_b;
 }
 
+/// Removes the keys with the value null, which say that a type does not inherit these keys. The exception is
+/// `"joint": null`, which says that no joint moves the part.
+void remove_nulls(Members& members) {
+  std::erase_if(members, [](const JsonMember& member) {
+    return member.key != "joint" && std::holds_alternative<std::monostate>(member.node.value);
+  });
+}
+
 /// Adds the keys of `base` to the object `own`, which keeps its own keys.
 void merge(JsonNode& own, const JsonNode& base) {
   Members* members = members_of(&own);
@@ -233,10 +241,17 @@ void merge(JsonNode& own, const JsonNode& base) {
       members->push_back(inherited);
     }
   }
-  // `"joint": null` says that no joint moves the part. Every other null removes the inherited value.
-  std::erase_if(*members, [](const JsonMember& member) {
-    return member.key != "joint" && std::holds_alternative<std::monostate>(member.node.value);
-  });
+  remove_nulls(*members);
+}
+
+/// Removes the keys with the value null from an object and from all objects in it.
+void remove_all_nulls(JsonNode& node) {
+  if (Members* members = members_of(&node)) {
+    remove_nulls(*members);
+    for (JsonMember& member : *members) remove_all_nulls(member.node);
+  } else if (auto* list = std::get_if<JsonNode::List>(&node.value)) {
+    for (JsonNode& entry : *list) remove_all_nulls(entry);
+  }
 }
 
 /// Resolves `extends` of all types, each type after the one that it extends.
@@ -267,13 +282,15 @@ class TypeMerger {
 };
 
 /// Replaces the key "extends" of a type whose base is wrong by a shape, if the type has none: otherwise the
-/// reader would also report that the type has no shape, which it would have inherited.
+/// reader would also report that the type has no shape, which it would have inherited. For the same reason,
+/// keys with the value null, which remove inherited values, are removed.
 void replace_wrong_base(JsonNode& type) {
   constexpr std::array<std::string_view, 7> k_shapes{"size_m", "size_cm", "size_mm", "disc",
                                                      "blocks", "bitmap",  "device"};
   Members& members = *members_of(&type);
   const Where where = type.find("extends")->where;
   remove_key(members, "extends");
+  remove_all_nulls(type);
   if (std::ranges::any_of(k_shapes, [&](std::string_view key) { return type.find(key) != nullptr; })) return;
   const JsonNode one{1.0, where};
   members.push_back({"size_m", where, {JsonNode::List{one, one, one}, where}});
@@ -289,7 +306,9 @@ void TypeMerger::resolve(JsonMember& type) {
     std::string chain;
     for (auto each = circle; each != open_.end(); ++each) chain += fmt::format("{} extends ", (*each)->key);
     replace_wrong_base(type.node);
-    return error(type, where, fmt::format("the types extend each other in a circle: {}{}", chain, type.key));
+    return error(type, where,
+                 fmt::format("the types extend each other in a circle: {}{}; remove one \"extends\"", chain,
+                             type.key));
   }
   const std::string* name = value.text();
   const auto base = name ? std::ranges::find(types_, *name, &JsonMember::key) : types_.end();

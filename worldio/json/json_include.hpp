@@ -19,9 +19,9 @@ namespace troupe::worldio {
 /// same key. Does nothing if the world has no key `include`.
 void resolve_includes(JsonNode& world, const std::filesystem::path& file, Diagnostics& diagnostics);
 
-/// Replaces the key `extends` of each type of a world by keys of the base type, the type that `extends`
-/// names:
-/// - A key that the type has itself replaces the key of the base type. After merging, a key whose value is
+/// Replaces the key `extends` of each type of a world with the keys of the base type, which is the type that
+/// `extends` names: - A key that the type has itself replaces the key of the base type. After merging, a key
+/// whose value is
 ///   null is removed, except `joint`, where null means that there is no joint.
 /// - If both values of a key are objects, they are merged key by key, unless both have a `kind` and the kinds
 ///   differ. Nothing of the base object is inherited in that case. The key `kind` of a type itself, which

@@ -1,6 +1,7 @@
 #include "worldio/json/json_parts.hpp"
 
 #include "base/math.hpp"
+#include "base/number_text.hpp"
 #include "worldio/images/bitmap.hpp"
 #include "worldio/images/ros_map.hpp"
 #include "worldio/json/fields_json.hpp"
@@ -189,7 +190,11 @@ std::optional<Box> read_box(const JsonCursor& at) {
   box.min = corners[0];
   box.max = corners[1];
   if (!box.empty()) return box;
-  at.error("the corners are in the wrong order: expected [[x_min, y_min], [x_max, y_max]]");
+  at.error(fmt::format(
+      "the corners are in the wrong order: expected [[x_min, y_min], [x_max, y_max]], found [[{}, {}], "
+      "[{}, {}]]",
+      plain_number(box.min.x()), plain_number(box.min.y()), plain_number(box.max.x()),
+      plain_number(box.max.y())));
   return std::nullopt;
 }
 
@@ -235,7 +240,9 @@ std::optional<ExpandedImage> expand_image(const ImageDocument& document, const P
   if (!made.image) return std::nullopt;
   if (made.image->contours.empty()) {
     DocumentPath(at, "bitmap", where)
-        .error(is_map ? fmt::format("the ROS map \"{}\" has no occupied cell", document.bitmap)
+        .error(is_map ? fmt::format("the ROS map \"{}\" has no occupied cell: check its image, \"negate\" "
+                                    "and \"occupied_thresh\"",
+                                    document.bitmap)
                       : fmt::format("the image \"{}\" has no solid pixel: pixels whose first channel is at "
                                     "most 127 are solid",
                                     document.bitmap));
@@ -245,8 +252,9 @@ std::optional<ExpandedImage> expand_image(const ImageDocument& document, const P
     const DocumentPath unknown(at, "unknown", object.where_of("unknown"));
     unknown.diagnostics().warning(
         unknown.where(),
-        fmt::format("{}: \"solid\" has no effect, because the ROS map \"{}\" has no unknown cell",
-                    unknown.pointer(), document.bitmap));
+        fmt::format(
+            "{}: \"solid\" has no effect, because the ROS map \"{}\" has no unknown cell: remove this key",
+            unknown.pointer(), document.bitmap));
   }
   if (is_map)
     made.size << made.image->place->size_m, document.height.value_or(k_map_height_m);

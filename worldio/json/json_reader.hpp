@@ -78,7 +78,7 @@ class JsonObject {
   /// Like find(), but reports the error `missing "key": hint` if the object lacks the key.
   const JsonNode* require(std::string_view key, std::string_view hint);
   /// Reports the error `missing "key": hint`. Does nothing if the value is not an object, because the
-  /// constructor has reported that error.
+  /// constructor has already reported that.
   void missing(std::string_view key, std::string_view hint) const;
   /// Reports an error for every key of the object that the caller did not ask for.
   void finish() const;

@@ -36,9 +36,11 @@ std::string text_of(const std::string& text) {
   for (std::string_view rest = text; !rest.empty();) {
     const std::size_t bytes = character_bytes(rest);
     if (bytes == 0)
-      throw std::runtime_error(fmt::format(
-          "a name or text in the world is not UTF-8, which JSON requires; the text begins with \"{}\"",
-          text.substr(0, text.size() - rest.size())));
+      throw std::runtime_error(
+          fmt::format("a name or text in the world is not UTF-8, which JSON requires; the text begins with "
+                      "\"{}\": write it "
+                      "in UTF-8",
+                      text.substr(0, text.size() - rest.size())));
     const char c = rest.front();
     if (c == '"' || c == '\\')
       out += {'\\', c};
@@ -53,7 +55,8 @@ std::string text_of(const std::string& text) {
 
 std::string number_of(double x) {
   if (!std::isfinite(x))
-    throw std::runtime_error("a number in the world is infinite or NaN, which JSON cannot represent");
+    throw std::runtime_error(
+        fmt::format("a number in the world is {}, which JSON cannot represent: give a finite number", x));
   if (x == 0) return std::signbit(x) ? "-0.0" : "0";  // "-0" would be read back as the integer 0
   std::array<char, 32> digits{};
   const auto [end, error] = std::to_chars(digits.data(), digits.data() + digits.size(), x);

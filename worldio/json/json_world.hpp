@@ -15,9 +15,9 @@ namespace troupe::worldio {
 /// paths are relative to the folder of `file` (worldio/json/json_include.hpp). Then it applies the changes of
 /// the command line: the values of LoadOptions::set (`--set POINTER=VALUE`) and the numbers of bodies of
 /// LoadOptions::robots (`--robots NAME=COUNT`). Last, it merges each type with the type that it extends, so
-/// that a changed type also changes the types that extend it, and adds to LoadOptions::base_types. Reports an
-/// error for each file that cannot be included, value that cannot be set, unknown population, and base type
-/// that is unknown or part of a circle.
+/// that a changed type also changes the types that extend it. It adds the names of the extended types to
+/// LoadOptions::base_types. Reports an error for each file that cannot be included, value that cannot be set,
+/// unknown population, unknown base type, and circle of types that extend each other.
 void change_json_world(JsonNode& document, const std::filesystem::path& file, const LoadOptions& options,
                        Diagnostics& diagnostics);
 

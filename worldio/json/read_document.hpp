@@ -16,8 +16,8 @@ struct DocumentReading {
 
 /// Reads the JSON object at `at` into the struct at `object`, which must be default-constructed and of the
 /// type that `table` describes. If the table has a shorthand, a text is accepted in place of the JSON object.
-/// Reports all errors, each at its line, and treats a wrong value as absent. The unknown name of a model kind
-/// (Form::model_kind) is stored all the same. A wrong entry of a list of structs stays in the list, without
+/// Reports all errors, each at its line, and treats a wrong value as absent, except that the unknown name of
+/// a model kind (Form::model_kind) is stored. A wrong entry of a list of structs stays in the list, without
 /// its wrong values; a wrong entry of a list of names is left out. If the kind of the object is unknown, or
 /// missing and not implied (DocumentKinds::implied), no other key is read. If the value of the key
 /// DocumentTable::variant is missing or wrong, the keys that depend on it are not read.

@@ -27,7 +27,8 @@ std::string line_of(const Json& json) {
   try {
     return json.dump();
   } catch (const Json::type_error&) {
-    throw std::invalid_argument("a name is not UTF-8, which the JSON lines of a session require");
+    throw std::invalid_argument(
+        "a name is not UTF-8, which the JSON lines of a session require: write names in UTF-8");
   }
 }
 
@@ -187,7 +188,7 @@ void read_line(JsonObject& object, Session& session, Diagnostics& diagnostics) {
   if (diagnostics.findings().size() > before) return;
   const std::uint64_t last = session.acts.empty() ? session.header.tick : session.acts.back().tick;
   if (session.end)
-    object.at().error("no line may follow the line that ends the session");
+    object.at().error("no line may follow the line that ends the session: remove this line");
   else if (logged.tick < last)
     object.at().error(fmt::format(
         "tick {} is less than tick {} of an earlier line: actions must be in the order of their ticks",

@@ -9,8 +9,8 @@ namespace troupe::worldio {
 /// Whether spec_difference() compares the places in files (Where) that values come from. Two places are equal
 /// if they have the same file name and line.
 enum class Places {
-  ignored,   ///< no places
-  compared,  ///< all places, except those of WorldSpec::experiment, which stored worlds do not keep
+  ignored,   ///< no places are compared
+  compared,  ///< all places are compared, except those of WorldSpec::experiment, which stored worlds lack
 };
 
 /// Returns the path of the first value that differs in any bit between two worlds, such as

@@ -14,8 +14,9 @@
 
 namespace troupe::worldio {
 
-/// Path to a value of a spec: a chain of elements on the stack, each of which points to the element of the
-/// enclosing struct or list, which must outlive it. The text of a path is made only for an error.
+/// Path to a value of a spec: a chain of elements on the stack. Each element points to the element of the
+/// enclosing struct or list, which must exist for at least as long. The text of a path is made only for an
+/// error.
 struct SpecPath {
   const SpecPath* parent = nullptr;  ///< path of the enclosing struct or list; null for the spec itself
   std::string_view name = {};        ///< name of the member; empty for a list's entry

@@ -24,8 +24,8 @@ using Json = nlohmann::ordered_json;
 
 double finite(double x, const Field& field) {
   if (!std::isfinite(x))
-    throw std::runtime_error(
-        fmt::format("\"{}\" of the world is infinite or NaN, which JSON cannot represent", key_of(field)));
+    throw std::runtime_error(fmt::format(
+        "\"{}\" of the world is {}, which JSON cannot represent: give a finite number", key_of(field), x));
   return x;
 }
 
@@ -287,7 +287,8 @@ std::string spec_to_json(const engine::WorldSpec& spec, const engine::Registry& 
   try {
     return json.dump();
   } catch (const Json::type_error&) {
-    throw std::runtime_error("a text among the parameters of the world is not UTF-8, which JSON requires");
+    throw std::runtime_error(
+        "a text among the parameters of the world is not UTF-8, which JSON requires: write texts in UTF-8");
   }
 }
 

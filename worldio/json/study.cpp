@@ -360,7 +360,8 @@ void StudyReader::check_runs(const JsonCursor& at) {
     count *= static_cast<double>(study_.choices[p].count());
   }
   if (count > static_cast<double>(k_most_runs))
-    at.error(fmt::format("the study has {} runs; at most {} are allowed", plain_number(count), k_most_runs));
+    at.error(fmt::format("the study has {} runs; at most {} are allowed: give fewer values, samples or seeds",
+                         plain_number(count), k_most_runs));
 }
 
 }  // namespace

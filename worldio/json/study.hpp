@@ -60,11 +60,12 @@ struct Study {
       return kind == Kind::steps ? steps : values.size();
     }  ///< number of values to combine; 0 if the values are random
   };
-  std::vector<Choice> choices;         ///< one per parameter, in the order of `parameters`
-  std::vector<std::uint64_t> seeds;    ///< seeds of the runs; empty: only the world's seed
-  std::optional<std::size_t> samples;  ///< number of samples, each of which selects every parameter at
-                                       ///< random; empty: all combinations
-  std::uint64_t random_seed = 1;       ///< seed of the samples
+  std::vector<Choice> choices;       ///< one per parameter, in the order of `parameters`
+  std::vector<std::uint64_t> seeds;  ///< seeds of the runs; empty: only the world's seed
+  /// Number of samples. A sample has one random value of each parameter. Empty: no samples, but all
+  /// combinations of the values.
+  std::optional<std::size_t> samples;
+  std::uint64_t random_seed = 1;  ///< seed of the random values of the samples
 
   /// The number of runs of the study. load_study() reports an error for a study with more than k_most_runs
   /// runs.
@@ -87,8 +88,9 @@ struct Study {
 std::vector<std::string> measure_columns(const std::vector<std::string>& measures,
                                          const std::vector<Statistic>& statistics);
 
-/// Adds an error for each column of a measure whose name another column of the study's tables has: a
-/// parameter, another measure, or a column of every table, such as `seed`. measures: as in measure_columns().
+/// Adds an error for each column of a measure that has the same name as another column of the study's tables.
+/// The other column can be that of a parameter or of another measure, or one that every table has, such as
+/// `seed`. measures: as in measure_columns().
 void check_columns(const Study& study, const std::vector<std::string>& measures, Diagnostics& diagnostics);
 
 inline constexpr std::size_t k_most_runs = 1000000;  ///< greatest number of runs of a study

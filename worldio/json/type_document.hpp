@@ -12,9 +12,9 @@
 
 namespace troupe::worldio {
 
-/// Returns the type that a document describes. `key` is its key in the object `types` and its name, unless
-/// the document has a name; `at` is the path of the document, for errors. Do not use the result if errors are
-/// reported.
+/// Returns the type that a document describes. `key` is its key in the object `types`, and also its name if
+/// the document has no name. `at` is the path of the document, for errors. Do not use the result if errors
+/// are reported.
 engine::TypeSpec expand_type(const TypeDocument& document, const std::string& key, const DocumentPath& at,
                              const engine::Registry& registry, ImageFolder& images);
 

@@ -61,8 +61,10 @@ Result<> check_wall_line(const Ring& line, double thickness) {
   if (line.size() < 2) return Error{fmt::format("expected at least 2 points, found {}", line.size())};
   for (std::size_t i = 1; i < line.size(); ++i)
     if (line[i] == line[i - 1])
-      return Error{fmt::format("a wall of no length: point {} repeats point {} (points are counted from 0)",
-                               i, i - 1)};
+      return Error{
+          fmt::format("a wall of no length: point {} repeats point {} (points are counted from 0): remove "
+                      "one of them",
+                      i, i - 1)};
   const bool closed = line.size() > 2 && line.front() == line.back();
   const std::size_t points = closed ? line.size() - 1 : line.size();
   for (std::size_t i = closed ? 0 : 1; i + (closed ? 0 : 1) < points; ++i) {
@@ -79,9 +81,11 @@ Result<> check_wall_line(const Ring& line, double thickness) {
     const Vec2 along = corners.direction(i);
     if ((corners.left(end) - corners.left(i)).dot(along) <= 0 ||
         (corners.right(end) - corners.right(i)).dot(along) <= 0)
-      return Error{fmt::format(
-          "the segment that begins at point {}, counted from 0, is too short for walls {:.10g} m thick", i,
-          thickness)};
+      return Error{
+          fmt::format("the segment that begins at point {}, counted from 0, is too short for walls {:.10g} m "
+                      "thick: move this "
+                      "point, or make the walls thinner",
+                      i, thickness)};
   }
   return {};
 }

@@ -93,7 +93,7 @@ struct RingDocument : Placed {
 /// An upright cylinder that stands on z = 0, as a prism whose base is a regular polygon.
 struct DiscDocument : Placed {
   std::optional<double> radius;  ///< distance of the corners from the axis, m; required
-  std::optional<double> height;  ///< height, m; required
+  std::optional<double> height;  ///< height of the top above z = 0, m; required
   std::int64_t corners = 16;     ///< number of corners; the first is on the x axis
   static void describe(DocumentKeys<DiscDocument>& d);  ///< adds the keys of this struct to `d`
 };
@@ -172,11 +172,15 @@ struct ControllerDocument : Placed {
 /// A part, or the root of a type's tree of parts.
 struct PartDocument : Placed {
   std::string name;   ///< name of the part or type; empty for a type that is named like its key
-  std::string alias;  ///< another name; empty: none
+  std::string alias;  ///< another name, by which programs can also find the part; empty: none
   std::string kind;   ///< name in Registry::models; empty: "position" for a type with a drive, else "model"
-  std::optional<Pose> pose;          ///< pose in the frame of the body; empty: at its origin
-  std::optional<JointName> joint;    ///< joint that moves the part; empty: that of the enclosing part
-  ImageDocument image;               ///< without a bitmap: only the `size` of the box or of the fitted blocks
+  std::optional<Pose> pose;        ///< pose in the frame of the body; empty: at the origin of the body
+  std::optional<JointName> joint;  ///< joint that moves the part; empty: that of the enclosing part
+  /// The image that gives the part its shape. If image.bitmap is empty, there is no image, and only
+  /// image.size is used: with `fit`, as the size to which `blocks` are scaled, otherwise as the size of a box
+  /// that stands on z = 0 and is centred on the origin of the part. If image.size is empty too, there is no
+  /// box.
+  ImageDocument image;
   bool fit = false;                  ///< true: the blocks together are scaled to image.size
   std::optional<Pose> origin;        ///< pose of the centre of the image or of the fitted blocks, part frame
   std::optional<DiscDocument> disc;  ///< a cylinder about the origin of the part, in addition to the blocks
@@ -230,7 +234,7 @@ struct ArenaDocument : Placed {
 /// A single body.
 struct ModelDocument : Placed {
   std::string name;        ///< name of the body; unique, unless WorldDocument::same_names allows repetitions
-  std::string alias;       ///< another name; empty: none
+  std::string alias;       ///< another name, by which programs can also find the body; empty: none
   std::string type;        ///< a key of WorldDocument::types
   std::string reserve_of;  ///< population to whose reserve it belongs; empty: it exists from the start
   Pose pose;               ///< pose in the world frame
@@ -243,26 +247,30 @@ struct ModelDocument : Placed {
 
 /// The heading of a population's bodies.
 struct HeadingDocument {
-  bool is_random = false;  ///< a random heading per body
+  bool is_random = false;  ///< true: each body gets a random heading
   double rad = 0;          ///< if not random: the heading of all bodies, rad, world frame
 };
 
 /// The colour of a population's bodies.
 struct ColorDocument {
-  bool is_random = false;  ///< a random colour per body
+  bool is_random = false;  ///< true: each body gets a random colour
   Color color;             ///< if not random: the colour of all bodies
 };
 
-/// The rule by which the bodies of a population are placed, and its parameters.
+/// The rule by which the bodies of a population are placed, and its parameters. A comment that begins with
+/// the name of a rule, such as `grid:`, describes a parameter that only this rule has.
 struct PlaceDocument : Placed {
   std::optional<engine::PlacementRule::Kind> rule;  ///< the rule: grid, uniform, ...; required
-  std::optional<Box> region;  ///< region of the origins, m; empty: that of `polygon`, else the world's bounds
-  std::optional<Ring> polygon;  ///< polygon that contains the origins, m; empty: the whole region
+  /// Rectangle that contains the origins of the bodies, m. Empty: the bounding box of `polygon`, else the
+  /// bounds of the world.
+  std::optional<Box> region;
+  std::optional<Ring> polygon;  ///< polygon that also contains the origins, m; empty: the whole `region`
   std::optional<Box> spill;     ///< grid: region for bodies that do not fit in `region`, m
   std::optional<double> pitch;  ///< grid: distance between neighbouring cells, m; required
   double jitter = 0;            ///< grid: maximum random displacement of each coordinate, m
-  std::optional<std::array<double, 2>> mean;       ///< gaussian: mean of the origins, m; required
-  std::optional<std::array<double, 2>> deviation;  ///< gaussian: along x and y, m; required
+  std::optional<std::array<double, 2>> mean;  ///< gaussian: mean of the origins, m; required
+  /// gaussian: standard deviations of the origins along x and y, m; required.
+  std::optional<std::array<double, 2>> deviation;
   std::optional<double> distance;  ///< poisson_disc: minimum distance of two origins, m; required
   /// free_floor: point from which the floor must be reachable, m; empty: a point of the largest connected
   /// floor.
@@ -270,7 +278,7 @@ struct PlaceDocument : Placed {
   /// free_floor: cell size of the search, m; empty: half the radius of a body, at least 0.02.
   std::optional<double> cell;
   std::optional<HeadingDocument> heading;  ///< heading of the bodies; empty: 0 on a grid, else random
-  double z = 0;                            ///< height of the origins, m
+  double z = 0;                            ///< height of the origins, m, world frame
   static void describe(DocumentKeys<PlaceDocument>& d);  ///< adds the keys of this struct to `d`
 };
 
@@ -290,7 +298,7 @@ struct PopulationDocument : Placed {
 /// A measure that a run computes.
 struct MeasureDocument : Placed {
   std::string kind;       ///< name of a kind in Registry::measures
-  std::string of;         ///< name of a type, a population or a robot; empty: all robots
+  std::string of;         ///< the type, population or robot that is measured; empty: all robots
   std::string name;       ///< name of the column of results; empty: KIND, or KIND:OF if `of` is given
   engine::Record params;  ///< parameters, one value per field of the kind's table
   static void describe(DocumentKeys<MeasureDocument>& d);  ///< adds the keys of this struct to `d`
@@ -304,26 +312,26 @@ struct ComparisonDocument {
 
 /// A condition on a measure, such as `coverage >= 0.9`.
 struct ConditionDocument : Placed {
-  std::optional<MeasureDocument> measure;                    ///< what is compared; required
-  std::optional<ComparisonDocument> is;                      ///< the comparison that must hold; required
+  std::optional<MeasureDocument> measure;  ///< the measure whose value is compared; required
+  std::optional<ComparisonDocument> is;    ///< the comparison that must hold; required
   static void describe(DocumentKeys<ConditionDocument>& d);  ///< adds the keys of this struct to `d`
 };
 
 /// A group of bodies: all bodies of a population, all bodies of a type or one model, or a random selection of
 /// these bodies. Exactly one of `population`, `type` and `model` is given, and at most one of `count` and
-/// `share`.
+/// `share`. Without `count` and `share`, all these bodies are in the group.
 struct GroupDocument : Placed {
   std::optional<std::string> population;  ///< name of a population
   std::optional<std::string> type;        ///< a key of WorldDocument::types
   std::optional<std::string> model;       ///< the name of one body
-  std::optional<std::int64_t> count;      ///< number of bodies to select at random; all if there are fewer
+  std::optional<std::int64_t> count;      ///< number of bodies to select at random, or all if there are fewer
   std::optional<double> share;            ///< fraction of the bodies to select at random, 0 to 1
   static void describe(DocumentKeys<GroupDocument>& d);  ///< adds the keys of this struct to `d`
 };
 
 /// Births of bodies from the reserve of a population.
 struct AddDocument : Placed {
-  std::string population;             ///< a population with a reserve
+  std::string population;             ///< name of a population with a reserve
   std::optional<std::int64_t> count;  ///< number of births; empty: all bodies that remain in the reserve
   std::optional<Pose> pose;           ///< pose of each new body, world frame; empty: random
   std::optional<Box> region;          ///< region of random poses, m; empty: the world's bounds
@@ -384,7 +392,9 @@ struct ExperimentDocument : Placed {
 
 /// What a run records.
 struct RecordDocument : Placed {
-  std::string file;  ///< path of the recording; empty: a run records only if the caller names a file
+  /// Path of the recording that `troupe run` writes, relative to the working folder, which it must not leave.
+  /// Empty: a run records only if `--record` names a file.
+  std::string file;
   std::optional<double> every;      ///< simulated time between frames, s, above 0; empty: 0.1
   std::vector<std::string> fields;  ///< names of fields of the state to record; empty: only the poses
   static void describe(DocumentKeys<RecordDocument>& d);  ///< adds the keys of this struct to `d`
@@ -409,8 +419,8 @@ struct WorldDocument : Placed {
   std::uint64_t seed = 1;              ///< seed of all random numbers
   double tick = 0.1;                   ///< simulated time of a tick, s
   std::optional<double> quit_time;     ///< simulated time at which a run ends, s; empty: no end
-  double measure_every = 1;            ///< interval between measurements, s; 0: every tick
-  engine::RangingEngine ranging = engine::RangingEngine::exact;  ///< engine that computes ranges
+  double measure_every = 1;            ///< simulated time between measurements, s; 0: every tick
+  engine::RangingEngine ranging = engine::RangingEngine::exact;  ///< method of computing ranges
   double resolution = engine::k_resolution_m;  ///< edge length of the cells of the grid engine, m
   /// Where robots may be, m; empty: the bounding box of the floor plans and the arena.
   std::optional<Box> bounds;
@@ -418,11 +428,11 @@ struct WorldDocument : Placed {
   std::optional<RecordDocument> record;  ///< what a run records
   std::optional<engine::Record> watch;   ///< display of the time, and pace: engine::watch_fields()
   std::optional<engine::Record> window;  ///< the view of `--camera window`: window_fields()
-  bool mortal = false;            ///< true: programs may remove and disable bodies, even if nothing else does
-  Check overlaps = Check::error;  ///< how a model that overlaps a body at the start is treated
-  Check same_names = Check::error;                          ///< how bodies with the same name are treated
-  std::vector<FloorplanDocument> floorplans;                ///< walls, as images or lines
-  std::optional<ArenaDocument> arena;                       ///< a rectangular floor, usually with walls
+  bool mortal = false;  ///< true: programs may remove and disable bodies, even if nothing in the world does
+  Check overlaps = Check::error;              ///< how a model that overlaps a body at the start is treated
+  Check same_names = Check::error;            ///< how bodies with the same name are treated
+  std::vector<FloorplanDocument> floorplans;  ///< walls, as images or lines
+  std::optional<ArenaDocument> arena;         ///< a rectangular floor, usually with walls
   std::vector<std::pair<std::string, TypeDocument>> types;  ///< types, each with its key
   std::vector<ModelDocument> models;                        ///< single bodies
   std::vector<PopulationDocument> populations;              ///< bodies placed by rules

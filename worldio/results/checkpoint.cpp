@@ -163,13 +163,16 @@ void read_table(const Hdf5Group& group, StateTable& table) {
     if (!is_there && field.sparse) continue;
     ++known;
     const Hdf5Dataset dataset = group.dataset(hdf5_name(field.name));
-    if (dataset.extent() != std::vector<std::size_t>{rows.size(), field.columns} ||
-        dataset.element() != field.element)
+    if (dataset.row_values() != field.columns || dataset.element() != field.element)
+      dataset.fail(fmt::format(
+          "has {} values of type {} per body, but this run needs {} of type {}: undo the --set that "
+          "changes them (such as the number of beams), or resume with the version and the plug-ins "
+          "that saved the checkpoint",
+          dataset.row_values(), engine::element_name(dataset.element()), field.columns,
+          engine::element_name(field.element)));
+    if (dataset.extent() != std::vector<std::size_t>{rows.size(), field.columns})
       dataset.fail(
-          fmt::format("has {} values of type {} per body, but the world has {} of type {}: a changed "
-                      "value of the world must not change the number or type of the values in the state",
-                      dataset.row_values(), engine::element_name(dataset.element()), field.columns,
-                      engine::element_name(field.element)));
+          fmt::format("does not have one row for each of the {} bodies: the file is damaged", rows.size()));
     const std::size_t width = bytes_of(field);
     if (width == 0) continue;
     std::vector<std::byte> values(dataset.values() * engine::element_size(field.element));
@@ -278,7 +281,8 @@ Memories Checkpoint::memories() const {
     for (const std::string& name : group.names()) {
       const Hdf5Dataset dataset = group.dataset(name);
       if (dataset.element() != Element::u8)
-        dataset.fail("must consist of bytes, the memory of an observer: the file is damaged");
+        dataset.fail(fmt::format("holds values of type {}, but must hold bytes: the file is damaged",
+                                 engine::element_name(dataset.element())));
       std::vector<std::byte>& memory = memories[dataset.text("name")];
       memory.resize(dataset.values());
       dataset.read_bytes(0, memory);
@@ -290,10 +294,11 @@ Memories Checkpoint::memories() const {
 void Checkpoint::restore(engine::World& world) const {
   reading([&] {
     for (const std::uint32_t id : hdf5_.group("bodies").dataset("subscribed").read<std::uint32_t>()) {
-      if (id >= world.spec().bodies.size() || !world.row(BodyId(id)).valid())
-        throw InputError(
-            fmt::format("{}: error: /bodies/subscribed names a body without a sensor: the file is damaged",
-                        file_.string()));
+      if (id >= world.spec().bodies.size() || world.location(BodyId(id)) == engine::RowLocation::none)
+        throw InputError(fmt::format(
+            "{}: error: /bodies/subscribed contains the body {}, which has no sensor: the file is "
+            "damaged",
+            file_.string(), id));
       world.subscribe(BodyId(id));
     }
     const auto fill = [this](std::span<StateTable> tables) { restore_tables(tables); };

@@ -65,8 +65,10 @@ class Checkpoint {
   /// Returns the text of one key of header(); empty if there is no such key.
   std::string header(const std::string& key) const;
 
-  /// Returns the spec of the world of the run, with `changes` applied as by --set: see restore_spec(). Errors
-  /// in the spec or in the changes are added to `diagnostics`; do not use the result if there are errors.
+  /// Returns the spec of the world of the run, with `changes` applied. A change is a JSON pointer into the
+  /// stored spec and a new value as JSON text, like an option --set of `troupe resume`; k_changeable
+  /// (worldio/json/spec_json.hpp) lists the allowed pointers. Errors in the spec or in the changes are added
+  /// to `diagnostics`; do not use the result if there are errors.
   engine::WorldSpec spec(const engine::Registry& registry,
                          std::span<const std::pair<std::string, std::string>> changes,
                          Diagnostics& diagnostics) const;

@@ -350,12 +350,14 @@ bool Hdf5Object::has_attribute(const std::string& name) const {
 }
 
 Hdf5Id Hdf5Object::open_attribute(const std::string& name) const {
-  if (!has_attribute(name)) fail(fmt::format("has no attribute \"{}\"", name));
+  if (!has_attribute(name))
+    fail(fmt::format("has no attribute \"{}\": the file is damaged, or Troupe did not write it", name));
   Hdf5Id attribute(H5Aopen(id_.get(), name.c_str(), H5P_DEFAULT), H5Aclose);
   check(attribute.get(), "read");
   const Hdf5Id space(H5Aget_space(attribute.get()), H5Sclose);
-  if (H5Sget_simple_extent_npoints(space.get()) != 1)
-    fail(fmt::format("has an attribute \"{}\" that is not a single value: the file is damaged", name));
+  if (const auto values = H5Sget_simple_extent_npoints(space.get()); values != 1)
+    fail(fmt::format("has an attribute \"{}\" with {} values, but must have one: the file is damaged", name,
+                     values));
   return attribute;
 }
 
@@ -560,7 +562,9 @@ Hdf5Group Hdf5Group::create_group(const std::string& name) {
 
 Hdf5Group Hdf5Group::group(const std::string& name) const {
   const LibraryCall call;
-  if (!has_group(name)) fail_with(file_, fmt::format("there is no group {}", path_of(name)));
+  if (!has_group(name))
+    fail_with(file_, fmt::format("there is no group {}: the file is damaged, or Troupe did not write it",
+                                 path_of(name)));
   Hdf5Group found(Hdf5Id(H5Gopen2(id_.get(), name.c_str(), groups()), H5Gclose), file_, path_of(name));
   found.check(found.id_.get(), "read");
   return found;
@@ -625,7 +629,9 @@ Hdf5Dataset Hdf5Group::create_extendible(const std::string& name, engine::Elemen
 
 Hdf5Dataset Hdf5Group::dataset(const std::string& name) const {
   const LibraryCall call;
-  if (!has(name) || has_group(name)) fail_with(file_, fmt::format("there is no dataset {}", path_of(name)));
+  if (!has(name) || has_group(name))
+    fail_with(file_, fmt::format("there is no dataset {}: the file is damaged, or Troupe did not write it",
+                                 path_of(name)));
   Hdf5Id found(H5Dopen2(id_.get(), name.c_str(), datasets()), H5Dclose);
   if (!found.valid()) fail_with(file_, fmt::format("{} cannot be read: {}", path_of(name), reason()));
   if (const Result<> own = check_own(found.get()); !own)
@@ -665,7 +671,9 @@ void Hdf5Group::write_texts(const std::string& name, std::span<const std::string
 
 std::vector<std::string> Hdf5Group::read_texts(const std::string& name) const {
   const LibraryCall call;
-  if (!has(name) || has_group(name)) fail_with(file_, fmt::format("there is no dataset {}", path_of(name)));
+  if (!has(name) || has_group(name))
+    fail_with(file_, fmt::format("there is no dataset {}: the file is damaged, or Troupe did not write it",
+                                 path_of(name)));
   const Hdf5Id found(H5Dopen2(id_.get(), name.c_str(), datasets()), H5Dclose);
   const Hdf5Id type(H5Dget_type(found.get()), H5Tclose);
   const Hdf5Id space(H5Dget_space(found.get()), H5Sclose);

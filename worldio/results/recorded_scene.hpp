@@ -18,7 +18,8 @@ struct Registry;
 namespace troupe::worldio {
 
 /// The appearance of a recorded world, for drawing its frames. It is read from the recording alone: neither
-/// the world file nor the kinds and plug-ins of the run are needed.
+/// the world file nor the kinds and plug-ins of the run are needed. A joint is at rest while the parts that
+/// it moves are where the world file places them.
 struct RecordedScene {
   /// Beams of a ranger that start at one point and are spread evenly over an angle, symmetric to the heading
   /// of the pose.
@@ -84,8 +85,8 @@ Color shown_color(std::span<const double> parts, const Color& of_the_world);
 /// old that it has no /scene.
 RecordedScene recorded_scene(const RecordingReader& recording);
 
-/// Returns the scene of a world that is not read from a recording: in all types, `shown_color` and the
-/// texts in `part_colors` are empty. Throws like spec_to_json().
+/// Returns the scene of a world that is not read from a recording: in all types, `shown_color` and the texts
+/// in `part_colors` are empty. Throws std::runtime_error if JSON cannot represent the world (spec_to_json()).
 RecordedScene recorded_scene(const engine::WorldSpec& spec, const engine::Registry& registry);
 
 /// Returns the window settings of the recorded world (worldio/window_fields.hpp). Empty if the world has

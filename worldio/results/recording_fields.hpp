@@ -21,9 +21,10 @@ namespace troupe::worldio {
 struct RecordedComponent {
   std::vector<std::string> path;  ///< steps from the root: {"state", "pose"}
   std::string name;               ///< name of the component in the state: "pose", "ranger/eye"
-  std::string frame;              ///< frame of the values: "world", "body", "sensor", "joint" (at rest) or
-                                  ///< "carrier"; empty: none
-  std::size_t rows = 0;           ///< number of rows
+  /// Frame of the values: "world", "body", "sensor", "joint" (the frame of the joint at rest) or "carrier"
+  /// (the frame of the body that carries the body of the row). Empty: the values have no frame.
+  std::string frame;
+  std::size_t rows = 0;  ///< number of rows
   /// For each row, 1 if its body has the component, else 0; empty: all bodies have it.
   std::vector<std::uint8_t> has;
   std::vector<engine::StateField> fields;  ///< the recorded fields of the component

@@ -41,7 +41,8 @@ RecordingReader::RecordingReader(const std::filesystem::path& file)
     meta_[name] = name == "layout" || name == "record_every_ticks" ? std::to_string(meta.integer(name))
                                                                    : meta.text(name);
   const std::int64_t every = meta.integer("record_every_ticks");
-  if (every < 1) meta.fail("has a record_every_ticks below 1: the file is damaged");
+  if (every < 1)
+    meta.fail(fmt::format("has record_every_ticks {}, which must be at least 1: the file is damaged", every));
   every_ticks_ = static_cast<std::uint64_t>(every);
 
   const Hdf5Group bodies = hdf5_.group("bodies");
@@ -49,7 +50,10 @@ RecordingReader::RecordingReader(const std::filesystem::path& file)
   types_ = bodies.read_texts("type");
   names_ = bodies.read_texts("name");
   if (types_.size() != ids_.size() || names_.size() != ids_.size())
-    bodies.fail("has lists of different lengths: the file is damaged");
+    bodies.fail(
+        fmt::format("has {} ids, {} types and {} names, but needs the same number of each: the file is "
+                    "damaged",
+                    ids_.size(), types_.size(), names_.size()));
 
   std::vector<std::uint32_t> all(ids_.size());
   std::iota(all.begin(), all.end(), 0u);
@@ -74,9 +78,10 @@ Hdf5Group RecordingReader::checked_meta(const Hdf5File& file) {
     file.fail(fmt::format("has no /meta of kind \"{}\": the file is not a recording", k_kind));
   Hdf5Group meta = file.group("meta");
   if (const std::int64_t layout = meta.integer("layout"); layout != k_recording_layout)
-    meta.fail(
-        fmt::format("has layout {}, which another version of Troupe wrote; this program reads layout {}",
-                    layout, k_recording_layout));
+    meta.fail(fmt::format(
+        "has layout {}, which another version of Troupe wrote; this program reads layout {}: record the "
+        "run again",
+        layout, k_recording_layout));
   return meta;
 }
 
@@ -101,7 +106,9 @@ void RecordingReader::find_arrays(const Hdf5Group& group, const std::string& com
       continue;
     }
     if (extent.size() != 3 || extent[1] != bodies.size())
-      dataset.fail(fmt::format("does not have {} bodies: the file is damaged", bodies.size()));
+      dataset.fail(
+          fmt::format("has the shape [{}], but must have frames x {} bodies x values: the file is damaged",
+                      fmt::join(extent, " x "), bodies.size()));
     Array array;
     array.component = component;
     array.frame = dataset.text("frame");
@@ -130,8 +137,9 @@ void RecordingReader::read_frames() {
   ticks_.resize(whole);
   times_s_.resize(whole);
   hashes_.resize(whole);
-  if (std::ranges::adjacent_find(ticks_, std::greater_equal()) != ticks_.end())
-    frames.fail("has ticks that do not increase: the file is damaged");
+  if (const auto tick = std::ranges::adjacent_find(ticks_, std::greater_equal()); tick != ticks_.end())
+    frames.fail(fmt::format("has tick {} after tick {}, but ticks must increase: the file is damaged",
+                            tick[1], tick[0]));
 }
 
 std::optional<RecordingReader::Scene> RecordingReader::scene() const {
@@ -145,7 +153,7 @@ std::optional<RecordingReader::Scene> RecordingReader::scene() const {
   const std::size_t bodies = scene.type.size();
   if (scene.word.size() != bodies || scene.number.size() != bodies || scene.pose.size() != 4 * bodies ||
       scene.color.size() != 4 * bodies || (!ids_.empty() && std::ranges::max(ids_) >= bodies))
-    group.fail("does not have all bodies: the file is damaged");
+    group.fail("does not have one type, name, pose and color for each body: the file is damaged");
   return scene;
 }
 
@@ -164,7 +172,8 @@ std::vector<std::uint8_t> RecordingReader::has(const Array& array) const {
   if (!group.has(name) || group.has_group(name)) return all;
   std::vector<std::uint8_t> has = group.dataset(name).read<std::uint8_t>();
   if (has.size() != all.size())
-    group.fail(fmt::format("does not have {} bodies: the file is damaged", all.size()));
+    group.fail(fmt::format("has {} values in {}, but needs one for each of {} bodies: the file is damaged",
+                           has.size(), name, all.size()));
   return has;
 }
 

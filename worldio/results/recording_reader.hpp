@@ -64,9 +64,9 @@ class RecordingReader {
 
   /// One array of the state.
   struct Array {
-    std::string component;              ///< name: "pose", "wander/0", "sensors/minibot/ranger:0"
-    engine::StateField field;           ///< name, element type, number of columns, unit and meaning
-    std::string frame;                  ///< frame of the values: see RecordedComponent::frame
+    std::string component;     ///< its name, such as "pose", "wander/0" or "sensors/minibot/ranger:0"
+    engine::StateField field;  ///< name, element type, number of columns, unit and meaning
+    std::string frame;         ///< frame of the values: see RecordedComponent::frame
     std::vector<std::uint32_t> bodies;  ///< for each row, the index of its body in ids()
     Hdf5Dataset dataset;                ///< the values: frames x rows x columns
     std::size_t row_bytes() const { return field.columns * engine::element_size(field.element); }

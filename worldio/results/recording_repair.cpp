@@ -91,7 +91,8 @@ std::uint64_t repair_copy(const fs::path& copy) {
   hdf5.close();
   if (RecordingReader(copy).frames() != frames || !is_even(copy, frames))
     throw Hdf5Error(fmt::format(
-        "{}: error: cannot be repaired: its arrays cannot be shortened to the frames that all arrays have",
+        "{}: error: cannot be repaired: the file is damaged; some arrays have more frames than others, and "
+        "cannot be shortened",
         copy.string()));
   return frames;
 }

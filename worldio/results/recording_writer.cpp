@@ -112,7 +112,7 @@ RecordingWriter::RecordingWriter(const std::filesystem::path& file, const World&
   try {
     components_ = recorded_components(world, split(meta.text("record_fields")));
   } catch (const std::invalid_argument& error) {
-    meta.fail(fmt::format("belongs to another world: {}", error.what()));
+    meta.fail(fmt::format("belongs to another world: {}; choose another file", error.what()));
   }
   batch_frames_ = batch_frames(bytes_of(components_, bodies_.size()));
   std::vector<std::uint32_t> ids;
@@ -264,10 +264,10 @@ void RecordingWriter::cut_after(std::uint64_t tick) {
   // The next frame that is due after the last recorded one must not be before the tick of the world.
   const std::uint64_t due = (next_tick_ + every_ticks_ - 1) / every_ticks_ * every_ticks_;
   if (due < tick)
-    frame_outputs_[0].fail(
-        fmt::format("ends before tick {}, but the run continues at tick {}: frames would be missing in "
-                    "between; choose another file",
-                    due, tick));
+    frame_outputs_[0].fail(fmt::format(
+        "ends before tick {}, but the run continues at tick {}, so that frames would be missing: give "
+        "--record a new file, or resume a checkpoint saved at or before the end of this recording",
+        due, tick));
   for (Hdf5Dataset& output : frame_outputs_) output.resize(frames);
   for (Output& output : outputs_) output.dataset.resize(frames);
 }

@@ -41,8 +41,8 @@ struct RecordingHead {
 /// `in_background`.
 ///
 /// On failure, all functions throw Hdf5Error. An error in the background thread is thrown by the next call of
-/// a function that writes. After an error, the file stays as it was last flushed and is marked as closed
-/// (unless that fails, too: `troupe repair` can then close it), and every further call does nothing.
+/// a function that writes. After an error, the file holds what was flushed last, and every further call does
+/// nothing. The writer marks the file as closed; if that also fails, `troupe repair` can close it.
 class RecordingWriter {
  public:
   /// Creates a file without frames, replacing an existing file of the same name. `components` are the arrays

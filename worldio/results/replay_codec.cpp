@@ -2,6 +2,7 @@
 
 #include "base/assert.hpp"
 
+#include <fmt/format.h>
 #include <zlib.h>
 
 #include <stdexcept>
@@ -41,7 +42,8 @@ std::string deflated(std::string_view bytes) {
   std::string out(size, '\0');
   if (compress2(reinterpret_cast<Bytef*>(out.data()), &size, reinterpret_cast<const Bytef*>(bytes.data()),
                 static_cast<uLong>(bytes.size()), Z_BEST_COMPRESSION) != Z_OK)
-    throw std::runtime_error("out of memory: zlib cannot compress the data");
+    throw std::runtime_error(
+        fmt::format("out of memory: zlib cannot compress {} bytes of the recording", bytes.size()));
   out.resize(size);
   return out;
 }

@@ -22,7 +22,7 @@ struct ReplayData {
   std::size_t others = 0;    ///< number of the other bodies in RecordingReader::ids()
   std::size_t recorded = 0;  ///< number of frames in the recording
   std::size_t frames = 0;    ///< number of frames in the page
-  std::size_t stride = 1;    ///< the page has every stride-th frame, and always the last
+  std::size_t stride = 1;    ///< the page has every stride-th frame, and always the last frame
   double every_s = 0;        ///< simulated time between the first two frames of the page, s; 0: one frame
   bool at_rest = false;  ///< whether moving parts are drawn at rest, because their poses were not recorded
 };

@@ -46,7 +46,7 @@ struct LivePage {
   std::vector<ShownPart> shown_parts;
 };
 /// Returns the data for a page that shows this world while it runs. `registry` must have the kinds of the
-/// world. Throws like spec_to_json().
+/// world. Throws std::runtime_error if JSON cannot represent the world (spec_to_json()).
 LivePage live_page(const engine::World& world, const engine::Registry& registry);
 
 }  // namespace troupe::worldio

@@ -243,7 +243,8 @@ ReplayPlan plan_replay(const RecordingReader& recording, std::span<const std::st
   if (!plan.pose[0] || !plan.pose[1] || !plan.pose[2])
     refuse(recording,
            "has no poses, so there is nothing to show: record the run with --record-fields pose,...");
-  if (recording.frames() == 0) refuse(recording, "has no complete frame");
+  if (recording.frames() == 0)
+    refuse(recording, "has no complete frame, so there is nothing to show: record the run again");
   if (recording.ids().empty()) refuse(recording, "has only static bodies, so there is nothing to show");
   plan.scene = recorded_scene(recording);
 

@@ -69,9 +69,10 @@ StageBody StageBodies::make(const StageModel& model, const engine::ModelKind& ki
   if (flag(model, "boundary")) {
     add_boundary(size, solids);
     if (is_default && !blocks.empty())
-      values_.warning(values_.where(*model.find(document_, "boundary")),
-                      "\"boundary\" has no effect: as in Stage, the walls are not added to a model that has "
-                      "blocks and no \"bitmap\"");
+      values_.warning(
+          values_.where(*model.find(document_, "boundary")),
+          "\"boundary\" has no effect: as in Stage, a model that has blocks and no \"bitmap\" gets "
+          "no walls: remove this property");
   }
   if (is_default && !blocks.empty()) solids.clear();
   const bool is_all_blocks = solids.empty() && frame.empty();
@@ -88,9 +89,9 @@ void StageBodies::check_map(const StageModel& model, const FloorImage& map, cons
   if (const StageProperty* property = model.find(document_, "size"); property && size.head<2>() != size_m)
     values_.warning(
         values_.where(*property),
-        fmt::format("only the height (third value) of \"size\" is used: the ROS map has a size of "
-                    "its own, {:g} m x {:g} m",
-                    size_m.x(), size_m.y()));
+        fmt::format("only the height (third value) of \"size\" is used: the ROS map is {:g} m x {:g} m, not "
+                    "{:g} m x {:g} m",
+                    size_m.x(), size_m.y(), size.x(), size.y()));
   if (!blocks.empty())
     values_.error(blocks.front().where,
                   "a model whose \"bitmap\" is a ROS map cannot have blocks: remove them, or put them into a "
@@ -111,12 +112,16 @@ const FloorImage* StageBodies::read_image(const StageProperty& property, engine:
   if (image && image->place && image->place->lacks_unknown)
     values_.warning_once(
         values_.where(property),
-        fmt::format("\"bitmap_unknown\" has no effect: the ROS map {} has no unknown cell", path.string()));
+        fmt::format(
+            "\"bitmap_unknown\" has no effect: the ROS map {} has no unknown cell: remove this property",
+            path.string()));
   if (!image || !image->contours.empty()) return image;
   values_.error(
       values_.where(property),
       image->place
-          ? fmt::format("the ROS map {} has no occupied cell", path.string())
+          ? fmt::format(
+                "the ROS map {} has no occupied cell: check its image, \"negate\" and \"occupied_thresh\"",
+                path.string())
           : fmt::format(
                 "the image {} has no solid pixel; pixels whose first channel is at most 127 are solid",
                 path.string()));
@@ -171,8 +176,9 @@ void StageBodies::add_block(const StageModel& block, std::vector<Solid>& solids)
   if (const auto missing = std::ranges::count(given, nullptr); missing > 0)
     values_.warning(
         values_.where(*points),
-        fmt::format("{} of the {} corners \"point[k]\" are not given; as in Stage, they are at [0 0]",
-                    missing, *count));
+        fmt::format("{} of the {} corners have no \"point[k]\" and are at [0 0], as in Stage: give all, "
+                    "\"point[0]\" to \"point[{}]\"",
+                    missing, *count, *count - 1));
   const double area = signed_area(ring);
   if (area == 0) values_.warning(block.where, "this block has no area: check its corners, \"point[k]\"");
   if (area < 0) std::ranges::reverse(ring);
@@ -194,7 +200,8 @@ void StageBodies::add_block(const StageModel& block, std::vector<Solid>& solids)
     }
   }
   if (z.min == z.max)
-    values_.warning(block.where, "this block has no height; give it the property \"z\", [min max]");
+    values_.warning(block.where,
+                    "this block has no height: give the block a \"z\" [min max], with min below max");
   solids.push_back({{std::move(ring)}, z});
 }
 

@@ -34,11 +34,11 @@ class StageBodies {
         values_(values),
         images_(diagnostics) {}
 
-  /// Returns the body of a model in the frame of the model, before `origin` is applied. The body is scaled
-  /// along each axis to `size`, m, and centred in x and y; z is not shifted. `blocks` are the block children
-  /// of the model, with their macros applied. A ROS map is not scaled: it keeps its own place and its own
-  /// extent in x and y, which this function stores in `size`. Errors in the properties are reported; the
-  /// parts of the body that have errors are then missing.
+  /// Returns the body of a model in the frame of the model, before the property `origin` is applied. The body
+  /// is scaled along each axis to `size`, m, and centred in x and y; z is not shifted. `blocks` are the block
+  /// children of the model, with their macros applied. A ROS map is not scaled: it keeps its own place and
+  /// its own extent in x and y, which this function stores in `size`. Errors in the properties are reported;
+  /// the parts of the body that have errors are then missing.
   StageBody make(const StageModel& model, const engine::ModelKind& kind, Eigen::Vector3d& size,
                  const std::vector<StageModel>& blocks);
 

@@ -17,7 +17,7 @@ struct StageParameter {
   std::string_view property;          ///< name of the property in the file
   std::string_view field;             ///< name of the parameter, in the field table of the device kind
   StageUnit unit = StageUnit::plain;  ///< unit of the property in the file
-  int column = -1;  ///< 0 or 1: index of the parameter in a tuple [a b]; -1: the whole property is it
+  int column = -1;  ///< 0 or 1: index of the parameter in a tuple [a b]; -1: it is the whole value
 };
 /// Returns all properties that map directly to one parameter of a device.
 std::span<const StageParameter> stage_parameters();

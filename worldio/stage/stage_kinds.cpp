@@ -75,7 +75,8 @@ std::optional<engine::DeviceSpec> StageKinds::ranger(const StageModel& model,
   }
   const bool is_sensor = !model.alias.empty() && sensors.empty();
   if (sensors.empty() && !is_sensor) {
-    values_.warning_once(model.where, "a ranger without a sensor( ... ) measures nothing");
+    values_.warning_once(model.where,
+                         "a ranger without a sensor( ... ) measures nothing: add a sensor( ... )");
     return {};
   }
   engine::RangerParams params;
@@ -115,7 +116,9 @@ std::optional<engine::DeviceSpec> StageKinds::gripper(const StageModel& model, c
     };
     if (given.size() != 2 || !is_one_of(given[0], "open", "closed") || !is_one_of(given[1], "up", "down")) {
       values_.error(values_.where(*property),
-                    "\"paddle_state\" needs two strings: \"open\" or \"closed\", then \"up\" or \"down\"");
+                    fmt::format("\"paddle_state\" needs two strings: \"open\" or \"closed\", then \"up\" or "
+                                "\"down\"; found [{}]",
+                                fmt::join(given, " ")));
       return {};
     }
     set(kind.params, spec->params, "paddles", std::string(given[0]));
@@ -282,19 +285,24 @@ std::optional<engine::DeviceSpec> StageKinds::wheels(const StageModel& model,
   for (std::size_t f = 0; f < given.fields.size(); ++f)
     if (const int at = kind.params.find(given.fields[f].name); at >= 0)
       spec.params[static_cast<std::size_t>(at)] = drive->params[f];
+  if (const StageProperty* property = model.find(document_, "velocity"))
+    values_.warning_once(
+        values_.where(*property),
+        "\"velocity\" of a model of type position inside another model has no effect: its drive sets its "
+        "velocity before its first motion: remove this property");
   for (const std::string_view key : {"gps_origin", "odom_error", "odom_heading"})
     if (const StageProperty* property = model.find(document_, key))
       values_.warning_once(
           values_.where(*property),
           fmt::format("\"{}\" of a model of type position inside another model has no effect: such a model "
-                      "always knows its true pose",
+                      "always knows its true pose: remove this property",
                       key));
   if (const StageProperty* property = model.find(document_, "localization");
       property && values_.text(*property).value_or("gps") != "gps")
     values_.warning_once(
         values_.where(*property),
         "\"localization\" of a model of type position inside another model has no effect: such a "
-        "model always knows its true pose");
+        "model always knows its true pose: remove this property");
   return spec;
 }
 

@@ -26,8 +26,8 @@ class StageKinds {
   /// reported, but returned.
   double period_s(const StageModel& model);
 
-  /// Reads a ranger and its `sensor` children. A laser or sonar without such children is its own sensor; any
-  /// other ranger without them returns nothing, with a warning.
+  /// Reads a ranger and its `sensor` children. A laser or sonar without such children is its own sensor; for
+  /// any other ranger without them, the function warns and returns nothing.
   std::optional<engine::DeviceSpec> ranger(const StageModel& model, const std::vector<StageModel>& sensors);
   /// Reads a model that is a device of this kind, which must be neither a ranger (see ranger()) nor a gripper
   /// (see gripper()).

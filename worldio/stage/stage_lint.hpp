@@ -11,9 +11,9 @@
 
 namespace troupe::worldio {
 
-/// Warns of every property of a world file that Troupe does not know or that has no effect in any world, so
-/// that nothing is dropped silently. It looks each property up in the table of all properties (stage_rows()).
-/// It also warns of models that are devices in Stage but only bodies in Troupe. As in Stage, macros that no
+/// Warns of every property of a world file that Troupe does not know, or that never has an effect, so that
+/// nothing is dropped silently. It looks each property up in the table of all properties (stage_rows()). It
+/// also warns of models that are devices in Stage but only bodies in Troupe. As in Stage, macros that no
 /// model uses are not checked. With thorough diagnostics (`troupe lint`), each place is reported separately.
 /// Then StageLint also warns of every property that the same entity sets again, that another property of the
 /// model overrides, or that has no effect in a model of its type.
@@ -26,8 +26,9 @@ class StageLint {
   void check_world();
   /// Checks an entity, its macros and its children. The body of a macro is checked only at its first use.
   void check(const StageEntity& entity) { check(entity, 0); }
-  /// Reports one warning for each group of properties (Summary) of which the file has some, or nothing with
-  /// thorough diagnostics, which report each property before. Must be called last.
+  /// Reports one warning for each group of properties (Summary) that occur in the file. With thorough
+  /// diagnostics it reports nothing, because the other functions have reported each property already. Must be
+  /// called last.
   void finish();
 
  private:

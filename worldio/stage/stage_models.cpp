@@ -48,9 +48,10 @@ void StageMacros::define(const StageItem& item) {
   const bool is_read_again =
       before.file == name.file && before.line == name.line;  // the file is included twice
   if (!is_new && !is_read_again)
-    values_.warning(name.where(),
-                    fmt::format("\"{}\" is already defined, at {}; the first definition is used", name.text,
-                                values_.place(before, name.where())));
+    values_.warning(
+        name.where(),
+        fmt::format("macro \"{}\" is already defined, at {}; that definition is used: remove this one",
+                    name.text, values_.place(before, name.where())));
 }
 
 std::optional<StageModel> StageMacros::resolve(const StageEntity& entity) {
@@ -60,8 +61,9 @@ std::optional<StageModel> StageMacros::resolve(const StageEntity& entity) {
   std::unordered_set<std::string_view> met;
   for (auto macro = macros_.find(model.type); macro != macros_.end(); macro = macros_.find(model.type)) {
     if (!met.insert(model.type).second) {
-      values_.error(document_.token(macro->second.body->word).where(),
-                    fmt::format("macro \"{}\" is based on itself", model.type));
+      values_.error(
+          document_.token(macro->second.body->word).where(),
+          fmt::format("macro \"{}\" is based on itself: base the macro on a model type", model.type));
       return {};
     }
     if (++steps_ > k_most_steps) {

@@ -77,7 +77,7 @@ class Lexer {
   void read(const fs::path& file, std::string text) {
     const std::uint32_t name = diagnostics_.files()->add(file.string());
     if (text.size() > std::numeric_limits<std::uint32_t>::max()) {
-      errors_.add({name, 0}, "the file is larger than 4 GB");
+      errors_.add({name, 0}, fmt::format("the file has {} bytes; at most 2^32 - 1 are allowed", text.size()));
       throw GiveUp{};
     }
     document_.sources.push_back({std::move(text), name});
@@ -158,8 +158,10 @@ class Lexer {
     if (c == '{' || c == '}')
       return fmt::format("unexpected '{}'; the properties of a model are written in ( )", c);
     if (c == '\'') return "unexpected \"'\"; strings are written in double quotes";
-    if (c > ' ' && c < 127) return fmt::format("unexpected '{}'", c);
-    return fmt::format("unexpected byte 0x{:02x}", static_cast<unsigned char>(c));
+    if (c > ' ' && c < 127)
+      return fmt::format("unexpected '{}': this character may be only in strings and comments", c);
+    return fmt::format("unexpected byte 0x{:02x}: this byte may be only in strings and comments",
+                       static_cast<unsigned char>(c));
   }
 
   void word(Source& source) {
@@ -233,10 +235,11 @@ class Lexer {
                                          readable.error().text));
           return;
         }
-      errors_.add(where, fmt::format("cannot read the included file {}{}", path.lexically_normal().string(),
-                                     search_path_.empty()
-                                         ? ""
-                                         : ", nor a file of that name in the folders of the search path"));
+      errors_.add(
+          where,
+          fmt::format(
+              "cannot read the included file {}: there is no such file{}", path.lexically_normal().string(),
+              search_path_.empty() ? "" : ", and none of that name in the folders of the search path"));
       return;
     }
     if (*found != path) document_.base_directory = found->parent_path();
@@ -248,11 +251,9 @@ class Lexer {
       return;
     }
     if (++inclusions_ > k_most_inclusions) {
-      errors_.add(
-          where,
-          fmt::format(
-              "too many includes: the limit is {} included files, each counted every time it is included",
-              k_most_inclusions));
+      errors_.add(where, fmt::format("too many includes: the limit is {} included files, each counted every "
+                                     "time it is included: join files",
+                                     k_most_inclusions));
       throw GiveUp{};
     }
     included_bytes_ += text->size();
@@ -320,15 +321,16 @@ class Parser {
     const std::size_t children = open_children_.size();
     if (depth > k_deepest_nesting) {
       document_.well_nested = false;
-      errors_.add(document_.token(entity.word).where(),
-                  fmt::format("models and blocks are nested deeper than {} levels", k_deepest_nesting));
+      errors_.add(
+          document_.token(entity.word).where(),
+          fmt::format("models and blocks are nested deeper than the limit, {} levels", k_deepest_nesting));
       throw GiveUp{};
     }
     while (peek().kind != Kind::close) {
       if (peek().kind == Kind::end) {
         document_.well_nested = false;
         errors_.add(document_.token(entity.word).where(),
-                    fmt::format("the ( of \"{}\" is never closed", document_.word(entity)));
+                    fmt::format("the ( of \"{}\" is never closed: add a )", document_.word(entity)));
         return;
       }
       if (peek().kind == Kind::word && peek().text == "define") {
@@ -424,9 +426,10 @@ class Parser {
         continue;
       }
       clean = false;
-      errors_.add(token.where(), token.kind == Kind::word
-                                     ? fmt::format("\"{0}\" in a tuple needs quotes: [\"{0}\"]", token.text)
-                                     : std::string("a tuple cannot hold a tuple"));
+      errors_.add(token.where(),
+                  token.kind == Kind::word
+                      ? fmt::format("\"{0}\" in a tuple needs quotes: [\"{0}\"]", token.text)
+                      : std::string("a tuple cannot contain a tuple: remove the inner [ and ]"));
     }
     ++at_;
     return count;

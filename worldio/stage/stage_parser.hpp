@@ -52,7 +52,7 @@ struct StageEntity {
 
 /// A macro or an entity at the top level of a file: `define word base body`, or `word body`.
 struct StageItem {
-  bool is_define = false;  ///< true: a macro
+  bool is_define = false;  ///< true: a macro; false: an entity
   std::uint32_t base = 0;  ///< base of a macro; index into StageDocument::tokens
   StageEntity entity;      ///< the entity; for a macro, `word` and `body` of the `define`
 };

@@ -71,7 +71,7 @@ void StagePower::read(const StageModel& model, std::uint32_t part, TypeSpec& typ
     values_.warning_once(
         values_.where(*model.find(document_, "watts")),
         fmt::format("\"watts\" of a model of type {} has no effect: Troupe computes the power of "
-                    "such a model (docs/stage-worlds.md)",
+                    "such a model (docs/stage-worlds.md): remove this property",
                     model.type));
   if (const StageProperty* property = model.find(document_, "mass")) {
     const double kg = values_.number(*property).value_or(0);

@@ -23,10 +23,10 @@ class StagePower {
   void read(const StageModel& model, std::uint32_t part, engine::TypeSpec& type);
   /// Must be called after read() of the last part of a type. Adds the constant power (`watts`) of each part
   /// to the draw of the power pack that supplies the part: its own pack, or that of the nearest enclosing
-  /// part with a pack. A part without a pack draws nothing, nor does a part that does not run: a part runs if
-  /// Draw::runs is set, or if it has a device and the type has a controller. Gives the pack that supplies
-  /// part 0 of a type with a drive the mass of the body. Removes power contacts without a pack, with a
-  /// warning.
+  /// part with a pack. A part that no pack supplies draws nothing. A part that does not run draws nothing
+  /// either: a part runs if Draw::runs is set, or if it has a device and the type has a controller. If the
+  /// type has a drive, the pack that supplies part 0 gets the mass of the body as its parameter `mass`.
+  /// Removes power contacts without a pack, with a warning.
   void finish(engine::TypeSpec& type);
 
  private:

@@ -470,11 +470,9 @@ bool is_without_effect(std::string_view name) {
 }
 
 std::vector<std::string_view> stage_property_names(std::string_view type) {
-  if (type == "wifi") type = "radio";
   std::vector<std::string_view> names;
   for (const StageRow& row : k_rows)
-    if (row.support != obsolete && (row.type == type || (row.type == "model" && is_model(type))))
-      names.push_back(row.name);
+    if (row.support != obsolete && find_stage_row(type, row.name) == &row) names.push_back(row.name);
   return names;
 }
 

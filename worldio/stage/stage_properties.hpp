@@ -35,8 +35,9 @@ std::span<const StageRow> stage_rows();
 /// numbers: "point[3]".
 const StageRow* find_stage_row(std::string_view type, std::string_view name);
 
-/// Whether a property of this name has no effect on a run in any entity. Bodies that differ only in such a
-/// property can have the same type. False for an unknown property. `name` is the name in the file.
+/// Whether properties of this name never have an effect on a run, whatever entity has them. Bodies that
+/// differ only in such a property can have the same type. False for an unknown property. `name` is the name
+/// in the file.
 bool is_without_effect(std::string_view name);
 
 /// Returns the names of the properties that an entity of this type can have, without obsolete ones. For the

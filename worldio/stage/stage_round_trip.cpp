@@ -236,7 +236,7 @@ void RoundTrip::check_bodies() {
   for (const PartSpec& part : type_.parts) {
     const auto other = std::ranges::find(back_.parts, part.name, &PartSpec::name);
     if (!part.alias.empty() && (other == back_.parts.end() || other->alias != part.alias))
-      lacks(part.where, fmt::format("part \"{}\": its second name \"{}\"", part.name, part.alias));
+      lacks(part.where, fmt::format("part \"{}\": its alias \"{}\"", part.name, part.alias));
   }
   const auto solid_parts = [](const TypeSpec& type) {
     std::vector<const PartSpec*> parts;
@@ -327,7 +327,7 @@ void check_names(const WorldSpec& spec, const WorldSpec& back, Diagnostics& diag
   for (const engine::NamedBody& alias : spec.aliases) {
     const std::string name = spec.names.text(alias.name);
     const auto found = others.find(name);
-    if (found == others.end() || found->second != alias.body) lacks(alias.body, "its second name", name);
+    if (found == others.end() || found->second != alias.body) lacks(alias.body, "its alias", name);
   }
   const std::map<std::string, engine::PartName> parts(spec.part_aliases.begin(), spec.part_aliases.end());
   for (const auto& [name, place] : parts) {

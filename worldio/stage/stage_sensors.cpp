@@ -46,7 +46,8 @@ bool StageKinds::add_bumpers(const StageModel& model, engine::DeviceSpec& spec) 
   engine::BumperParams params;
   const StageProperty* count_property = model.find(document_, "bcount");
   if (count_property == nullptr) {
-    values_.warning_once(model.where, "a bumper without \"bcount\" has no bumpers and senses nothing");
+    values_.warning_once(
+        model.where, "a bumper without \"bcount\", the number of bumpers, senses nothing: give \"bcount\"");
     spec.params = engine::to_record(params);
     return true;
   }

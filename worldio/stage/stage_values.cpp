@@ -92,7 +92,8 @@ std::optional<bool> StageValues::flag(const StageProperty& property) {
 std::optional<std::vector<double>> StageValues::tuple(const StageProperty& property, std::size_t least,
                                                       std::size_t most, std::string_view layout) {
   if (!property.tuple) {
-    error(where(property), fmt::format("\"{}\" needs a tuple {}", key(property), layout));
+    error(where(property), fmt::format("\"{}\" needs a tuple {}, found {}", key(property), layout,
+                                       document_.value(property, 0).text));
     return {};
   }
   if (property.count < least) {
@@ -101,8 +102,9 @@ std::optional<std::vector<double>> StageValues::tuple(const StageProperty& prope
     return {};
   }
   if (property.count > most)
-    warning(where(property), fmt::format("\"{}\" takes {} values {}; the further values are ignored",
-                                         key(property), most, layout));
+    warning(where(property),
+            fmt::format("\"{}\" takes {} values {}, found {}; the further values are ignored", key(property),
+                        most, layout, property.count));
   std::vector<double> out;
   for (std::uint32_t i = 0; i < std::min<std::size_t>(property.count, most); ++i) {
     const std::optional<double> value = number(property, document_.value(property, i));
@@ -129,8 +131,9 @@ std::optional<Pose> StageValues::pose(const StageProperty& property, bool is_wra
   const double z = v->size() == 4 ? (*v)[2] : 0;
   for (const double part : {(*v)[0], (*v)[1], z})
     if (std::abs(part) * length_ > k_world_reach_m) {
-      error(where(property), fmt::format("\"{}\" is outside the world, which reaches {} km from its origin",
-                                         key(property), k_world_reach_m / 1000));
+      error(where(property),
+            fmt::format("\"{}\" is outside the world, which reaches {} km from its origin: found {} m",
+                        key(property), k_world_reach_m / 1000, part * length_));
       return {};
     }
   const double heading = v->back() * angle_;
@@ -148,8 +151,8 @@ std::optional<Eigen::Vector3d> StageValues::size(const StageProperty& property, 
                     key(property), default_height));
   for (const double extent : *v) {
     if (extent * length_ > 2 * k_world_reach_m) {
-      error(where(property), fmt::format("\"{}\" is larger than the world, which is {} km wide",
-                                         key(property), 2 * k_world_reach_m / 1000));
+      error(where(property), fmt::format("\"{}\" is larger than the world, which is {} km wide: found {} m",
+                                         key(property), 2 * k_world_reach_m / 1000, extent * length_));
       return {};
     }
     if (extent < 0) {

@@ -314,12 +314,15 @@ void StageWorld::add_body(const StageEntity& entity) {
   if (body.name != generated) spec_->aliases.push_back({generated, id});
   for (const std::string& part : prototype.global_parts)
     spec_->part_aliases.insert_or_assign(part, engine::PartName{id, part});
-  if (names_.add(body.name, id) != id)
+  if (const BodyId first = names_.add(body.name, id); first != id) {
+    const Where where = own[k_name] ? values_.where(*own[k_name]) : body.where;
     values_.warning_once(
-        own[k_name] ? values_.where(*own[k_name]) : body.where,
+        where,
         fmt::format(
-            "the name \"{}\" is already used: a search for this name finds only the last model that has it",
-            spec_->names.text(body.name)));
+            "the name \"{}\" is already used by the model at {}: a search for this name finds only the "
+            "last model that has it",
+            spec_->names.text(body.name), values_.place(spec_->bodies[first.index()].where, where)));
+  }
   spec_->bodies.push_back(body);
 }
 
@@ -399,21 +402,23 @@ std::optional<StageWorld::Contents> StageWorld::contents(const StageModel& model
   };
   for (const StageModel::Child& child : model.children(document_)) {
     if (++parts_ > k_most_parts) {
-      fail(draft.where,
-           fmt::format(
-               "too large: with its macros expanded, the world contains more than {} models and blocks",
-               k_most_parts));
+      fail(draft.where, fmt::format("too large: with its macros expanded, the world contains more than {} "
+                                    "models and blocks: use smaller macros",
+                                    k_most_parts));
       return {};
     }
     if (++draft.entities > k_most_entities) {
-      fail(draft.where,
-           fmt::format("with its macros expanded, this model contains more than {} models and blocks",
-                       k_most_entities));
+      fail(draft.where, fmt::format("with its macros expanded, this model contains more than {} models and "
+                                    "blocks: use smaller macros",
+                                    k_most_entities));
       return {};
     }
     if (draft.inside.size() >= k_deepest_nesting) {
       fail(draft.where,
-           fmt::format("the macros of this model nest deeper than {} levels", k_deepest_nesting));
+           fmt::format(
+               "with its macros expanded, this model contains models or blocks nested more than {} levels "
+               "deep: nest fewer",
+               k_deepest_nesting));
       return {};
     }
     auto resolved = macros_.resolve(*child.entity);
@@ -425,7 +430,8 @@ std::optional<StageWorld::Contents> StageWorld::contents(const StageModel& model
       return layer == child.layer || std::ranges::find(draft.inside, layer) != draft.inside.end();
     });
     if (itself != resolved->layers.end()) {
-      fail(resolved->where, fmt::format("macro \"{}\" contains itself", document_.word(**itself)));
+      fail(resolved->where, fmt::format("macro \"{}\" contains itself: remove this model from the macro",
+                                        document_.word(**itself)));
       continue;
     }
     const bool is_piece = resolved->type == "block" || resolved->type == "sensor";
@@ -572,9 +578,10 @@ void StageWorld::check_extent(const StageModel& model, const engine::PartSpec& p
   const bool is_flat = part.size.head<2>().minCoeff() > 0 && model.type != "gripper";
   if (has_body && !(part.size.minCoeff() > 0)) {
     if (is_flat)
-      values_.warning_once(
-          where,
-          "\"size\" gives this model a height of 0: only bodies and beams at exactly its height meet it");
+      values_.warning_once(where,
+                           "\"size\" gives this model a height of 0, so that only bodies and beams at "
+                           "exactly that height meet "
+                           "the model: give a third value above 0");
     else if (part.size.minCoeff() == 0)
       values_.error(where, "\"size\" must be above 0 in every direction, found 0");
   }
@@ -728,7 +735,9 @@ WorldSpec changed(const WorldSpec& spec, const std::filesystem::path& file, cons
   std::optional<JsonNode> document = write_json_world(spec, file, registry, diagnostics);
   if (!document) return spec;
   for (const auto& [pointer, value] : options.set) set_json_value(*document, pointer, value, diagnostics);
-  return read_json_world(file, *document, registry, options, diagnostics);
+  LoadOptions reading = options;
+  reading.most_bodies = LoadOptions().most_bodies;  // this limit of a program is one of JSON worlds
+  return read_json_world(file, *document, registry, reading, diagnostics);
 }
 
 }  // namespace
@@ -742,8 +751,8 @@ WorldSpec load_stage_world(const std::filesystem::path& file, std::string text,
   spec.resolution_where = whole;
   if (!options.robots.empty())
     diagnostics.error(whole,
-                      "the number of robots can be set only in a world with populations; a .world file lists "
-                      "its robots one by one");
+                      "the number of robots can be set only in a world with populations, a .json file; a "
+                      ".world file lists its robots one by one");
   const StageDocument document = parse_stage(file, std::move(text), options.search_path, diagnostics);
   if (document.well_nested) StageWorld(document, file, registry, options, diagnostics).read(spec);
   if (options.set.empty() || diagnostics.has_errors()) return spec;

@@ -120,14 +120,15 @@ void WorldText::refuse_what_stage_lacks() {
     lacks("measure_every", "remove this key, and set the interval with troupe run --measure-every");
   if (!spec_.reserves.empty())
     lacks(says("populations") ? "populations" : "models",
-          "Stage has no \"reserve\" of bodies that are born later");
-  if (spec_.mortal) lacks("mortal", "a .world file has no property for this");
+          "Stage has no \"reserve\" of bodies that are born later: remove the reserve");
+  if (spec_.mortal) lacks("mortal", "a .world file has no such property: remove this key");
   if (!spec_.experiment.stop_when.empty())
-    lacks("stop_when", "in Stage, a run can end only at its \"quit_time\"");
-  if (!spec_.experiment.at.empty()) lacks("at", "a .world file has no interventions");
-  if (!spec_.experiment.faults.empty()) lacks("faults", "robots do not fail in Stage");
+    lacks("stop_when", "in Stage, a run can end only at its \"quit_time\": remove this key");
+  if (!spec_.experiment.at.empty()) lacks("at", "a .world file has no interventions: remove this key");
+  if (!spec_.experiment.faults.empty()) lacks("faults", "robots do not fail in Stage: remove this key");
   if (says("bounds_m"))
-    lacks("bounds_m", "a Stage world always reaches 100 km from its origin in each direction");
+    lacks("bounds_m",
+          "a Stage world always reaches 100 km from its origin in each direction: remove this key");
   else if (spec_.bounds)
     diagnostics_.warning(
         where_of("floorplans"),
@@ -152,7 +153,7 @@ void WorldText::write_settings() {
   if (spec_.resolution_m != WorldSpec().resolution_m) text_.number("resolution", spec_.resolution_m);
   text_.at(where_of("seed"));
   if (spec_.seed > static_cast<std::uint64_t>(k_largest_number))
-    lacks("seed", "numbers of a .world file must be from -2^53 to 2^53");
+    lacks("seed", fmt::format("numbers of a .world file must be from -2^53 to 2^53, found {}", spec_.seed));
   else
     text_.number("seed", static_cast<double>(spec_.seed));
   write_stage_watch(spec_.watch, text_);

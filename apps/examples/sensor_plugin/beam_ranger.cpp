@@ -46,7 +46,8 @@ struct BeamRanger {
   }
 
   /// Checks the parameters together. An error refers to the sensor's line of the world file.
-  troupe::Result<> bind_part(const troupe::TypeSpec&, std::uint32_t) const {
+  troupe::Result<> bind_part(const troupe::TypeSpec& type, std::uint32_t part) const {
+    if (troupe::Result<> limits = ranger.bind_part(type, part); !limits) return limits;
     if (params.short_share + params.max_share + params.random_share <= 1) return {};
     return troupe::Error{"has short_share, max_share and random_share that add up to more than 1"};
   }

@@ -149,7 +149,7 @@ class Batch:
 
 
 def one_copy(task: Task, **options: Any) -> Batch:
-    """Returns a Batch with one copy of the world, for which more than one thread is of no use. options: those of Batch,
+    """Returns a Batch with one copy of the world and one thread, because a copy uses only one. options: those of Batch,
     except threads, which raises TypeError."""
     if "threads" in options:
         raise TypeError("threads: an environment with one copy of the world uses one thread: omit threads, or use VectorEnv")

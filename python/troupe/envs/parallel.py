@@ -95,7 +95,7 @@ class ParallelEnv(_ParallelEnv):
             return {}, {}, {}, {}, {}
         strangers = sorted(map(str, set(actions) - set(self.agents)))
         if strangers:
-            raise ValueError(f"actions: not agents at this time: {', '.join(strangers)}; agents: {', '.join(self.agents)}")
+            raise ValueError(f"actions: found actions of {', '.join(strangers)}, which are not agents at this time; agents: {', '.join(self.agents)}")
         tables = []
         for team, space in enumerate(batch.action_spaces):
             table = np.zeros((1, len(batch.names[team]), *(space.shape or ())), space.dtype)

@@ -53,9 +53,9 @@ class Renderer:
         return None if self._view is None else self._view.read_only_address
 
     def begin(self, batch: Batch) -> None:
-        """Shows the first copy if the mode is human and no page shows it yet. Called after an episode has begun, because
-        the page gets the placement of the bodies from the seed of the episode. The page is read-only, because users must
-        not change the world that a policy learns in."""
+        """Shows the first copy if the mode is human and no page shows it yet. Call it after an episode has begun: the
+        seed of the episode determines the poses of the bodies, which the page must show. The page is read-only, because
+        users must not change the world that a policy learns in."""
         if self.mode != "human" or self._view is not None:
             return
         self._sessions = tempfile.TemporaryDirectory(prefix="troupe-")

@@ -83,8 +83,9 @@ def lidar(scale: float = 1 / LIDAR_RANGE) -> Dict[str, Any]:
 
 def steer(x: Floats, y: Floats, speed: Floats) -> Floats:
     """Returns actions (forward, turn), numbers from -1 to 1 in the last axis, that turn the robot towards the direction
-    (x, y) in its frame. The forward speed is proportional to the cosine of the direction's angle. speed: forward speed
-    if the direction is straight ahead, as a fraction of the largest speed, from 0 to 1."""
+    (x, y) in its frame. The forward speed is proportional to the cosine of the direction's angle, and 0 if the
+    direction points backwards. speed: forward speed if the direction is straight ahead, as a fraction of the largest
+    speed, from 0 to 1."""
     length = np.sqrt(x * x + y * y)
     safe = np.where(length > 0, length, 1.0)
     ahead, side = x / safe, y / safe
@@ -173,7 +174,7 @@ class Aggregation(Task):
         return -0.1 * mean
 
     def baseline(self, observations: Any, team: int = 0) -> Floats:
-        """Drives to the centre of the nearest robots, and stops when the nearest is within 0.5 m."""
+        """Drives to the mean position of the nearest robots, and stops when the nearest is within 0.5 m."""
         rows = np.asarray(observations, np.float64)
         near = rows[..., LIDAR_BEAMS:].reshape(*rows.shape[:-1], self.nearest, 5)
         x, y = near[..., 0].sum(axis=-1), near[..., 1].sum(axis=-1)
@@ -355,7 +356,7 @@ class Pursuit(Task):
         ]
 
     def baseline(self, observations: Any, team: int = 0) -> Floats:
-        """Drives straight to the prey, but turns away from near walls."""
+        """Drives straight to the prey, but turns away from near obstacles."""
         rows = np.asarray(observations, np.float64)
         n = LIDAR_BEAMS
         x, y, distance = rows[..., n], rows[..., n + 1], rows[..., n + 2]

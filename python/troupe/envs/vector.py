@@ -12,6 +12,7 @@ from gymnasium.vector.utils import batch_space
 
 from .batch import Batch, Flags, checked_seed
 from .render import RENDER_MODES, RENDER_SIZE, Renderer
+from .single import checked
 from .task import Task
 
 
@@ -117,9 +118,7 @@ class VectorEnv(_VectorEnv[Any, Any, Any]):
             raise RuntimeError(
                 f"the episodes of copies {np.flatnonzero(begins).tolist()} have ended: call reset(options={{'reset_mask': ...}}) first"
             )
-        table = np.asarray(actions)
-        if table.shape != self.action_space.shape:
-            raise ValueError(f"actions: give an array of shape {self.action_space.shape}, found {table.shape}")
+        table = checked(actions, self.action_space, "actions")
         table = table.reshape(self.copies, self.robots, *table.shape[1:])
         batch.step([table], begins if begins.any() else None)
         over = batch.core.over().copy()

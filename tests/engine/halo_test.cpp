@@ -1,0 +1,831 @@
+// Ranks that divide the rows of a world among themselves compute the same bits as one world with all rows
+// (engine/halo.hpp, docs/cluster.md).
+
+#include "engine/halo.hpp"
+
+#include "base/diagnostics.hpp"
+#include "engine/controller.hpp"
+#include "engine/replica.hpp"
+#include "engine/stop_conditions.hpp"
+#include "engine/world.hpp"
+#include "partition/job_thread.hpp"
+#include "partition/mailboxes.hpp"
+#include "tests/support/scene.hpp"
+#include "tests/support/scratch.hpp"
+#include "troupe/troupe.hpp"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cctype>
+#include <cstddef>
+#include <cstdint>
+#include <filesystem>
+#include <functional>
+#include <memory>
+#include <optional>
+#include <stdexcept>
+#include <string>
+#include <string_view>
+#include <vector>
+
+namespace troupe::engine {
+namespace {
+
+namespace fs = std::filesystem;
+
+using ::testing::HasSubstr;
+
+const fs::path k_halo_worlds = TROUPE_SOURCE_DIR "/worlds";
+
+/// How a world is divided.
+struct HaloTeam {
+  unsigned ranks = 2;
+  unsigned threads = 1;
+  std::optional<std::uint64_t> seed;  ///< of delays and of random ground
+  std::optional<double> skin_m;
+  double tile_m = 1;
+  std::function<double(unsigned rank)> clock;
+};
+
+/// The ranks of a distributed world, as threads of this process. The calling thread is rank 0.
+class HaloRanks {
+ public:
+  HaloRanks(const WorldSpec& spec, const Registry& registry, const HaloTeam& team)
+      : spec_(spec),
+        registry_(registry),
+        options_{.threads = team.threads, .tile_size_m = team.tile_m},
+        replica_options_{.cut_seed = team.seed,
+                         .verify = true,
+                         .keeps_references = false,
+                         .is_distributed = true,
+                         .skin_m = team.skin_m,
+                         .requests = {}},
+        counts_(team.ranks),
+        mailboxes_(team.ranks, team.seed, team.clock) {
+    for (unsigned rank = 1; rank < team.ranks; ++rank) {
+      threads_.push_back(std::make_unique<partition::JobThread>(1));
+      threads_.back()->add([this, rank] { follow(rank); });
+    }
+    Diagnostics diagnostics(spec_.files);
+    world_ = std::make_unique<World>(spec_, registry_, options_, diagnostics);
+    replica_ = std::make_unique<Replica>(*world_, registry_, mailboxes_.of(0), 0, replica_options_);
+  }
+  ~HaloRanks() { end(); }
+
+  World& world() { return *world_; }
+  const Replica& replica() const { return *replica_; }
+  /// The counts of all ranks. No tick can follow.
+  const std::vector<RankCounts>& counts() {
+    end();
+    return counts_;
+  }
+
+ private:
+  void end() {
+    if (!replica_) return;
+    counts_[0] = replica_->halo()->counts();
+    mailboxes_.of(0).send_to_all(begin_message(Order::end, 0));
+    mailboxes_.close("rank 0 has ended");
+    for (const auto& thread : threads_) thread->finish();
+    replica_.reset();
+  }
+  void follow(unsigned rank) {
+    try {
+      Diagnostics diagnostics(spec_.files);
+      World world(spec_, registry_, options_, diagnostics);
+      Replica replica(world, registry_, mailboxes_.of(rank), 0, replica_options_);
+      while (true) {
+        const ReceivedOrder received = receive_order(mailboxes_.of(rank), 0);
+        if (received.order == Order::end) break;
+        replica.follow(received.order, received.rest);
+      }
+      counts_[rank] = replica.halo()->counts();
+    } catch (const std::exception& error) {
+      mailboxes_.close("rank " + std::to_string(rank) + " failed: " + error.what());
+    }
+  }
+
+  WorldSpec spec_;
+  const Registry& registry_;
+  WorldOptions options_;
+  ReplicaOptions replica_options_;
+  std::vector<RankCounts> counts_;
+  partition::Mailboxes mailboxes_;
+  std::unique_ptr<World> world_;
+  std::unique_ptr<Replica> replica_;
+  std::vector<std::unique_ptr<partition::JobThread>> threads_;
+};
+
+/// Called before each tick: may change the world.
+using HaloProgram = std::function<void(World&)>;
+
+std::vector<Hashes> halo_log(World& world, std::uint64_t ticks, const HaloProgram& program = {}) {
+  std::vector<Hashes> log{world.hashes()};
+  for (std::uint64_t tick = 0; tick < ticks; ++tick) {
+    if (program) program(world);
+    world.step();
+    log.push_back(world.hashes());
+  }
+  return log;
+}
+
+void expect_equal_logs(const std::vector<Hashes>& got, const std::vector<Hashes>& expected,
+                       const std::string& what) {
+  ASSERT_EQ(got.size(), expected.size());
+  for (std::size_t tick = 0; tick < got.size(); ++tick) {
+    ASSERT_EQ(got[tick].groups, expected[tick].groups) << what << ", tick " << tick;
+    ASSERT_EQ(got[tick].state, expected[tick].state) << what << ", tick " << tick;
+  }
+}
+
+std::string name_of(const HaloTeam& team) {
+  return std::to_string(team.ranks) + " ranks, " + std::to_string(team.threads) + " threads, seed " +
+         (team.seed ? std::to_string(*team.seed) : "none") + ", skin " +
+         (team.skin_m ? std::to_string(*team.skin_m) : "chosen");
+}
+
+/// Robots with rangers in a room with a wall. Many are near one another, so that motions depend on others.
+/// extra: further keys of the world, each with a comma before it
+std::string halo_room(std::size_t robots, double half_m, const std::string& extra = {}) {
+  const std::string half = std::to_string(half_m);
+  return R"({
+  "troupe": 1, "title": "A room",
+  "types": {
+    "wall": {"size_m": [0.2, 3, 1]},
+    "wanderer": {"size_m": [0.31, 0.17, 0.2],
+      "drive": {"kind": "diff", "localization": "odom", "odom_error": [0.03, 0.03, 0.05]},
+      "controller": {"kind": "wander"}, "sensors": [
+      {"name": "eyes", "kind": "ranger", "pose": {"z_m": 0.1}, "transducers": [{"range_max_m": 1.1, "fov_deg": 170.5, "samples": 9}]}]}
+  },
+  "models": [{"name": "wall", "type": "wall", "pose": {"x_m": 0.7, "heading_deg": 0.7}}],
+  "populations": [
+    {"name": "w", "type": "wanderer", "count": )" +
+         std::to_string(robots) + R"(,
+     "place": {"rule": "uniform", "region_m": [[-)" +
+         half + ", -" + half + "], [" + half + ", " + half + R"(]]}}
+  ])" + extra +
+         "\n}";
+}
+
+/// Divisions of a world that the tests of experiments compare with the world on one rank.
+const std::vector<HaloTeam> k_experiment_teams{
+    {1, 1, {}, {}}, {2, 1, {}, {}}, {3, 2, {}, 0.0}, {7, 1, 2, 0.3}};
+
+class HaloOfARoom : public test::ScratchTest {
+ protected:
+  Simulation load(std::size_t robots, double half_m, const std::string& extra = {}) const {
+    SimulationOptions options;
+    options.threads = 1;
+    return Simulation(write("room.json", halo_room(robots, half_m, extra)), options);
+  }
+};
+
+// Step (a): rows that are far from all others.
+TEST_F(HaloOfARoom, WorldsWithDistantPartsOfTheRowsStepAlone) {
+  const Simulation simulation = load(30, 8);
+  WorldSpec spec = simulation.world().spec();
+  for (std::size_t b = 0; b < spec.bodies.size(); ++b)
+    if (simulation.world().location(BodyId(b)) == RowLocation::here && b % 2 == 0)
+      spec.bodies[b].pose_world_body.x += 100;
+  Diagnostics diagnostics(spec.files);
+  World whole(spec, simulation.registry(), {.threads = 1}, diagnostics);
+  World near(spec, simulation.registry(), {.threads = 1}, diagnostics);
+  World far(spec, simulation.registry(), {.threads = 1}, diagnostics);
+  std::vector<BodyId> near_bodies;
+  std::vector<BodyId> far_bodies;
+  for (std::size_t r = 0; r < whole.rows(); ++r)
+    (whole.poses()[r].x < 50 ? near_bodies : far_bodies).push_back(whole.body(Row(r)));
+  ASSERT_GT(near_bodies.size(), 10u);
+  ASSERT_GT(far_bodies.size(), 10u);
+  near.remove_rows(far_bodies);
+  far.remove_rows(near_bodies);
+  for (int tick = 0; tick < 40; ++tick) {
+    ASSERT_EQ(near.hashes().state + far.hashes().state, whole.hashes().state) << "tick " << tick;
+    for (World* world : {&whole, &near, &far}) world->step();
+  }
+  EXPECT_EQ(near.stalled_count() + far.stalled_count(), whole.stalled_count());
+}
+
+TEST_F(HaloOfARoom, RanksGiveTheSameBits) {
+  const Simulation simulation = load(150, 4);
+  Diagnostics diagnostics(simulation.world().spec().files);
+  World whole(simulation.world().spec(), simulation.registry(), {.threads = 1}, diagnostics);
+  const std::vector<Hashes> expected = halo_log(whole, 60);
+  EXPECT_GT(whole.conflict_rounds(), 100u) << "no motion depends on another";
+  for (const HaloTeam& team : std::vector<HaloTeam>{{1, 1, {}, {}},
+                                                    {2, 1, {}, {}},
+                                                    {3, 2, {}, 0.0},
+                                                    {4, 1, 1, {}},
+                                                    {7, 2, 2, 0.3},
+                                                    {7, 1, 3, 3.0},
+                                                    {2, 2, 4, 0.0}}) {
+    HaloRanks ranks(simulation.world().spec(), simulation.registry(), team);
+    expect_equal_logs(halo_log(ranks.world(), 60), expected, name_of(team));
+    EXPECT_EQ(ranks.world().beams_cast(), whole.beams_cast());
+    std::uint64_t migrated = 0;
+    std::uint64_t own = 0;
+    for (const RankCounts& counts : ranks.counts()) {
+      migrated += counts.migrated;
+      own += counts.own;
+      EXPECT_EQ(counts.ticks, 60u);
+    }
+    EXPECT_EQ(own, 60 * whole.rows()) << "each row has one owner";
+    if (team.ranks > 1) {
+      EXPECT_GT(migrated, 0u) << name_of(team);
+    }
+  }
+}
+
+/// All teams of 1, 2, 3, 4 and 7 ranks with 1 and 2 threads, three skins, and without and with three seeds. A
+/// seed delays and reorders messages, and divides the ground at random during the run
+/// (TileOwners::random_cut()).
+std::vector<HaloTeam> all_teams(double tile_m) {
+  const std::vector<std::optional<double>> skins_m{std::nullopt, 0.0, 0.4};
+  const std::vector<std::optional<std::uint64_t>> seeds{std::nullopt, 1, 2, 3};
+  std::vector<HaloTeam> teams;
+  for (const unsigned ranks : {1u, 2u, 3u, 4u, 7u})
+    for (const unsigned threads : {1u, 2u})
+      for (const std::optional<double>& skin_m : skins_m)
+        for (const std::optional<std::uint64_t>& seed : seeds)
+          teams.push_back({ranks, threads, seed, skin_m, tile_m, {}});
+  return teams;
+}
+
+TEST_F(HaloOfARoom, AllTeamsGiveTheSameBitsInACrowd) {
+  const Simulation simulation = load(120, 3.5);
+  const WorldSpec& spec = simulation.world().spec();
+  Diagnostics diagnostics(spec.files);
+  World whole(spec, simulation.registry(), {.threads = 1}, diagnostics);
+  const std::vector<Hashes> expected = halo_log(whole, 16);
+  EXPECT_GT(whole.conflict_rounds(), 10u) << "no motion depends on another";
+  std::uint64_t rounds = 0;
+  for (const HaloTeam& team : all_teams(1)) {
+    HaloRanks ranks(spec, simulation.registry(), team);
+    expect_equal_logs(halo_log(ranks.world(), 16), expected, name_of(team));
+    if (HasFatalFailure()) return;
+    for (const RankCounts& counts : ranks.counts()) rounds += counts.rounds;
+  }
+  EXPECT_GT(rounds, 0u) << "no motion depends on the outcome of another rank";
+}
+
+TEST_F(HaloOfARoom, AllTeamsGiveTheSameBitsInASparseWorld) {
+  const Simulation simulation = load(400, 80);
+  const WorldSpec& spec = simulation.world().spec();
+  Diagnostics diagnostics(spec.files);
+  World whole(spec, simulation.registry(), {.threads = 1}, diagnostics);
+  const std::vector<Hashes> expected = halo_log(whole, 10);
+  for (const HaloTeam& team : all_teams(4)) {
+    HaloRanks ranks(spec, simulation.registry(), team);
+    expect_equal_logs(halo_log(ranks.world(), 10), expected, name_of(team));
+    if (HasFatalFailure()) return;
+    std::uint64_t own = 0;
+    std::uint64_t ghosts = 0;
+    for (const RankCounts& counts : ranks.counts()) {
+      own += counts.own;
+      ghosts += counts.ghosts;
+    }
+    EXPECT_EQ(own, 10 * whole.rows()) << name_of(team);
+    if (team.ranks == 7 && !team.seed) {
+      EXPECT_GT(ghosts, 0u) << name_of(team);
+      EXPECT_LT(5 * ghosts, own) << name_of(team);
+    }
+  }
+}
+
+TEST_F(HaloOfARoom, APlanHasTheRowsOfTheRanks) {
+  const Simulation simulation = load(400, 80);
+  const WorldSpec& spec = simulation.world().spec();
+  Diagnostics diagnostics(spec.files);
+  World whole(spec, simulation.registry(), {.threads = 1, .tile_size_m = 4}, diagnostics);
+  const HaloPlan plan = plan_halo(whole, 7, 0);
+  EXPECT_GT(plan.coverage_m, 1.1);
+  HaloRanks ranks(spec, simulation.registry(), {.ranks = 7, .skin_m = 0.0, .tile_m = 4});
+  ranks.world().step();  // all robots stand still in the first tick: the ghosts are those of the plan
+  static_cast<void>(ranks.world().hashes());  // waits until all ranks have ended the tick
+  const std::vector<RankCounts>& counts = ranks.counts();
+  ASSERT_EQ(plan.ranks.size(), 7u);
+  std::size_t neighbours = 0;
+  for (std::size_t rank = 0; rank < 7; ++rank) {
+    EXPECT_EQ(plan.ranks[rank].own, counts[rank].own) << rank;
+    EXPECT_EQ(plan.ranks[rank].ghosts, counts[rank].ghosts) << rank;
+    EXPECT_EQ(plan.ranks[rank].neighbours, counts[rank].neighbours) << rank;
+    neighbours += plan.ranks[rank].neighbours;
+  }
+  EXPECT_GT(neighbours, 7u);
+  EXPECT_GT(plan_halo(whole, 7, 0.1).ranks[3].ghosts, plan.ranks[3].ghosts);
+}
+
+TEST_F(HaloOfARoom, GhostsAreFewInASparseWorld) {
+  const Simulation simulation = load(400, 80);
+  const WorldSpec& spec = simulation.world().spec();
+  Diagnostics diagnostics(spec.files);
+  World whole(spec, simulation.registry(), {.threads = 1}, diagnostics);
+  const std::vector<Hashes> expected = halo_log(whole, 20);
+  HaloRanks ranks(spec, simulation.registry(), {.ranks = 7, .tile_m = 4});
+  expect_equal_logs(halo_log(ranks.world(), 20), expected, "sparse");
+  EXPECT_LT(ranks.world().rows(), spec.bodies.size() / 3);
+  std::uint64_t own = 0;
+  std::uint64_t ghosts = 0;
+  std::uint64_t rebuilds = 0;
+  for (const RankCounts& counts : ranks.counts()) {
+    own += counts.own;
+    ghosts += counts.ghosts;
+    rebuilds += counts.distributions;
+  }
+  EXPECT_GT(ghosts, 0u);
+  EXPECT_LT(5 * ghosts, own);
+  EXPECT_LT(rebuilds, 7u * 6) << "the rows are distributed in every tick";
+}
+
+TEST_F(HaloOfARoom, ProgramsReadAndChangeAllRows) {
+  const Simulation simulation = load(60, 3);
+  const WorldSpec& spec = simulation.world().spec();
+  const BodyId moved = simulation.world().find("w7");
+  const HaloProgram program = [&](World& world) {
+    if (world.tick() % 4 == 1) static_cast<void>(world.tables());  // all rows are here
+    if (world.tick() == 5) {
+      world.gather();
+      const World::Placed place{world.row(moved), {-2.9, 2.9, 0, 1}};
+      world.set_poses({&place, 1});
+    }
+    if (world.tick() == 9) {
+      world.gather();
+      world.set_command(world.row(moved), Command{});
+    }
+    if (world.tick() == 12) world.before_tick([&world] { static_cast<void>(world.tables()); });
+    if (world.tick() == 15) world.before_tick({});
+  };
+  Diagnostics diagnostics(spec.files);
+  World whole(spec, simulation.registry(), {.threads = 1}, diagnostics);
+  const std::vector<Hashes> expected = halo_log(whole, 30, program);
+  for (const HaloTeam& team : std::vector<HaloTeam>{{3, 1, {}, {}}, {4, 1, 5, {}}, {2, 2, 6, 0.5}}) {
+    HaloRanks ranks(spec, simulation.registry(), team);
+    expect_equal_logs(halo_log(ranks.world(), 30, program), expected, name_of(team));
+    ranks.world().gather();
+    EXPECT_EQ(ranks.world().rows(), whole.rows());
+    EXPECT_EQ(ranks.world().stalled_count(), whole.stalled_count());
+    EXPECT_EQ(ranks.world().mean_displacement(), whole.mean_displacement());
+    ranks.world().reset();
+    ranks.world().before_tick({});
+    expect_equal_logs(halo_log(ranks.world(), 30, program), expected, "after reset, " + name_of(team));
+    const auto fill = [&](std::span<StateTable> tables) {
+      for (std::size_t t = 0; t < tables.size(); ++t)
+        for (std::size_t at = 0; at < tables[t].rows(); ++at) {
+          const StateTable& from = whole.tables()[t];
+          const std::size_t row = whole.row_in(from, whole.row(tables[t].ids()[at]));
+          for (std::size_t f = 0; f < from.fields().size(); ++f) {
+            const auto bytes = from.fields()[f].columns * element_size(from.fields()[f].element);
+            std::copy_n(from.cell<std::byte>(row, f).data(), bytes, tables[t].cell<std::byte>(at, f).data());
+          }
+        }
+    };
+    EXPECT_TRUE(ranks.world().restore(whole.tick(), whole.counters(), whole.hashes().state, fill));
+    ranks.world().before_tick({});
+    World other(spec, simulation.registry(), {.threads = 1}, diagnostics);
+    ASSERT_TRUE(other.restore(whole.tick(), whole.counters(), whole.hashes().state, fill));
+    expect_equal_logs(halo_log(ranks.world(), 10), halo_log(other, 10), "after restore, " + name_of(team));
+  }
+}
+
+TEST_F(HaloOfARoom, AFarMotionIsFollowed) {
+  const Simulation simulation = load(60, 3);
+  const WorldSpec& spec = simulation.world().spec();
+  const BodyId fast = simulation.world().find("w7");
+  const HaloProgram program = [&](World& world) {
+    if (world.tick() % 10 != 3) return;
+    world.gather();
+    world.set_command(world.row(fast), Command{.x = 40});  // 4 m in a tick
+  };
+  Diagnostics diagnostics(spec.files);
+  World whole(spec, simulation.registry(), {.threads = 1}, diagnostics);
+  const std::vector<Hashes> expected = halo_log(whole, 30, program);
+  HaloRanks ranks(spec, simulation.registry(), {.ranks = 5, .tile_m = 0.5});
+  expect_equal_logs(halo_log(ranks.world(), 30, program), expected, "far motions");
+}
+
+TEST_F(HaloOfARoom, SlowRanksGiveGroundToOthers) {
+  const Simulation simulation = load(200, 8);
+  const WorldSpec& spec = simulation.world().spec();
+  Diagnostics diagnostics(spec.files);
+  World whole(spec, simulation.registry(), {.threads = 1}, diagnostics);
+  const std::vector<Hashes> expected = halo_log(whole, 80);
+  std::vector<double> now_s(3, 0);
+  const auto clock = [&](unsigned rank) { return now_s[rank] += rank == 1 ? 3 : 1; };  // rank 1 is slow
+  HaloRanks ranks(spec, simulation.registry(), {.ranks = 3, .tile_m = 0.5, .clock = clock});
+  expect_equal_logs(halo_log(ranks.world(), 31), {expected.begin(), expected.begin() + 32}, "before");
+  const auto rows_of = [&](unsigned rank) { return ranks.replica().work()[rank].rows; };
+  const std::uint64_t before = rows_of(1);
+  EXPECT_NEAR(static_cast<double>(before), 200.0 / 3, 20);
+  for (std::size_t tick = 32; tick <= 80; ++tick) {
+    ranks.world().step();
+    ASSERT_EQ(ranks.world().hashes().state, expected[tick].state) << "tick " << tick;
+  }
+  EXPECT_GT(ranks.replica().rebalanced(), 0u);
+  EXPECT_LT(3 * rows_of(1), 2 * before);
+  EXPECT_GT(rows_of(1), 0u);
+  EXPECT_EQ(rows_of(0) + rows_of(1) + rows_of(2), whole.rows());
+}
+
+/// What the conditions of a world's `stop_when` read after each tick.
+struct HaloStops {
+  std::vector<std::optional<std::size_t>> holding;
+  std::vector<std::vector<double>> values;
+  std::vector<std::vector<std::byte>> memories;
+};
+
+HaloStops halo_stops(World& world, const Registry& registry, std::uint64_t ticks) {
+  Diagnostics diagnostics(world.spec().files);
+  const std::vector<StopSpec>& specs = world.spec().experiment.stop_when;
+  std::vector<MeasureSpec> measures;
+  for (const StopSpec& each : specs) measures.push_back(each.measure);
+  StopConditions conditions(world, registry, specs, diagnostics);
+  MeasureSet set(world, registry, measures, diagnostics);
+  HaloStops stops;
+  for (std::uint64_t tick = 0; tick < ticks; ++tick) {
+    world.step();
+    conditions.see();
+    set.see();
+    stops.holding.push_back(conditions.holding());
+    stops.values.push_back(set.values());
+    stops.memories.push_back(conditions.memory());
+  }
+  return stops;
+}
+
+TEST_F(HaloOfARoom, StopConditionsReadTheRobotsOfAllRanks) {
+  const Simulation simulation = load(100, 4, R"(,
+  "stop_when": ["path_length >= 0.3", "stalls > 1000", "displacement > 1000",
+    {"measure": {"kind": "state_mean", "component": "eyes", "field": "ranges", "column": 4, "name": "front"}, "is": "< 0"}],
+  "at": [{"time_s": 0.5, "move": {"model": "w7", "pose": {"x_m": -3.5, "y_m": 3.5}}}])");
+  const WorldSpec& spec = simulation.world().spec();
+  ASSERT_EQ(why_replicated(simulation.world()), "");
+  Diagnostics diagnostics(spec.files);
+  World whole(spec, simulation.registry(), {.threads = 1}, diagnostics);
+  const HaloStops expected = halo_stops(whole, simulation.registry(), 20);
+  EXPECT_EQ(expected.holding.front(), std::nullopt);
+  EXPECT_EQ(expected.holding.back(), std::optional<std::size_t>(0));
+  for (const HaloTeam& team : k_experiment_teams) {
+    HaloRanks ranks(spec, simulation.registry(), team);
+    const HaloStops got = halo_stops(ranks.world(), simulation.registry(), 20);
+    EXPECT_EQ(got.holding, expected.holding) << name_of(team);
+    EXPECT_EQ(got.values, expected.values) << name_of(team);
+    EXPECT_EQ(got.memories, expected.memories) << name_of(team);
+    EXPECT_EQ(ranks.world().hashes().state, whole.hashes().state) << name_of(team);
+  }
+}
+
+TEST_F(HaloOfARoom, ARunEndsAtTheSameTick) {
+  const fs::path world = write("stops.json", halo_room(60, 3, R"(,
+  "stop_when": ["stalls > 1000", "displacement >= 0.25"])"));
+  const auto end_of = [](Simulation& simulation) {
+    simulation.run_for(20);
+    return std::to_string(simulation.tick()) + " " + simulation.stopped().value_or("time") + " " +
+           simulation.hash_log_line();
+  };
+  SimulationOptions options;
+  options.threads = 1;
+  Simulation whole(world, options);
+  const std::string expected = end_of(whole);
+  EXPECT_LT(whole.tick(), 200u);
+  EXPECT_EQ(whole.stopped(), "displacement >= 0.25");
+  options.distribute = true;
+  options.tile_size_m = 1;
+  const fs::path file = folder_ / "halfway.h5";
+  for (const unsigned ranks : {3u, 7u}) {
+    options.ranks = ranks;
+    options.rank_seed = ranks;
+    Simulation simulation(world, options);
+    ASSERT_TRUE(simulation.rank_statistics().is_distributed);
+    EXPECT_EQ(end_of(simulation), expected) << ranks << " ranks";
+    simulation.reset();
+    for (int tick = 0; tick < 5; ++tick) simulation.step();
+    simulation.world().gather();
+    simulation.save(file);
+    EXPECT_EQ(end_of(simulation), expected) << ranks << " ranks, after a reset";
+    ResumeOptions resume;
+    resume.threads = 1;
+    resume.ranks = ranks;
+    resume.distribute = true;
+    Simulation resumed = Simulation::resume(file, resume);
+    EXPECT_EQ(end_of(resumed), expected) << ranks << " ranks, resumed";
+  }
+}
+
+TEST_F(HaloOfARoom, RobotsFailAlikeOnAllRanks) {
+  const Simulation simulation = load(150, 4, R"(,
+  "faults": [
+    {"population": "w", "share": 0.3, "from_s": 0.5, "slow_wheels": {"factor": 0.4}},
+    {"population": "w", "count": 25, "from_s": 1, "dead_sensors": {"sensors": "eyes"}},
+    {"population": "w", "drop_out": {"rate_per_s": 0.2, "for_s": 0.7}}
+  ])");
+  const WorldSpec& spec = simulation.world().spec();
+  ASSERT_EQ(why_replicated(simulation.world()), "");
+  Diagnostics diagnostics(spec.files);
+  World whole(spec, simulation.registry(), {.threads = 1}, diagnostics);
+  const std::vector<Hashes> expected = halo_log(whole, 40);
+  const std::size_t impaired = whole.impaired_count();
+  EXPECT_GT(impaired, 40u);
+  EXPECT_LT(impaired, 140u);
+  whole.restart(spec.seed + 1, spec.bodies, simulation.registry());
+  const std::vector<Hashes> of_other_seed = halo_log(whole, 20);
+  for (const HaloTeam& team : k_experiment_teams) {
+    HaloRanks ranks(spec, simulation.registry(), team);
+    expect_equal_logs(halo_log(ranks.world(), 40), expected, name_of(team));
+    ranks.world().gather();
+    EXPECT_EQ(ranks.world().impaired_count(), impaired) << name_of(team);
+    ranks.world().restart(spec.seed + 1, spec.bodies, simulation.registry());
+    expect_equal_logs(halo_log(ranks.world(), 20), of_other_seed, "another seed, " + name_of(team));
+  }
+}
+
+TEST_F(HaloOfARoom, ProgramsDisableRobots) {
+  const Simulation simulation = load(60, 3, R"(,
+  "at": [{"time_s": 1000, "disable": {"model": "w1"}}])");
+  const WorldSpec& spec = simulation.world().spec();
+  const HaloProgram program = [&](World& world) {
+    if (world.tick() % 5 != 2) return;
+    world.gather();
+    for (std::uint64_t b = world.tick(); b < world.tick() + 10; ++b)
+      if (const BodyId body(b); world.location(body) == RowLocation::here)
+        world.set_disabled(world.row(body), !world.is_disabled(world.row(body)));
+  };
+  Diagnostics diagnostics(spec.files);
+  World whole(spec, simulation.registry(), {.threads = 1}, diagnostics);
+  const std::vector<Hashes> expected = halo_log(whole, 30, program);
+  EXPECT_GT(whole.impaired_count(), 5u);
+  for (const HaloTeam& team : k_experiment_teams) {
+    HaloRanks ranks(spec, simulation.registry(), team);
+    expect_equal_logs(halo_log(ranks.world(), 30, program), expected, name_of(team));
+  }
+}
+
+TEST_F(HaloOfARoom, InterventionsHaveTheSameEffectOnAllRanks) {
+  const Simulation simulation = load(150, 4, R"(,
+  "at": [
+    {"time_s": 0, "disable": {"population": "w", "count": 5}},
+    {"time_s": 0.5, "move": {"model": "w7", "pose": {"x_m": -3.5, "y_m": 3.5}}},
+    {"time_s": 0.5, "move": {"model": "w8", "pose": {"x_m": 3.5, "y_m": 3.5, "heading_deg": 90}}},
+    {"time_s": 1, "disable": {"population": "w", "share": 0.3}},
+    {"time_s": 1, "enable": {"population": "w", "count": 20}},
+    {"time_s": 1.5, "set": {"type": "wanderer", "device": {"name": "eyes", "transducers": [{"range_max_m": 3.5, "fov_deg": 170.5, "samples": 9}]}}},
+    {"time_s": 1.5, "move": {"model": "w7", "pose": {"x_m": 3.6, "y_m": -3.6}}},
+    {"time_s": 1.6, "move": {"model": "w7", "pose": {"x_m": -20, "y_m": 15}}},
+    {"time_s": 1.8, "remove": {"population": "w", "share": 0.1}},
+    {"time_s": 2, "disable": {"model": "w20"}},
+    {"time_s": 2.2, "remove": {"model": "w11"}},
+    {"time_s": 2, "set": {"type": "wanderer", "controller": {"kind": "wander", "cruise_speed_mps": 0.9}}},
+    {"time_s": 3, "enable": {"population": "w", "share": 0.5}},
+    {"time_s": 3, "move": {"model": "w7", "pose": {"x_m": 0, "y_m": 0}}},
+    {"time_s": 3.5, "set": {"type": "wanderer", "device": {"name": "eyes", "transducers": [{"range_max_m": 0.5, "fov_deg": 170.5, "samples": 9}]}}}
+  ])");
+  const WorldSpec& spec = simulation.world().spec();
+  ASSERT_EQ(why_replicated(simulation.world()), "");
+  EXPECT_GE(simulation.world().longest_reach(), 3.5);
+  Diagnostics diagnostics(spec.files);
+  World whole(spec, simulation.registry(), {.threads = 1}, diagnostics);
+  const std::vector<Hashes> expected = halo_log(whole, 50);
+  EXPECT_LT(whole.robots(), 136u);
+  for (const HaloTeam& team : k_experiment_teams) {
+    HaloRanks ranks(spec, simulation.registry(), team);
+    expect_equal_logs(halo_log(ranks.world(), 50), expected, name_of(team));
+    EXPECT_EQ(ranks.world().beams_cast(), whole.beams_cast()) << name_of(team);
+    EXPECT_EQ(ranks.world().robots(), whole.robots()) << name_of(team);
+    ranks.world().gather();
+    EXPECT_EQ(ranks.world().absent_count(), whole.absent_count()) << name_of(team);
+    EXPECT_EQ(ranks.world().mean_displacement(), whole.mean_displacement()) << name_of(team);
+    ranks.world().reset();
+    expect_equal_logs(halo_log(ranks.world(), 50), expected, "after reset, " + name_of(team));
+  }
+}
+
+// The ranks must have ghosts for the longer reach before the sensors run.
+TEST_F(HaloOfARoom, AProgramMakesSensorsReachFarther) {
+  const fs::path world = write("room.json", halo_room(100, 6));
+  const auto log_of = [](Simulation& simulation) {
+    std::string log;
+    const auto set = [&](const std::string& range_m) {
+      simulation.set("wanderer", R"({"device": {"name": "eyes", "transducers": [{"range_max_m": )" + range_m +
+                                     R"(, "fov_deg": 170.5, "samples": 9}]}})");
+    };
+    for (int tick = 0; tick < 24; ++tick) {
+      if (tick == 8) set("5");
+      if (tick == 14) set("2");
+      simulation.before_tick(tick == 20 ? [&](Simulation&) { set("8"); }
+                                        : std::function<void(Simulation&)>());
+      simulation.step();
+      log += simulation.hash_log_line() + "\n";
+    }
+    return log;
+  };
+  SimulationOptions options;
+  options.threads = 1;
+  Simulation whole(world, options);
+  const std::string expected = log_of(whole);
+  options.distribute = true;
+  options.tile_size_m = 1;
+  for (const unsigned ranks : {2u, 5u}) {
+    options.ranks = ranks;
+    Simulation simulation(world, options);
+    ASSERT_TRUE(simulation.rank_statistics().is_distributed);
+    EXPECT_EQ(log_of(simulation), expected) << ranks << " ranks";
+    simulation.reset();
+    EXPECT_EQ(log_of(simulation), expected) << ranks << " ranks, after a reset";
+  }
+}
+
+/// The room, whose robots have these devices and are no obstacles.
+std::string halo_room_with(const std::string& devices, std::size_t robots, double half_m) {
+  std::string room = halo_room(robots, half_m);
+  const std::string_view before = R"("wanderer": {)";
+  room.insert(room.find(before) + before.size(), R"("obstacle": false, "devices": [)" + devices + "], ");
+  return room;
+}
+
+TEST_F(HaloOfARoom, RobotsChargeOneAnotherAcrossBorders) {
+  SimulationOptions options;
+  options.threads = 1;
+  const Simulation simulation(write("room.json", halo_room_with(R"(
+        {"name": "pack", "kind": "power_pack", "capacity_J": 9, "stored_J": 5, "draw_W": 0.7},
+        {"name": "contact", "kind": "power_contact", "give_W": 20, "take_W": 30})",
+                                                                120, 3)),
+                              options);
+  const WorldSpec& spec = simulation.world().spec();
+  ASSERT_EQ(why_replicated(simulation.world()), "");
+  Diagnostics diagnostics(spec.files);
+  World whole(spec, simulation.registry(), {.threads = 1}, diagnostics);
+  const std::vector<Hashes> expected = halo_log(whole, 40);
+  double received = 0;
+  for (std::size_t r = 0; r < whole.rows(); ++r)
+    for (const BodyType::Device& device : whole.type(Row(r)).devices)
+      if (device.kind->energy)
+        received += device.kind->energy(whole.percepts(device), whole.slot(Row(r))).received_j;
+  EXPECT_GT(received, 100);
+  for (const HaloTeam& team : k_experiment_teams) {
+    HaloRanks ranks(spec, simulation.registry(), team);
+    expect_equal_logs(halo_log(ranks.world(), 40), expected, name_of(team));
+  }
+}
+
+/// Changes its own state and that of up to four others, so that the result depends on the order of all
+/// changes.
+struct Mixer {
+  struct State {
+    std::uint64_t value = 1;
+    TROUPE_FIELDS(value)
+  };
+  static constexpr double k_reach_m = 0.6;
+  static constexpr std::size_t k_most = 4;
+  static inline std::uint64_t throws_at = 0;  // tick
+
+  static DeviceKind kind() {
+    DeviceKind kind{.name = "mixer", .text = "for this test"};
+    kind.scope = ApplyScope::trees;
+    kind.prepare = [](const Record&, const Pose&) {
+      return DeviceKind::Prepared{.data = 0,
+                                  .percepts = memory_fields<State>(),
+                                  .percept_bytes = sizeof(State),
+                                  .reach_m = k_reach_m,
+                                  .most_effects = k_most};
+    };
+    kind.act = [](const DeviceBatch& batch) {
+      for (std::size_t i = 0; i < batch.rows.size(); ++i) {
+        const Vec2 from = batch.view.transform(batch.rows[i]).position;
+        std::vector<BodyId> near;
+        batch.view.index().for_each_near(
+            Box::around(from, k_reach_m), [&](const partition::BodyCircle& circle) {
+              const Row other(circle.row);
+              if (other != batch.rows[i] && (batch.view.transform(other).position - from).norm() <= k_reach_m)
+                near.push_back(batch.view.body(other));
+            });
+        std::ranges::sort(near);
+        for (std::uint32_t k = 0; k < std::min(near.size(), k_most); ++k) batch.emit(i, k, 0, near[k]);
+      }
+    };
+    kind.apply = [](World& world, const std::any&, const Effect& effect) {
+      if (world.tick() == throws_at && effect.source.value % 7 == 3) throw std::runtime_error("spilled");
+      std::uint64_t& source = state(world, effect.source).value;
+      std::uint64_t& target = state(world, effect.target).value;
+      target = target * 6364136223846793005u + source;
+      source = source * 31 + target + effect.source.value;
+    };
+    return kind;
+  }
+  static State& state(World& world, BodyId body) {
+    const Row row = world.row(body);
+    return world.state(world.type(row).devices.back()).as<State>(world.slot(row));
+  }
+};
+
+class HaloOfMixers : public HaloOfARoom {
+ protected:
+  Simulation load_mixers() const {
+    Registry registry = test::registry();
+    registry.devices.push_back(Mixer::kind());
+    SimulationOptions options;
+    options.threads = 1;
+    return Simulation(write("room.json", halo_room_with(R"({"name": "mixer", "kind": "mixer"})", 120, 4)),
+                      options, registry);
+  }
+};
+
+TEST_F(HaloOfMixers, EffectsHaveOneOrderOnAllRanks) {
+  const Simulation simulation = load_mixers();
+  const WorldSpec& spec = simulation.world().spec();
+  ASSERT_EQ(why_replicated(simulation.world()), "");
+  Diagnostics diagnostics(spec.files);
+  World whole(spec, simulation.registry(), {.threads = 1}, diagnostics);
+  const std::vector<Hashes> expected = halo_log(whole, 30);
+  for (const HaloTeam& team : k_experiment_teams) {
+    HaloRanks ranks(spec, simulation.registry(), team);
+    expect_equal_logs(halo_log(ranks.world(), 30), expected, name_of(team));
+  }
+}
+
+TEST_F(HaloOfMixers, AnEffectThatThrowsEndsTheTickOnAllRanks) {
+  const Simulation simulation = load_mixers();
+  const WorldSpec& spec = simulation.world().spec();
+  Diagnostics diagnostics(spec.files);
+  const auto error_of = [](World& world) {
+    halo_log(world, 9);
+    Mixer::throws_at = 10;
+    std::string text;
+    try {
+      world.step();
+    } catch (const StepError& error) {
+      text = error.what();
+    }
+    Mixer::throws_at = 0;
+    return text;
+  };
+  World whole(spec, simulation.registry(), {.threads = 1}, diagnostics);
+  const std::string expected = error_of(whole);
+  EXPECT_THAT(expected, HasSubstr("spilled"));
+  whole.reset();
+  const std::vector<Hashes> log = halo_log(whole, 20);
+  for (const HaloTeam& team : k_experiment_teams) {
+    HaloRanks ranks(spec, simulation.registry(), team);
+    EXPECT_EQ(error_of(ranks.world()), expected) << name_of(team);
+    ranks.world().reset();
+    expect_equal_logs(halo_log(ranks.world(), 20), log, "after the error, " + name_of(team));
+  }
+}
+
+class HaloOfAWorld : public ::testing::TestWithParam<std::string_view> {};
+
+TEST_P(HaloOfAWorld, GivesTheSameBits) {
+  SimulationOptions options;
+  options.threads = 1;
+  const Simulation simulation(k_halo_worlds / GetParam(), options);
+  const WorldSpec& spec = simulation.world().spec();
+  ASSERT_EQ(why_replicated(simulation.world()), "");
+  std::uint64_t ticks = spec.bodies.size() > 500 ? 10 : 40;
+  if (GetParam() == "failures.json") ticks = 260;  // its last intervention is at 25 s
+  Diagnostics diagnostics(spec.files);
+  World whole(spec, simulation.registry(), {.threads = 1}, diagnostics);
+  const std::vector<Hashes> expected = halo_log(whole, ticks);
+  for (const HaloTeam& team : std::vector<HaloTeam>{{3, 1, {}, {}}, {5, 1, 7, {}}}) {
+    HaloRanks ranks(spec, simulation.registry(), team);
+    expect_equal_logs(halo_log(ranks.world(), ticks), expected, name_of(team));
+  }
+}
+
+INSTANTIATE_TEST_SUITE_P(Worlds, HaloOfAWorld,
+                         ::testing::Values("crowd.json", "hospital.json", "flock.json", "radios.json",
+                                           "fiducial.world", "camera.world", "bumper.world", "blobs.world",
+                                           "noise.world", "compass.json", "finders.json", "perception.json",
+                                           "door.json", "chain.json", "coverage.json", "beeclust.json",
+                                           "failures.json", "energy.json"),
+                         [](const auto& run) {
+                           std::string name(run.param);
+                           for (char& c : name)
+                             if (std::isalnum(static_cast<unsigned char>(c)) == 0) c = '_';
+                           return name;
+                         });
+
+TEST(Halo, SaysWhyAWorldIsReplicated) {
+  const auto reason = [](std::string_view world) {
+    SimulationOptions options;
+    options.threads = 1;
+    return why_replicated(Simulation(k_halo_worlds / world, options).world());
+  };
+  EXPECT_THAT(reason("colony.json"), HasSubstr("born"));
+  EXPECT_THAT(reason("lift.world"), HasSubstr("joints"));
+  EXPECT_THAT(reason("pushers.json"), HasSubstr("pushed"));
+  EXPECT_THAT(reason("foraging.json"), HasSubstr("acts on other bodies"));
+}
+
+TEST(Halo, RefusesAWorldThatMustBeReplicated) {
+  SimulationOptions options;
+  options.threads = 1;
+  const Simulation simulation(k_halo_worlds / "pucks.json", options);
+  Diagnostics diagnostics(simulation.world().spec().files);
+  World world(simulation.world().spec(), simulation.registry(), {.threads = 1}, diagnostics);
+  partition::Mailboxes mailboxes(1);
+  EXPECT_THROW(Replica(world, simulation.registry(), mailboxes.of(0), 0, {.is_distributed = true}),
+               std::logic_error);
+}
+
+}  // namespace
+}  // namespace troupe::engine
