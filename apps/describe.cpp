@@ -2,7 +2,7 @@
 
 #include "apps/options.hpp"
 #include "base/diagnostics.hpp"
-#include "engine/events.hpp"
+#include "engine/observing/events.hpp"
 #include "troupe/plugins.hpp"
 #include "troupe/registry.hpp"
 #include "worldio/json/world_schema.hpp"

@@ -1,7 +1,7 @@
 #pragma once
 
 #include "apps/exit_code.hpp"
-#include "engine/kinds.hpp"
+#include "engine/kinds/kinds.hpp"
 
 #include <filesystem>
 #include <string>

@@ -1,7 +1,7 @@
 #pragma once
 
 #include "apps/run_header.hpp"
-#include "engine/state_table.hpp"
+#include "engine/fields/state_table.hpp"
 
 #include <array>
 #include <cstddef>

@@ -2,7 +2,7 @@
 
 #include "apps/scripts.hpp"
 #include "base/diagnostics.hpp"
-#include "engine/ticks.hpp"
+#include "engine/spec/ticks.hpp"
 #include "partition/parallel.hpp"
 #include "partition/simd_target.hpp"
 

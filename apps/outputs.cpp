@@ -2,7 +2,7 @@
 
 #include "apps/hash_log_reader.hpp"
 #include "apps/options.hpp"
-#include "engine/world.hpp"
+#include "engine/world/world.hpp"
 #include "troupe/effective_options.hpp"
 #include "troupe/input_files.hpp"
 

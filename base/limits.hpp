@@ -3,7 +3,7 @@
 namespace troupe {
 
 // Limits of the values in world files that the readers of several formats check. Each limit is given once,
-// here or in the description of a field (engine/fields.hpp).
+// here or in the description of a field (engine/fields/fields.hpp).
 
 /// Largest absolute value of a coordinate, m: a world reaches this far from its origin in each direction. The
 /// limits of poses (engine::pose_fields()) are the same.

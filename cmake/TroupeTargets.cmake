@@ -69,8 +69,10 @@ function(troupe_add_library folder)
   set(public_headers)
   foreach(header ${headers})
     cmake_path(RELATIVE_PATH header BASE_DIRECTORY ${CMAKE_CURRENT_SOURCE_DIR} OUTPUT_VARIABLE name)
+    cmake_path(GET name PARENT_PATH room)
     if("!${folder}/${name}" IN_LIST troupe_internal_headers OR NOT (
-       ${folder} IN_LIST troupe_internal_headers OR ${folder}/${name} IN_LIST troupe_internal_headers))
+       ${folder} IN_LIST troupe_internal_headers OR ${folder}/${room} IN_LIST troupe_internal_headers OR
+       ${folder}/${name} IN_LIST troupe_internal_headers))
       list(APPEND public_headers ${header})
     endif()
   endforeach()

@@ -1,7 +1,7 @@
 #include "live/picture.hpp"
 
 #include "base/math.hpp"
-#include "engine/shown_color.hpp"
+#include "engine/sensing/shown_color.hpp"
 #include "worldio/results/replay_header.hpp"
 
 #include <algorithm>

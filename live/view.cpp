@@ -1,9 +1,9 @@
 #include "live/view.hpp"
 
 #include "base/diagnostics.hpp"
-#include "engine/shown_color.hpp"
-#include "engine/ticks.hpp"
-#include "engine/world.hpp"
+#include "engine/sensing/shown_color.hpp"
+#include "engine/spec/ticks.hpp"
+#include "engine/world/world.hpp"
 #include "live/page.hpp"
 #include "live/view_impl.hpp"
 #include "troupe/acts.hpp"

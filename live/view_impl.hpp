@@ -1,6 +1,6 @@
 #pragma once
 
-#include "engine/act.hpp"
+#include "engine/kinds/act.hpp"
 #include "live/picture.hpp"
 #include "live/server.hpp"
 #include "live/view.hpp"

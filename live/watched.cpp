@@ -1,7 +1,7 @@
 #include "live/watched.hpp"
 
-#include "engine/frame.hpp"
-#include "engine/sensed_rows.hpp"
+#include "engine/observing/frame.hpp"
+#include "engine/observing/sensed_rows.hpp"
 #include "troupe/frame_data.hpp"
 #include "worldio/results/hdf5_file.hpp"
 

@@ -3,8 +3,8 @@
 
 #include "base/diagnostics.hpp"
 #include "base/random.hpp"
-#include "engine/conflicts.hpp"
-#include "engine/world.hpp"
+#include "engine/conflicts/conflicts.hpp"
+#include "engine/world/world.hpp"
 #include "partition/ranging.hpp"
 #include "troupe/registry.hpp"
 #include "worldio/load.hpp"

@@ -1,7 +1,7 @@
 #pragma once
 
 #include "base/result.hpp"
-#include "engine/world_spec.hpp"
+#include "engine/spec/world_spec.hpp"
 #include "worldio/load.hpp"
 #include "perf/paper_watch.hpp"
 

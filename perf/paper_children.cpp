@@ -1,8 +1,8 @@
 #include "perf/paper_children.hpp"
 
 #include "base/diagnostics.hpp"
-#include "engine/ticks.hpp"
-#include "engine/world.hpp"
+#include "engine/spec/ticks.hpp"
+#include "engine/world/world.hpp"
 
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>

@@ -2,8 +2,8 @@
 
 #include "apps/run/phase_clock.hpp"
 #include "base/diagnostics.hpp"
-#include "engine/ticks.hpp"
-#include "engine/world.hpp"
+#include "engine/spec/ticks.hpp"
+#include "engine/world/world.hpp"
 #include "partition/simd_target.hpp"
 
 #ifdef TROUPE_HAS_RENDER

@@ -1,6 +1,6 @@
 #include "perf/paper_watch.hpp"
 
-#include "engine/measures.hpp"
+#include "engine/observing/measures.hpp"
 #include "worldio/results/recording_writer.hpp"
 
 #include <fmt/format.h>

@@ -1,4 +1,4 @@
-#include "engine/world.hpp"
+#include "engine/world/world.hpp"
 #include "partition/simd_target.hpp"
 #include "troupe/version.hpp"
 #include "python/bindings.hpp"

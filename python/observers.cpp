@@ -1,7 +1,7 @@
 #include "base/diagnostics.hpp"
-#include "engine/events.hpp"
-#include "engine/ticks.hpp"
-#include "engine/world.hpp"
+#include "engine/observing/events.hpp"
+#include "engine/spec/ticks.hpp"
+#include "engine/world/world.hpp"
 #include "python/bindings.hpp"
 
 #include <pybind11/stl.h>

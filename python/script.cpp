@@ -8,7 +8,7 @@
 #include "apps/scripts.hpp"
 #include "base/diagnostics.hpp"
 #include "base/hash.hpp"
-#include "engine/measures.hpp"
+#include "engine/observing/measures.hpp"
 #include "troupe/simulation_source.hpp"
 #include "worldio/files.hpp"
 #include "python/bindings.hpp"

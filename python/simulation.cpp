@@ -1,5 +1,5 @@
 #include "base/diagnostics.hpp"
-#include "engine/ticks.hpp"
+#include "engine/spec/ticks.hpp"
 #include "python/bindings.hpp"
 
 #include <fmt/format.h>

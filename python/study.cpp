@@ -2,7 +2,7 @@
 
 #include "worldio/json/study.hpp"
 #include "base/diagnostics.hpp"
-#include "engine/ticks.hpp"
+#include "engine/spec/ticks.hpp"
 #include "troupe/registry.hpp"
 #include "python/bindings.hpp"
 

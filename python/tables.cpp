@@ -1,6 +1,6 @@
 #include "base/diagnostics.hpp"
-#include "engine/sensed_rows.hpp"
-#include "engine/world.hpp"
+#include "engine/observing/sensed_rows.hpp"
+#include "engine/world/world.hpp"
 #include "python/bindings.hpp"
 
 #include <fmt/format.h>

@@ -1,6 +1,6 @@
 #pragma once
 
-#include "engine/frame.hpp"
+#include "engine/observing/frame.hpp"
 
 #include <cstdint>
 #include <memory>

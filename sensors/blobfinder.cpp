@@ -1,9 +1,9 @@
 #include "sensors/blobfinder.hpp"
 
-#include "engine/device_kind.hpp"
-#include "engine/frame.hpp"
-#include "engine/shown_color.hpp"
-#include "engine/sight.hpp"
+#include "engine/kinds/device_kind.hpp"
+#include "engine/observing/frame.hpp"
+#include "engine/sensing/shown_color.hpp"
+#include "engine/sensing/sight.hpp"
 
 #include <algorithm>
 #include <array>

@@ -1,8 +1,8 @@
 #include "sensors/bumper.hpp"
 
-#include "engine/device_kind.hpp"
-#include "engine/sensor_params.hpp"
-#include "engine/sight.hpp"
+#include "engine/kinds/device_kind.hpp"
+#include "engine/kinds/sensor_params.hpp"
+#include "engine/sensing/sight.hpp"
 
 #include <algorithm>
 

@@ -1,8 +1,8 @@
 #include "sensors/camera.hpp"
 
-#include "engine/device_kind.hpp"
-#include "engine/shown_color.hpp"
-#include "engine/sight.hpp"
+#include "engine/kinds/device_kind.hpp"
+#include "engine/sensing/shown_color.hpp"
+#include "engine/sensing/sight.hpp"
 
 #include <fmt/format.h>
 

@@ -1,8 +1,8 @@
 #include "sensors/compass.hpp"
 
 #include "base/math.hpp"
-#include "engine/device_kind.hpp"
-#include "engine/sensing_view.hpp"
+#include "engine/kinds/device_kind.hpp"
+#include "engine/sensing/sensing_view.hpp"
 
 namespace troupe::sensors {
 namespace {

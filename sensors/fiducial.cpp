@@ -1,8 +1,8 @@
 #include "sensors/fiducial.hpp"
 
-#include "engine/device_kind.hpp"
-#include "engine/frame.hpp"
-#include "engine/visibility_query.hpp"
+#include "engine/kinds/device_kind.hpp"
+#include "engine/observing/frame.hpp"
+#include "engine/sensing/visibility_query.hpp"
 
 #include <algorithm>
 #include <cmath>

@@ -1,8 +1,8 @@
 #include "sensors/ground.hpp"
 
-#include "engine/device_kind.hpp"
-#include "engine/sensing_view.hpp"
-#include "engine/shown_color.hpp"
+#include "engine/kinds/device_kind.hpp"
+#include "engine/sensing/sensing_view.hpp"
+#include "engine/sensing/shown_color.hpp"
 #include "partition/box_grid.hpp"
 
 #include <fmt/format.h>

@@ -1,9 +1,9 @@
 #include "sensors/light_sensor.hpp"
 
 #include "base/math.hpp"
-#include "engine/device_kind.hpp"
-#include "engine/sensing_view.hpp"
-#include "engine/visibility_query.hpp"
+#include "engine/kinds/device_kind.hpp"
+#include "engine/sensing/sensing_view.hpp"
+#include "engine/sensing/visibility_query.hpp"
 #include "sensors/light_source.hpp"
 
 #include <algorithm>

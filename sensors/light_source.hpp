@@ -1,8 +1,8 @@
 #pragma once
 
 #include "base/pose.hpp"
-#include "engine/controller.hpp"
-#include "engine/kinds.hpp"
+#include "engine/kinds/controller.hpp"
+#include "engine/kinds/kinds.hpp"
 
 #include <any>
 #include <cstdint>

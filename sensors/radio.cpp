@@ -3,9 +3,9 @@
 #include "base/bearings.hpp"
 #include "base/math.hpp"
 #include "base/random.hpp"
-#include "engine/device_kind.hpp"
-#include "engine/line_crossings.hpp"
-#include "engine/sensing_view.hpp"
+#include "engine/kinds/device_kind.hpp"
+#include "engine/sensing/line_crossings.hpp"
+#include "engine/sensing/sensing_view.hpp"
 
 #include <fmt/format.h>
 

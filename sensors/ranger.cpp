@@ -1,7 +1,7 @@
 #include "sensors/ranger.hpp"
 
-#include "engine/device_kind.hpp"
-#include "engine/sensing_view.hpp"
+#include "engine/kinds/device_kind.hpp"
+#include "engine/sensing/sensing_view.hpp"
 #include "partition/ranging.hpp"
 #include "sensors/ranger_beams.hpp"
 #include "sensors/ranger_exact.hpp"

@@ -1,7 +1,7 @@
 #pragma once
 
-#include "engine/kinds.hpp"
-#include "engine/sensor_params.hpp"
+#include "engine/kinds/kinds.hpp"
+#include "engine/kinds/sensor_params.hpp"
 
 #include <cstdint>
 #include <memory>
@@ -29,7 +29,7 @@ engine::DeviceKind ranger_kind();
 struct RangerBeams;
 
 /// The data and functions of a ranger, from which ranger_kind() makes a device kind
-/// (engine/device_kind.hpp). Kinds that extend the ranger include its Params in their own parameters.
+/// (engine/kinds/device_kind.hpp). Kinds that extend the ranger include its Params in their own parameters.
 struct Ranger {
   using Params = engine::RangerParams;  ///< the parameters of a ranger in a world file
 

@@ -1,6 +1,6 @@
 #include "sensors/ranger_cone.hpp"
 
-#include "engine/visibility_query.hpp"
+#include "engine/sensing/visibility_query.hpp"
 
 #include <algorithm>
 #include <memory>

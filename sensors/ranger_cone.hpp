@@ -1,6 +1,6 @@
 #pragma once
 
-#include "engine/sensing_view.hpp"
+#include "engine/sensing/sensing_view.hpp"
 #include "sensors/ranger_beams.hpp"
 
 #include <optional>

@@ -1,6 +1,6 @@
 #include "sensors/ranger_exact.hpp"
 
-#include "engine/sensing_view.hpp"
+#include "engine/sensing/sensing_view.hpp"
 #include "partition/nearby_outlines.hpp"
 #include "partition/ranging.hpp"
 #include "sensors/ranger_noise.hpp"

@@ -1,6 +1,6 @@
 #include "sensors/ranger_noise.hpp"
 
-#include "engine/sensing_view.hpp"
+#include "engine/sensing/sensing_view.hpp"
 #include "sensors/ranger_cone.hpp"
 
 #include <algorithm>

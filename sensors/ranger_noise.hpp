@@ -1,7 +1,7 @@
 #pragma once
 
 #include "base/random.hpp"
-#include "engine/kinds.hpp"
+#include "engine/kinds/kinds.hpp"
 #include "sensors/ranger_beams.hpp"
 
 #include <utility>

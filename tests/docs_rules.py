@@ -85,14 +85,14 @@ CPP_BEFORE = {
     "docs/checkpoints.md": """
         troupe::Simulation simulation("worlds/hospital.json");""",
     "docs/determinism.md": """
-        #include <engine/controller_check.hpp>
+        #include <engine/observing/controller_check.hpp>
         #include <troupe/registry.hpp>
         struct Patrol { void operator()(const troupe::engine::Percept&, troupe::Random&, troupe::engine::Actions&) const {} };""",
     "docs/library.md": """
         troupe::Simulation simulation("worlds/hospital.json");
         troupe::Model robot = simulation.find("r0");""",
     "docs/measures.md": """
-        #include <engine/measure_kind.hpp>
+        #include <engine/kinds/measure_kind.hpp>
         #include <troupe/registry.hpp>
         struct Crowding : troupe::engine::Measure {
           Crowding(const troupe::engine::World&, std::vector<troupe::BodyId>) {}

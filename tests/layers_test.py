@@ -1,7 +1,7 @@
 #!/usr/bin/env python3
 """Checks the rules of docs/architecture.md that a compiler does not check: which folder may include which files.
 
-A folder includes only folders below it, devices access the world only through engine/sensing_view.hpp, each third-party
+A folder includes only folders below it, devices access the world only through engine/sensing/sensing_view.hpp, each third-party
 library is included by few files, and code below `apps` does not print, read the clock, parse arguments or exit.
 
     layers_test.py [ROOT]    checks the sources under ROOT (default: this repository), then itself on planted faults
@@ -32,7 +32,10 @@ LIBRARY = list(BELOW)
 
 # Subfolders, and which other subfolders of the same folder each may include. Files of the folder itself may include all
 # subfolders, and all subfolders may include them.
+ENGINE_ROOMS = ["fields", "kinds", "spec", "sensing", "state", "conflicts", "links", "interventions", "world", "observing",
+                "ranks"]  # each may include those before it
 ROOMS = {
+    "engine": {room: ENGINE_ROOMS[:i] for i, room in enumerate(ENGINE_ROOMS)},
     "models": {
         "drives": [],
         "devices": ["drives"],
@@ -47,13 +50,16 @@ ROOMS = {
         "results": ["json"],
     },
 }
+# Folders in which only headers obey ROOMS: sources of all rooms of the engine implement functions of the class World.
+HEADER_ROOMS = ["engine"]
 # Files that must not include some headers, neither directly nor through other headers: (files, headers, reason). `sense` and
 # `actuate` of a device must not depend on the code that moves bodies. Functions that change the world (`apply`) include
-# engine/world.hpp.
-MECHANICS = ["engine/world.hpp", "engine/world_state.hpp", "engine/movement.hpp", "engine/conflicts.hpp",
-             "engine/links.hpp", "engine/experiment.hpp"]
+# engine/world/world.hpp.
+MECHANICS = ["engine/world/world.hpp", "engine/state/world_state.hpp", "engine/conflicts/movement.hpp",
+             "engine/conflicts/conflicts.hpp", "engine/links/links.hpp", "engine/interventions/experiment.hpp"]
 APART = [
-    (["engine/sensing_view.hpp", "engine/sight.hpp", "engine/visibility_query.hpp", "engine/device_kind.hpp"], MECHANICS),
+    (["engine/sensing/sensing_view.hpp", "engine/sensing/sight.hpp", "engine/sensing/visibility_query.hpp",
+      "engine/kinds/device_kind.hpp"], MECHANICS),
     (["sensors/*"], MECHANICS),
 ]
 ANYTHING = LIBRARY + ["live", "apps", "python", "tests", "perf"]
@@ -153,7 +159,7 @@ def without_comments(text, texts_too):
 
 def room_fault(folder, path, name):
     """Returns the fault of an include of a file in the same folder, or None."""
-    if len(path.parts) == 2:
+    if len(path.parts) == 2 or (folder in HEADER_ROOMS and path.suffix != ".hpp"):
         return None
     rooms = ROOMS.get(folder, {})
     own = "/".join(path.parts[1:-1])
@@ -219,7 +225,7 @@ def closure_faults(root, paths):
             for line, name in includes(path.as_posix()):
                 way = way_to(name, forbidden, set())
                 if way:
-                    yield f"{path.as_posix()}:{line}: \"{' -> '.join(way)}\": devices read engine/sensing_view.hpp"
+                    yield f"{path.as_posix()}:{line}: \"{' -> '.join(way)}\": devices read engine/sensing/sensing_view.hpp"
                     break
 
 
@@ -266,7 +272,7 @@ def findings(root):
         code = without_comments(text, texts_too=True)
         for match in BY_POSITION.finditer(code):
             report(match.start(), f"`{match[0]}` reads a parameter by its position: describe the parameters "
-                                  "(engine/description.hpp), or use engine::get()")
+                                  "(engine/fields/description.hpp), or use engine::get()")
         if folder in LIBRARY and path.as_posix() not in WORDS_ALLOWED:
             code = INCLUDE.sub(lambda match: " " * len(match.group()), code)
             for pattern, what in WORDS:
@@ -286,7 +292,7 @@ class TheSources(unittest.TestCase):
 
 
 def phases(text):
-    """The names of the enumerators of `enum class Phase` in the text of engine/phase.hpp."""
+    """The names of the enumerators of `enum class Phase` in the text of engine/world/phase.hpp."""
     return re.findall(r"^ +(\w+),", re.search(r"enum class Phase .*?\{(.*?)\}", text, re.S)[1], re.M)
 
 
@@ -301,7 +307,7 @@ class ThePicture(unittest.TestCase):
     PICTURE = ROOT / "docs" / "images" / "architecture.svg"
 
     def test_it_shows_the_phases(self):
-        expected = phases((ROOT / "engine" / "phase.hpp").read_text())
+        expected = phases((ROOT / "engine" / "world" / "phase.hpp").read_text())
         self.assertEqual(len(expected), 6)
         self.assertEqual(drawn(self.PICTURE.read_text(), "p"), expected)
 
@@ -309,7 +315,7 @@ class ThePicture(unittest.TestCase):
         page = (ROOT / "docs" / "architecture.md").read_text()
         tick = page[page.index("## The tick"):]
         listed = re.findall(r"^    ([a-z]+) {2,}\S", tick[:tick.index("S(k) is the state")], re.M)
-        self.assertEqual(listed, [*phases((ROOT / "engine" / "phase.hpp").read_text()), "observe"])
+        self.assertEqual(listed, [*phases((ROOT / "engine" / "world" / "phase.hpp").read_text()), "observe"])
 
     def test_it_shows_the_folders(self):
         boxes = {name for style in "abt" for name in drawn(self.PICTURE.read_text(), style)}
@@ -330,15 +336,15 @@ class PlantedFaults(unittest.TestCase):
         "base/assert.hpp": '#include <cstdio>\n#define A std::fprintf(stderr, "no"), std::abort()\n',
         "partition/grid.hpp": '#include "base/pose.hpp"\n',
         "partition/parallel.cpp": "#include <tbb/parallel_for.h>\n#include <thread>\n",
-        "engine/world.hpp": '#include "engine/links.hpp"\n#include "engine/sensing_view.hpp"\n'
+        "engine/world/world.hpp": '#include "engine/links/links.hpp"\n#include "engine/sensing/sensing_view.hpp"\n'
                             '// exit(1), and #include "troupe/troupe.hpp"\n',
-        "engine/links.hpp": '#include "partition/grid.hpp"\n',
+        "engine/links/links.hpp": '#include "partition/grid.hpp"\n',
         "engine/shapes.hpp": '#include "partition/grid.hpp"\n',
-        "engine/sensing_view.hpp": '#include "engine/shapes.hpp"\n',
-        "sensors/ranger.hpp": '#include "engine/sensing_view.hpp"\n// params[3].number()\n'
+        "engine/sensing/sensing_view.hpp": '#include "engine/shapes.hpp"\n',
+        "sensors/ranger.hpp": '#include "engine/sensing/sensing_view.hpp"\n// params[3].number()\n'
                               "auto x = get(table, params, name); auto y = record[i].given(); auto z = rows[3];\n",
         "models/model_kinds.hpp": '#include "models/drives/drives.hpp"\n',
-        "models/drives/drives.hpp": '#include "engine/sensing_view.hpp"\n',
+        "models/drives/drives.hpp": '#include "engine/sensing/sensing_view.hpp"\n',
         "models/devices/lamp.hpp": '#include "models/drives/drives.hpp"\n#include "sensors/ranger.hpp"\n',
         "models/controllers/wander.hpp": '#include "models/devices/lamp.hpp"\n#include "models/model_kinds.hpp"\n',
         "worldio/stage/parser.hpp": '#include "worldio/json/json.hpp"\n',
@@ -367,16 +373,17 @@ class PlantedFaults(unittest.TestCase):
 
     def test_each_fault_is_found_where_it_stands(self):
         for name, text, expected in [
-            ("base/up.cpp", '\n#include "engine/world.hpp"\n', 'base/up.cpp:2: "engine/world.hpp": base must not know engine'),
-            ("partition/up.hpp", '#include "engine/world.hpp"\n', "partition/up.hpp:1: "),
+            ("base/up.cpp", '\n#include "engine/world/world.hpp"\n', 'base/up.cpp:2: "engine/world/world.hpp": base must not know engine'),
+            ("partition/up.hpp", '#include "engine/world/world.hpp"\n', "partition/up.hpp:1: "),
             ("engine/up.hpp", '#include "sensors/ranger.hpp"\n', "engine must not know sensors"),
             ("sensors/up.hpp", '#include "models/drives/drives.hpp"\n', "sensors must not know models"),
-            ("sensors/far.cpp", '\n#include "engine/world.hpp"\n', 'sensors/far.cpp:2: "engine/world.hpp": devices read'),
-            ("engine/sensing_view.hpp", '#include "engine/links.hpp"\n', 'engine/sensing_view.hpp:1: "engine/links.hpp"'),
-            ("engine/shapes.hpp", '#include "engine/links.hpp"\n', '"engine/shapes.hpp -> engine/links.hpp": devices'),
+            ("sensors/far.cpp", '\n#include "engine/world/world.hpp"\n', 'sensors/far.cpp:2: "engine/world/world.hpp": devices read'),
+            ("engine/shapes.hpp", '#include "engine/links/links.hpp"\n', '"engine/shapes.hpp -> engine/links/links.hpp": devices'),
             ("worldio/side.cpp", '#  include "sensors/ranger.hpp"\n', "worldio must not know sensors"),
             ("models/drives/up.hpp", '\n#include "models/devices/lamp.hpp"\n',
              'models/drives/up.hpp:2: "models/devices/lamp.hpp": models/drives must not know models/devices'),
+            ("engine/state/rows.hpp", '#include "engine/links/links.hpp"\n', "engine/state must not know engine/links"),
+            ("engine/rooms/rows.hpp", '#include "engine/links/links.hpp"\n', "engine/rooms is unknown"),
             ("models/faults/side.cpp", '#include "models/drives/drives.hpp"\n', "models/faults must not know models/drives"),
             ("worldio/json/up.cpp", '#include "worldio/stage/parser.hpp"\n', "worldio/json must not know worldio/stage"),
             ("models/lamps/lamp.cpp", '#include "models/model_kinds.hpp"\n', "models/lamps is unknown"),
@@ -384,7 +391,7 @@ class PlantedFaults(unittest.TestCase):
             ("engine/up.cpp", "#include <troupe/troupe.hpp>\n", "<troupe/troupe.hpp> is ours: use quotes"),
             ("troupe/up.cpp", '#include "apps/main.cpp"\n', "troupe must not know apps"),
             ("base/relative.cpp", '#include "pose.hpp"\n', '"pose.hpp" is no file of ours'),
-            ("apps/examples/deep.cpp", '#include "engine/world.hpp"\n', "an example shows the public face"),
+            ("apps/examples/deep.cpp", '#include "engine/world/world.hpp"\n', "an example shows the public face"),
             ("partition/second.cpp", "#include <oneapi/tbb.h>\n", "partition/parallel.cpp is the one file"),
             ("engine/tasks.cpp", "#include <tbb/task_group.h>\n", "oneTBB is not for this file"),
             ("worldio/json/json.hpp", "#include <nlohmann/json.hpp>\n", "nlohmann-json is not for this file"),

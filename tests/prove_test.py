@@ -279,7 +279,7 @@ class RandomWorlds(unittest.TestCase):
         self.assertNotIn("act hold", counted.missing())
 
     def test_sessions_contain_every_act(self):
-        header = (ROOT / "engine" / "act.hpp").read_text()
+        header = (ROOT / "engine" / "kinds" / "act.hpp").read_text()
         listed = header[header.index("k_acts{"):].split("}")[0]
         self.assertEqual(sorted(sessions.ACTS), sorted(listed.split('"')[1::2]))
 

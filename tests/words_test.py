@@ -115,7 +115,7 @@ class PlantedFaults(unittest.TestCase):
         "README.md": "Robots do not see their own body. It has no place; the new one is again in the meantime.\n",
         "LICENSE": "to whom the Software is furnished, and by whoever holds it\n",
         "docs/page.md": "A canewood chair, prevailing winds, a hairy failing plot.\nWhat\nnever ends. WhatHasNoBody.\n",
-        "engine/world.cpp": "// to whom the Software is\n// furnished to do so, subject to\nint available = failing;\n",
+        "engine/world/world.cpp": "// to whom the Software is\n// furnished to do so, subject to\nint available = failing;\n",
         "build/x.txt": "nobody\n",
         "picture.png": b"\x89PNG nobody \xff",
     }

@@ -1,6 +1,6 @@
 #include "troupe/acts.hpp"
 
-#include "engine/world.hpp"
+#include "engine/world/world.hpp"
 #include "troupe/simulation.hpp"
 
 #include <fmt/format.h>

@@ -1,6 +1,6 @@
 #pragma once
 
-#include "engine/act.hpp"
+#include "engine/kinds/act.hpp"
 
 #include <array>
 #include <cstddef>
@@ -17,7 +17,7 @@ namespace troupe {
 class Simulation;
 
 /// A change that a user or a program makes to a running world through Simulation::act(), such as moving or
-/// removing a robot (engine/act.hpp).
+/// removing a robot (engine/kinds/act.hpp).
 using engine::Act;
 
 /// Thrown for an act that is impossible, for example because it names a body that does not exist or a pose

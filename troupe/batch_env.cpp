@@ -2,9 +2,9 @@
 
 #include "base/hash.hpp"
 #include "base/random.hpp"
-#include "engine/controller.hpp"
-#include "engine/ticks.hpp"
-#include "engine/world.hpp"
+#include "engine/kinds/controller.hpp"
+#include "engine/spec/ticks.hpp"
+#include "engine/world/world.hpp"
 #include "troupe/batch_impl.hpp"
 #include "troupe/swarm.hpp"
 

@@ -1,6 +1,6 @@
 #pragma once
 
-#include "engine/state_table.hpp"
+#include "engine/fields/state_table.hpp"
 #include "troupe/simulation.hpp"
 
 #include <cstddef>

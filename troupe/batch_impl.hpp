@@ -1,6 +1,6 @@
 #pragma once
 
-#include "engine/body_type.hpp"
+#include "engine/spec/body_type.hpp"
 #include "partition/parallel.hpp"
 #include "troupe/batch_env.hpp"
 #include "troupe/measures.hpp"

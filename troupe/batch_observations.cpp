@@ -1,4 +1,4 @@
-#include "engine/world.hpp"
+#include "engine/world/world.hpp"
 #include "troupe/batch_impl.hpp"
 
 #include <algorithm>

@@ -1,5 +1,5 @@
 #include "base/diagnostics.hpp"
-#include "engine/world.hpp"
+#include "engine/world/world.hpp"
 #include "troupe/batch_impl.hpp"
 #include "troupe/swarm.hpp"
 

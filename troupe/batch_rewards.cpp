@@ -1,4 +1,4 @@
-#include "engine/world.hpp"
+#include "engine/world/world.hpp"
 #include "troupe/batch_impl.hpp"
 
 // Rewards of the robots of a BatchEnv, and the ends of their episodes.

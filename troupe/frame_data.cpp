@@ -1,7 +1,7 @@
 #include "troupe/frame_data.hpp"
 
 #include "base/diagnostics.hpp"
-#include "engine/sensed_rows.hpp"
+#include "engine/observing/sensed_rows.hpp"
 #include "troupe/value_names.hpp"
 #include "worldio/results/recording_fields.hpp"
 

@@ -1,8 +1,8 @@
 #pragma once
 
 #include "base/result.hpp"
-#include "engine/frame.hpp"
-#include "engine/world.hpp"
+#include "engine/observing/frame.hpp"
+#include "engine/world/world.hpp"
 #include "troupe/picture_source.hpp"
 
 #include <string>

@@ -1,6 +1,6 @@
 #include "troupe/frame_history.hpp"
 
-#include "engine/ticks.hpp"
+#include "engine/spec/ticks.hpp"
 
 #include <algorithm>
 #include <cmath>

@@ -1,7 +1,7 @@
 #include "troupe/lint.hpp"
 
 #include "base/fp_environment.hpp"
-#include "engine/world.hpp"
+#include "engine/world/world.hpp"
 #include "sensors/ranger.hpp"
 #include "sensors/ranger_beams.hpp"
 #include "troupe/plugins.hpp"

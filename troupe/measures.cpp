@@ -1,7 +1,7 @@
 #include "troupe/measures.hpp"
 
 #include "base/diagnostics.hpp"
-#include "engine/measures.hpp"
+#include "engine/observing/measures.hpp"
 #include "troupe/simulation.hpp"
 #include "worldio/json/measures_json.hpp"
 

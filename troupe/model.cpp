@@ -1,5 +1,5 @@
 #include "base/diagnostics.hpp"
-#include "engine/world.hpp"
+#include "engine/world/world.hpp"
 #include "models/drives/wheels.hpp"
 #include "troupe/model_place.hpp"
 #include "troupe/simulation.hpp"

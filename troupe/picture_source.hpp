@@ -1,8 +1,8 @@
 #pragma once
 
 #include "base/result.hpp"
-#include "engine/fields.hpp"
-#include "engine/frame.hpp"
+#include "engine/fields/fields.hpp"
+#include "engine/observing/frame.hpp"
 
 #include <cstddef>
 #include <cstdint>

@@ -3,12 +3,12 @@
 #include "base/assert.hpp"
 #include "base/math.hpp"
 #include "base/random.hpp"
-#include "engine/controller.hpp"
-#include "engine/device_kind.hpp"
-#include "engine/measures.hpp"
-#include "engine/sensing_view.hpp"
-#include "engine/sight.hpp"
-#include "engine/world.hpp"
+#include "engine/kinds/controller.hpp"
+#include "engine/kinds/device_kind.hpp"
+#include "engine/observing/measures.hpp"
+#include "engine/sensing/sensing_view.hpp"
+#include "engine/sensing/sight.hpp"
+#include "engine/world/world.hpp"
 #include "sensors/ranger.hpp"
 #include "troupe/plugin_library.hpp"
 
@@ -29,12 +29,12 @@
 ///     TROUPE_CONTROLLER("dancer", Dancer)
 ///
 /// The class may also have a description (`static constexpr std::string_view text`), parameters (`struct
-/// Params`, engine/description.hpp), and the functions of engine/controller.hpp: `choose`, and a batch form
-/// that decides for many robots in one call. The library links the CMake target troupe::plugin. Its file is
-/// called dancer.so, because Troupe looks for the kind "dancer" in a file of this name.
+/// Params`, engine/fields/description.hpp), and the functions of engine/kinds/controller.hpp: `choose`, and a
+/// batch form that decides for many robots in one call. The library links the CMake target troupe::plugin.
+/// Its file is called dancer.so, because Troupe looks for the kind "dancer" in a file of this name.
 ///
 /// A sensor or another device is a function that returns a DeviceKind (docs/extending.md). make_device_kind()
-/// makes one from a class (engine/device_kind.hpp); a function can also fill the members itself:
+/// makes one from a class (engine/kinds/device_kind.hpp); a function can also fill the members itself:
 ///
 ///     troupe::DeviceKind compass() { return troupe::make_device_kind<Compass>("compass", "..."); }
 ///     TROUPE_DEVICE("compass", compass)
@@ -48,9 +48,9 @@
 ///     };
 ///     TROUPE_MEASURE("crowding", Crowding)
 ///
-/// engine/sensing_view.hpp and engine/sight.hpp document the functions by which a sensor or another device
-/// reads the world. engine/world.hpp documents the functions by which a measure reads the world, and by which
-/// the functions `apply`, `born` and `draw` of a DeviceKind read and change it.
+/// engine/sensing/sensing_view.hpp and engine/sensing/sight.hpp document the functions by which a sensor or
+/// another device reads the world. engine/world/world.hpp documents the functions by which a measure reads
+/// the world, and by which the functions `apply`, `born` and `draw` of a DeviceKind read and change it.
 
 namespace troupe {
 
@@ -195,8 +195,8 @@ troupe_plugin() {
 
 /// Registers a class derived from Measure as the measure of this name. The class must have the constructor
 /// that make_measure_kind() needs and a description `static constexpr std::string_view text`. It may have
-/// `unit`, `definition` and `formula` (engine/measure_kind.hpp). Use the macro at namespace scope, once per
-/// measure.
+/// `unit`, `definition` and `formula` (engine/kinds/measure_kind.hpp). Use the macro at namespace scope, once
+/// per measure.
 #define TROUPE_MEASURE(name, ...)                                                                       \
   static_assert(::troupe::plugin::is_name(name),                                                        \
                 "a measure's name is one word, without / : = and without a leading dot");               \

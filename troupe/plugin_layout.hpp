@@ -1,8 +1,8 @@
 #pragma once
 
-#include "engine/measure_kind.hpp"
-#include "engine/sensing_view.hpp"
-#include "engine/world.hpp"
+#include "engine/kinds/measure_kind.hpp"
+#include "engine/sensing/sensing_view.hpp"
+#include "engine/world/world.hpp"
 
 #include <cstddef>
 #include <cstdint>

@@ -1,8 +1,8 @@
 #pragma once
 
-#include "engine/controller.hpp"
-#include "engine/kinds.hpp"
-#include "engine/measure_kind.hpp"
+#include "engine/kinds/controller.hpp"
+#include "engine/kinds/kinds.hpp"
+#include "engine/kinds/measure_kind.hpp"
 #include "troupe/plugin_layout.hpp"
 #include "troupe/version.hpp"
 

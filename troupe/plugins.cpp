@@ -3,7 +3,7 @@
 #include "base/diagnostics.hpp"
 #include "base/fp_environment.hpp"
 #include "base/hash.hpp"
-#include "engine/kind_errors.hpp"
+#include "engine/world/kind_errors.hpp"
 #include "troupe/plugin_library.hpp"
 #include "worldio/files.hpp"
 #include "worldio/json/kind_keys.hpp"

@@ -2,8 +2,8 @@
 
 #include "base/diagnostics.hpp"
 #include "base/hash.hpp"
-#include "engine/replica.hpp"
-#include "engine/world.hpp"
+#include "engine/ranks/replica.hpp"
+#include "engine/world/world.hpp"
 #include "partition/transport.hpp"
 #include "troupe/plugins.hpp"
 #include "troupe/registry.hpp"

@@ -45,7 +45,7 @@ class RankProcesses {
   /// options: options of all replicas; if their number of threads is 0, each process uses its own threads()
   /// seed: SimulationOptions::rank_seed; here it determines only how robots move between ranks
   /// distribute: whether each rank has only the state of its own robots and of robots near them; only for
-  /// worlds that can be distributed (engine/halo.hpp)
+  /// worlds that can be distributed (engine/ranks/halo.hpp)
   std::unique_ptr<RankGroup> add(engine::World& world, const engine::Registry& registry,
                                  const Plugins& plugins, const engine::WorldOptions& options,
                                  std::optional<std::uint64_t> seed, bool distribute);

@@ -1,8 +1,8 @@
 #include "troupe/rank_team.hpp"
 
 #include "base/diagnostics.hpp"
-#include "engine/replica.hpp"
-#include "engine/world.hpp"
+#include "engine/ranks/replica.hpp"
+#include "engine/world/world.hpp"
 #include "partition/job_thread.hpp"
 #include "partition/mailboxes.hpp"
 #include "partition/processors.hpp"

@@ -33,8 +33,8 @@ void check_ranks(const RankOptions& options);
 /// the world then chooses the number.
 unsigned threads_per_rank(unsigned threads, unsigned ranks);
 
-/// Replicas (copies) of a world on threads of this process, one per rank (engine/replica.hpp). The calling
-/// thread is rank 0.
+/// Replicas (copies) of a world on threads of this process, one per rank (engine/ranks/replica.hpp). The
+/// calling thread is rank 0.
 class RankTeam : public RankGroup {
  public:
   /// Makes the replicas of `lead`, which is at tick 0 and becomes the replica of rank 0. world: options of

@@ -1,9 +1,9 @@
 #include "troupe/recorded_run.hpp"
 
 #include "base/diagnostics.hpp"
-#include "engine/energy.hpp"
-#include "engine/mount.hpp"
-#include "engine/shown_color.hpp"
+#include "engine/kinds/energy.hpp"
+#include "engine/kinds/mount.hpp"
+#include "engine/sensing/shown_color.hpp"
 #include "troupe/value_names.hpp"
 #include "worldio/results/hdf5_file.hpp"
 #include "worldio/results/recorded_scene.hpp"

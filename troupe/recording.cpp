@@ -1,8 +1,8 @@
 #include "troupe/recording.hpp"
 
 #include "base/diagnostics.hpp"
-#include "engine/ticks.hpp"
-#include "engine/world.hpp"
+#include "engine/spec/ticks.hpp"
+#include "engine/world/world.hpp"
 #include "troupe/effective_options.hpp"
 #include "worldio/json/spec_json.hpp"
 #include "worldio/results/recording_reader.hpp"

@@ -1,6 +1,6 @@
 #include "troupe/script.hpp"
 
-#include "engine/names.hpp"
+#include "engine/spec/names.hpp"
 
 #include <fmt/format.h>
 

@@ -1,9 +1,9 @@
 #pragma once
 
 #include "base/diagnostics.hpp"
-#include "engine/kinds.hpp"
-#include "engine/measure_kind.hpp"
-#include "engine/world_spec.hpp"
+#include "engine/kinds/kinds.hpp"
+#include "engine/kinds/measure_kind.hpp"
+#include "engine/spec/world_spec.hpp"
 
 #include <cstdint>
 #include <filesystem>

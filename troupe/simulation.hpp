@@ -3,13 +3,13 @@
 #include "base/ids.hpp"
 #include "base/pose.hpp"
 #include "base/random.hpp"
-#include "engine/act.hpp"
-#include "engine/energy.hpp"
-#include "engine/phase.hpp"
-#include "engine/ranging_engine.hpp"
-#include "engine/rank_work.hpp"
-#include "engine/ray_hit.hpp"
-#include "engine/state_table.hpp"
+#include "engine/fields/state_table.hpp"
+#include "engine/kinds/act.hpp"
+#include "engine/kinds/energy.hpp"
+#include "engine/ranks/rank_work.hpp"
+#include "engine/sensing/ray_hit.hpp"
+#include "engine/spec/ranging_engine.hpp"
+#include "engine/world/phase.hpp"
 
 #include <array>
 #include <cstddef>
@@ -36,7 +36,7 @@ struct BodySpec;
 struct Registry;
 struct WorldSpec;
 enum class ControlMode : std::uint8_t;
-// Defined in engine/controller.hpp, which the header of each command struct includes.
+// Defined in engine/kinds/controller.hpp, which the header of each command struct includes.
 template <class Memory>
 std::vector<StateField> memory_fields();  // NOLINT(readability-redundant-declaration)
 }  // namespace troupe::engine
@@ -148,7 +148,7 @@ struct ResumeOptions {
   bool distribute = false;                          ///< as in SimulationOptions
 };
 
-/// The phases of a tick, in the order in which they run (engine/phase.hpp).
+/// The phases of a tick, in the order in which they run (engine/world/phase.hpp).
 using engine::k_phases;
 using engine::Phase;
 using engine::phase_name;
@@ -191,10 +191,10 @@ struct RankStatistics {
 };
 
 /// Number of bodies that a rank computed in the last tick, and the times of its phases sense, actuate and
-/// decide, s (engine/rank_work.hpp).
+/// decide, s (engine/ranks/rank_work.hpp).
 using engine::RankWork;
 /// What a rank has counted: its own bodies, its copies of bodies of other ranks, messages
-/// (engine/rank_work.hpp).
+/// (engine/ranks/rank_work.hpp).
 using engine::RankCounts;
 
 class Recording;
@@ -432,7 +432,7 @@ class Simulation {
   /// Makes a world from a document, with the kinds in `registry`.
   Simulation(const worldio::WorldDocument& world, const std::filesystem::path& name,
              const SimulationOptions& options, engine::Registry registry);
-  /// Makes a world from a spec, the description that the engine uses internally (engine/world_spec.hpp),
+  /// Makes a world from a spec, the description that the engine uses internally (engine/spec/world_spec.hpp),
   /// which a program or a loader filled. Throws InputError, whose text lists all invalid values, each with
   /// its path in the spec and, if the spec states them, with file and line: `types[0].parts[2].size: must be
   /// ..., found nan`. The options `robots`, `set` and `search_path` apply to world files only: throws
@@ -702,8 +702,8 @@ class Simulation {
   /// replaces the callback; a null callback removes it.
   void on_loop(std::function<void(bool begins)> callback);
 
-  /// The world as the engine stores it (engine/world.hpp): its types, state tables and callbacks, for tools
-  /// that compare or save states. The reference is valid while the simulation lives.
+  /// The world as the engine stores it (engine/world/world.hpp): its types, state tables and callbacks, for
+  /// tools that compare or save states. The reference is valid while the simulation lives.
   engine::World& world();
   const engine::World& world() const;  ///< the same world, read-only
   /// The registry of kinds of sensors, drives, controllers and other devices that this world was made with.

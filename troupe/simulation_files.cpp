@@ -1,7 +1,7 @@
 #include "base/diagnostics.hpp"
 #include "base/fp_environment.hpp"
 #include "base/hash.hpp"
-#include "engine/halo.hpp"
+#include "engine/ranks/halo.hpp"
 #include "partition/simd_target.hpp"
 #include "troupe/build_info.hpp"
 #include "troupe/rank_processes.hpp"

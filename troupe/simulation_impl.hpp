@@ -1,7 +1,7 @@
 #pragma once
 
-#include "engine/stop_conditions.hpp"
-#include "engine/world.hpp"
+#include "engine/observing/stop_conditions.hpp"
+#include "engine/world/world.hpp"
 #include "troupe/acts.hpp"
 #include "troupe/model_place.hpp"
 #include "troupe/pictures.hpp"

@@ -1,6 +1,6 @@
 #include "troupe/simulation_source.hpp"
 
-#include "engine/world.hpp"
+#include "engine/world/world.hpp"
 #include "troupe/frame_data.hpp"
 #include "troupe/simulation.hpp"
 

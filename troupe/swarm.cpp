@@ -1,8 +1,8 @@
 #include "troupe/swarm.hpp"
 
 #include "base/diagnostics.hpp"
-#include "engine/measures.hpp"
-#include "engine/world.hpp"
+#include "engine/observing/measures.hpp"
+#include "engine/world/world.hpp"
 
 #include <fmt/format.h>
 

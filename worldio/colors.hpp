@@ -1,7 +1,7 @@
 #pragma once
 
 #include "base/color.hpp"
-#include "engine/world_spec.hpp"
+#include "engine/spec/world_spec.hpp"
 
 #include <optional>
 #include <span>

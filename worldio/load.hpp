@@ -1,8 +1,8 @@
 #pragma once
 
 #include "base/diagnostics.hpp"
-#include "engine/kinds.hpp"
-#include "engine/world_spec.hpp"
+#include "engine/kinds/kinds.hpp"
+#include "engine/spec/world_spec.hpp"
 
 #include <cstdint>
 #include <filesystem>

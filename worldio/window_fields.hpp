@@ -1,6 +1,6 @@
 #pragma once
 
-#include "engine/fields.hpp"
+#include "engine/fields/fields.hpp"
 
 namespace troupe::worldio {
 

@@ -4,11 +4,11 @@
 #include "apps/progress.hpp"
 #include "base/diagnostics.hpp"
 #include "base/hash.hpp"
-#include "engine/controller_check.hpp"
-#include "engine/remade_world.hpp"
-#include "engine/state_difference.hpp"
-#include "engine/step_error.hpp"
-#include "engine/ticks.hpp"
+#include "engine/kinds/step_error.hpp"
+#include "engine/observing/controller_check.hpp"
+#include "engine/observing/remade_world.hpp"
+#include "engine/observing/state_difference.hpp"
+#include "engine/spec/ticks.hpp"
 
 #include <fmt/format.h>
 
@@ -35,7 +35,8 @@ constexpr std::array<std::byte, 2> k_fills{std::byte{0x5a}, std::byte{0xa5}};
 enum class Memory : std::uint8_t {
   kept,       ///< keeps them
   forgotten,  ///< discards them in each tick: World::forget()
-  remade,     ///< in each tick replaces the world by a new one with the same state: engine/remade_world.hpp
+  remade,     ///< in each tick replaces the world by a new one with the same state:
+              ///< engine/observing/remade_world.hpp
   shuffled,   ///< in each tick gives the bodies other rows: World::shuffle_rows()
 };
 

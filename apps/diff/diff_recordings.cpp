@@ -3,7 +3,7 @@
 #include "apps/run_header.hpp"
 #include "base/diagnostics.hpp"
 #include "base/hash.hpp"
-#include "engine/state_difference.hpp"
+#include "engine/observing/state_difference.hpp"
 #include "worldio/files.hpp"
 #include "worldio/results/hdf5_superblock.hpp"
 #include "worldio/results/recording_reader.hpp"

@@ -1,7 +1,7 @@
 #include "apps/info/info_kinds.hpp"
 #include "apps/options.hpp"
 #include "base/diagnostics.hpp"
-#include "engine/ranging_engine.hpp"
+#include "engine/spec/ranging_engine.hpp"
 #include "troupe/plugins.hpp"
 #include "troupe/registry.hpp"
 #include "worldio/load.hpp"

@@ -4,8 +4,8 @@
 #include "apps/outputs.hpp"
 #include "apps/run/run_options.hpp"
 #include "base/diagnostics.hpp"
-#include "engine/ticks.hpp"
-#include "engine/world.hpp"
+#include "engine/spec/ticks.hpp"
+#include "engine/world/world.hpp"
 #include "worldio/images/png.hpp"
 
 #include <CLI/CLI.hpp>

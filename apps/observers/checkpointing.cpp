@@ -4,8 +4,8 @@
 #include "apps/options.hpp"
 #include "apps/outputs.hpp"
 #include "apps/run/run_options.hpp"
-#include "engine/ticks.hpp"
-#include "engine/world.hpp"
+#include "engine/spec/ticks.hpp"
+#include "engine/world/world.hpp"
 #include "troupe/input_files.hpp"
 
 #include <CLI/CLI.hpp>

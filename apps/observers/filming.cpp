@@ -2,7 +2,7 @@
 
 #include "apps/numbers.hpp"
 #include "base/diagnostics.hpp"
-#include "engine/ticks.hpp"
+#include "engine/spec/ticks.hpp"
 #include "troupe/simulation_source.hpp"
 
 #include <fmt/format.h>

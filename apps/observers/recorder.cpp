@@ -2,7 +2,7 @@
 
 #include "apps/run/run_options.hpp"
 #include "base/diagnostics.hpp"
-#include "engine/world.hpp"
+#include "engine/world/world.hpp"
 
 #include <fmt/format.h>
 

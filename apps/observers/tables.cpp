@@ -3,8 +3,8 @@
 #include "apps/options.hpp"
 #include "apps/outputs.hpp"
 #include "base/hash.hpp"
-#include "engine/ticks.hpp"
-#include "engine/world.hpp"
+#include "engine/spec/ticks.hpp"
+#include "engine/world/world.hpp"
 
 #include <CLI/CLI.hpp>
 #include <fmt/format.h>

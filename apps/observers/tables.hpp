@@ -3,7 +3,7 @@
 #include "apps/csv.hpp"
 #include "apps/observers/observer.hpp"
 #include "apps/run/run_output.hpp"
-#include "engine/events.hpp"
+#include "engine/observing/events.hpp"
 #include "troupe/measures.hpp"
 
 #include <cstdint>

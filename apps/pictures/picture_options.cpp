@@ -1,7 +1,7 @@
 #include "apps/pictures/picture_options.hpp"
 
 #include "apps/options.hpp"
-#include "engine/ticks.hpp"
+#include "engine/spec/ticks.hpp"
 
 #include <CLI/CLI.hpp>
 #include <fmt/format.h>

@@ -8,7 +8,7 @@
 #include "apps/pictures/film.hpp"
 #include "apps/progress.hpp"
 #include "base/diagnostics.hpp"
-#include "engine/ticks.hpp"
+#include "engine/spec/ticks.hpp"
 #include "troupe/recorded_run.hpp"
 #include "troupe/simulation.hpp"
 #include "troupe/simulation_source.hpp"

@@ -1,8 +1,8 @@
 #include "apps/run/dry_run.hpp"
 
 #include "apps/numbers.hpp"
-#include "engine/ticks.hpp"
-#include "engine/world.hpp"
+#include "engine/spec/ticks.hpp"
+#include "engine/world/world.hpp"
 
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>

@@ -1,7 +1,7 @@
 #pragma once
 
 #include "apps/run/report.hpp"
-#include "engine/halo.hpp"
+#include "engine/ranks/halo.hpp"
 #include "troupe/simulation.hpp"
 
 #include <cstdint>
@@ -11,7 +11,7 @@ namespace troupe::apps {
 
 /// What a run would need (--dry-run): its length, the memory, and how its bodies would be divided among the
 /// ranks. A row is the entry of a body in the state tables, a ghost is a copy of a row of another rank, and
-/// the neighbours of a rank are the ranks with which it has ghosts in common (engine/halo.hpp).
+/// the neighbours of a rank are the ranks with which it has ghosts in common (engine/ranks/halo.hpp).
 struct DryRun {
   std::string world;              ///< name of the world file
   std::size_t robots = 0;         ///< robots in the world

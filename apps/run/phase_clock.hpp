@@ -1,6 +1,6 @@
 #pragma once
 
-#include "engine/phase.hpp"
+#include "engine/world/phase.hpp"
 
 #include <array>
 #include <chrono>

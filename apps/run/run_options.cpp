@@ -2,7 +2,7 @@
 
 #include "apps/pictures/picture_options.hpp"
 #include "apps/scripts.hpp"
-#include "engine/watch_spec.hpp"
+#include "engine/spec/watch_spec.hpp"
 #include "worldio/json/spec_json.hpp"
 
 #include <CLI/CLI.hpp>

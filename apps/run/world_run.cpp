@@ -5,8 +5,8 @@
 #include "apps/observers/pacer.hpp"
 #include "apps/run/dry_run.hpp"
 #include "base/diagnostics.hpp"
-#include "engine/ticks.hpp"
-#include "engine/world.hpp"
+#include "engine/spec/ticks.hpp"
+#include "engine/world/world.hpp"
 
 #include <fmt/format.h>
 #include <sys/resource.h>

@@ -1,7 +1,7 @@
 #include "models/controllers/beeclust.hpp"
 
 #include "base/math.hpp"
-#include "engine/controller.hpp"
+#include "engine/kinds/controller.hpp"
 #include "models/controllers/device_choice.hpp"
 #include "models/controllers/scan_ahead.hpp"
 #include "models/devices/led.hpp"

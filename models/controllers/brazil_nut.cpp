@@ -2,7 +2,7 @@
 
 #include "base/geometry.hpp"
 #include "base/math.hpp"
-#include "engine/controller.hpp"
+#include "engine/kinds/controller.hpp"
 #include "models/controllers/device_choice.hpp"
 #include "sensors/light_sensor.hpp"
 #include "sensors/radio.hpp"

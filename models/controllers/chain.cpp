@@ -2,7 +2,7 @@
 
 #include "base/geometry.hpp"
 #include "base/math.hpp"
-#include "engine/controller.hpp"
+#include "engine/kinds/controller.hpp"
 #include "models/controllers/device_choice.hpp"
 #include "models/controllers/scan_ahead.hpp"
 #include "models/devices/led.hpp"

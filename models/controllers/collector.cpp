@@ -1,8 +1,8 @@
 #include "models/controllers/collector.hpp"
 
 #include "base/math.hpp"
-#include "engine/controller.hpp"
-#include "engine/world_spec.hpp"
+#include "engine/kinds/controller.hpp"
+#include "engine/spec/world_spec.hpp"
 #include "models/controllers/device_choice.hpp"
 #include "models/controllers/evasion.hpp"
 #include "models/controllers/fiducial_readings.hpp"

@@ -1,6 +1,6 @@
 #include "models/controllers/depots.hpp"
 
-#include "engine/controller.hpp"
+#include "engine/kinds/controller.hpp"
 #include "models/devices/flags.hpp"
 
 #include <array>

@@ -1,6 +1,6 @@
 #pragma once
 
-#include "engine/kinds.hpp"
+#include "engine/kinds/kinds.hpp"
 
 namespace troupe::models {
 

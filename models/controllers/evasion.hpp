@@ -1,7 +1,7 @@
 #pragma once
 
 #include "base/random.hpp"
-#include "engine/kinds.hpp"
+#include "engine/kinds/kinds.hpp"
 #include "models/controllers/scan_ahead.hpp"
 
 #include <cstdint>

@@ -1,7 +1,7 @@
 #include "models/controllers/expand.hpp"
 
 #include "base/math.hpp"
-#include "engine/controller.hpp"
+#include "engine/kinds/controller.hpp"
 #include "models/controllers/beams.hpp"
 #include "models/controllers/device_choice.hpp"
 

@@ -2,7 +2,7 @@
 
 #include "base/math.hpp"
 #include "base/pose.hpp"
-#include "engine/kinds.hpp"
+#include "engine/kinds/kinds.hpp"
 #include "sensors/fiducial.hpp"
 
 #include <algorithm>

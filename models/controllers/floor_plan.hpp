@@ -1,7 +1,7 @@
 #pragma once
 
 #include "base/geometry.hpp"
-#include "engine/world_spec.hpp"
+#include "engine/spec/world_spec.hpp"
 
 #include <cstdint>
 #include <span>

@@ -1,8 +1,8 @@
 #include "models/controllers/operate.hpp"
 
 #include "base/diagnostics.hpp"
-#include "engine/controller.hpp"
-#include "engine/ticks.hpp"
+#include "engine/kinds/controller.hpp"
+#include "engine/spec/ticks.hpp"
 #include "models/devices/actuator.hpp"
 #include "models/devices/gripper.hpp"
 

@@ -1,6 +1,6 @@
 #include "models/controllers/rasterize.hpp"
 
-#include "engine/world_spec.hpp"
+#include "engine/spec/world_spec.hpp"
 #include "partition/placed_shape.hpp"
 
 #include <vector>

@@ -1,7 +1,7 @@
 #pragma once
 
-#include "engine/controller.hpp"
-#include "engine/kinds.hpp"
+#include "engine/kinds/controller.hpp"
+#include "engine/kinds/kinds.hpp"
 
 #include <array>
 #include <cstdint>

@@ -1,7 +1,7 @@
 #pragma once
 
-#include "engine/description.hpp"
-#include "engine/kinds.hpp"
+#include "engine/fields/description.hpp"
+#include "engine/kinds/kinds.hpp"
 
 #include <cstddef>
 #include <cstdint>

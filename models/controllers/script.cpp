@@ -1,7 +1,7 @@
 #include "models/controllers/script.hpp"
 
-#include "engine/controller.hpp"
-#include "engine/ticks.hpp"
+#include "engine/kinds/controller.hpp"
+#include "engine/spec/ticks.hpp"
 
 #include <fmt/format.h>
 

@@ -1,6 +1,6 @@
 #include "models/controllers/wander.hpp"
 
-#include "engine/controller.hpp"
+#include "engine/kinds/controller.hpp"
 #include "models/controllers/device_choice.hpp"
 #include "models/controllers/scan_ahead.hpp"
 

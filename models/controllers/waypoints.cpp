@@ -1,9 +1,9 @@
 #include "models/controllers/waypoints.hpp"
 
 #include "base/math.hpp"
-#include "engine/controller.hpp"
-#include "engine/ticks.hpp"
-#include "engine/world_spec.hpp"
+#include "engine/kinds/controller.hpp"
+#include "engine/spec/ticks.hpp"
+#include "engine/spec/world_spec.hpp"
 #include "models/drives/drives.hpp"
 
 #include <fmt/format.h>
@@ -213,8 +213,9 @@ struct Waypoints {
     const double time_s = goal.at_s - before.at_s - before.wait_s;
     if (before.at_s > 0 && way > speed_max * time_s * (1 + 1e-9))
       return Error{fmt::format(
-          "it is {:g} m from the goal before it, and {:g} s remain after the `at` and `wait` of that "
-          "goal, but the drive reaches {:g} m/s in its slowest direction: give a later `at`",
+          "it is {:g} m from the goal before it, and the robot has {:g} s for this way, from the `at` plus "
+          "`wait` of the goal before it to its own `at`, but the drive reaches {:g} m/s in its slowest "
+          "direction: give this goal a later `at`",
           way, std::max(time_s, 0.0), speed_max)};
     return {};
   }

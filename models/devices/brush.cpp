@@ -1,8 +1,8 @@
 #include "models/devices/brush.hpp"
 
-#include "engine/device_kind.hpp"
-#include "engine/shown_color.hpp"
-#include "engine/world.hpp"
+#include "engine/kinds/device_kind.hpp"
+#include "engine/sensing/shown_color.hpp"
+#include "engine/world/world.hpp"
 #include "sensors/ground.hpp"
 
 #include <algorithm>

@@ -1,7 +1,7 @@
 #include "models/devices/flags.hpp"
 
-#include "engine/device_kind.hpp"
-#include "engine/world.hpp"
+#include "engine/kinds/device_kind.hpp"
+#include "engine/world/world.hpp"
 
 #include <algorithm>
 

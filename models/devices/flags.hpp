@@ -1,8 +1,8 @@
 #pragma once
 
-#include "engine/controller.hpp"
-#include "engine/description.hpp"
-#include "engine/kinds.hpp"
+#include "engine/fields/description.hpp"
+#include "engine/kinds/controller.hpp"
+#include "engine/kinds/kinds.hpp"
 
 #include <cstdint>
 

@@ -1,8 +1,8 @@
 #include "models/devices/gripper.hpp"
 
-#include "engine/device_kind.hpp"
-#include "engine/frame.hpp"
-#include "engine/world.hpp"
+#include "engine/kinds/device_kind.hpp"
+#include "engine/observing/frame.hpp"
+#include "engine/world/world.hpp"
 #include "partition/placed_shape.hpp"
 
 #include <algorithm>

@@ -1,6 +1,6 @@
 #include "models/devices/led.hpp"
 
-#include "engine/device_kind.hpp"
+#include "engine/kinds/device_kind.hpp"
 
 #include <algorithm>
 

@@ -1,7 +1,7 @@
 #include "models/devices/light.hpp"
 
-#include "engine/description.hpp"
-#include "engine/sensing_view.hpp"
+#include "engine/fields/description.hpp"
+#include "engine/sensing/sensing_view.hpp"
 
 #include <cmath>
 

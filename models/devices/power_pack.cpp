@@ -1,6 +1,6 @@
-#include "engine/device_kind.hpp"
-#include "engine/energy.hpp"
-#include "engine/world.hpp"
+#include "engine/kinds/device_kind.hpp"
+#include "engine/kinds/energy.hpp"
+#include "engine/world/world.hpp"
 #include "models/devices/power.hpp"
 
 #include <algorithm>

@@ -1,7 +1,7 @@
 #include "models/devices/remover.hpp"
 
-#include "engine/device_kind.hpp"
-#include "engine/sensing_view.hpp"
+#include "engine/kinds/device_kind.hpp"
+#include "engine/sensing/sensing_view.hpp"
 
 #include <fmt/format.h>
 

@@ -1,9 +1,9 @@
 #include "models/devices/spawner.hpp"
 
 #include "base/math.hpp"
-#include "engine/device_kind.hpp"
-#include "engine/ticks.hpp"
-#include "engine/world.hpp"
+#include "engine/kinds/device_kind.hpp"
+#include "engine/spec/ticks.hpp"
+#include "engine/world/world.hpp"
 
 #include <fmt/format.h>
 

@@ -1,7 +1,7 @@
 #include "models/drives/drives.hpp"
 
 #include "base/pose.hpp"
-#include "engine/drive_kind.hpp"
+#include "engine/kinds/drive_kind.hpp"
 
 #include <fmt/format.h>
 

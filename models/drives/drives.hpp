@@ -1,8 +1,8 @@
 #pragma once
 
-#include "engine/conflicts.hpp"
-#include "engine/kinds.hpp"
-#include "engine/localization.hpp"
+#include "engine/conflicts/conflicts.hpp"
+#include "engine/kinds/kinds.hpp"
+#include "engine/kinds/localization.hpp"
 
 #include <cstdint>
 

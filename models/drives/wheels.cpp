@@ -1,9 +1,9 @@
 #include "models/drives/wheels.hpp"
 
-#include "engine/device_kind.hpp"
-#include "engine/finite.hpp"
-#include "engine/sensing_view.hpp"
-#include "engine/step_error.hpp"
+#include "engine/kinds/device_kind.hpp"
+#include "engine/kinds/finite.hpp"
+#include "engine/kinds/step_error.hpp"
+#include "engine/sensing/sensing_view.hpp"
 #include "models/drives/drives.hpp"
 
 #include <fmt/format.h>

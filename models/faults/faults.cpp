@@ -1,8 +1,8 @@
 #include "models/faults/faults.hpp"
 
 #include "base/diagnostics.hpp"
-#include "engine/body_type.hpp"
-#include "engine/ticks.hpp"
+#include "engine/spec/body_type.hpp"
+#include "engine/spec/ticks.hpp"
 
 #include <fmt/format.h>
 

@@ -1,6 +1,6 @@
 #pragma once
 
-#include "engine/fault_kind.hpp"
+#include "engine/kinds/fault_kind.hpp"
 
 namespace troupe::models {
 

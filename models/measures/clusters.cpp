@@ -1,6 +1,6 @@
 #include "models/measures/clusters.hpp"
 
-#include "engine/world.hpp"
+#include "engine/world/world.hpp"
 
 #include <algorithm>
 #include <array>

@@ -1,6 +1,6 @@
 #pragma once
 
-#include "engine/measure_kind.hpp"
+#include "engine/kinds/measure_kind.hpp"
 
 /// Measures of the clusters that pushable bodies or robots form; the parameter `bodies` selects which of the
 /// two. Two bodies are in one cluster if their origins are at most the parameter `distance` (m) apart, or if

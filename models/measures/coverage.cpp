@@ -2,7 +2,7 @@
 
 #include "base/limits.hpp"
 #include "base/number_text.hpp"
-#include "engine/measures.hpp"
+#include "engine/observing/measures.hpp"
 
 #include <fmt/format.h>
 

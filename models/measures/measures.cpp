@@ -1,7 +1,7 @@
 #include "models/measures/measures.hpp"
 
-#include "engine/measures.hpp"
-#include "engine/sensed_rows.hpp"
+#include "engine/observing/measures.hpp"
+#include "engine/observing/sensed_rows.hpp"
 
 #include <fmt/format.h>
 

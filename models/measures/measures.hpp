@@ -1,6 +1,6 @@
 #pragma once
 
-#include "engine/measure_kind.hpp"
+#include "engine/kinds/measure_kind.hpp"
 
 /// Measures that are counts or means. All but `deaths` cover only robots that are in the world. A mean,
 /// fraction or variance over no robots is NaN. `troupe describe NAME` prints the definition of a measure.

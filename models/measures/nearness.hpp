@@ -1,6 +1,6 @@
 #pragma once
 
-#include "engine/measure_kind.hpp"
+#include "engine/kinds/measure_kind.hpp"
 
 /// Measures of the distances between robots. `troupe describe` prints their definitions.
 namespace troupe::models {

@@ -1,6 +1,6 @@
 #include "models/measures/rank_errors.hpp"
 
-#include "engine/measures.hpp"
+#include "engine/observing/measures.hpp"
 
 #include <algorithm>
 #include <cstdint>

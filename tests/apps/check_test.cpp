@@ -1,9 +1,9 @@
 #include "apps/check/check.hpp"
 
-#include "engine/device_kind.hpp"
-#include "engine/sensing_view.hpp"
-#include "engine/step_error.hpp"
-#include "engine/world.hpp"
+#include "engine/kinds/device_kind.hpp"
+#include "engine/kinds/step_error.hpp"
+#include "engine/sensing/sensing_view.hpp"
+#include "engine/world/world.hpp"
 #include "tests/apps/program.hpp"
 #include "tests/support/rogue_controllers.hpp"
 #include "tests/support/scratch.hpp"

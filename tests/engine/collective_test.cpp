@@ -1,6 +1,6 @@
 // Controllers that decide for all robots of a type in one call.
-#include "engine/controller.hpp"
-#include "engine/controller_check.hpp"
+#include "engine/kinds/controller.hpp"
+#include "engine/observing/controller_check.hpp"
 #include "tests/support/scene.hpp"
 
 #include <fmt/format.h>

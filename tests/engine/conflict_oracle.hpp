@@ -1,7 +1,7 @@
 #pragma once
 
 #include "base/random.hpp"
-#include "engine/conflicts.hpp"
+#include "engine/conflicts/conflicts.hpp"
 #include "tests/engine/oracle_polygons.hpp"
 
 #include <optional>

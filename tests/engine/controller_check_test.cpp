@@ -1,4 +1,4 @@
-#include "engine/controller_check.hpp"
+#include "engine/observing/controller_check.hpp"
 
 #include "tests/support/rogue_controllers.hpp"
 #include "tests/support/scene.hpp"

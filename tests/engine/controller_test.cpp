@@ -1,4 +1,4 @@
-#include "engine/controller.hpp"
+#include "engine/kinds/controller.hpp"
 
 #include <gtest/gtest.h>
 

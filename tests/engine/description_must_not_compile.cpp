@@ -1,6 +1,6 @@
 // Descriptions that must not compile. Compiled once for each FAULT, which must fail with its message, and
 // once without, which must not (tests/CMakeLists.txt).
-#include "engine/controller.hpp"
+#include "engine/kinds/controller.hpp"
 
 #define UNDESCRIBED 1
 #define TWICE 2

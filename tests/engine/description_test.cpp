@@ -1,7 +1,7 @@
-#include "engine/description.hpp"
+#include "engine/fields/description.hpp"
 
-#include "engine/device_kind.hpp"
-#include "engine/world_spec.hpp"
+#include "engine/kinds/device_kind.hpp"
+#include "engine/spec/world_spec.hpp"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>

@@ -1,6 +1,6 @@
-#include "engine/effects.hpp"
+#include "engine/kinds/effects.hpp"
 
-#include "engine/controller.hpp"
+#include "engine/kinds/controller.hpp"
 #include "tests/support/scene.hpp"
 
 #include <gmock/gmock.h>

@@ -1,4 +1,4 @@
-#include "engine/events.hpp"
+#include "engine/observing/events.hpp"
 
 #include "tests/engine/conflict_crowds.hpp"
 #include "tests/support/devices.hpp"

@@ -2,10 +2,10 @@
 // whatever the threads, and again after a reset or from the middle of it.
 
 #include "base/random.hpp"
-#include "engine/events.hpp"
-#include "engine/stop_conditions.hpp"
-#include "engine/ticks.hpp"
-#include "engine/world.hpp"
+#include "engine/observing/events.hpp"
+#include "engine/observing/stop_conditions.hpp"
+#include "engine/spec/ticks.hpp"
+#include "engine/world/world.hpp"
 #include "tests/support/scene.hpp"
 #include "tests/support/slow_build.hpp"
 

@@ -1,13 +1,13 @@
 // Ranks that divide the rows of a world among themselves compute the same bits as one world with all rows
-// (engine/halo.hpp, docs/cluster.md).
+// (engine/ranks/halo.hpp, docs/cluster.md).
 
-#include "engine/halo.hpp"
+#include "engine/ranks/halo.hpp"
 
 #include "base/diagnostics.hpp"
-#include "engine/controller.hpp"
-#include "engine/replica.hpp"
-#include "engine/stop_conditions.hpp"
-#include "engine/world.hpp"
+#include "engine/kinds/controller.hpp"
+#include "engine/observing/stop_conditions.hpp"
+#include "engine/ranks/replica.hpp"
+#include "engine/world/world.hpp"
 #include "partition/job_thread.hpp"
 #include "partition/mailboxes.hpp"
 #include "tests/support/scene.hpp"

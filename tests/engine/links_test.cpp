@@ -1,7 +1,7 @@
 // Joints and cargo: nothing overlaps, whatever moves; and the same comes out wherever it is worked out.
 
 #include "base/random.hpp"
-#include "engine/world.hpp"
+#include "engine/world/world.hpp"
 #include "tests/support/devices.hpp"
 #include "tests/support/slow_build.hpp"
 

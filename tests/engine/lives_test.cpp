@@ -1,10 +1,10 @@
 // Births and deaths: who is not there is nowhere, lives begin alike, and nothing of it depends on threads.
 
 #include "base/random.hpp"
-#include "engine/controller.hpp"
-#include "engine/events.hpp"
-#include "engine/frame.hpp"
-#include "engine/world.hpp"
+#include "engine/kinds/controller.hpp"
+#include "engine/observing/events.hpp"
+#include "engine/observing/frame.hpp"
+#include "engine/world/world.hpp"
 #include "models/devices/gripper.hpp"
 #include "tests/support/devices.hpp"
 #include "tests/support/slow_build.hpp"

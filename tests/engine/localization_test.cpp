@@ -1,6 +1,6 @@
-#include "engine/localization.hpp"
+#include "engine/kinds/localization.hpp"
 
-#include "engine/controller_check.hpp"
+#include "engine/observing/controller_check.hpp"
 #include "tests/support/result.hpp"
 #include "tests/support/scene.hpp"
 

@@ -1,6 +1,6 @@
 // Memories that a controller cannot have. Compiled once for each FAULT, which must fail with its message, and
 // once without, which must not (tests/CMakeLists.txt).
-#include "engine/controller.hpp"
+#include "engine/kinds/controller.hpp"
 
 #define UNLISTED 1
 #define POINTER 2

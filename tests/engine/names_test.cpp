@@ -1,4 +1,4 @@
-#include "engine/names.hpp"
+#include "engine/spec/names.hpp"
 
 #include "base/random.hpp"
 

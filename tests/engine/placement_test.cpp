@@ -1,4 +1,4 @@
-#include "engine/placement.hpp"
+#include "engine/spec/placement.hpp"
 
 #include "base/math.hpp"
 #include "base/random.hpp"

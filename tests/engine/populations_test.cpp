@@ -1,6 +1,6 @@
 // Populations are placed by the engine, into any spec.
 
-#include "engine/populations.hpp"
+#include "engine/spec/populations.hpp"
 
 #include "base/random.hpp"
 

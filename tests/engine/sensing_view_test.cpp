@@ -1,4 +1,4 @@
-#include "engine/sensing_view.hpp"
+#include "engine/sensing/sensing_view.hpp"
 
 #include <gtest/gtest.h>
 

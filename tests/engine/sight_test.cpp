@@ -1,7 +1,7 @@
-#include "engine/sight.hpp"
+#include "engine/sensing/sight.hpp"
 
 #include "base/random.hpp"
-#include "engine/visibility_query.hpp"
+#include "engine/sensing/visibility_query.hpp"
 #include "tests/support/scene.hpp"
 #include "tests/support/slow_build.hpp"
 

@@ -1,4 +1,4 @@
-#include "engine/state_difference.hpp"
+#include "engine/observing/state_difference.hpp"
 
 #include "tests/support/scene.hpp"
 

@@ -1,4 +1,4 @@
-#include "engine/state_table.hpp"
+#include "engine/fields/state_table.hpp"
 
 #include <gtest/gtest.h>
 #include <rapidcheck/gtest.h>

@@ -1,8 +1,8 @@
 // A device that reads its own velocity in `act`, compiled with -DFAULT=NAME: NONE compiles, and each other
 // fault must fail (tests/CMakeLists.txt has the errors).
 
-#include "engine/device_kind.hpp"
-#include "engine/sensing_view.hpp"
+#include "engine/kinds/device_kind.hpp"
+#include "engine/sensing/sensing_view.hpp"
 
 #define NONE 1
 #define VELOCITY 2

@@ -1,7 +1,7 @@
-#include "engine/world.hpp"
+#include "engine/world/world.hpp"
 
-#include "engine/controller.hpp"
-#include "engine/ticks.hpp"
+#include "engine/kinds/controller.hpp"
+#include "engine/spec/ticks.hpp"
 #include "tests/support/scene.hpp"
 
 #include <fmt/format.h>

@@ -1,6 +1,6 @@
 // What the fuzz targets' seeds load as worlds is written as JSON and read again: the same world.
 
-#include "engine/world.hpp"
+#include "engine/world/world.hpp"
 #include "tests/fuzz/targets.hpp"
 #include "tests/support/slow_build.hpp"
 #include "troupe/registry.hpp"

@@ -1,6 +1,6 @@
 #include "tests/fuzz/targets.hpp"
 
-#include "engine/world.hpp"
+#include "engine/world/world.hpp"
 #include "tests/fuzz/hdf5_text.hpp"
 #include "troupe/registry.hpp"
 #include "worldio/images/bitmap.hpp"

@@ -1,6 +1,6 @@
 #include "models/devices/actuator.hpp"
 
-#include "engine/world.hpp"
+#include "engine/world/world.hpp"
 #include "tests/support/devices.hpp"
 
 #include <gtest/gtest.h>

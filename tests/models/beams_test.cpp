@@ -4,7 +4,7 @@
 #include "models/controllers/beams.hpp"
 
 #include "base/random.hpp"
-#include "engine/world.hpp"
+#include "engine/world/world.hpp"
 #include "models/controllers/scan_ahead.hpp"
 #include "tests/support/devices.hpp"
 #include "tests/support/slow_build.hpp"

@@ -1,6 +1,6 @@
 #include "models/controllers/forager.hpp"
 
-#include "engine/world.hpp"
+#include "engine/world/world.hpp"
 #include "models/devices/power.hpp"
 #include "tests/support/devices.hpp"
 #include "tests/support/slow_build.hpp"

@@ -1,6 +1,6 @@
 // What stands on a joint senses, shows and collides where the joint is: as if it had been built there.
 
-#include "engine/sensor_params.hpp"
+#include "engine/kinds/sensor_params.hpp"
 #include "models/devices/power.hpp"
 #include "tests/support/devices.hpp"
 #include "tests/support/slow_build.hpp"

@@ -1,6 +1,6 @@
 #include "models/devices/light.hpp"
 
-#include "engine/world.hpp"
+#include "engine/world/world.hpp"
 #include "tests/support/scene.hpp"
 
 #include <gtest/gtest.h>

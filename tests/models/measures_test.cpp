@@ -1,4 +1,4 @@
-#include "engine/measures.hpp"
+#include "engine/observing/measures.hpp"
 
 #include "tests/support/scene.hpp"
 #include "tests/support/slow_build.hpp"

@@ -1,6 +1,6 @@
 #include "models/devices/spawner.hpp"
 
-#include "engine/world.hpp"
+#include "engine/world/world.hpp"
 #include "models/devices/flags.hpp"
 #include "models/devices/power.hpp"
 #include "models/devices/remover.hpp"

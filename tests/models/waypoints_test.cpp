@@ -1,7 +1,7 @@
 // Movers: bodies that keep to times and speeds, and to the rule of motions.
 
 #include "base/math.hpp"
-#include "engine/world.hpp"
+#include "engine/world/world.hpp"
 #include "tests/support/scene.hpp"
 
 #include <gmock/gmock.h>
@@ -159,10 +159,10 @@ TEST(Movers, WhatTheyCannotKeepIsTold) {
   EXPECT_THAT(Mover({{1, 0, 0, 0, 2}}).error(),
               HasSubstr("controller \"waypoints\" cannot follow goal 1 (counted from 1): its `speed` is 2 "
                         "m/s, but the drive reaches 1 m/s in its slowest direction: give a lower one"));
-  EXPECT_THAT(
-      Mover({{0, 0, 0, 1}, {3, 0, 0, 2}}).error(),
-      HasSubstr("cannot follow goal 2 (counted from 1): it is 3 m from the goal before it, and 1 s "
-                "remain after the `at` and `wait` of that goal, but the drive reaches 1 m/s in its slowest"));
+  EXPECT_THAT(Mover({{0, 0, 0, 1}, {3, 0, 0, 2}}).error(),
+              HasSubstr("cannot follow goal 2 (counted from 1): it is 3 m from the goal before it, and the "
+                        "robot has 1 s for this way, from the `at` plus `wait` of the goal before it to its "
+                        "own `at`, but the drive reaches 1 m/s in its slowest"));
   EXPECT_THAT(Mover({{0, 0, 0, 3}, {1, 0, 0, 2}}).error(),
               HasSubstr("cannot follow goal 2 (counted from 1): its `at` is 2 s, but that of the goal before "
                         "it is 3 s; times "

@@ -3,7 +3,7 @@
 #include "base/diagnostics.hpp"
 #include "base/fp_environment.hpp"
 #include "base/hash.hpp"
-#include "engine/world.hpp"
+#include "engine/world/world.hpp"
 #include "tests/support/scratch.hpp"
 #include "troupe/lint.hpp"
 #include "troupe/plugin_library.hpp"

@@ -50,7 +50,7 @@ class TheProject(unittest.TestCase):
             texts = [(ROOT / header).read_text() for header in new if (ROOT / header).exists()]  # version.hpp is generated
             new = {header for text in texts for header in re.findall(r'^#include "(.*?)"', text, re.M)} - included
         self.assertIn("troupe/plugin_library.hpp", included)
-        self.assertIn("engine/world.hpp", included)
+        self.assertIn("engine/world/world.hpp", included)
         self.assertEqual([header for header in sorted(included)
                           if header.split("/")[0] not in libraries and f"/{header}" not in installed], [])
 

@@ -1,6 +1,6 @@
 #include "sensors/bumper.hpp"
 
-#include "engine/sensor_params.hpp"
+#include "engine/kinds/sensor_params.hpp"
 #include "tests/support/scene.hpp"
 
 #include <gmock/gmock.h>

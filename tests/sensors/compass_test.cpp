@@ -1,6 +1,6 @@
 #include "sensors/compass.hpp"
 
-#include "engine/world.hpp"
+#include "engine/world/world.hpp"
 #include "tests/support/scene.hpp"
 
 #include <gtest/gtest.h>

@@ -1,9 +1,9 @@
 #include "sensors/ground.hpp"
 
 #include "base/random.hpp"
-#include "engine/frame.hpp"
-#include "engine/sight.hpp"
-#include "engine/world.hpp"
+#include "engine/observing/frame.hpp"
+#include "engine/sensing/sight.hpp"
+#include "engine/world/world.hpp"
 #include "models/devices/brush.hpp"
 #include "models/devices/led.hpp"
 #include "tests/support/scene.hpp"

@@ -1,6 +1,6 @@
 #include "sensors/light_sensor.hpp"
 
-#include "engine/world.hpp"
+#include "engine/world/world.hpp"
 #include "tests/support/scene.hpp"
 
 #include <gtest/gtest.h>

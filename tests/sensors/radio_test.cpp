@@ -1,8 +1,8 @@
 #include "sensors/radio.hpp"
 
 #include "base/random.hpp"
-#include "engine/controller.hpp"
-#include "engine/world.hpp"
+#include "engine/kinds/controller.hpp"
+#include "engine/world/world.hpp"
 #include "tests/support/scene.hpp"
 #include "tests/support/slow_build.hpp"
 

@@ -1,7 +1,7 @@
 #include "troupe/registry.hpp"
 #include "worldio/load.hpp"
 
-#include "engine/world.hpp"
+#include "engine/world/world.hpp"
 
 #include <gtest/gtest.h>
 #include <nlohmann/json.hpp>

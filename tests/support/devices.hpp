@@ -1,6 +1,6 @@
 #pragma once
 
-#include "engine/add_device.hpp"
+#include "engine/spec/add_device.hpp"
 #include "models/devices/actuator.hpp"
 #include "models/devices/gripper.hpp"
 #include "tests/support/scene.hpp"

@@ -1,7 +1,7 @@
 #pragma once
 
 #include "base/hash.hpp"
-#include "engine/controller.hpp"
+#include "engine/kinds/controller.hpp"
 
 #include <atomic>
 #include <bit>

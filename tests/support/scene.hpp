@@ -1,7 +1,7 @@
 #pragma once
 
-#include "engine/sensor_params.hpp"
-#include "engine/world.hpp"
+#include "engine/kinds/sensor_params.hpp"
+#include "engine/world/world.hpp"
 #include "troupe/registry.hpp"
 
 #include <initializer_list>

@@ -1,7 +1,7 @@
 #include "troupe/batch_env.hpp"
 
 #include "base/diagnostics.hpp"
-#include "engine/world.hpp"
+#include "engine/world/world.hpp"
 #include "models/devices/led.hpp"
 #include "troupe/measures.hpp"
 #include "troupe/swarm.hpp"

@@ -1,5 +1,5 @@
-// What the engine and the library do with a kind follows from what the kind declares (engine/kinds.hpp),
-// never from what it is called: a kind of a plug-in can declare the same.
+// What the engine and the library do with a kind follows from what the kind declares
+// (engine/kinds/kinds.hpp), never from what it is called: a kind of a plug-in can declare the same.
 
 #include "troupe/registry.hpp"
 
@@ -64,11 +64,11 @@ std::vector<std::string> names_in(std::string_view source, const Names& names) {
 TEST(Capabilities, NoTextOfTheEngineOrTheLibraryIsTheNameOfAKind) {
   // Names of the same spelling that are no kinds, and the list of kinds itself.
   const std::set<std::string, std::less<>> allowed{
-      R"(engine/spec_description.cpp "fiducial")",  // a member of bodies
-      R"(engine/watch_spec.cpp "camera")",          // a parameter of a world's window
-      R"(engine/world_spec.cpp "ground")",          // the type of body 0
-      R"(troupe/pictures.cpp "camera")",            // the same, and the option --camera
-      R"(troupe/recorded_run.cpp "power_pack")"     // what to write behind --record-fields
+      R"(engine/spec/spec_description.cpp "fiducial")",  // a member of bodies
+      R"(engine/spec/watch_spec.cpp "camera")",          // a parameter of a world's window
+      R"(engine/spec/world_spec.cpp "ground")",          // the type of body 0
+      R"(troupe/pictures.cpp "camera")",                 // the same, and the option --camera
+      R"(troupe/recorded_run.cpp "power_pack")"          // what to write behind --record-fields
   };
   const std::filesystem::path root(TROUPE_SOURCE_DIR);
   const Names names = kind_names();

@@ -2,8 +2,8 @@
 
 #include "worldio/results/checkpoint.hpp"
 #include "base/diagnostics.hpp"
-#include "engine/controller.hpp"
-#include "engine/world.hpp"
+#include "engine/kinds/controller.hpp"
+#include "engine/world/world.hpp"
 #include "tests/support/scenes.hpp"
 #include "tests/support/scratch.hpp"
 #include "tests/support/slow_build.hpp"

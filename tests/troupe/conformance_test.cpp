@@ -3,7 +3,7 @@
 // (bitmaps) and 14 (the parser) are in tests/worldio alone. Where Stage's number is a slip that we do not
 // make, both numbers stand here.
 
-#include "engine/world.hpp"
+#include "engine/world/world.hpp"
 #include "sensors/blobfinder.hpp"
 #include "sensors/fiducial.hpp"
 #include "tests/support/scratch.hpp"

@@ -2,7 +2,7 @@
 
 #include "worldio/convert.hpp"
 #include "base/diagnostics.hpp"
-#include "engine/world.hpp"
+#include "engine/world/world.hpp"
 #include "tests/support/scenes.hpp"
 #include "tests/support/scratch.hpp"
 #include "tests/support/slow_build.hpp"

@@ -4,8 +4,8 @@
 
 #include "base/fp_environment.hpp"
 #include "base/hash.hpp"
-#include "engine/remade_world.hpp"
-#include "engine/world.hpp"
+#include "engine/observing/remade_world.hpp"
+#include "engine/world/world.hpp"
 #include "tests/support/scenes.hpp"
 #include "tests/support/scratch.hpp"
 #include "tests/support/slow_build.hpp"

@@ -1,6 +1,6 @@
 // Robots that are sent somewhere, accelerated, put elsewhere, and whose estimated poses are wrong.
 
-#include "engine/world.hpp"
+#include "engine/world/world.hpp"
 #include "tests/support/scratch.hpp"
 #include "tests/support/slow_build.hpp"
 #include "troupe/recording.hpp"

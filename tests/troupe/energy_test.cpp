@@ -1,4 +1,4 @@
-#include "engine/world.hpp"
+#include "engine/world/world.hpp"
 #include "models/devices/flags.hpp"
 #include "models/devices/power.hpp"
 #include "tests/support/scenes.hpp"

@@ -1,6 +1,6 @@
 // Experiments as programs and files see them: worlds/door.json, worlds/failures.json and the API.
 
-#include "engine/world.hpp"
+#include "engine/world/world.hpp"
 #include "tests/support/scenes.hpp"
 #include "tests/support/scratch.hpp"
 #include "tests/support/slow_build.hpp"

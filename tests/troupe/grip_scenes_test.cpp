@@ -1,7 +1,7 @@
 // The worlds of grippers and actuators, with outcomes that were worked out by hand: docs/gripping.md.
 
-#include "engine/events.hpp"
-#include "engine/world.hpp"
+#include "engine/observing/events.hpp"
+#include "engine/world/world.hpp"
 #include "models/devices/actuator.hpp"
 #include "tests/support/scenes.hpp"
 #include "tests/support/slow_build.hpp"

@@ -2,7 +2,7 @@
 // walls as it is meant to be. Looked at with the static scene's own predicates, but pair by pair and edge by
 // edge, without any grid.
 
-#include "engine/world.hpp"
+#include "engine/world/world.hpp"
 #include "tests/support/slow_build.hpp"
 #include "troupe/registry.hpp"
 #include "worldio/load.hpp"

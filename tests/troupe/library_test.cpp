@@ -1,5 +1,5 @@
 // What programs have to build worlds, look into them and drive them, beside the simulation's own tests.
-#include "engine/controller.hpp"
+#include "engine/kinds/controller.hpp"
 #include "models/devices/gripper.hpp"
 #include "models/devices/led.hpp"
 #include "tests/support/scratch.hpp"

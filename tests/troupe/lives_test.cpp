@@ -1,6 +1,6 @@
 // Births and deaths as programs and files see them: worlds/colony.json and the API.
 
-#include "engine/world.hpp"
+#include "engine/world/world.hpp"
 #include "models/devices/led.hpp"
 #include "models/devices/power.hpp"
 #include "models/devices/spawner.hpp"

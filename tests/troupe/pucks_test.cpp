@@ -1,6 +1,6 @@
 // worlds/pucks.json: finders, grippers, packs, wells and a mill, all together.
 
-#include "engine/world.hpp"
+#include "engine/world/world.hpp"
 #include "models/devices/gripper.hpp"
 #include "models/devices/power.hpp"
 #include "models/devices/remover.hpp"

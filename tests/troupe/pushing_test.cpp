@@ -1,6 +1,6 @@
 // What is pushed, and how far: worlds small enough to reckon.
 
-#include "engine/world.hpp"
+#include "engine/world/world.hpp"
 #include "tests/support/scratch.hpp"
 #include "tests/support/slow_build.hpp"
 #include "troupe/troupe.hpp"

@@ -1,6 +1,6 @@
 // worlds/gradient.json, flock.json, perception.json and chatter.json: swarms that talk.
 
-#include "engine/world.hpp"
+#include "engine/world/world.hpp"
 #include "models/controllers/gradient.hpp"
 #include "sensors/radio.hpp"
 #include "tests/support/slow_build.hpp"

@@ -2,9 +2,9 @@
 // and whichever robots each of them works for (docs/cluster.md).
 
 #include "base/hash.hpp"
-#include "engine/controller.hpp"
-#include "engine/replica.hpp"
-#include "engine/world.hpp"
+#include "engine/kinds/controller.hpp"
+#include "engine/ranks/replica.hpp"
+#include "engine/world/world.hpp"
 #include "models/devices/led.hpp"
 #include "tests/support/scenes.hpp"
 #include "tests/support/scratch.hpp"

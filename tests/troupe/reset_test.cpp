@@ -1,9 +1,9 @@
 // Simulation::reset() gives the state after loading, bit for bit, and then the same run.
 
 #include "base/fp_environment.hpp"
-#include "engine/events.hpp"
-#include "engine/frame.hpp"
-#include "engine/world.hpp"
+#include "engine/observing/events.hpp"
+#include "engine/observing/frame.hpp"
+#include "engine/world/world.hpp"
 #include "tests/support/scenes.hpp"
 #include "tests/support/scratch.hpp"
 #include "tests/support/slow_build.hpp"

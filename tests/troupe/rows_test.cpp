@@ -2,9 +2,9 @@
 // their rows during the run (World::shuffle_rows()), or leave the world and come back (World::remove_rows()).
 
 #include "base/random.hpp"
-#include "engine/events.hpp"
-#include "engine/remade_world.hpp"
-#include "engine/world.hpp"
+#include "engine/observing/events.hpp"
+#include "engine/observing/remade_world.hpp"
+#include "engine/world/world.hpp"
 #include "troupe/troupe.hpp"
 #include "worldio/results/recording_fields.hpp"
 

@@ -1,7 +1,7 @@
 // worlds/beeclust.json, coverage.json, chain.json, brazil_nut.json, segregation.json and harvest.json: the
 // experiments of docs/scenes.md, each over ten seeds, and what their controllers do by hand.
 
-#include "engine/world.hpp"
+#include "engine/world/world.hpp"
 #include "tests/support/scratch.hpp"
 #include "tests/support/slow_build.hpp"
 #include "troupe/measures.hpp"

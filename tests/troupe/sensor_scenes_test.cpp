@@ -1,7 +1,7 @@
 // The scenes of worlds/ that show a sensor each, and what they must come to: worked out by hand from the
 // files.
 
-#include "engine/world.hpp"
+#include "engine/world/world.hpp"
 #include "sensors/blobfinder.hpp"
 #include "sensors/bumper.hpp"
 #include "sensors/camera.hpp"

@@ -1,8 +1,8 @@
 #include "troupe/troupe.hpp"
 
 #include "base/hash.hpp"
-#include "engine/controller.hpp"
-#include "engine/world.hpp"
+#include "engine/kinds/controller.hpp"
+#include "engine/world/world.hpp"
 #include "partition/simd_target.hpp"
 #include "tests/support/scratch.hpp"
 #include "tests/support/slow_build.hpp"

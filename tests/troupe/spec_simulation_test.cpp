@@ -1,8 +1,8 @@
 // A simulation of a WorldSpec: filled by hand, or loaded from a file beforehand.
 
 #include "base/diagnostics.hpp"
-#include "engine/populations.hpp"
-#include "engine/world.hpp"
+#include "engine/spec/populations.hpp"
+#include "engine/world/world.hpp"
 #include "tests/support/scratch.hpp"
 #include "troupe/registry.hpp"
 #include "troupe/troupe.hpp"

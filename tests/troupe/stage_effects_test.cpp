@@ -1,4 +1,4 @@
-#include "engine/world.hpp"
+#include "engine/world/world.hpp"
 #include "tests/support/scratch.hpp"
 #include "troupe/registry.hpp"
 #include "troupe/simulation.hpp"

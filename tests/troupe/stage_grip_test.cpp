@@ -1,4 +1,4 @@
-#include "engine/world.hpp"
+#include "engine/world/world.hpp"
 #include "models/devices/actuator.hpp"
 #include "models/devices/gripper.hpp"
 #include "tests/support/scratch.hpp"

@@ -3,8 +3,8 @@
 // threads.
 
 #include "base/diagnostics.hpp"
-#include "engine/sensor_params.hpp"
-#include "engine/world.hpp"
+#include "engine/kinds/sensor_params.hpp"
+#include "engine/world/world.hpp"
 #include "tests/support/slow_build.hpp"
 #include "troupe/troupe.hpp"
 

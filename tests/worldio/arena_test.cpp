@@ -1,5 +1,5 @@
 // Short forms of the world format: arenas, lines of walls, discs, rings, and types from other files.
-#include "engine/description.hpp"
+#include "engine/fields/description.hpp"
 #include "tests/support/scratch.hpp"
 #include "tests/worldio/json_test_world.hpp"
 #include "worldio/json/document_table.hpp"

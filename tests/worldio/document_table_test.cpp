@@ -1,6 +1,6 @@
 #include "worldio/json/document_table.hpp"
 
-#include "engine/kinds.hpp"
+#include "engine/kinds/kinds.hpp"
 #include "troupe/registry.hpp"
 #include "worldio/json/kind_keys.hpp"
 #include "worldio/json/world_document.hpp"

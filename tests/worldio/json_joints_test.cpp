@@ -1,4 +1,4 @@
-#include "engine/world.hpp"
+#include "engine/world/world.hpp"
 #include "models/devices/actuator.hpp"
 #include "tests/worldio/json_test_world.hpp"
 #include "troupe/registry.hpp"

@@ -1,6 +1,6 @@
 // What is written of a world reads back as the same world, to the last bit.
 
-#include "engine/add_device.hpp"
+#include "engine/spec/add_device.hpp"
 #include "tests/support/slow_build.hpp"
 #include "troupe/registry.hpp"
 #include "worldio/json/fields_json.hpp"

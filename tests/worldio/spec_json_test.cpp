@@ -1,7 +1,7 @@
 // A stored world comes back to the last bit, without the files that it was loaded from.
 
 #include "worldio/json/spec_json.hpp"
-#include "engine/sensor_params.hpp"
+#include "engine/kinds/sensor_params.hpp"
 #include "tests/support/scenes.hpp"
 #include "tests/support/slow_build.hpp"
 #include "troupe/registry.hpp"

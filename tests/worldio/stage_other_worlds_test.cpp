@@ -1,7 +1,7 @@
 // What unseen worlds that were written for Stage may hold: where they are odd, but
 // Stage reads them.
 
-#include "engine/sensor_params.hpp"
+#include "engine/kinds/sensor_params.hpp"
 #include "tests/worldio/stage_fixture.hpp"
 #include "troupe/registry.hpp"
 

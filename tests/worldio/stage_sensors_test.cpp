@@ -1,4 +1,4 @@
-#include "engine/sensor_params.hpp"
+#include "engine/kinds/sensor_params.hpp"
 #include "tests/worldio/stage_fixture.hpp"
 #include "troupe/registry.hpp"
 

@@ -3,7 +3,7 @@
 #include "base/diagnostics.hpp"
 #include "base/geometry.hpp"
 #include "base/pose.hpp"
-#include "engine/world_spec.hpp"
+#include "engine/spec/world_spec.hpp"
 
 #include <Eigen/Core>
 

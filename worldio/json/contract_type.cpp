@@ -1,4 +1,4 @@
-#include "engine/add_device.hpp"
+#include "engine/spec/add_device.hpp"
 #include "worldio/json/fields_json.hpp"
 #include "worldio/json/spec_difference.hpp"
 #include "worldio/json/type_document.hpp"

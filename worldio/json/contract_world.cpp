@@ -1,4 +1,4 @@
-#include "engine/watch_spec.hpp"
+#include "engine/spec/watch_spec.hpp"
 #include "worldio/colors.hpp"
 #include "worldio/images/floor_image.hpp"
 #include "worldio/json/experiment_json.hpp"

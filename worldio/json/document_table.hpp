@@ -3,8 +3,8 @@
 #include "base/color.hpp"
 #include "base/geometry.hpp"
 #include "base/result.hpp"
-#include "engine/description.hpp"
-#include "engine/kinds.hpp"
+#include "engine/fields/description.hpp"
+#include "engine/kinds/kinds.hpp"
 #include "worldio/json/json_reader.hpp"
 #include "worldio/json/world_document.hpp"
 

@@ -1,4 +1,4 @@
-#include "engine/add_device.hpp"
+#include "engine/spec/add_device.hpp"
 #include "worldio/json/json_parts.hpp"
 #include "worldio/json/type_document.hpp"
 

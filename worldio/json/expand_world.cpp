@@ -1,6 +1,6 @@
 #include "base/math.hpp"
-#include "engine/populations.hpp"
-#include "engine/watch_spec.hpp"
+#include "engine/spec/populations.hpp"
+#include "engine/spec/watch_spec.hpp"
 #include "worldio/colors.hpp"
 #include "worldio/images/floor_image.hpp"
 #include "worldio/json/experiment_json.hpp"

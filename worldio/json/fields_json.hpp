@@ -2,7 +2,7 @@
 
 #include "base/color.hpp"
 #include "base/pose.hpp"
-#include "engine/fields.hpp"
+#include "engine/fields/fields.hpp"
 #include "worldio/json/json_reader.hpp"
 
 #include <optional>

@@ -1,7 +1,7 @@
 #include "worldio/json/fields_reference.hpp"
 
 #include "base/number_text.hpp"
-#include "engine/watch_spec.hpp"
+#include "engine/spec/watch_spec.hpp"
 #include "worldio/json/document_table.hpp"
 #include "worldio/json/fields_json.hpp"
 #include "worldio/json/world_document.hpp"

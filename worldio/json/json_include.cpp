@@ -1,6 +1,6 @@
 #include "worldio/json/json_include.hpp"
 
-#include "engine/fields.hpp"
+#include "engine/fields/fields.hpp"
 #include "worldio/files.hpp"
 #include "worldio/json/json_reader.hpp"
 #include "worldio/json/world_document.hpp"

@@ -2,7 +2,7 @@
 
 #include "base/geometry.hpp"
 #include "base/result.hpp"
-#include "engine/world_spec.hpp"
+#include "engine/spec/world_spec.hpp"
 #include "worldio/images/floor_image.hpp"
 #include "worldio/json/json_reader.hpp"
 #include "worldio/json/world_document.hpp"

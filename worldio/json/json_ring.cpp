@@ -2,7 +2,7 @@
 
 #include "base/math.hpp"
 #include "base/pose.hpp"
-#include "engine/description.hpp"
+#include "engine/fields/description.hpp"
 #include "worldio/json/fields_json.hpp"
 #include "worldio/json/json_text.hpp"
 #include "worldio/json/read_document.hpp"

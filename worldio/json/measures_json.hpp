@@ -1,8 +1,8 @@
 #pragma once
 
 #include "base/diagnostics.hpp"
-#include "engine/kinds.hpp"
-#include "engine/measure_spec.hpp"
+#include "engine/kinds/kinds.hpp"
+#include "engine/spec/measure_spec.hpp"
 #include "worldio/json/json_reader.hpp"
 
 #include <optional>

@@ -1,7 +1,7 @@
 #pragma once
 
 #include "base/diagnostics.hpp"
-#include "engine/act.hpp"
+#include "engine/kinds/act.hpp"
 
 #include <cstdint>
 #include <filesystem>

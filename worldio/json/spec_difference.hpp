@@ -1,6 +1,6 @@
 #pragma once
 
-#include "engine/world_spec.hpp"
+#include "engine/spec/world_spec.hpp"
 
 #include <string>
 

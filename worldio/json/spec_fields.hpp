@@ -1,16 +1,16 @@
 #pragma once
 
 #include "base/result.hpp"
-#include "engine/description.hpp"
-#include "engine/kinds.hpp"
-#include "engine/spec_description.hpp"
+#include "engine/fields/description.hpp"
+#include "engine/kinds/kinds.hpp"
+#include "engine/spec/spec_description.hpp"
 
 #include <cmath>
 #include <cstddef>
 #include <string>
 #include <string_view>
 
-// Functions for code that visits all members of a spec by its tables (engine/spec_description.hpp).
+// Functions for code that visits all members of a spec by its tables (engine/spec/spec_description.hpp).
 
 namespace troupe::worldio {
 

@@ -1,8 +1,8 @@
 #include "worldio/json/world_document.hpp"
 
 #include "base/math.hpp"
-#include "engine/ticks.hpp"
-#include "engine/watch_spec.hpp"
+#include "engine/spec/ticks.hpp"
+#include "engine/spec/watch_spec.hpp"
 #include "worldio/images/ros_map.hpp"
 #include "worldio/json/document_table.hpp"
 #include "worldio/json/fields_json.hpp"
@@ -19,7 +19,7 @@
 
 /// Describes the format of JSON worlds: keys, units, limits, meanings, and which keys go together. This is
 /// the only description: the reader, the writer and the schema all use it. The limits here apply to JSON
-/// worlds; engine/spec_description.cpp has those of specs.
+/// worlds; engine/spec/spec_description.cpp has those of specs.
 namespace troupe::worldio {
 namespace {
 

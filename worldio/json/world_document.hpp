@@ -5,11 +5,11 @@
 #include "base/geometry.hpp"
 #include "base/limits.hpp"
 #include "base/pose.hpp"
-#include "engine/experiment_spec.hpp"
-#include "engine/fields.hpp"
-#include "engine/placement.hpp"
-#include "engine/ranging_engine.hpp"
-#include "engine/world_spec.hpp"
+#include "engine/fields/fields.hpp"
+#include "engine/spec/experiment_spec.hpp"
+#include "engine/spec/placement.hpp"
+#include "engine/spec/ranging_engine.hpp"
+#include "engine/spec/world_spec.hpp"
 #include "worldio/json/json_node.hpp"
 
 #include <Eigen/Core>

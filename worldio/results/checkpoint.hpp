@@ -1,7 +1,7 @@
 #pragma once
 
 #include "base/diagnostics.hpp"
-#include "engine/world.hpp"
+#include "engine/world/world.hpp"
 #include "worldio/results/hdf5_file.hpp"
 
 #include <cstdint>

@@ -2,9 +2,9 @@
 
 #include "base/diagnostics.hpp"
 #include "base/limits.hpp"
-#include "engine/names.hpp"
-#include "engine/sensor_params.hpp"
-#include "engine/shown_color.hpp"
+#include "engine/kinds/sensor_params.hpp"
+#include "engine/sensing/shown_color.hpp"
+#include "engine/spec/names.hpp"
 #include "worldio/json/fields_json.hpp"
 #include "worldio/json/json_document.hpp"
 #include "worldio/json/json_reader.hpp"

@@ -1,7 +1,7 @@
 #pragma once
 
-#include "engine/frame.hpp"
-#include "engine/world_spec.hpp"
+#include "engine/observing/frame.hpp"
+#include "engine/spec/world_spec.hpp"
 #include "worldio/results/recording_reader.hpp"
 
 #include <cstddef>
@@ -51,8 +51,8 @@ struct RecordedScene {
       std::uint32_t part = 0;  ///< index of the part on which the device is mounted
     };
     std::vector<Device> devices;  ///< all sensors and other devices of the type
-    /// The component whose field `shown_color` gives each body its colour (engine/shown_color.hpp), such as
-    /// "sensors/robot/lamp". Empty if no such field was recorded.
+    /// The component whose field `shown_color` gives each body its colour (engine/sensing/shown_color.hpp),
+    /// such as "sensors/robot/lamp". Empty if no such field was recorded.
     std::string shown_color;
     std::vector<std::int32_t> shape_joints;  ///< for each shape of `look`: index of its joint; k_rigid: none
     std::vector<std::uint32_t> shape_parts;  ///< for each shape of `look`: index of its part

@@ -1,6 +1,6 @@
 #pragma once
 
-#include "engine/state_table.hpp"
+#include "engine/fields/state_table.hpp"
 #include "worldio/results/hdf5_file.hpp"
 
 #include <cstddef>
@@ -66,7 +66,7 @@ class RecordingReader {
   struct Array {
     std::string component;     ///< its name, such as "pose", "wander/0" or "sensors/minibot/ranger:0"
     engine::StateField field;  ///< name, element type, number of columns, unit and meaning
-    std::string frame;         ///< frame of the values: see RecordedComponent::frame
+    std::string frame;         ///< coordinate frame of the values, as in RecordedComponent::frame
     std::vector<std::uint32_t> bodies;  ///< for each row, the index of its body in ids()
     Hdf5Dataset dataset;                ///< the values: frames x rows x columns
     std::size_t row_bytes() const { return field.columns * engine::element_size(field.element); }

@@ -1,6 +1,6 @@
 #pragma once
 
-#include "engine/world.hpp"
+#include "engine/world/world.hpp"
 #include "partition/job_thread.hpp"
 #include "worldio/results/hdf5_file.hpp"
 #include "worldio/results/recording_fields.hpp"

@@ -1,6 +1,6 @@
 #include "worldio/results/replay_header.hpp"
 
-#include "engine/shown_color.hpp"
+#include "engine/sensing/shown_color.hpp"
 
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>

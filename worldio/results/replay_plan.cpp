@@ -1,7 +1,7 @@
 #include "worldio/results/replay_plan.hpp"
 
 #include "base/diagnostics.hpp"
-#include "engine/shown_color.hpp"
+#include "engine/sensing/shown_color.hpp"
 
 #include <fmt/format.h>
 

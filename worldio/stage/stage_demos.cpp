@@ -1,8 +1,8 @@
 #include "worldio/stage/stage_demos.hpp"
 
-#include "engine/controller.hpp"
-#include "engine/sensor_params.hpp"
-#include "engine/world_spec.hpp"
+#include "engine/kinds/controller.hpp"
+#include "engine/kinds/sensor_params.hpp"
+#include "engine/spec/world_spec.hpp"
 
 #include <fmt/format.h>
 

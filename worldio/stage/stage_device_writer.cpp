@@ -1,6 +1,6 @@
 #include "worldio/stage/stage_device_writer.hpp"
 
-#include "engine/sensor_params.hpp"
+#include "engine/kinds/sensor_params.hpp"
 #include "worldio/json/fields_json.hpp"
 #include "worldio/stage/stage_devices.hpp"
 

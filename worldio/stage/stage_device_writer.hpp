@@ -1,7 +1,7 @@
 #pragma once
 
-#include "engine/kinds.hpp"
-#include "engine/world_spec.hpp"
+#include "engine/kinds/kinds.hpp"
+#include "engine/spec/world_spec.hpp"
 #include "worldio/stage/stage_text.hpp"
 
 #include <string>

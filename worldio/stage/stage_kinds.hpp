@@ -1,8 +1,8 @@
 #pragma once
 
-#include "engine/kinds.hpp"
-#include "engine/sensor_params.hpp"
-#include "engine/world_spec.hpp"
+#include "engine/kinds/kinds.hpp"
+#include "engine/kinds/sensor_params.hpp"
+#include "engine/spec/world_spec.hpp"
 #include "worldio/stage/stage_models.hpp"
 #include "worldio/stage/stage_values.hpp"
 

@@ -1,7 +1,7 @@
 #pragma once
 
 #include "base/result.hpp"
-#include "engine/fields.hpp"
+#include "engine/fields/fields.hpp"
 
 #include <cstddef>
 

@@ -1,6 +1,6 @@
 #include "worldio/stage/stage_power.hpp"
 
-#include "engine/energy.hpp"
+#include "engine/kinds/energy.hpp"
 
 #include <fmt/format.h>
 

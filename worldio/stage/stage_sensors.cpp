@@ -1,6 +1,6 @@
 // Reads the properties of sensors that do not map one to one to parameters of a device.
 
-#include "engine/sensor_params.hpp"
+#include "engine/kinds/sensor_params.hpp"
 #include "worldio/colors.hpp"
 #include "worldio/stage/stage_devices.hpp"
 #include "worldio/stage/stage_kinds.hpp"

@@ -1,4 +1,4 @@
-#include "engine/description.hpp"
+#include "engine/fields/description.hpp"
 #include "worldio/stage/stage_kinds.hpp"
 #include "worldio/stage/stage_limits.hpp"
 

@@ -1,6 +1,6 @@
 #pragma once
 
-#include "engine/watch_spec.hpp"
+#include "engine/spec/watch_spec.hpp"
 #include "worldio/stage/stage_models.hpp"
 #include "worldio/stage/stage_parser.hpp"
 #include "worldio/stage/stage_text.hpp"

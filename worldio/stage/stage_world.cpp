@@ -1,5 +1,5 @@
-#include "engine/add_device.hpp"
-#include "engine/world_spec.hpp"
+#include "engine/spec/add_device.hpp"
+#include "engine/spec/world_spec.hpp"
 #include "worldio/json/document_table.hpp"
 #include "worldio/json/json_document.hpp"
 #include "worldio/json/json_world.hpp"

@@ -1,0 +1,483 @@
+#pragma once
+
+#include "base/random.hpp"
+#include "engine/conflicts/conflicts.hpp"
+#include "partition/placed_shape.hpp"
+
+#include <algorithm>
+#include <array>
+#include <atomic>
+#include <bit>
+#include <cmath>
+#include <limits>
+#include <optional>
+#include <utility>
+
+/// The resolution of conflicts between motions, for conflicts.cpp and pushing.cpp. A row is the index of a
+/// body in the state tables.
+
+namespace troupe::engine {
+
+using partition::BodyCircle;
+using partition::ObstacleShape;
+using partition::PlacedShape;
+
+// Largest number of dependencies that are stored for a row. For a row with more dependencies, the geometric
+// tests are repeated in each round.
+inline constexpr std::size_t k_listed = 64;
+inline constexpr std::uint32_t k_unlisted = ~0u;  // Waiting::count of a row with more than k_listed
+
+// A motion that is longer than this is called far. Bodies with far motions are not looked up in the spatial
+// index. Instead, each mover is tested against all of them, because a lookup would have to widen the search
+// of every mover by the longest motion. If there are more than k_max_far far motions, these bodies are looked
+// up like all others.
+inline constexpr double k_far_m = 0.5;
+
+template <class T>
+std::atomic_ref<T> atomic(T& value) {
+  return std::atomic_ref(value);
+}
+
+/// Atomically sets `most`, which holds the bits of a double, to the maximum of that double and `value`. Both
+/// must be non-negative, because only then the bit patterns have the order of the values. value_of() returns
+/// the double.
+inline void raise_to(std::atomic<std::uint64_t>& most, double value) {
+  const auto bits = std::bit_cast<std::uint64_t>(value);
+  std::uint64_t known = most.load(std::memory_order_relaxed);
+  while (known < bits && !most.compare_exchange_weak(known, bits, std::memory_order_relaxed)) {
+  }
+}
+inline double value_of(const std::atomic<std::uint64_t>& most) {
+  return std::bit_cast<double>(most.load(std::memory_order_relaxed));
+}
+
+/// Number of poses at which a motion is tested (class Conflicts, `samples`): `displacement` divided by a
+/// quarter of `thinnest`, rounded up, from 1 to a million.
+///
+/// displacement: upper bound on the motion of any vertex of the body, m
+/// thinnest: width of the body's thinnest part, m
+inline std::size_t motion_samples(double displacement, double thinnest) {
+  const double samples = displacement / (0.25 * thinnest);
+  constexpr double k_most = 1e6;  // a very thin body at a very high speed must not stall the step
+  const double n = samples < k_most ? samples : k_most;
+  const auto whole = static_cast<std::size_t>(n);
+  return std::max<std::size_t>(1, static_cast<double>(whole) < n ? whole + 1 : whole);
+}
+
+/// A row that proposes a motion, with its old pose `from`, its `motion` and its `shape`. The number of
+/// samples (the poses at which the motion is tested) and the shapes placed at the old pose, here(), and at
+/// the proposed pose, there(), are computed on first use, because only some rows need them. The crowd must
+/// outlive the object. Not thread-safe.
+class Mover {
+ public:
+  Mover(const Conflicts::Crowd& crowd, std::uint32_t r)
+      : row(r), from(crowd.poses[r]), motion(crowd.motions[r]), shape(*crowd.shapes[r]), crowd_(crowd) {}
+
+  double length() const { return (motion.to.position() - from.position()).norm(); }
+  /// Upper bound on the horizontal distance that any vertex moves during the motion, m.
+  double displacement() const { return length() + shape.radius * std::abs(motion.turn); }
+
+  std::size_t samples() {
+    if (samples_ == 0) samples_ = motion_samples(displacement(), shape.thinnest);
+    return samples_;
+  }
+  /// Pose at sample k of the motion, world frame, for 1 <= k < n, where n is the number of samples. Sample n
+  /// is Motion::to.
+  Pose between(std::size_t k) { return between(k, samples()); }
+  Pose between(std::size_t k, std::size_t n) const {
+    const double t = static_cast<double>(k) / static_cast<double>(n);
+    const Pose& to = motion.to;
+    return {from.x + t * (to.x - from.x), from.y + t * (to.y - from.y), from.z + t * (to.z - from.z),
+            from.heading + t * motion.turn};
+  }
+  const PlacedShape& here() { return here_ ? *here_ : here_.emplace(shape, crowd_.transforms[row], from.z); }
+  const PlacedShape& there() { return there_ ? *there_ : there_.emplace(shape, motion.there(), motion.to.z); }
+
+  const std::uint32_t row;
+  const Pose& from;
+  const Motion& motion;
+  const ObstacleShape& shape;
+
+ private:
+  const Conflicts::Crowd& crowd_;
+  std::size_t samples_ = 0;
+  std::optional<PlacedShape> here_;
+  std::optional<PlacedShape> there_;
+};
+
+/// Returns a range of samples of a motion, as its first and its last sample. The range contains every sample
+/// at which the mover's origin lies within the distance `reach` (m) of a point (world frame, m), and possibly
+/// further samples. The range is empty if its first sample is greater than its last. If the motion has at
+/// most eight samples, or does not change the position, returns all samples. (The motion of a fast body can
+/// have thousands.)
+inline std::pair<std::size_t, std::size_t> samples_near(Mover& mover, const Vec2& point, double reach) {
+  constexpr std::size_t k_few = 8;
+  const std::size_t n = mover.samples();
+  const Vec2 along = mover.motion.to.position() - mover.from.position();
+  const double length2 = along.squaredNorm();
+  if (n <= k_few || length2 == 0) return {1, n};
+  const double samples = static_cast<double>(n);
+  const double middle = along.dot(point - mover.from.position()) / length2 * samples;
+  const double half = (reach + partition::k_rounding_m) / sqrt(length2) * samples + 2;
+  const double first = std::clamp(middle - half, 1.0, samples);
+  const double last = std::clamp(middle + half, 0.0, samples);
+  return {static_cast<std::size_t>(first), static_cast<std::size_t>(last)};
+}
+
+/// The resolution of the motions of one tick. All threads share one object. Conflicts::resolve() calls
+/// bound_motions() for all rows, finish_bounds() once, propose_and_check() for each row in the spatial index,
+/// and then next_round() and, for each waiting row, resolve_waiting(), until no row waits. Threads may call
+/// the functions that take rows at the same time, for different rows.
+class Conflicts::Resolver {
+ public:
+  Resolver(Conflicts& conflicts, const Crowd& crowd, const partition::StaticScene& scene,
+           const partition::BodyIndex& index)
+      : conflicts_(conflicts),
+        crowd_(crowd),
+        scene_(scene),
+        index_(index),
+        round_(conflicts.base_ + 1),
+        mixture_(mix(crowd.seed, crowd.tick)) {}
+
+  /// Called before the first round, for the rows [first, last): finds the longest motion, and lists the far
+  /// motions (k_far_m). The length of the longest motion that is not on the list determines how far to search
+  /// for neighbours.
+  void bound_motions(std::size_t first, std::size_t last) {
+    double longest2 = 0;
+    for (std::size_t row = first; row < last; ++row) {
+      const Motion& motion = crowd_.motions[row];
+      if (!motion.moves || crowd_.shapes[row]->empty() || leaves_world(motion)) continue;
+      const double length2 = length2_of(row);
+      if (length2 <= k_far_m * k_far_m) {
+        longest2 = std::max(longest2, length2);
+        continue;
+      }
+      raise_to(longest_far2_, length2);
+      const std::size_t i = far_count_.fetch_add(1, std::memory_order_relaxed);
+      if (i < k_max_far) conflicts_.far_[i] = static_cast<std::uint32_t>(row);
+    }
+    raise_to(longest2_, longest2);
+  }
+  /// Completes bound_motions(), after all its calls.
+  void finish_bounds() {
+    const bool all_listed = far_count_.load() <= k_max_far;
+    far_ = std::span(conflicts_.far_).first(all_listed ? far_count_.load() : 0);
+    const double longest2 = std::max(value_of(longest2_), all_listed ? 0.0 : value_of(longest_far2_));
+    longest_ = sqrt(longest2) + partition::k_rounding_m;
+    conflicts_.longest_ = sqrt(std::max(longest2, value_of(longest_far2_))) + partition::k_rounding_m;
+  }
+
+  /// First round, for one row: tests its motion against the static scene and all other bodies. Does nothing
+  /// if the row proposes no motion. If the outcome depends on whether certain bodies of higher priority move,
+  /// the row is put on the list of waiting rows. Otherwise it is resolved.
+  void propose_and_check(std::uint32_t row) {
+    const Motion& motion = crowd_.motions[row];
+    if (!motion.moves) return;
+    if (leaves_world(motion)) return resolve(row, Outcome::out_of_bounds);
+    if (crowd_.shapes[row]->empty()) return resolve(row, Outcome::moved);
+    Mover mover(crowd_, row);
+    if (scene_blocks(mover)) return resolve(row, Outcome::blocked);
+
+    std::array<Dependency, k_listed> others;
+    std::uint32_t count = 0;
+    const bool blocked = blocked_by_others(mover, [&](std::uint32_t other, bool blocks_moved) {
+      if (count < k_listed) others[count] = {other, blocks_moved};
+      ++count;
+      return false;
+    });
+    if (blocked) return resolve(row, Outcome::blocked);
+    if (count == 0) return resolve(row, Outcome::moved);
+    Waiting waiting{row, 0, k_unlisted};
+    if (count <= k_listed) {
+      const std::uint32_t first = others_count_.fetch_add(count, std::memory_order_relaxed);
+      if (first + std::size_t{count} <= 2 * conflicts_.reserved_) {
+        std::copy_n(others.begin(), count, conflicts_.others_.get() + first);
+        waiting = {row, first, count};
+      }
+    }
+    wait(conflicts_.waiting_.get(), waiting);
+  }
+
+  /// A further round, for one waiting row. The row is resolved if earlier rounds have resolved all bodies
+  /// that it depends on, or if a resolved body blocks it. Each round resolves at least the waiting body of
+  /// highest priority, so the rounds end. A round reads only outcomes of earlier rounds, so the number of
+  /// rounds does not depend on the number of threads.
+  void resolve_waiting(const Waiting& waiting) {
+    if (waiting.count == k_in_zone) return resolve_in_zone(waiting.row, conflicts_.still_waiting_.get());
+    bool open = false;
+    const auto blocks = [&](std::uint32_t other, bool blocks_moved) {
+      const Resolution found = resolution(other);
+      const bool resolved = found.round() > conflicts_.base_ && found.round() < round_;
+      open = open || !resolved;
+      return resolved && (found.outcome() == Outcome::moved) == blocks_moved;
+    };
+    bool blocked = false;
+    if (waiting.count == k_unlisted) {
+      Mover mover(crowd_, waiting.row);
+      blocked = blocked_by_others(mover, blocks);
+    } else {
+      for (std::uint32_t i = 0; i < waiting.count && !blocked; ++i) {
+        const Dependency on = conflicts_.others_[waiting.first + i];
+        blocked = blocks(on.row(), on.if_moved());
+      }
+    }
+    if (blocked || !open)
+      resolve(waiting.row, blocked ? Outcome::blocked : Outcome::moved);
+    else
+      wait(conflicts_.still_waiting_.get(), waiting);
+  }
+  /// Number of pushes that the resolved rows have recorded so far: entries in use of Conflicts::pushes_.
+  std::size_t push_count() const { return push_count_; }
+  /// Begins the next round. Returns the number of rows that the round before it left waiting; 0: all rows are
+  /// resolved.
+  std::size_t next_round() {
+    ++round_;
+    return waiting_count_.exchange(0, std::memory_order_relaxed);
+  }
+  std::uint32_t round() const { return round_; }
+
+  // ---- Only if the world has pushable bodies: engine/conflicts/pushing.cpp. The *zone* of a row is a circle
+  // that contains everything that its motion could touch or push (class Conflicts, `source`).
+
+  /// Called before find_zone(), for the rows [first, last): finds the radius of the largest of their zones.
+  /// The largest radius of all rows determines how far to search for overlapping zones.
+  void bound_zones(std::size_t first, std::size_t last);
+  /// Sets the kind of the row's zone: Zone::pushes if the row can push and a pushable body is in the zone,
+  /// otherwise Zone::plain.
+  void find_zone(std::uint32_t row);
+  /// Called after find_zone() for all rows. Changes the kind of the row's zone from Zone::plain to
+  /// Zone::may_push if the zone overlaps a zone of kind Zone::pushes: a pushable body of that other zone may
+  /// be pushed into this zone.
+  void widen_zone(std::uint32_t row);
+  bool is_plain(std::uint32_t row) const { return conflicts_.zones_[row] == Zone::plain; }
+  /// First round, in place of propose_and_check(), for one row whose zone is not plain.
+  void propose_and_check_in_zone(std::uint32_t row);
+  /// Resolves the row if earlier rounds have resolved all movers of higher priority whose zones overlap its
+  /// zone. Otherwise appends it to `list`, the list of waiting rows.
+  void resolve_in_zone(std::uint32_t row, Waiting* list);
+
+ private:
+  static constexpr std::uint32_t k_in_zone = k_unlisted - 1;
+
+  bool is_mover(std::size_t row) const {
+    return crowd_.motions[row].moves && !crowd_.shapes[row]->empty() && !leaves_world(crowd_.motions[row]);
+  }
+  Resolution resolution(std::uint32_t row) const {
+    return atomic(conflicts_.resolutions_[row]).load(std::memory_order_acquire);
+  }
+  bool is_resolved_before(std::uint32_t row) const {
+    const Resolution found = resolution(row);
+    return found.round() > conflicts_.base_ && found.round() < round_;
+  }
+
+  // ---- Pushing: engine/conflicts/pushing.cpp
+  bool is_pushable(std::uint32_t row) const;
+  double zone_radius(std::size_t row) const;
+  template <class Visit>
+  void for_each_zone(std::uint32_t row, Visit&& visit) const;
+  struct Place;
+  struct Pushed;
+  Place place_now(const Mover& mover, std::uint32_t row) const;
+  bool has_moved_before(const Mover& mover, std::uint32_t row) const;
+  std::span<const Push> pushes_before(const Mover& mover, std::uint32_t row) const;
+  std::uint32_t last_push(std::uint32_t row) const;
+  Vec2 position_now(std::uint32_t row) const;
+  Transform pushed_to(std::uint32_t row, const Vec2& position) const;
+  bool goes_first(std::uint32_t a, std::uint32_t b) const;
+  bool meet(std::uint32_t a, const PlacedShape& at_a, std::uint32_t b, const PlacedShape& at_b) const;
+  bool push(Mover& mover);
+  bool make_way(std::uint32_t row, const PlacedShape& mover, std::span<const std::uint32_t> pushable,
+                std::size_t limit, std::array<Pushed, k_most_pushed>& set, std::size_t& count) const;
+  bool can_stand(Mover& mover, const Pushed& pushed, std::span<const std::uint32_t> bodies) const;
+
+  double length2_of(std::size_t row) const {
+    return (crowd_.motions[row].to.position() - crowd_.poses[row].position()).squaredNorm();
+  }
+  bool leaves_world(const Motion& motion) const { return !crowd_.bounds.contains(motion.to.position()); }
+  bool goes_before(std::uint32_t a, std::uint32_t b) const {
+    const std::uint64_t pa = mix_in(mixture_, crowd_.ids[a]);
+    const std::uint64_t pb = mix_in(mixture_, crowd_.ids[b]);
+    return pa != pb ? pa < pb : crowd_.ids[a] < crowd_.ids[b];
+  }
+  Box swept(std::size_t row, double radius) const {
+    Box box = Box::around(crowd_.poses[row].position(), radius);
+    if (crowd_.motions[row].moves) box.extend(Box::around(crowd_.motions[row].to.position(), radius));
+    return box;
+  }
+
+  void resolve(std::uint32_t row, Outcome outcome) {
+    atomic(conflicts_.resolutions_[row]).store({round_, outcome}, std::memory_order_release);
+  }
+  void wait(Waiting* list, const Waiting& waiting) {
+    list[waiting_count_.fetch_add(1, std::memory_order_relaxed)] = waiting;
+  }
+
+  /// Whether the mover's free circle (Crowd::free) contains the whole motion, so that the static scene cannot
+  /// block it. Computes a new circle if the present one is too small and a new one may suffice.
+  bool clear_of_scene(Mover& mover) const {
+    FreeCircle& free = crowd_.free[mover.row];
+    const auto holds = [&](const Vec2& p) {
+      const double reach = free.radius - mover.shape.radius - partition::k_rounding_m;
+      return reach > 0 && (p - Vec2(free.x, free.y)).squaredNorm() <= reach * reach;
+    };
+    const Vec2 from = mover.from.position();
+    const Vec2 to = mover.motion.to.position();
+    if (holds(from) && holds(to)) return true;
+    // Since the circle was computed, the distance to the scene has grown by at most the distance travelled.
+    // If the radius would be too small even then, a new circle would be too small as well.
+    const double needed = mover.shape.radius + mover.length();
+    const double gone = (from - Vec2(free.x, free.y)).norm();
+    if (free.radius > 0 && free.radius + gone < needed) return false;
+    // Number of ticks for which the new circle should suffice. A larger circle takes longer to compute.
+    constexpr double k_ticks = 32;
+    const double clearance = scene_.clearance(from, 2 * mover.shape.radius + k_ticks * mover.length());
+    const double rounding = 0x1p-23 * (std::abs(from.x()) + std::abs(from.y()) + clearance) + 1e-9;
+    free = {static_cast<float>(from.x()), static_cast<float>(from.y()),
+            static_cast<float>(std::max(clearance - rounding, 0x1p-120))};
+    return holds(from) && holds(to);
+  }
+
+  bool scene_blocks(Mover& mover) const {
+    if (!scene_.has_obstacles() || clear_of_scene(mover)) return false;
+    const auto is_blocked = [&](const PlacedShape& there) {
+      // A body in a floor plan crosses many edges of one solid. `passed` is the last solid that was found not
+      // to block the mover, so that this test is not repeated for each edge of the solid.
+      std::uint32_t passed = ~0u;
+      return scene_.crossed(there, [&](std::uint32_t solid) {
+        if (solid == passed) return true;
+        if (scene_.blocks(solid, mover.here(), there)) return false;
+        passed = solid;
+        return true;
+      }) >= 0;
+    };
+    const std::size_t n = mover.samples();
+    for (std::size_t k = 1; k < n; ++k)
+      if (is_blocked(PlacedShape(mover.shape, mover.between(k)))) return true;
+    return is_blocked(mover.there());
+  }
+
+  /// Calls visit(row) for all bodies whose motions may come near the motion of the mover, for the mover
+  /// itself, and possibly for bodies farther away. If there are more than 32 rows to visit, a row may be
+  /// visited more than once.
+  template <class Visit>
+  void for_each_near(const Mover& mover, Visit&& visit) const {
+    const Vec2 from = mover.from.position();
+    const Vec2 to = mover.motion.to.position();
+    const Vec2 middle = 0.5 * (from + to);
+    // The circle about the whole motion is widened by the longest motion of other bodies and by a rounding
+    // bound.
+    const double around = 0.5 * (to - from).norm() + mover.shape.radius + longest_;
+    const double rounding = 0x1p-23 * (std::abs(middle.x()) + std::abs(middle.y()));
+    const auto reach = static_cast<float>((around + rounding) * (1 + 0x1p-20));
+    const auto x = static_cast<float>(middle.x());
+    const auto y = static_cast<float>(middle.y());
+    const bool has_wide = index_.has_wide();  // a wide body is listed in several cells
+    std::array<std::uint32_t, 32> visited;
+    std::size_t visits = 0;
+    const auto is_repeat = [&](std::uint32_t row) {
+      if (std::find(visited.begin(), visited.begin() + visits, row) != visited.begin() + visits) return true;
+      if (visits < visited.size()) visited[visits++] = row;
+      return false;
+    };
+    index_.for_each_run(Box::around(middle, around), [&](std::span<const BodyCircle> run) {
+      // The filter has no branches, because they would be unpredictable. Few circles pass it.
+      std::array<std::uint32_t, 64> near;
+      while (!run.empty()) {
+        const std::size_t some = std::min(run.size(), near.size());
+        std::size_t count = 0;
+        for (const BodyCircle& circle : run.first(some)) {
+          const float dx = circle.x - x;
+          const float dy = circle.y - y;
+          const float touching = circle.radius + reach;
+          near[count] = circle.row;
+          count += dx * dx + dy * dy <= touching * touching;
+        }
+        run = run.subspan(some);
+        for (std::size_t i = 0; i < count; ++i)
+          if ((far_.empty() || !goes_far(near[i])) && !(has_wide && is_repeat(near[i]))) visit(near[i]);
+      }
+    });
+    for (const std::uint32_t row : far_) visit(row);
+  }
+  bool goes_far(std::uint32_t row) const {
+    const Motion& motion = crowd_.motions[row];
+    return motion.moves && length2_of(row) > k_far_m * k_far_m && !leaves_world(motion);
+  }
+
+  /// Whether another body blocks the mover for certain. A body of higher priority that proposes a motion may
+  /// block the mover at only one of its two poses, the old or the new one: the outcome for the mover then
+  /// depends on that body. For each such body, depends(row, blocks_at_new_pose) is called; it must return
+  /// true if that body is already known to block the mover.
+  template <class Depends>
+  bool blocked_by_others(Mover& mover, Depends&& depends) const {
+    const Box mine = swept(mover.row, mover.shape.radius + partition::k_rounding_m);
+    bool blocked = false;
+    for_each_near(mover, [&](std::uint32_t other) {
+      if (blocked || other == mover.row || crowd_.shapes[other]->empty()) return;
+      const Motion& theirs = crowd_.motions[other];
+      if (!mine.touches(swept(other, crowd_.shapes[other]->radius))) return;
+      const bool if_it_stays = blocks(mover, other, crowd_.poses[other].z, crowd_.transforms[other]);
+      if (!theirs.moves || leaves_world(theirs) || !goes_before(other, mover.row)) {
+        blocked = if_it_stays;
+        return;
+      }
+      const bool if_it_moved = blocks(mover, other, theirs.to.z, theirs.there());
+      blocked = if_it_stays && if_it_moved;
+      if (if_it_stays != if_it_moved) blocked = depends(other, if_it_moved);
+    });
+    return blocked;
+  }
+
+  /// Returns false only if no piece of the mover comes near any piece of another shape, placed at `at`,
+  /// during the whole motion. This saves exact tests: most bodies near a shape of many pieces are not near
+  /// any single piece.
+  bool parts_come_near(const Mover& mover, const ObstacleShape& shape, const Transform& at) const {
+    if (mover.shape.pieces.size() == 1 && shape.pieces.size() == 1) return true;
+    return partition::pieces_in_reach(mover.shape, crowd_.transforms[mover.row], shape, at,
+                                      mover.displacement() + partition::k_rounding_m);
+  }
+
+  /// Whether the row `other`, at height z (m) and transform `at`, blocks the motion of the mover: it overlaps
+  /// the mover at a sample, and the case of bodies that overlap at the old pose and move apart (class
+  /// Conflicts, `rule`) does not apply.
+  bool blocks(Mover& mover, std::uint32_t other, double z, const Transform& at) const {
+    const ObstacleShape& shape = *crowd_.shapes[other];
+    const bool first = crowd_.ids[mover.row] < crowd_.ids[other];
+    std::optional<PlacedShape> theirs;
+    const auto meet = [&](const PlacedShape& mine) {
+      if (!theirs) theirs.emplace(shape, at, z);
+      return first ? overlap(mine, *theirs) : overlap(*theirs, mine);
+    };
+    const std::size_t n = mover.samples();
+    const auto [first_k, last_k] = samples_near(mover, at.position, mover.shape.radius + shape.radius);
+    for (std::size_t k = first_k; k <= last_k; ++k) {
+      const Pose between = k < n ? mover.between(k) : mover.motion.to;
+      if (!partition::in_reach(between.position(), mover.shape.radius, at.position, shape.radius)) continue;
+      if (!theirs && !parts_come_near(mover, shape, at)) return false;
+      if (!(k < n ? meet(PlacedShape(mover.shape, between)) : meet(mover.there()))) continue;
+      const bool apart = (mover.motion.to.position() - at.position).squaredNorm() >
+                         (mover.from.position() - at.position).squaredNorm();
+      return !(apart && meet(mover.here()));
+    }
+    return false;
+  }
+
+  Conflicts& conflicts_;
+  const Crowd& crowd_;
+  const partition::StaticScene& scene_;
+  const partition::BodyIndex& index_;
+  std::uint32_t round_;
+  std::uint64_t mixture_;
+  // Bits of the largest squared length of the motions that are not far, and of those that are far, m^2.
+  std::atomic<std::uint64_t> longest2_ = 0;
+  std::atomic<std::uint64_t> longest_far2_ = 0;
+  std::atomic<std::size_t> far_count_ = 0;
+  std::span<const std::uint32_t> far_;  // rows with far motions, against which each mover is tested
+  double longest_ = 0;                  // length of the longest motion found through the index, m
+  std::atomic<std::size_t> waiting_count_ = 0;
+  std::atomic<std::uint32_t> others_count_ = 0;
+  std::atomic<std::uint64_t> largest_zone_ = 0;  // bits of a radius, m
+  std::atomic<std::size_t> push_count_ = 0;
+};
+
+}  // namespace troupe::engine

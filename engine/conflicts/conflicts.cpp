@@ -1,0 +1,136 @@
+#include "engine/conflicts/conflicts.hpp"
+
+#include "engine/conflicts/conflict_resolver.hpp"
+
+#include <algorithm>
+#include <limits>
+#include <memory>
+#include <span>
+#include <stdexcept>
+#include <utility>
+
+namespace troupe::engine {
+namespace {
+
+constexpr std::size_t k_batch = 128;  // rows per task
+
+}  // namespace
+
+void Conflicts::reserve(std::size_t rows, const Pushables& pushables) {
+  resolutions_.resize(rows);
+  if (pushables.any()) {
+    zones_.resize(rows);
+    pushes_of_.resize(rows);
+    pushed_last_.resize(rows);
+    pushes_.resize(std::max(pushes_.size(), pushables.most));
+  }
+  if (rows <= reserved_) return;
+  reserved_ = rows;
+  waiting_ = std::make_unique_for_overwrite<Waiting[]>(rows);
+  still_waiting_ = std::make_unique_for_overwrite<Waiting[]>(rows);
+  others_ = std::make_unique_for_overwrite<Dependency[]>(2 * rows);
+}
+
+void Conflicts::forget() {
+  constexpr std::uint32_t k_junk = 0x5a5a5a5a;
+  base_ += static_cast<std::uint32_t>(rounds_);
+  rounds_ = 0;
+  std::ranges::fill(resolutions_, Resolution(base_, Outcome::out_of_bounds));
+  longest_ = std::numeric_limits<double>::quiet_NaN();
+  far_.fill(k_junk);
+  std::fill_n(waiting_.get(), reserved_, Waiting{k_junk, k_junk, k_junk});
+  std::fill_n(still_waiting_.get(), reserved_, Waiting{k_junk, k_junk, k_junk});
+  std::fill_n(others_.get(), 2 * reserved_, Dependency(k_junk / 2, true));
+  std::ranges::fill(zones_, Zone::may_push);
+  std::ranges::fill(pushes_of_, PushesOf{k_junk, k_junk});
+  std::ranges::fill(pushes_, Push{k_junk, Vec2::Constant(longest_)});
+  std::ranges::fill(pushed_last_, 0u);
+  push_count_ = 0;
+}
+
+void Conflicts::resolve(const Crowd& crowd, const partition::StaticScene& scene,
+                        const partition::BodyIndex& index, partition::Parallel& parallel, Border* border) {
+  const std::size_t rows = crowd.motions.size();
+  for (const Push& push : pushes()) pushed_last_[push.row] = 0;
+  push_count_ = 0;
+  reserve(rows, crowd.pushables);  // there may be fewer rows than in the tick of these pushes
+  constexpr std::uint32_t k_last_round = 1u << 29;  // reached after some years
+  if (base_ + rounds_ > k_last_round) {
+    std::ranges::fill(resolutions_, Resolution());
+    base_ = 0;
+    rounds_ = 0;
+  }
+  base_ += static_cast<std::uint32_t>(rounds_);
+  Resolver resolver(*this, crowd, scene, index);
+  const auto for_each = [&](std::size_t count, std::size_t batch, auto&& work) {
+    parallel.for_each((count + batch - 1) / batch,
+                      [&](std::size_t b) { work(b * batch, std::min(count, (b + 1) * batch)); });
+  };
+  for_each(rows, 16 * k_batch,
+           [&](std::size_t first, std::size_t last) { resolver.bound_motions(first, last); });
+  resolver.finish_bounds();
+  const std::span<const std::uint32_t> order =
+      border ? border->begin(crowd.motions, index.order()) : index.order();
+  if (crowd.pushables.any()) {
+    for_each(rows, 16 * k_batch,
+             [&](std::size_t first, std::size_t last) { resolver.bound_zones(first, last); });
+    for_each(order.size(), k_batch, [&](std::size_t first, std::size_t last) {
+      for (std::size_t i = first; i < last; ++i) resolver.find_zone(order[i]);
+    });
+    for_each(order.size(), k_batch, [&](std::size_t first, std::size_t last) {
+      for (std::size_t i = first; i < last; ++i) resolver.widen_zone(order[i]);
+    });
+    for_each(order.size(), k_batch, [&](std::size_t first, std::size_t last) {
+      for (std::size_t i = first; i < last; ++i)
+        resolver.is_plain(order[i]) ? resolver.propose_and_check(order[i])
+                                    : resolver.propose_and_check_in_zone(order[i]);
+    });
+  } else {
+    for_each(order.size(), k_batch, [&](std::size_t first, std::size_t last) {
+      for (std::size_t i = first; i < last; ++i) resolver.propose_and_check(order[i]);
+    });
+  }
+  if (border) {
+    finish_with(*border, resolver, parallel);
+  } else {
+    while (const std::size_t waiting = resolver.next_round()) {
+      for_each(waiting, 4 * k_batch, [&](std::size_t first, std::size_t last) {
+        for (std::size_t i = first; i < last; ++i) resolver.resolve_waiting(waiting_[i]);
+      });
+      std::swap(waiting_, still_waiting_);
+    }
+  }
+  rounds_ = resolver.round() - base_ - 1;
+  push_count_ = resolver.push_count();
+  for (const Push& push : pushes())
+    longest_ = std::max(longest_, (push.position - crowd.transforms[push.row].position).norm());
+}
+
+/// The rounds after the first, with ghosts. A row that depends on a ghost waits until the rank that owns the
+/// ghost has sent its outcome. The mover of highest priority among all movers that wait on any rank depends
+/// only on resolved ones, so its rank resolves it as soon as it knows their outcomes: the exchanges end.
+void Conflicts::finish_with(Border& border, Resolver& resolver, partition::Parallel& parallel) {
+  std::size_t waiting = resolver.next_round();
+  bool has_ghosts_left = true;
+  while (waiting > 0 || has_ghosts_left) {
+    const std::size_t before = waiting;
+    if (waiting > 0) {
+      constexpr std::size_t k_task = 4 * k_batch;
+      parallel.for_each((waiting + k_task - 1) / k_task, [&](std::size_t b) {
+        for (std::size_t i = b * k_task; i < std::min(waiting, (b + 1) * k_task); ++i)
+          resolver.resolve_waiting(waiting_[i]);
+      });
+      std::swap(waiting_, still_waiting_);
+      waiting = resolver.next_round();
+    }
+    if (waiting > 0 && waiting < before) continue;
+    if (!has_ghosts_left && waiting > 0)
+      throw std::logic_error(
+          "internal error: motions depend on one another in a circle; this is no error of your input: please "
+          "report it");
+    received_round_ = resolver.round() - base_ - 1;
+    if (has_ghosts_left) has_ghosts_left = border.exchange(*this);
+  }
+}
+
+}  // namespace troupe::engine

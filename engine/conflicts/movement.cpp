@@ -1,0 +1,173 @@
+#include "engine/conflicts/movement.hpp"
+
+#include "engine/state/batches.hpp"
+#include "partition/placed_shape.hpp"
+
+#include <algorithm>
+#include <array>
+#include <atomic>
+#include <cstddef>
+#include <limits>
+
+namespace troupe::engine {
+
+void Movement::build() {
+  motions_.resize(state_.row_count());
+  free_circles_.resize(state_.row_count());
+  if (std::ranges::none_of(state_.types, &BodyType::pushable)) return;
+  pushables_ = {};
+  is_pushable_.clear();
+  push_limits_.clear();
+  pushables_.thinnest = std::numeric_limits<double>::infinity();
+  for (std::size_t r = 0; r < state_.row_count(); ++r) {
+    const BodyType& t = state_.type(Row(r));
+    const bool is_pushable = t.pushable && !t.obstacle.empty();
+    is_pushable_.push_back(is_pushable);
+    push_limits_.push_back(t.drive ? t.drive->pushes : 0);
+    pushables_.most += push_limits_.back();
+    if (!is_pushable) continue;
+    pushables_.radius = std::max(pushables_.radius, t.obstacle.radius);
+    pushables_.thinnest = std::min(pushables_.thinnest, t.obstacle.thinnest);
+  }
+  pushables_.is_pushable = is_pushable_;
+  pushables_.limits = push_limits_;
+}
+
+void Movement::draw_odometry_errors() {
+  for (std::size_t r = 0; r < state_.row_count(); ++r) {
+    const auto& drive = state_.type(Row(r)).drive;
+    if (!drive || !drive->odometry_table) continue;
+    odometry_errors_.resize(state_.row_count());
+    odometry_errors_[r] = drive->localization.error_of(state_.spec.seed, state_.bodies[r]);
+  }
+}
+
+void Movement::rest(Row row) {
+  motions_[row.index()] = Motion();
+  free_circles_[row.index()] = FreeCircle();
+}
+
+void Movement::count_stalls() {
+  const auto own = state_.stalls().first(state_.own_rows);
+  out_of_bounds_ =
+      static_cast<std::size_t>(std::ranges::count(own, std::uint8_t{WorldState::k_out_of_bounds}));
+  stalled_ =
+      out_of_bounds_ + static_cast<std::size_t>(std::ranges::count(own, std::uint8_t{WorldState::k_blocked}));
+}
+
+namespace {
+constexpr double k_nan = std::numeric_limits<double>::quiet_NaN();
+const Motion k_junk_motion{{k_nan, k_nan, k_nan, k_nan}, Rotation(SinCos{k_nan, k_nan}), k_nan, true};
+}  // namespace
+
+void Movement::forget() {
+  std::ranges::fill(odometry_errors_, Localization::Error{k_nan, k_nan, k_nan});
+  std::ranges::fill(free_circles_, FreeCircle{0, 0, std::numeric_limits<float>::infinity()});
+  std::ranges::fill(motions_, k_junk_motion);
+  conflicts_.forget();
+  stalled_ = out_of_bounds_ = 0x5a5a5a5a;
+}
+
+void Movement::forget_motions() {
+  for (std::size_t r = 0; r < state_.row_count(); ++r)
+    if (state_.view.is_there(Row(r))) motions_[r] = k_junk_motion;
+}
+
+void Movement::propose() {
+  const double dt = state_.spec.tick_s;
+  const bool carrying = state_.now.carried > 0;  // carried bodies move with their carriers
+  for_blocks(state_, parallel_, [&](std::span<const Row> rows, const BodyType& type) {
+    std::array<Motion*, k_row_block> turning;
+    std::array<double, k_row_block> headings;
+    std::array<SinCos, k_row_block> rotations;
+    std::size_t count = 0;
+    for (const Row row : rows) {
+      const Velocity& v = state_.as<Velocity>(WorldState::k_velocity)[row.index()];
+      Motion& motion = motions_[row.index()];
+      motion.moves =
+          type.drive && (v.x != 0 || v.y != 0 || v.turn != 0) && !(carrying && state_.view.carrier(row));
+      if (!motion.moves) continue;
+      // Euler integration with the old heading, as in Stage.
+      const Pose& from = state_.poses()[row.index()];
+      motion.turn = v.turn * dt;
+      const Pose to = compose(from, state_.view.transform(row), {v.x * dt, v.y * dt, 0, motion.turn});
+      motion.to = {to.x + 0.0, to.y + 0.0, to.z + 0.0, to.heading + 0.0};
+      motion.rotation = state_.view.transform(row).rotation;
+      if (to.heading == from.heading) continue;
+      turning[count] = &motion;
+      headings[count++] = motion.to.heading;
+    }
+    sincos({headings.data(), count}, {rotations.data(), count});
+    for (std::size_t i = 0; i < count; ++i) turning[i]->rotation = Rotation(rotations[i]);
+  });
+}
+
+void Movement::resolve(std::span<const std::uint32_t> composites, Conflicts::Border* border) {
+  Pushables pushables = pushables_;  // sizes with joints at rest and no cargo; enlarged below
+  if (pushables.any())
+    for (const std::uint32_t row : composites) {
+      if (is_pushable_[row] == 0) continue;
+      pushables.radius = std::max(pushables.radius, state_.shapes[row]->radius);
+      pushables.thinnest = std::min(pushables.thinnest, state_.shapes[row]->thinnest);
+    }
+  conflicts_.resolve({state_.poses(), state_.transforms, motions_, state_.shapes, state_.ids, free_circles_,
+                      state_.spec.seed, state_.now.tick, state_.bounds(), pushables},
+                     state_.scene, state_.index, parallel_, border);
+}
+
+void Movement::commit() {
+  std::atomic<std::size_t> stalled = 0;
+  std::atomic<std::size_t> out_of_bounds = 0;
+  for_blocks(state_, parallel_, [&](std::span<const Row> rows, const BodyType& type) {
+    std::size_t blocked_here = 0;
+    std::size_t out_of_bounds_here = 0;
+    const bool has_odometry = type.drive && type.drive->odometry_table;
+    for (const Row row : rows) {
+      const Conflicts::Outcome outcome = conflicts_.outcome(row.index());
+      if (outcome == Conflicts::Outcome::moved) {
+        const Motion& motion = motions_[row.index()];
+        state_.poses()[row.index()] = motion.to;
+        state_.update_outlines(row, type, motion.there());
+        if (has_odometry) count_way(row, *type.drive);
+      }
+      const bool is_blocked = outcome == Conflicts::Outcome::blocked;
+      const bool is_out_of_bounds = outcome == Conflicts::Outcome::out_of_bounds;
+      state_.stalls()[row.index()] = is_blocked         ? WorldState::k_blocked
+                                     : is_out_of_bounds ? WorldState::k_out_of_bounds
+                                                        : WorldState::k_free;
+      if (row.index() >= state_.own_rows) continue;
+      blocked_here += is_blocked;
+      out_of_bounds_here += is_out_of_bounds;
+    }
+    stalled.fetch_add(blocked_here + out_of_bounds_here, std::memory_order_relaxed);
+    out_of_bounds.fetch_add(out_of_bounds_here, std::memory_order_relaxed);
+  });
+  stalled_ = stalled;
+  out_of_bounds_ = out_of_bounds;
+  if (pushables_.any()) commit_pushes();
+}
+
+void Movement::commit_pushes() {
+  const std::span<const Conflicts::Push> pushes = conflicts_.pushes();
+  parallel_.for_each((pushes.size() + k_row_block - 1) / k_row_block, [&](std::size_t b) {
+    for (const Conflicts::Push& push :
+         pushes.subspan(b * k_row_block).first(std::min(k_row_block, pushes.size() - b * k_row_block))) {
+      if (!conflicts_.is_last(push)) continue;
+      const Row row(push.row);
+      Pose& pose = state_.poses()[push.row];
+      pose.x = push.position.x();
+      pose.y = push.position.y();
+      state_.update_outlines(row, state_.type(row),
+                             Transform{push.position, state_.view.transform(row).rotation});
+    }
+  });
+}
+
+void Movement::count_way(Row row, const BodyType::Drive& drive) {
+  const Velocity& v = state_.as<Velocity>(WorldState::k_velocity)[row.index()];
+  const double dt = state_.spec.tick_s;
+  state_.as<Odometry>(*drive.odometry_table)[state_.slots[row.index()]].advance(
+      drive.localization, odometry_errors_[row.index()], v.x * dt, v.y * dt, v.turn * dt);
+}
+
+}  // namespace troupe::engine

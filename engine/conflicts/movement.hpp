@@ -1,0 +1,90 @@
+#pragma once
+
+#include "engine/conflicts/conflicts.hpp"
+#include "engine/kinds/localization.hpp"
+#include "engine/state/world_state.hpp"
+#include "partition/parallel.hpp"
+
+#include <cstddef>
+#include <cstdint>
+#include <span>
+#include <vector>
+
+namespace troupe::engine {
+
+/// The motions of bodies in a tick: from velocities to new poses. This part of World writes the components
+/// (state tables) `pose`, `stall` and `odometry`. A row is the index of a body in the state tables.
+class Movement {
+ public:
+  /// The arguments must outlive the object.
+  Movement(WorldState& state, partition::Parallel& parallel) : state_(state), parallel_(parallel) {}
+  Movement(const Movement&) = delete;
+  Movement& operator=(const Movement&) = delete;
+
+  /// Allocates the lists. Call this after the rows of the state were made, and again after bodies have
+  /// changed their rows. The caller must then compute all other data with draw_odometry_errors(), rest() and
+  /// count_stalls().
+  void build();
+  /// Computes the odometry error of each robot, unborn ones too, from the seed (Localization::error_of()).
+  void draw_odometry_errors();
+  /// Discards the proposed motion of a row, and the cached circle free of static obstacles (FreeCircle,
+  /// engine/conflicts/conflicts.hpp). Call this when code other than commit() sets the pose of the row's
+  /// body.
+  void rest(Row row);
+  /// Counts the stalled bodies again. Call this after other code has written the component `stall`.
+  void count_stalls();
+  /// Overwrites with junk all data that are neither constant nor state: see World::forget(). The caller must
+  /// then derive them again with draw_odometry_errors(), rest() and count_stalls().
+  void forget();
+  /// Overwrites the motions of the last tick with junk, which the next tick must not read.
+  void forget_motions();
+
+  /// Computes the pose that each robot proposes from its velocity. Carried robots, and robots with velocity
+  /// 0, propose no motion.
+  void propose();
+  /// Resolves the conflicts of all proposed motions: see Conflicts. composites: rows of bodies whose shape
+  /// can change (Links::composites()). border: the other ranks, if the rows include ghosts (copies of rows
+  /// that other ranks compute); otherwise null
+  void resolve(std::span<const std::uint32_t> composites, Conflicts::Border* border);
+  /// Writes the poses of the bodies that moved or were pushed, their transforms and outlines, the component
+  /// `stall`, and the odometry estimates. The spatial index keeps the old poses, and carried bodies stay
+  /// until Links::carry().
+  void commit();
+
+  /// Number of rounds in which the last resolve() resolved the motions: 1 if no body had to wait for the
+  /// outcome of another, 0 before the first resolve(). See Conflicts::rounds().
+  std::uint64_t rounds() const { return conflicts_.rounds(); }
+  /// Upper bound on the distance that any body moved in the last resolution, m: Conflicts::longest().
+  double longest() const { return conflicts_.longest(); }
+  /// Number of rows below WorldState::own_rows whose last motion was blocked or would have ended out of
+  /// bounds.
+  std::size_t stalled() const { return stalled_; }
+  /// Number of rows below WorldState::own_rows whose last motion would have ended out of bounds.
+  std::size_t out_of_bounds() const { return out_of_bounds_; }
+
+ private:
+  /// Adds the motion of this tick to the odometry estimate of a robot. It is called only if the motion was
+  /// not blocked.
+  void count_way(Row row, const BodyType::Drive& drive);
+  void commit_pushes();
+
+  WorldState& state_;
+  partition::Parallel& parallel_;
+
+  // Constants, and odometry_errors_, which are derived: another seed changes them.
+  std::vector<std::uint8_t> is_pushable_;  // one per row; empty, like push_limits_, if no body can be pushed
+  std::vector<std::uint8_t> push_limits_;
+  Pushables pushables_;
+  std::vector<Localization::Error> odometry_errors_;  // one per row; empty if no robot has odometry
+
+  // Derived.
+  std::vector<FreeCircle> free_circles_;
+  std::size_t stalled_ = 0;
+  std::size_t out_of_bounds_ = 0;
+
+  // Scratch.
+  std::vector<Motion> motions_;  // absent bodies never propose one
+  Conflicts conflicts_;
+};
+
+}  // namespace troupe::engine

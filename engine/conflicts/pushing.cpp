@@ -1,0 +1,312 @@
+#include "engine/conflicts/conflict_resolver.hpp"
+#include "partition/separation.hpp"
+
+#include <algorithm>
+#include <array>
+#include <atomic>
+#include <cmath>
+#include <optional>
+#include <span>
+#include <vector>
+
+/// The parts of conflict resolution that worlds with pushable bodies need.
+
+namespace troupe::engine {
+namespace {
+
+/// A list of numbers that allocates memory only if it has more than 512 numbers, which is rare.
+class Few {
+ public:
+  void add(std::uint32_t n) {
+    if (count_ < few_.size()) {
+      few_[count_] = n;
+    } else {
+      if (count_ == few_.size()) many_.assign(few_.begin(), few_.end());
+      many_.push_back(n);
+    }
+    ++count_;
+  }
+  std::span<std::uint32_t> all() {
+    return count_ <= few_.size() ? std::span(few_).first(count_) : std::span(many_);
+  }
+  void clear() { count_ = 0; }
+
+ private:
+  std::array<std::uint32_t, 512> few_;
+  std::vector<std::uint32_t> many_;
+  std::size_t count_ = 0;
+};
+
+}  // namespace
+
+/// A body that a pusher pushes, and positions of the origin of the pushed body, m, world frame.
+struct Conflicts::Resolver::Pushed {
+  std::uint32_t row;
+  Vec2 before;  // position before the pusher's motion
+  Vec2 last;    // position at the previous sample of the pusher's motion
+  Vec2 now;     // position at the present sample
+};
+
+/// Place of a body at the turn of the mover (class Conflicts, `rule`). All bodies of higher priority that may
+/// affect the mover are resolved before its turn.
+struct Conflicts::Resolver::Place {
+  Transform at;
+  double z;
+};
+bool Conflicts::Resolver::is_pushable(std::uint32_t row) const {
+  return crowd_.pushables.is_pushable[row] != 0 && !crowd_.shapes[row]->empty();
+}
+
+/// Radius of the row's zone, m. The zone is a circle about the row's old position that contains its whole
+/// motion, and every body that it may push, wherever that body is pushed. This radius suffices because each
+/// pushed body touches the mover or a body that was pushed before it.
+double Conflicts::Resolver::zone_radius(std::size_t row) const {
+  constexpr double k_slack_m = 1e-6;  // each shift adds k_rounding_m
+  const double length = sqrt(length2_of(row));
+  return length + crowd_.shapes[row]->radius + 2 * crowd_.pushables.limits[row] * crowd_.pushables.radius +
+         k_slack_m;
+}
+
+/// Calls visit(other) for all other movers whose zones overlap the zone of the row.
+template <class Visit>
+void Conflicts::Resolver::for_each_zone(std::uint32_t row, Visit&& visit) const {
+  const Vec2 at = crowd_.poses[row].position();
+  const double reach = zone_radius(row);
+  index_.for_each_near(Box::around(at, reach + value_of(largest_zone_)), [&](const BodyCircle& circle) {
+    if (circle.row != row && is_mover(circle.row) &&
+        partition::in_reach(at, reach, crowd_.poses[circle.row].position(), zone_radius(circle.row)))
+      visit(circle.row);
+  });
+}
+
+void Conflicts::Resolver::bound_zones(std::size_t first, std::size_t last) {
+  double largest = 0;
+  for (std::size_t row = first; row < last; ++row)
+    if (is_mover(row)) largest = std::max(largest, zone_radius(row));
+  raise_to(largest_zone_, largest);
+}
+
+void Conflicts::Resolver::find_zone(std::uint32_t row) {
+  Zone& zone = conflicts_.zones_[row];
+  zone = Zone::plain;
+  if (!is_mover(row) || crowd_.pushables.limits[row] == 0) return;
+  const Vec2 at = crowd_.poses[row].position();
+  const double reach = zone_radius(row);
+  index_.for_each_near(Box::around(at, reach), [&](const BodyCircle& circle) {
+    if (zone == Zone::plain && is_pushable(circle.row) &&
+        partition::in_reach(at, reach, crowd_.poses[circle.row].position(),
+                            crowd_.shapes[circle.row]->radius))
+      zone = Zone::pushes;
+  });
+}
+
+void Conflicts::Resolver::widen_zone(std::uint32_t row) {
+  Zone& zone = conflicts_.zones_[row];
+  if (zone != Zone::plain || !is_mover(row)) return;
+  bool meets = false;
+  for_each_zone(row, [&](std::uint32_t other) {
+    meets =
+        meets || std::atomic_ref(conflicts_.zones_[other]).load(std::memory_order_relaxed) == Zone::pushes;
+  });
+  if (meets) std::atomic_ref(zone).store(Zone::may_push, std::memory_order_relaxed);
+}
+
+void Conflicts::Resolver::propose_and_check_in_zone(std::uint32_t row) {
+  if (leaves_world(crowd_.motions[row])) return resolve(row, Outcome::out_of_bounds);
+  Mover mover(crowd_, row);
+  if (scene_blocks(mover)) return resolve(row, Outcome::blocked);
+  resolve_in_zone(row, conflicts_.waiting_.get());
+}
+
+void Conflicts::Resolver::resolve_in_zone(std::uint32_t row, Waiting* list) {
+  bool open = false;
+  for_each_zone(row, [&](std::uint32_t other) {
+    open = open || (goes_before(other, row) && !is_resolved_before(other));
+  });
+  if (open) return wait(list, {row, 0, k_in_zone});
+  Mover mover(crowd_, row);
+  resolve(row, push(mover) ? Outcome::moved : Outcome::blocked);
+}
+
+Conflicts::Resolver::Place Conflicts::Resolver::place_now(const Mover& mover, std::uint32_t row) const {
+  if (is_pushable(row)) return {pushed_to(row, position_now(row)), crowd_.poses[row].z};
+  if (has_moved_before(mover, row)) return {crowd_.motions[row].there(), crowd_.motions[row].to.z};
+  return {crowd_.transforms[row], crowd_.poses[row].z};
+}
+
+bool Conflicts::Resolver::has_moved_before(const Mover& mover, std::uint32_t row) const {
+  if (!is_mover(row) || !goes_before(row, mover.row)) return false;
+  const Resolution found = resolution(row);
+  return found.round() > conflicts_.base_ && found.outcome() == Outcome::moved;
+}
+
+std::span<const Conflicts::Push> Conflicts::Resolver::pushes_before(const Mover& mover,
+                                                                    std::uint32_t row) const {
+  if (is_plain(row) || !has_moved_before(mover, row)) return {};
+  // If the zones of the row and the mover do not overlap, the pushes of the row do not affect the mover, and
+  // another thread may be writing them right now.
+  if (!partition::in_reach(mover.from.position(), zone_radius(mover.row), crowd_.poses[row].position(),
+                           zone_radius(row)))
+    return {};
+  const PushesOf& of = conflicts_.pushes_of_[row];
+  return {conflicts_.pushes_.data() + of.first, of.count};
+}
+
+/// The last push of the row: its index in Conflicts::pushes_, plus 1; 0: the row was not pushed.
+std::uint32_t Conflicts::Resolver::last_push(std::uint32_t row) const {
+  return atomic(conflicts_.pushed_last_[row]).load(std::memory_order_acquire);
+}
+
+/// Position of a pushable body after the pushes so far, m, world frame.
+Vec2 Conflicts::Resolver::position_now(std::uint32_t row) const {
+  const std::uint32_t push = last_push(row);
+  return push == 0 ? crowd_.transforms[row].position : conflicts_.pushes_[push - 1].position;
+}
+
+Transform Conflicts::Resolver::pushed_to(std::uint32_t row, const Vec2& position) const {
+  return {position, crowd_.transforms[row].rotation};
+}
+
+bool Conflicts::Resolver::goes_first(std::uint32_t a, std::uint32_t b) const {
+  return crowd_.ids[a] < crowd_.ids[b];
+}
+
+bool Conflicts::Resolver::meet(std::uint32_t a, const PlacedShape& at_a, std::uint32_t b,
+                               const PlacedShape& at_b) const {
+  return goes_first(a, b) ? overlap(at_a, at_b) : overlap(at_b, at_a);
+}
+
+/// Returns whether the motion of the mover is free, or becomes free by pushing other bodies. In the second
+/// case, records the pushes.
+bool Conflicts::Resolver::push(Mover& mover) {
+  const std::size_t limit = crowd_.pushables.limits[mover.row];
+  const Vec2 from = mover.from.position();
+  const double reach = zone_radius(mover.row);
+  conflicts_.pushes_of_[mover.row] = {};
+  Few bodies;  // rows near the mover that it cannot push
+  Few others;  // rows near the mover that it can push
+  const auto add = [&](std::uint32_t row) {
+    const Place now = place_now(mover, row);
+    if (!partition::in_reach(from, reach, now.at.position, crowd_.shapes[row]->radius)) return;
+    const bool gives_way =
+        limit > 0 && is_pushable(row) &&
+        !meet(mover.row, mover.here(), row, PlacedShape(*crowd_.shapes[row], now.at, now.z));
+    (gives_way ? others : bodies).add(row);
+  };
+  // A body that was already pushed in this tick is found through the row that pushed it last, because the
+  // index contains only the body's old position, which may be far away.
+  index_.for_each_near(Box::around(from, reach + value_of(largest_zone_)), [&](const BodyCircle& circle) {
+    const std::uint32_t row = circle.row;
+    if (row == mover.row || crowd_.shapes[row]->empty()) return;
+    if (!is_pushable(row)) {
+      add(row);
+      for (const Push& push : pushes_before(mover, row))
+        if (last_push(push.row) == static_cast<std::size_t>(&push - conflicts_.pushes_.data()) + 1)
+          add(push.row);
+    } else if (last_push(row) == 0) {
+      add(row);
+    }
+  });
+  for (const std::uint32_t row : bodies.all()) {
+    const Place now = place_now(mover, row);
+    if (blocks(mover, row, now.z, now.at)) return false;
+  }
+  const std::span<std::uint32_t> pushable = others.all();
+  if (pushable.empty()) return true;
+  std::ranges::sort(pushable, {}, [&](std::uint32_t row) { return crowd_.ids[row]; });
+
+  std::array<Pushed, k_most_pushed> set;
+  std::size_t count = 0;
+  const std::size_t n =
+      motion_samples(mover.displacement(), std::min(mover.shape.thinnest, crowd_.pushables.thinnest));
+  for (std::size_t k = 1; k <= n; ++k) {
+    const Pose pose = k < n ? mover.between(k, n) : mover.motion.to;
+    const Transform at = k < n ? Transform(pose) : mover.motion.there();
+    if (!make_way(mover.row, PlacedShape(mover.shape, at, pose.z), pushable, limit, set, count)) return false;
+    for (Pushed& pushed : std::span(set).first(count)) {
+      if (pushed.now == pushed.last) continue;
+      if (!can_stand(mover, pushed, bodies.all())) return false;
+      pushed.last = pushed.now;
+    }
+  }
+  if (count == 0) return true;
+  const std::size_t first = push_count_.fetch_add(count, std::memory_order_relaxed);
+  conflicts_.pushes_of_[mover.row] = {static_cast<std::uint32_t>(first), static_cast<std::uint32_t>(count)};
+  for (std::size_t i = 0; i < count; ++i) {
+    conflicts_.pushes_[first + i] = {set[i].row, set[i].now};
+    atomic(conflicts_.pushed_last_[set[i].row])
+        .store(static_cast<std::uint32_t>(first + i + 1), std::memory_order_release);
+  }
+  return true;
+}
+
+/// Shifts the bodies that overlap the mover at this pose, then in a further pass the bodies that overlap the
+/// shifted bodies, and so on until no bodies overlap. The first `count` entries of `set` are the bodies that
+/// the mover has pushed so far; both are updated. Returns false if more than `limit` bodies would have to be
+/// pushed, or if bodies still overlap after the last allowed pass.
+bool Conflicts::Resolver::make_way(std::uint32_t row, const PlacedShape& mover,
+                                   std::span<const std::uint32_t> pushable, std::size_t limit,
+                                   std::array<Pushed, k_most_pushed>& set, std::size_t& count) const {
+  /// Shifts the bodies that row `by` at the place `at` overlaps, except the first `after` entries of `set`:
+  /// these were met before `by`, or are `by` itself. Sets `shifted` if it shifts any.
+  const auto shift = [&](std::uint32_t by, const PlacedShape& at, std::size_t after, bool& shifted) {
+    for (const std::uint32_t other : pushable) {
+      if (other == by) continue;
+      std::size_t i = 0;
+      while (i < count && set[i].row != other) ++i;
+      if (i < after && i < count) continue;
+      const Vec2 now = i < count ? set[i].now : position_now(other);
+      const ObstacleShape& shape = *crowd_.shapes[other];
+      if (!partition::in_reach(at.position(), at.shape().radius, now, shape.radius)) continue;
+      const PlacedShape theirs(shape, pushed_to(other, now), crowd_.poses[other].z);
+      if (!meet(by, at, other, theirs)) continue;
+      const std::optional<Vec2> way = partition::way_out(at, theirs);
+      if (!way || (i == count && count == limit)) return false;
+      if (i == count) set[count++] = {other, now, now, now};
+      const double length = sqrt(way->squaredNorm());
+      const Vec2 to = now + (length + partition::k_rounding_m) / length * *way;
+      set[i].now = Vec2(to.x() + 0.0, to.y() + 0.0);  // no -0
+      shifted = true;
+    }
+    return true;
+  };
+  for (int pass = 0; pass < k_push_passes; ++pass) {
+    bool shifted = false;
+    if (!shift(row, mover, 0, shifted)) return false;
+    for (std::size_t b = 0; b < count; ++b) {
+      const std::uint32_t by = set[b].row;
+      const PlacedShape at(*crowd_.shapes[by], pushed_to(by, set[b].now), crowd_.poses[by].z);
+      if (!shift(by, at, b + 1, shifted)) return false;
+    }
+    if (!shifted) return true;
+  }
+  return false;
+}
+
+bool Conflicts::Resolver::can_stand(Mover& mover, const Pushed& pushed,
+                                    std::span<const std::uint32_t> bodies) const {
+  const ObstacleShape& shape = *crowd_.shapes[pushed.row];
+  if ((pushed.now - pushed.last).squaredNorm() > 0.25 * shape.thinnest * shape.thinnest) return false;
+  if (!crowd_.bounds.contains(pushed.now)) return false;
+  const double z = crowd_.poses[pushed.row].z;
+  const PlacedShape there(shape, pushed_to(pushed.row, pushed.now), z);
+  std::optional<PlacedShape> here;
+  const auto before = [&]() -> const PlacedShape& {
+    return here ? *here : here.emplace(shape, pushed_to(pushed.row, pushed.before), z);
+  };
+  if (scene_.has_obstacles() &&
+      scene_.crossed(there, [&](std::uint32_t solid) { return !scene_.blocks(solid, before(), there); }) >= 0)
+    return false;
+  return std::ranges::none_of(bodies, [&](std::uint32_t row) {
+    const Place now = place_now(mover, row);
+    const ObstacleShape& theirs = *crowd_.shapes[row];
+    if (!partition::in_reach(pushed.now, shape.radius, now.at.position, theirs.radius)) return false;
+    const PlacedShape placed(theirs, now.at, now.z);
+    if (!meet(pushed.row, there, row, placed)) return false;
+    const bool apart =
+        (pushed.now - now.at.position).squaredNorm() > (pushed.before - now.at.position).squaredNorm();
+    return !(apart && meet(pushed.row, before(), row, placed));
+  });
+}
+
+}  // namespace troupe::engine

@@ -1,0 +1,697 @@
+#pragma once
+
+#include "base/color.hpp"
+#include "base/ids.hpp"
+#include "base/limits.hpp"
+#include "base/pose.hpp"
+#include "engine/fields/fields.hpp"
+#include "engine/fields/state_table.hpp"
+
+#include <Eigen/Core>
+
+#include <array>
+#include <cstddef>
+#include <cstdint>
+#include <initializer_list>
+#include <limits>
+#include <optional>
+#include <span>
+#include <string>
+#include <string_view>
+#include <type_traits>
+#include <utility>
+#include <vector>
+
+/// A struct, such as the parameters of a kind (a sort of sensor, drive or controller), describes its members
+/// once, in a function `describe` that fills a FieldTable. Parsing, validation and storage use this table.
+/// Example:
+///
+///     enum class Law : std::uint8_t { disc, walls };
+///     constexpr std::array<std::string_view, 2> names_of(Law) { return {"disc", "walls"}; }
+///
+///     struct Transducer {
+///       Pose pose;
+///       double range_max = 5;
+///       std::int64_t samples = 1;
+///       Law law = Law::disc;
+///       std::optional<double> gain;
+///
+///       static constexpr void describe(engine::Description<Transducer>& d) {
+///         using namespace engine::facts;
+///         using enum engine::Unit;
+///         d.member<&Transducer::pose>("pose", "pose of the transducer in the sensor's frame");
+///         d.member<&Transducer::range_max>("range_max", meters, above(0), at_most(10'000), "beam length");
+///         d.member<&Transducer::samples>("samples", within(1, 100'000), counts_readings, "number of beams");
+///         d.member<&Transducer::law>("law", "shape of the obstacles");
+///         d.member<&Transducer::gain>("gain", at_least(0), "default: the gain of the sensor");
+///       }
+///     };
+///
+/// `described<Transducer>()` returns the table, `from_record<Transducer>(record)` makes the struct from a
+/// record of values, and `to_record(transducer)` makes a record from the struct. A member that is not
+/// described, or described twice, is a compile error. The struct must have no constructors, and at most 128
+/// members. Fields have the order of the description. A struct of another folder can be described next to the
+/// code that needs it, by a function such as `constexpr void describe(Description<Pose>&)` in namespace
+/// troupe::engine.
+///
+/// members   bool; integers; float, double; std::string; enums with names_of(Enum), in the order of their
+///           values from 0; std::vector<double>; std::vector<std::string>; std::array and Eigen vectors of
+///           numbers; Color, std::vector<Color>; Id; Pose and any other described struct (a record),
+///           std::vector of described structs (records); std::optional of any of these except std::vector of
+///           described structs; std::vector of Eigen vectors, and of such lists (numbers in lists of lists);
+///           Record (a record of a table that only the reader of the struct knows)
+/// defaults  A member has the default that it has in T{}. A `required` member has no default. A std::optional
+///           has no default either, but may be missing, and must be empty in T{}.
+/// limits    A member has the limits that its description gives, and never wider ones than those of its type.
+///           The readers of files report a value outside the limits as an error.
+///
+/// A struct that is state (a controller's memory, a device's state or commands: memory_fields<T>()) is
+/// described in the same way. Its members are numbers, bools and arrays of numbers or bools. Recordings store
+/// the units and texts of its description.
+
+namespace troupe::engine {
+
+// Templates that are instantiated for a type have hidden visibility. Two plug-ins in one process may have
+// different types of the same name, and the dynamic linker would otherwise merge their instances.
+#define TROUPE_OF_TYPE [[gnu::visibility("hidden")]]
+
+template <class T>
+class Description;
+template <class T>
+TROUPE_OF_TYPE const FieldTable& described();
+
+/// A fact about a described member: a unit, a limit, a text or another property of its Field. The functions
+/// and constants in the namespace `facts` make facts. A text or a Unit converts to a fact implicitly.
+class Fact {
+ public:
+  /// What the fact specifies.
+  enum class Kind : std::uint8_t {
+    text,             ///< sets Field::text to the member `words`
+    unit,             ///< sets Field::unit to the member `unit`
+    at_least,         ///< narrows the limits to [`number`, `high`]
+    above,            ///< raises the lower limit to `number`, which is itself not allowed
+    at_most,          ///< lowers the upper limit to `number`, which is itself allowed
+    choices,          ///< sets Field::choices to the member `choices`
+    columns,          ///< sets Field::columns to the member `number`
+    required,         ///< the described member has no default
+    counts_readings,  ///< sets Field::counts_readings
+    fixed,            ///< sets Field::fixed
+    provenance,       ///< sets Field::provenance
+    sparse,           ///< sets Field::sparse
+    appearance,       ///< sets Field::appearance
+  };
+
+  /// Sets Field::text. The characters must live as long as the field, as those of a string literal do.
+  ///@{
+  constexpr Fact(const char* text) : kind(Kind::text), words(text) {}
+  constexpr Fact(std::string_view text) : kind(Kind::text), words(text) {}
+  ///@}
+  constexpr Fact(Unit u) : kind(Kind::unit), unit(u) {}  ///< sets Field::unit
+  /// A fact of kind k, with x as its `number` and y as its `high`. Kind::at_least needs both; other kinds
+  /// ignore y.
+  constexpr explicit Fact(Kind k, double x = 0, double y = 0) : kind(k), number(x), high(y) {}
+  /// Sets the allowed values, Field::choices. The list must live until the call that takes the fact returns;
+  /// the characters of the values must live as long as the field.
+  constexpr explicit Fact(std::span<const std::string_view> list) : kind(Kind::choices), choices(list) {}
+
+  Kind kind;               ///< what the fact specifies
+  Unit unit = Unit::none;  ///< the unit, for Kind::unit
+  double number = 0;       ///< the number, for Kind::at_least, above, at_most and columns
+  double high = std::numeric_limits<double>::infinity();  ///< upper limit, for Kind::at_least
+  std::string_view words;                                 ///< the text, for Kind::text
+  std::span<const std::string_view> choices;              ///< the allowed values, for Kind::choices
+};
+
+/// The facts that a description can give, in addition to units.
+namespace facts {
+
+/// Limits of a number in SI units. The limits themselves are allowed values, except that of above(). For a
+/// list they apply to each number. If several facts or the type of the member limit the same side, the
+/// narrowest limit counts.
+///@{
+constexpr Fact at_least(double min) {
+  return Fact(Fact::Kind::at_least, min, std::numeric_limits<double>::infinity());
+}
+constexpr Fact above(double min) { return Fact(Fact::Kind::above, min); }  ///< `min` itself is not allowed
+constexpr Fact at_most(double max) { return Fact(Fact::Kind::at_most, max); }
+constexpr Fact within(double min, double max) { return Fact(Fact::Kind::at_least, min, max); }
+///@}
+/// Allowed values of a std::string; without this fact, any text is allowed. An enum does not need this fact:
+/// its allowed values are those of names_of().
+constexpr Fact one_of(std::initializer_list<std::string_view> choices) {
+  return Fact(std::span<const std::string_view>(choices.begin(), choices.size()));
+}
+/// Allowed values of a std::string, from an existing list. The list must live until the call that takes the
+/// fact returns; the characters of the values must live as long as the field.
+constexpr Fact one_of(std::span<const std::string_view> choices) { return Fact(choices); }
+/// Required length of a std::vector<double>; without this fact, any length is allowed. The lengths of arrays
+/// and Eigen vectors follow from their types.
+constexpr Fact columns(std::size_t n) { return Fact(Fact::Kind::columns, static_cast<double>(n)); }
+/// The member has no default: a file must give it. Not allowed for a std::optional or a struct.
+inline constexpr Fact required{Fact::Kind::required};
+/// The member gives a number of readings of a sensor (Field::counts_readings). Only for integers.
+inline constexpr Fact counts_readings{Fact::Kind::counts_readings};
+/// Interventions cannot change the member while the world runs. Has an effect only on the parameters of
+/// drives (Field::fixed).
+inline constexpr Fact fixed{Fact::Kind::fixed};
+/// The member records where the other members come from (a file and a line). It is stored, but comparisons
+/// ignore it (Field::provenance).
+inline constexpr Fact provenance{Fact::Kind::provenance};
+/// For members of state: the member adds nothing to the hash while it is zero (StateField::sparse). For
+/// members of other structs: a stored record may lack the field, which then gets its default.
+inline constexpr Fact is_sparse{Fact::Kind::sparse};
+/// For members of state: the appearance of a body depends on the member (StateField::appearance).
+inline constexpr Fact is_appearance{Fact::Kind::appearance};
+}  // namespace facts
+
+/// Access to members of one C++ type through `void` pointers. The argument `member` of the functions points
+/// to a member of that type.
+struct MemberType {
+  FieldType type = FieldType::number;  ///< type of the field that describes such a member
+  std::size_t columns = 0;             ///< length of a fixed array; 0: not a fixed array
+  /// Smallest value that a number of this type, or an element of a fixed array of integers, can have.
+  /// -infinity for double, for integers of 64 bits, for arrays of floating-point numbers, and for all types
+  /// without numbers or with a variable number of them.
+  double min = -std::numeric_limits<double>::infinity();
+  /// Largest such value, where `min` is finite; otherwise infinity.
+  double max = std::numeric_limits<double>::infinity();
+  bool optional = false;     ///< whether the member is a std::optional
+  bool is_unsigned = false;  ///< true: std::uint64_t; a Value stores its bits in a std::int64_t
+  std::span<const std::string_view> choices = {};  ///< for enums: the names of the values
+  /// Returns described<T>() for a member that is a described struct T, or a std::optional or list of such
+  /// structs. Null for all other members.
+  const FieldTable& (*table)() = nullptr;
+  /// Returns the value of a member; for an empty std::optional, a value whose given() is false. Null if
+  /// `table` is not null.
+  Value (*get)(const void* member) = nullptr;
+  /// Sets a member to a value. Throws std::bad_variant_access if the value has another type, and
+  /// std::invalid_argument if the member cannot hold it, such as a number that is too large for an integer
+  /// type. The limits of floating-point types are not checked. Null if `table` is not null.
+  void (*set)(void* member, const Value& value) = nullptr;
+  /// If `table` or `each` is not null: access to the structs or inner lists that a member holds. A member
+  /// that is a struct holds one (itself), a std::optional holds none or one, and a list holds any number.
+  ///@{
+  std::size_t (*size)(const void* member) = nullptr;  ///< number of structs that a member holds
+  /// Sets the number of structs to n; new ones are T{}. Null: the number is always 1.
+  void (*resize)(void* member, std::size_t n) = nullptr;
+  void* (*block)(void* member, std::size_t i) = nullptr;  ///< address of struct i, which must exist
+  ///@}
+  /// For lists of lists of numbers: the type of an inner list. The functions above then access the inner
+  /// lists in place of structs, get() returns all numbers concatenated, and set() is null. Null for all other
+  /// members.
+  const MemberType* each = nullptr;
+  bool is_state = false;           ///< whether the member can be part of a state struct
+  Element element = Element::f64;  ///< type of the number, or of the numbers of an array, if is_state is true
+};
+
+namespace detail {
+
+/// Converts to any type, in expressions that are never evaluated. member_count() uses it in place of an
+/// initialiser of each member.
+struct Anything {
+  template <class T>
+  operator T() const;
+};
+
+// A concept, not an expression in takes(): clang's tools walk through the bodies of all templates, and need
+// time quadratic in the number of non-dependent expressions such as Any{}.
+template <class T, class Any, std::size_t... I>
+concept Takes = requires {
+  T{(static_cast<void>(I), Any{})...};
+};
+
+template <class T, class Any, std::size_t... I>
+constexpr bool takes(std::index_sequence<I...>) {
+  return Takes<T, Any, I...>;
+}
+
+/// Returns the number of members of an aggregate T (a struct without constructors). A base class counts as
+/// one member. The number is the largest number of initialisers that T accepts. Any: a type that converts to
+/// the type of each member.
+template <class T, class Any = Anything, std::size_t N = 0>
+constexpr std::size_t member_count() {
+  if constexpr (takes<T, Any>(std::make_index_sequence<N + 1>{}))
+    return member_count<T, Any, N + 1>();
+  else
+    return N;
+}
+
+template <class T>
+concept HasOwnDescription = requires(Description<T>& d) {
+  T::describe(d);
+};
+template <class T>
+concept Described = HasOwnDescription<T> || requires(Description<T>& d) {
+  describe(d);
+};
+
+template <class T>
+constexpr void describe_members(Description<T>& d) {
+  if constexpr (HasOwnDescription<T>)
+    T::describe(d);
+  else
+    describe(d);
+}
+
+/// A text that is different for each member, so that constant expressions can tell members apart. (Constant
+/// expressions cannot compare addresses of variables when gcc instruments null pointers.)
+template <auto k_member>
+constexpr std::string_view tag() {
+  return __PRETTY_FUNCTION__;
+}
+
+/// The class C and the member type M of a pointer to member `M C::*`.
+template <class M>
+struct Pointed;
+template <class C, class M>
+struct Pointed<M C::*> {
+  using Class = C;
+  using Type = M;
+};
+
+Value numbers_value(const double* numbers, std::size_t count);
+/// The numbers of a value that is a list of numbers; valid as long as the value. Throws
+/// std::bad_variant_access if the value has another type, and std::invalid_argument if it does not have
+/// exactly `count` numbers.
+std::span<const double> numbers_of(const Value& value, std::size_t count);
+std::int64_t integer_of(const Value& value, std::int64_t least, std::int64_t most);
+/// Throws std::invalid_argument if `number` is not an integer from `least` to `most`. Used for each element
+/// of an array of integers.
+void check_integer(double number, std::int64_t least, std::uint64_t most);
+std::size_t choice_of(const Value& value, std::span<const std::string_view> choices);
+Value color_value(const Color& color);
+void set_color(Color& color, const Value& value);
+Value colors_value(const std::vector<Color>& colors);
+void set_colors(std::vector<Color>& colors, const Value& value);
+
+template <class E>
+TROUPE_OF_TYPE inline constexpr auto k_names = names_of(E{});
+
+/// Element: the element type of a fixed array (std::array or Eigen column vector); size: its number of
+/// elements. For other types, size is 0 and there is no Element.
+template <class M>
+struct Fixed {
+  static constexpr std::size_t size = 0;
+};
+template <class E, std::size_t N>
+struct Fixed<std::array<E, N>> {
+  using Element = E;
+  static constexpr std::size_t size = N;
+};
+template <class E, int N>
+struct Fixed<Eigen::Matrix<E, N, 1>> {
+  using Element = E;
+  static constexpr std::size_t size = N;
+};
+
+template <class M>
+inline constexpr bool k_is_id = false;
+template <class K>
+inline constexpr bool k_is_id<Id<K>> = true;
+
+template <class M>
+concept StateNumber = std::is_same_v<M, double> || std::is_same_v<M, float> || std::is_same_v<M, bool> ||
+    std::is_same_v<M, std::int64_t> || std::is_same_v<M, std::int32_t> || std::is_same_v<M, std::uint64_t> ||
+    std::is_same_v<M, std::uint32_t> || std::is_same_v<M, std::uint8_t>;
+
+template <class M>
+constexpr MemberType plain_type() {
+  MemberType type;
+  if constexpr (StateNumber<M>) {
+    type.is_state = true;
+    type.element = element_of<M>();
+  }
+  if constexpr (std::is_same_v<M, bool>) {
+    type.type = FieldType::boolean;
+    type.get = [](const void* m) { return Value(*static_cast<const bool*>(m)); };
+    type.set = [](void* m, const Value& value) { *static_cast<bool*>(m) = value.boolean(); };
+  } else if constexpr (std::is_integral_v<M>) {
+    // Unsigned 64-bit integers keep their bits: the integer of a Value is signed.
+    constexpr bool k_wide = sizeof(M) == sizeof(std::int64_t);
+    constexpr auto k_least = k_wide ? std::numeric_limits<std::int64_t>::min()
+                                    : static_cast<std::int64_t>(std::numeric_limits<M>::min());
+    constexpr auto k_most = k_wide ? std::numeric_limits<std::int64_t>::max()
+                                   : static_cast<std::int64_t>(std::numeric_limits<M>::max());
+    type.type = FieldType::integer;
+    type.is_unsigned = k_wide && std::is_unsigned_v<M>;
+    if (!k_wide) {
+      type.min = static_cast<double>(k_least);
+      type.max = static_cast<double>(k_most);
+    }
+    type.get = [](const void* m) { return Value(static_cast<std::int64_t>(*static_cast<const M*>(m))); };
+    type.set = [](void* m, const Value& value) {
+      *static_cast<M*>(m) = static_cast<M>(integer_of(value, k_least, k_most));
+    };
+  } else if constexpr (std::is_floating_point_v<M>) {
+    type.type = FieldType::number;
+    if (std::is_same_v<M, float>) {
+      type.min = std::numeric_limits<float>::lowest();
+      type.max = std::numeric_limits<float>::max();
+    }
+    type.get = [](const void* m) { return Value(static_cast<double>(*static_cast<const M*>(m))); };
+    type.set = [](void* m, const Value& value) { *static_cast<M*>(m) = static_cast<M>(value.number()); };
+  } else if constexpr (std::is_same_v<M, std::string>) {
+    type.type = FieldType::text;
+    type.get = [](const void* m) { return Value(*static_cast<const std::string*>(m)); };
+    type.set = [](void* m, const Value& value) { *static_cast<std::string*>(m) = value.text(); };
+  } else if constexpr (std::is_enum_v<M>) {
+    type.type = FieldType::text;
+    type.choices = k_names<M>;
+    type.get = [](const void* m) {
+      return Value(std::string(k_names<M>[static_cast<std::size_t>(*static_cast<const M*>(m))]));
+    };
+    type.set = [](void* m, const Value& value) {
+      *static_cast<M*>(m) = static_cast<M>(choice_of(value, k_names<M>));
+    };
+  } else if constexpr (k_is_id<M>) {
+    type.type = FieldType::integer;
+    type.min = 0;
+    type.max = std::numeric_limits<std::uint32_t>::max();
+    type.get = [](const void* m) { return Value(std::int64_t{static_cast<const M*>(m)->value}); };
+    type.set = [](void* m, const Value& value) {
+      constexpr std::int64_t k_most = std::numeric_limits<std::uint32_t>::max();
+      *static_cast<M*>(m) = M(static_cast<std::size_t>(integer_of(value, 0, k_most)));
+    };
+  } else if constexpr (std::is_same_v<M, std::vector<double>>) {
+    type.type = FieldType::numbers;
+    type.get = [](const void* m) { return Value(*static_cast<const std::vector<double>*>(m)); };
+    type.set = [](void* m, const Value& value) { *static_cast<std::vector<double>*>(m) = value.numbers(); };
+  } else if constexpr (std::is_same_v<M, std::vector<std::string>>) {
+    type.type = FieldType::texts;
+    type.get = [](const void* m) { return Value(*static_cast<const std::vector<std::string>*>(m)); };
+    type.set = [](void* m, const Value& value) {
+      *static_cast<std::vector<std::string>*>(m) = value.texts();
+    };
+  } else if constexpr (std::is_same_v<M, Record>) {
+    type.type = FieldType::record;
+    type.get = [](const void* m) { return Value(std::vector<Record>{*static_cast<const Record*>(m)}); };
+    type.set = [](void* m, const Value& value) { *static_cast<Record*>(m) = value.records().at(0); };
+  } else if constexpr (std::is_same_v<M, Color>) {
+    type.type = FieldType::color;
+    type.get = [](const void* m) { return color_value(*static_cast<const Color*>(m)); };
+    type.set = [](void* m, const Value& value) { set_color(*static_cast<Color*>(m), value); };
+  } else if constexpr (std::is_same_v<M, std::vector<Color>>) {
+    type.type = FieldType::colors;
+    type.get = [](const void* m) { return colors_value(*static_cast<const std::vector<Color>*>(m)); };
+    type.set = [](void* m, const Value& value) { set_colors(*static_cast<std::vector<Color>*>(m), value); };
+  } else if constexpr (Fixed<M>::size > 0) {
+    using E = typename Fixed<M>::Element;
+    static_assert(std::is_arithmetic_v<E>, "a described array must have numbers as elements");
+    constexpr std::size_t k_size = Fixed<M>::size;
+    type.type = FieldType::numbers;
+    type.columns = k_size;
+    if constexpr (StateNumber<E>) {
+      type.is_state = true;
+      type.element = element_of<E>();
+    }
+    // The limits of 64-bit integers are no doubles: set() checks them.
+    if constexpr (std::is_integral_v<E> && sizeof(E) < sizeof(std::int64_t)) {
+      type.min = static_cast<double>(std::numeric_limits<E>::min());
+      type.max = static_cast<double>(std::numeric_limits<E>::max());
+    }
+    type.get = [](const void* m) {
+      std::array<double, k_size> numbers;
+      const E* from = static_cast<const M*>(m)->data();
+      for (std::size_t i = 0; i < k_size; ++i) numbers[i] = static_cast<double>(from[i]);
+      return numbers_value(numbers.data(), k_size);
+    };
+    type.set = [](void* m, const Value& value) {
+      const std::span<const double> numbers = numbers_of(value, k_size);
+      if constexpr (std::is_integral_v<E>)
+        for (const double number : numbers)
+          check_integer(number, std::numeric_limits<E>::min(), std::numeric_limits<E>::max());
+      E* to = static_cast<M*>(m)->data();
+      for (std::size_t i = 0; i < k_size; ++i) to[i] = static_cast<E>(numbers[i]);
+    };
+  } else {
+    static_assert(Described<M>,
+                  "a member must have a type that can be described: see engine/fields/description.hpp");
+    type.type = FieldType::record;
+    if constexpr (std::is_same_v<M, Pose>)
+      type.table = pose_fields;  // a single table, whose address identifies poses
+    else
+      type.table = described<M>;
+    type.size = [](const void*) { return std::size_t{1}; };
+    type.block = [](void* m, std::size_t) { return m; };
+  }
+  return type;
+}
+
+template <class M>
+struct TROUPE_OF_TYPE TypeOf {
+  static constexpr MemberType value = plain_type<M>();
+};
+
+/// Whether std::vector<M> is a list of lists of numbers: M is a fixed array of numbers, or a std::vector of
+/// such M.
+template <class M>
+inline constexpr bool k_is_listed = Fixed<M>::size > 0;
+template <class M>
+inline constexpr bool k_is_listed<std::vector<M>> = k_is_listed<M>;
+
+Value all_numbers(const MemberType& lists, const void* member);
+
+template <class M>
+requires k_is_listed<M>
+struct TypeOf<std::vector<M>> {
+  static constexpr MemberType value{
+      .type = FieldType::numbers,
+      .get = [](const void* m) { return all_numbers(TypeOf<std::vector<M>>::value, m); },
+      .size = [](const void* m) { return static_cast<const std::vector<M>*>(m)->size(); },
+      .resize = [](void* m, std::size_t n) { static_cast<std::vector<M>*>(m)->resize(n); },
+      .block = [](void* m, std::size_t i) -> void* { return &(*static_cast<std::vector<M>*>(m))[i]; },
+      .each = &TypeOf<M>::value};
+};
+template <class M>
+requires Described<M>
+struct TROUPE_OF_TYPE TypeOf<std::vector<M>> {
+  static constexpr MemberType value{
+      .type = FieldType::records,
+      .table = plain_type<M>().table,
+      .size = [](const void* m) { return static_cast<const std::vector<M>*>(m)->size(); },
+      .resize = [](void* m, std::size_t n) { static_cast<std::vector<M>*>(m)->resize(n); },
+      .block = [](void* m, std::size_t i) -> void* { return &(*static_cast<std::vector<M>*>(m))[i]; }};
+};
+template <class M>
+constexpr MemberType optional_type() {
+  MemberType type = TypeOf<M>::value;
+  static_assert(TypeOf<M>::value.type != FieldType::records, "a list cannot be optional: use an empty list");
+  type.optional = true;
+  type.is_state = false;
+  if constexpr (TypeOf<M>::value.type == FieldType::record && !std::is_same_v<M, Record>) {
+    type.size = [](const void* m) {
+      return std::size_t{static_cast<const std::optional<M>*>(m)->has_value()};
+    };
+    type.resize = [](void* m, std::size_t n) {
+      auto& member = *static_cast<std::optional<M>*>(m);
+      if (n == 0)
+        member.reset();
+      else if (!member)
+        member.emplace();
+    };
+    type.block = [](void* m, std::size_t) -> void* { return &**static_cast<std::optional<M>*>(m); };
+  } else {
+    static_assert(TypeOf<M>::value.each == nullptr, "a list of lists cannot be optional: use an empty list");
+    type.get = [](const void* m) {
+      const auto& member = *static_cast<const std::optional<M>*>(m);
+      return member ? TypeOf<M>::value.get(&*member) : Value();
+    };
+    type.set = [](void* m, const Value& value) {
+      auto& member = *static_cast<std::optional<M>*>(m);
+      if (!value.given()) return member.reset();
+      if (!member) member.emplace();
+      TypeOf<M>::value.set(&*member, value);
+    };
+  }
+  return type;
+}
+template <class M>
+struct TROUPE_OF_TYPE TypeOf<std::optional<M>> {
+  static constexpr MemberType value = optional_type<M>();
+};
+
+/// Appends the field of a member to a table. `object` is the struct with its default values, and `member`
+/// points into it. `type` must outlive the table. Throws std::logic_error if the facts contradict one another
+/// or the type, or if the table already has a field of that name.
+void add_field(FieldTable& table, std::string_view name, const MemberType& type, const void* object,
+               const void* member, std::initializer_list<Fact> facts);
+/// Appends a field for a member that has no generic access (Description::apart()): Field::member is null.
+/// Throws std::logic_error if the table already has a field of that name.
+void add_apart(FieldTable& table, std::string_view name);
+/// Appends the fields of a member that is itself a described struct with the table `part`. The offsets of the
+/// new fields are relative to `object`, the struct with the member. Fields that have a default, and fields of
+/// type record, get the value in `member` as their default. Throws std::logic_error if the table already has
+/// a field of the same name.
+void add_part(FieldTable& table, const FieldTable& part, const void* object, const void* member);
+
+}  // namespace detail
+
+/// The argument of the function `describe` of a struct T (see the top of this file). For each member of T,
+/// `describe` calls one of the functions member(), part(), derived() and apart().
+template <class T>
+class Description {
+ public:
+  /// A description that only counts the described members, for use in constant expressions.
+  constexpr Description() = default;
+  /// A description that appends a field to `table` for each described member. `example` is T{}, whose values
+  /// become the defaults. `table` and `example` must outlive the description.
+  constexpr Description(FieldTable& table, const T& example) : table_(&table), example_(&example) {}
+
+  /// Describes a member as a field. The text `name` must be unique in the struct, and must live as long as
+  /// the program or the plug-in. The facts may have any order. Throws std::logic_error if the facts
+  /// contradict one another or the type of the member, or if the table already has a field of this name.
+  template <auto k_member, class... Facts>
+  [[gnu::cold]] constexpr void member(std::string_view name, Facts... facts) {
+    using Type = typename detail::Pointed<decltype(k_member)>::Type;
+    if (table_ == nullptr)
+      count(detail::tag<k_member>(), detail::TypeOf<Type>::value.is_state);
+    else
+      detail::add_field(*table_, name, detail::TypeOf<Type>::value, example_, &(example_->*k_member),
+                        {Fact(facts)...});
+  }
+  /// Describes a member that is itself a described struct. The fields of that struct become fields of T
+  /// itself, at this position in the table, and their names must differ from those of the other fields. Kinds
+  /// use this to extend the parameters of another kind. Not for structs that are state.
+  template <auto k_member>
+  [[gnu::cold]] constexpr void part() {
+    using Type = typename detail::Pointed<decltype(k_member)>::Type;
+    if (table_ == nullptr)
+      count(detail::tag<k_member>(), false);
+    else
+      detail::add_part(*table_, described<Type>(), example_, &(example_->*k_member));
+  }
+  /// Marks a member that is computed from the other members. It gets no field: it is neither stored nor
+  /// compared. Not for structs that are state.
+  template <auto k_member>
+  constexpr void derived() {
+    if (table_ == nullptr) count(detail::tag<k_member>(), false);
+  }
+
+  /// Marks a member that has no generic access: a field with a name and a position in the table, but without
+  /// Field::member. Each function that walks over the fields (to store, compare or check them) needs code of
+  /// its own for such a member; get() and set() throw std::logic_error. Not for structs that are state.
+  template <auto k_member>
+  [[gnu::cold]] constexpr void apart(std::string_view name) {
+    if (table_ == nullptr)
+      count(detail::tag<k_member>(), false);
+    else
+      detail::add_apart(*table_, name);
+  }
+
+  /// Number of members described so far. Only for a description without a table, like the next two functions.
+  constexpr std::size_t members() const { return count_; }
+  /// Whether any member was described more than once.
+  constexpr bool repeats() const { return repeats_; }
+  /// Whether all members described so far may be members of a struct that is state: each is a number or bool
+  /// of a type listed at Element (std::int16_t, for example, is not), or an array of these.
+  constexpr bool is_state() const { return is_state_; }
+
+ private:
+  static constexpr std::size_t k_most_members = 128;
+
+  constexpr void count(std::string_view tag, bool can_be_state) {
+    for (std::size_t i = 0; i < count_; ++i) repeats_ = repeats_ || seen_[i] == tag;
+    seen_[count_++] = tag;
+    is_state_ = is_state_ && can_be_state;
+  }
+
+  FieldTable* table_ = nullptr;
+  const T* example_ = nullptr;
+  std::size_t count_ = 0;
+  bool repeats_ = false;
+  bool is_state_ = true;
+  std::array<std::string_view, k_most_members> seen_{};
+};
+
+namespace detail {
+/// Runs the description of T without a table, to count and check the members that it describes.
+template <class T>
+constexpr Description<T> described_members() {
+  Description<T> d;
+  describe_members(d);
+  return d;
+}
+}  // namespace detail
+
+/// Returns the fields of a described struct, in the order of its description. The table has static storage.
+/// The first call builds it, and throws std::logic_error if the description contradicts itself: two fields
+/// have the same name, a lower limit is above an upper limit, a std::optional has a default, or a fact does
+/// not suit the type of its member. Thread-safe.
+template <class T>
+TROUPE_OF_TYPE const FieldTable& described() {
+  static_assert(std::is_aggregate_v<T>,
+                "a described struct must have no constructors: give its members initial values");
+  static_assert(detail::described_members<T>().members() == detail::member_count<T>(),
+                "describe() must describe every member");
+  static_assert(!detail::described_members<T>().repeats(), "describe() describes a member twice");
+  static const FieldTable table = [] {
+    FieldTable fields;
+    const T example{};
+    Description<T> d(fields, example);
+    detail::describe_members(d);
+    return fields;
+  }();
+  return table;
+}
+
+/// Describes a pose: x, y and z from -100 km to 100 km, and a heading of up to ten turns, each 0 by default.
+/// pose_fields() returns the resulting table.
+constexpr void describe(Description<Pose>& d) {
+  using namespace facts;
+  using enum Unit;
+  constexpr Fact k_coordinate = within(-k_world_reach_m, k_world_reach_m);
+  constexpr double k_turns = 20 * k_pi;  // more than ten turns is probably a wrong unit
+  d.member<&Pose::x>("x", meters, k_coordinate, "along x: forward, if the frame is a body's");
+  d.member<&Pose::y>("y", meters, k_coordinate, "along y: left, if the frame is a body's");
+  d.member<&Pose::z>("z", meters, k_coordinate, "up");
+  d.member<&Pose::heading>("heading", radians, within(-k_turns, k_turns), "counter-clockwise from +x");
+}
+
+/// Returns the values of the struct at `object` as a record of its table. An empty std::optional gives a
+/// value whose given() is false. Throws std::logic_error if a field has no access to its member
+/// (Description::apart()).
+Record record_of(const FieldTable& table, const void* object);
+/// Sets the members of the struct at `object` from a record of its table. Members for which the record has no
+/// value (Value::given()) keep their values. A list of structs, and a std::optional struct, is replaced as a
+/// whole: in each new struct, members without a value have their defaults. Limits of the table are not
+/// checked. Throws
+/// - std::bad_variant_access if a value has another type than its member, and for each value of a list of
+///   lists of numbers (MemberType::each), which this function cannot set;
+/// - std::invalid_argument if a member cannot hold its value;
+/// - std::logic_error if the record gives a value for a field without access (Description::apart()).
+///
+/// After an exception, the members before the one with the error are set. In a record that a reader has
+/// checked against the table, each value has the type and the limits of its field. The first two exceptions
+/// are then possible only for a list of lists of numbers, and for a fixed array of integers: readers do not
+/// check that its numbers are integers of the type of its elements.
+void fill(const FieldTable& table, void* object, const Record& record);
+
+/// Returns the value of one member of the struct at `object`. For an empty std::optional, Value::given() is
+/// false. Throws std::logic_error if the field has no access to the member (Description::apart()).
+Value get(const Field& field, const void* object);
+/// Sets one member of the struct at `object`. A value whose given() is false empties a std::optional; a
+/// member of any other type then keeps its value. Throws the exceptions of fill().
+void set(const Field& field, void* object, const Value& value);
+
+/// Returns a T with the values of a record of described<T>(). Members for which the record has no value have
+/// the defaults of T{}. Throws the exceptions of fill().
+template <class T>
+T from_record(const Record& record) {
+  T object{};
+  fill(described<T>(), &object, record);
+  return object;
+}
+/// Returns the values of a struct as a record of described<T>(), see record_of().
+template <class T>
+Record to_record(const T& object) {
+  return record_of(described<T>(), &object);
+}
+
+/// Converts the table of a described struct to state fields, for a state component whose rows are such
+/// structs. Every member must be a number, a bool or an array of these, which memory_fields() checks and this
+/// function does not.
+std::vector<StateField> state_fields(const FieldTable& table);
+
+}  // namespace troupe::engine
+
+#undef TROUPE_OF_TYPE

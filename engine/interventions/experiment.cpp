@@ -1,0 +1,654 @@
+#include "engine/interventions/experiment.hpp"
+
+#include "base/math.hpp"
+#include "base/random.hpp"
+#include "engine/ranks/replica.hpp"
+#include "engine/spec/ticks.hpp"
+#include "engine/world/world.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <map>
+#include <set>
+#include <string>
+#include <string_view>
+#include <tuple>
+#include <utility>
+
+namespace troupe::engine {
+namespace {
+
+using Action = InterventionSpec::Action;
+using By = GroupSpec::By;
+using Of = SettingSpec::Of;
+using FaultEvent = Experiment::FaultEvent;
+
+constexpr std::uint32_t k_trials = 1000;  // random positions per added body, as when a world is loaded
+// Number of births after which the spatial index is rebuilt. Each birth is tested one by one against the
+// bodies that were born since the index was built, because the index does not contain them.
+constexpr std::size_t k_most_newborn = 64;
+
+std::string_view without_number(std::string_view name) {
+  return name.substr(0, name.find_last_not_of("0123456789") + 1);
+}
+
+/// Whether the name of a body is the name of a population followed by digits. The name "r217" fits population
+/// "r2", and also population "r".
+bool is_of_population(const Names& names, Name name, std::string_view population) {
+  const std::string& word = names.words()[name.word];
+  if (word == population)
+    return name.number != Name::k_no_number;  // most names need not be converted to text
+  if (!word.starts_with(population) && !population.starts_with(word)) return false;
+  const std::string text = names.text(name);
+  return text.size() > population.size() && text.starts_with(population) &&
+         without_number(text).size() <= population.size();
+}
+
+/// Whether event `a` comes after event `b`: by tick, then by the order of the faults in the file, then by the
+/// id of the body. A heap with this order has the earliest event on top.
+bool is_later(const FaultEvent& a, const FaultEvent& b) {
+  return std::tuple(a.tick, a.fault, a.body) > std::tuple(b.tick, b.fault, b.body);
+}
+
+void push(std::vector<FaultEvent>& heap, const FaultEvent& event) {
+  heap.push_back(event);
+  std::ranges::push_heap(heap, is_later);
+}
+
+std::uint64_t key_of(Random random) {
+  const std::uint64_t high = random.bits();
+  return high << 32 | random.bits();
+}
+
+bool same_fields(const std::vector<StateField>& a, const std::vector<StateField>& b) {
+  return std::ranges::equal(a, b, [](const StateField& x, const StateField& y) {
+    return x.name == y.name && x.element == y.element && x.columns == y.columns;
+  });
+}
+
+/// Whether a setting may replace the data `b` of a device by the data `a` of the same device with other
+/// parameters. It may if the readings and commands have the same layout, the effects and joints have the same
+/// limits, the beams have the same directions, and the transducers have the same positions.
+bool same_shape(const DeviceKind::Prepared& a, const DeviceKind::Prepared& b) {
+  return same_fields(a.percepts, b.percepts) && a.percept_bytes == b.percept_bytes &&
+         same_fields(a.commands, b.commands) && a.command_bytes == b.command_bytes &&
+         a.most_effects == b.most_effects && a.ends_lives == b.ends_lives &&
+         a.joints.size() == b.joints.size() && a.joint_reach_m == b.joint_reach_m &&
+         a.bearings == b.bearings &&  // controllers may have stored these and the transducers
+         std::ranges::equal(a.transducers, b.transducers, [](const Transducer& x, const Transducer& y) {
+           return x.first == y.first &&
+                  x.pose_sensor_transducer.position() == y.pose_sensor_transducer.position();
+         });
+}
+
+/// Returns the parameters of a type that a setting changes.
+Record& params_of(TypeSpec& type, const SettingSpec& setting) {
+  switch (setting.of) {
+    case Of::drive: return type.drive->params;
+    case Of::device: return type.devices[setting.index].params;
+    case Of::controller: break;
+  }
+  return type.controllers[setting.index].params;
+}
+
+constexpr std::string_view k_keeps_shape =
+    "\"set\" cannot change a parameter that determines how many values a device reads or stores, or which "
+    "devices a controller uses; give such a parameter in the type";
+
+/// Checks whether the parameters of a drive may change from `before` to `params` while the world runs. The
+/// error says which parameter cannot change, or which value is not allowed.
+Result<> check_change(const DriveKind& kind, const Record& before, const Record& params) {
+  for (std::size_t p = 0; p < kind.params.fields.size(); ++p)
+    if (const Field& field = kind.params.fields[p]; field.fixed && before[p] != params[p])
+      return Error{fmt::format("\"{}\" cannot change while the world runs; give it in the type", field.name)};
+  return kind.check(params);
+}
+
+/// Calls a function with diagnostics, and adds its findings to `diagnostics`, each with the JSON pointer
+/// `/KEY/INDEX` of the part of the experiment in front of its message.
+template <class Build>
+void build_part(std::string_view key, std::size_t index, Diagnostics& diagnostics, Build&& build) {
+  Diagnostics own(diagnostics.files());
+  build(own);
+  for (const Finding& finding : own.findings())
+    diagnostics.error(finding.where, fmt::format("/{}/{}: {}", key, index, finding.message));
+}
+
+}  // namespace
+
+// ---- Compiling the spec
+
+std::vector<BodyId> World::bodies_of(const GroupSpec& group, Where where, Diagnostics& diagnostics) const {
+  std::vector<BodyId> bodies;
+  if (group.by == By::model) {
+    const BodyId body = find(group.name);
+    if (body.valid() && location(body) != RowLocation::none) return {body};
+    if (body.valid()) {
+      diagnostics.error(where,
+                        fmt::format("\"{}\" is a static body: interventions and faults can only act on "
+                                    "bodies that can move, sense, decide, be gripped or be pushed",
+                                    group.name));
+      return bodies;
+    }
+  }
+  for (std::size_t b = 1; b < state_.rows.size(); ++b) {
+    if (location(BodyId(b)) == RowLocation::none || group.by == By::model) continue;
+    const BodySpec& body = state_.spec.bodies[b];
+    if (group.by == By::type ? state_.types[body.type.index()].name == group.name
+                             : is_of_population(state_.spec.names, body.name, group.name))
+      bodies.push_back(BodyId(b));
+  }
+  if (!bodies.empty()) return bodies;
+  std::set<std::string> known;
+  for (std::size_t b = 1; b < state_.rows.size(); ++b) {
+    if (location(BodyId(b)) == RowLocation::none) continue;
+    const std::string name = state_.spec.name(BodyId(b));
+    if (group.by == By::type) known.insert(state_.types[state_.spec.bodies[b].type.index()].name);
+    if (group.by == By::model) known.insert(name);
+    if (group.by == By::population && without_number(name).size() < name.size())
+      known.emplace(without_number(name));
+  }
+  constexpr std::array<std::string_view, 3> k_what{"population", "type", "model"};
+  diagnostics.error(where, unknown_name(k_what[static_cast<std::size_t>(group.by)], group.name,
+                                        std::vector<std::string_view>(known.begin(), known.end())));
+  return bodies;
+}
+
+void World::build_experiment(const Registry& registry, Diagnostics& diagnostics) {
+  Experiment& e = experiment_;
+  const ExperimentSpec& spec = state_.spec.experiment;
+  e.interventions.resize(spec.at.size());
+  for (std::size_t i = 0; i < spec.at.size(); ++i) {
+    e.interventions[i].tick = ticks_until(spec.at[i].time_s, state_.spec.tick_s);
+    e.interventions[i].spec = i;
+    e.interventions[i].stream = stream_id("at", std::to_string(i));
+  }
+  std::ranges::stable_sort(e.interventions, {}, &Experiment::Intervention::tick);
+  std::map<std::uint32_t, TypeSpec> types;  // by type id, with all settings so far applied
+  std::size_t most = 0;
+  for (Experiment::Intervention& intervention : e.interventions) {
+    build_part("at", intervention.spec, diagnostics,
+               [&](Diagnostics& own) { build_intervention(intervention, registry, types, own); });
+    most = std::max(most, intervention.whom.size());
+  }
+  build_faults(registry, diagnostics);
+  e.candidates.reserve(most);
+  if (std::ranges::any_of(spec.at, [](const auto& at) { return at.action == Action::move; }))
+    placed_at_.resize(rows());
+}
+
+/// Compiles the faults of the spec, selects the bodies that may fail, and computes the first event of each
+/// fault in each of these bodies. Throws if the spec of a fault has errors.
+void World::build_faults(const Registry& registry, Diagnostics& diagnostics) {
+  Experiment& e = experiment_;
+  e.faults.clear();
+  e.first_fault_events.clear();
+  for (std::size_t i = 0; i < state_.spec.experiment.faults.size(); ++i)
+    build_part("faults", i, diagnostics, [&](Diagnostics& own) { build_fault(i, registry, own); });
+  diagnostics.throw_if_errors();
+  std::ranges::make_heap(e.first_fault_events, is_later);
+  e.fault_events.reserve(e.first_fault_events.size());
+}
+
+void World::build_intervention(Experiment::Intervention& intervention, const Registry& registry,
+                               std::map<std::uint32_t, TypeSpec>& types, Diagnostics& diagnostics) {
+  const InterventionSpec& spec = state_.spec.experiment.at[intervention.spec];
+  const auto error = [&](const std::string& what) {
+    diagnostics.error(spec.where, fmt::format("at {:g} s: {}", spec.time_s, what));
+  };
+  if (spec.action == Action::set) {
+    if (const Result<> built = build_setting(*spec.setting, registry, types, intervention); !built)
+      error(built.error().text);
+    return;
+  }
+  if (spec.action == Action::add) {
+    if (const auto reserve = this->reserve(spec.whom.name)) {
+      intervention.reserve = *reserve;
+    } else {
+      std::vector<std::string_view> known;
+      for (const ReserveSpec& each : state_.spec.reserves) known.push_back(each.population);
+      error(known.empty()
+                ? fmt::format(
+                      "no body can be added to \"{}\": no population has a \"reserve\"; give this one a "
+                      "\"reserve\"",
+                      spec.whom.name)
+                : unknown_name("population with a reserve", spec.whom.name, known));
+    }
+    if (!spec.pose && !spec.region && !state_.spec.bounds)
+      error("\"add\" needs \"region_m\" or \"pose\", because the world has no bounds");
+    return;
+  }
+  intervention.whom = bodies_of(spec.whom, spec.where, diagnostics);
+  if (spec.action == Action::move && !state_.bounds().contains(spec.pose->position()))
+    error(fmt::format("\"{}\" would be moved to x {}, y {} (m), {}", spec.whom.name, spec.pose->x,
+                      spec.pose->y, outside_text(state_.bounds())));
+}
+
+Result<> World::build_setting(const SettingSpec& setting, const Registry& registry,
+                              std::map<std::uint32_t, TypeSpec>& types,
+                              Experiment::Intervention& intervention) {
+  TypeSpec& spec =
+      types.try_emplace(setting.type.value, state_.spec.types[setting.type.index()]).first->second;
+  const BodyType& type = state_.types[setting.type.index()];
+  if (setting.of == Of::drive) {
+    Record params = changed(spec.drive->params, setting);
+    if (const Result<> checked = check_change(*type.drive->kind, spec.drive->params, params); !checked)
+      return Error{fmt::format("drive \"{}\": {}", spec.drive->kind, checked.error().text)};
+    spec.drive->params = std::move(params);
+    intervention.data = type.drive->kind->prepare(spec.drive->params);
+    return {};
+  }
+  if (setting.of == Of::device) {
+    DeviceSpec& device = spec.devices[setting.index];
+    const BodyType::Device& now = type.devices[setting.index];
+    const std::string owner = fmt::format("device \"{}\"", device.name);
+    Record params = changed(device.params, setting);
+    // Checked before the device is prepared, because preparing too many samples could exhaust the memory.
+    if (samples_asked_for(now.kind->params, params) != samples_asked_for(now.kind->params, device.params))
+      return Error{fmt::format("{}: {}", owner, k_keeps_shape)};
+    device.params = std::move(params);
+    Result<DeviceKind::Prepared> prepared = prepare_device(*now.kind, device, state_.spec, spec);
+    if (!prepared) return Error{fmt::format("{} {}", owner, prepared.error().text)};
+    if (!same_shape(*prepared, now.prepared)) return Error{fmt::format("{}: {}", owner, k_keeps_shape)};
+    intervention.device = *std::move(prepared);
+    return {};
+  }
+  Record& params = spec.controllers[setting.index].params;
+  params = changed(params, setting);
+  std::vector<bool> claimed(type.devices.size(), false);  // devices that earlier controllers claim
+  for (std::size_t c = 0; c <= setting.index; ++c) {
+    const ControllerSpec& controller = spec.controllers[c];
+    Result<ControllerKind::Prepared> prepared = prepare_controller(
+        *registry.controller(controller.kind), controller, state_.spec, spec, type, claimed);
+    if (!prepared) return Error{fmt::format("controller \"{}\" {}", controller.kind, prepared.error().text)};
+    if (c < setting.index) continue;
+    if (prepared->devices != type.controllers[c].devices)
+      return Error{fmt::format("controller \"{}\": {}", controller.kind, k_keeps_shape)};
+    intervention.data = std::move(prepared->data);
+  }
+  return {};
+}
+
+void World::build_fault(std::size_t at, const Registry& registry, Diagnostics& diagnostics) {
+  const FaultSpec& spec = state_.spec.experiment.faults[at];
+  const std::uint32_t chooses = stream_id("fault", fmt::format("{}", at));
+  experiment_.candidates.clear();
+  for (const BodyId body : bodies_of(spec.whom, spec.where, diagnostics))
+    if (state_.spec.starts(body))
+      experiment_.candidates.push_back({key_of({state_.spec.seed, chooses, body.value, 0}), body});
+  const std::span<const Experiment::Candidate> chosen = choose(spec.whom);
+  const std::uint64_t from = ticks_until(spec.from_s, state_.spec.tick_s);
+  for (const FaultSpec::Impairment& impairment : spec.impairments) {
+    const FaultKind* kind = registry.fault(impairment.kind);
+    if (kind == nullptr) {
+      std::vector<std::string_view> known;
+      for (const FaultKind& each : registry.faults) known.push_back(each.name);
+      diagnostics.error(spec.where, unknown_name("fault", impairment.kind, known));
+      continue;
+    }
+    const std::uint32_t stream = stream_id(kind->name, fmt::format("{}", at));
+    std::map<std::uint32_t, std::uint32_t> faults;  // by type: device indices differ between types
+    for (const Experiment::Candidate& candidate : chosen) {
+      const std::uint32_t t = state_.spec.bodies[candidate.body.index()].type.value;
+      const auto [known, is_new] =
+          faults.try_emplace(t, static_cast<std::uint32_t>(experiment_.faults.size()));
+      if (is_new) {
+        const Result<Impairment> made = kind->prepare(impairment.params, state_.types[t]);
+        if (!made)
+          diagnostics.error(spec.where, fmt::format("fault \"{}\": {}", kind->name, made.error().text));
+        experiment_.faults.push_back({made ? *made : Impairment(), stream});
+      }
+      const std::uint64_t tick = next_fault_tick(known->second, candidate.body, from);
+      experiment_.first_fault_events.push_back({tick, known->second, candidate.body, true});
+    }
+  }
+}
+
+void World::build_conditions() {
+  const bool any = std::ranges::any_of(state_.spec.experiment.at, [](const auto& at) {
+    return at.action == Action::disable || at.action == Action::enable;
+  });
+  if (!any && state_.spec.experiment.faults.empty() && !state_.spec.mortal) return;
+  state_.condition_table = state_.tables.size();
+  state_.tables.emplace_back(
+      "condition", HashGroup::memory, StateTable::Layout::rows,
+      sparse({{"speed", Element::f64, 1, "",
+               "factor on the velocity of the drive; 0: the velocity is not changed",
+               offsetof(Condition, speed)},
+              {"dead", Element::u32, 1, "",
+               "devices that do not work: bit d for device d of the type, from 0", offsetof(Condition, dead)},
+              {"out", Element::u8, 1, "",
+               "reasons why the devices, controllers and drive of the body are stopped; bit 0: disabled, "
+               "bit 1: dropped out; 0: they run",
+               offsetof(Condition, out)}}),
+      state_.bodies, sizeof(Condition));
+}
+
+// ---- Running
+
+void World::derive_experiment() {
+  Experiment& e = experiment_;
+  swap_settings_back(std::exchange(e.next, 0));
+  for (; e.next < e.interventions.size() && e.interventions[e.next].tick < state_.now.tick; ++e.next)
+    if (Experiment::Intervention& due = e.interventions[e.next]; is_setting(due)) swap_setting(due);
+  e.fault_events = e.first_fault_events;
+  while (!e.fault_events.empty() && e.fault_events.front().tick < state_.now.tick) take_fault_event();
+  find_due();
+}
+
+void World::find_due() {
+  Experiment& e = experiment_;
+  e.due = e.next < e.interventions.size() ? e.interventions[e.next].tick : Experiment::k_never;
+  if (!e.fault_events.empty()) e.due = std::min(e.due, e.fault_events.front().tick);
+}
+
+bool World::conditions_hold() const {
+  if (!state_.condition_table) return true;
+  for (std::size_t r = 0; r < rows(); ++r) {
+    const Condition& now = state_.condition(Row(r));
+    if (!(now.speed >= 0 && now.speed <= 1) || now.out > (Condition::k_disabled | Condition::k_dropped_out))
+      return false;
+    if (!now.is_sound() && presence(Row(r)) != Presence::there) return false;
+  }
+  return true;
+}
+
+void World::count_impaired() {
+  state_.now.impaired = 0;
+  for (std::size_t r = 0; state_.condition_table && r < rows(); ++r)
+    state_.now.impaired += !state_.condition(Row(r)).is_sound();
+}
+
+double World::speed_scale(Row row) const {
+  const double speed = state_.condition(row).speed;
+  return speed == 0 ? 1 : speed;
+}
+
+/// Applies the interventions and fault events that are due at the end of the last completed tick.
+/// Interventions come first, in the order of the file; fault events follow. If the rows are distributed among
+/// ranks, each rank applies them to its own rows and to its ghosts.
+void World::intervene() {
+  Experiment& e = experiment_;
+  bool is_other_crowd = false;
+  bool has_moved = false;
+  while (e.next < e.interventions.size() && e.interventions[e.next].tick <= state_.now.tick) {
+    Experiment::Intervention& due = e.interventions[e.next++];
+    is_other_crowd = carry_out(due) || is_other_crowd;
+    has_moved = has_moved || state_.spec.experiment.at[due.spec].action == Action::move;
+  }
+  while (!e.fault_events.empty() && e.fault_events.front().tick <= state_.now.tick)
+    apply_fault_event(take_fault_event());
+  find_due();
+  if (has_moved && replica_ != nullptr) replica_->follow_jumps();
+  if (!is_other_crowd) return;
+  movement_.count_stalls();
+  index_bodies();
+}
+
+/// Applies an intervention. Returns true if bodies were born or died; the caller must then rebuild the
+/// spatial index.
+bool World::carry_out(Experiment::Intervention& intervention) {
+  const InterventionSpec& spec = state_.spec.experiment.at[intervention.spec];
+  if (spec.action == Action::set) {
+    swap_setting(intervention);
+    return false;
+  }
+  if (spec.action == Action::add) return add(intervention);
+  if (spec.action == Action::move) {
+    if (location(intervention.whom.front()) != RowLocation::here) return false;
+    const Placed placed{row(intervention.whom.front()), *spec.pose};
+    if (is_there(placed.row) && !carrier(placed.row)) set_poses({&placed, 1});
+    return false;
+  }
+  const auto is_disabled = [&](Row row) { return (state_.condition(row).out & Condition::k_disabled) != 0; };
+  // What happens to a body may depend on bodies that only other ranks have. Every rank counts all deaths.
+  const bool needs_all = spec.whom.count || spec.whom.share || spec.action == Action::remove;
+  experiment_.candidates.clear();
+  for (const BodyId id : intervention.whom) {
+    if (location(id) != RowLocation::here) continue;
+    const Row row = this->row(id);
+    if (!is_there(row)) continue;
+    if (needs_all && row.index() >= state_.own_rows) continue;  // its owner sends it to this rank
+    if (spec.action != Action::remove && is_disabled(row) != (spec.action == Action::enable)) continue;
+    const Random random(state_.spec.seed, intervention.stream, id.value,
+                        static_cast<std::uint32_t>(state_.now.tick));
+    experiment_.candidates.push_back({key_of(random), id});
+  }
+  if (needs_all && replica_ != nullptr) replica_->add_candidates(experiment_.candidates);
+  const std::span<const Experiment::Candidate> chosen = choose(spec.whom);
+  for (const Experiment::Candidate& candidate : chosen) {
+    if (location(candidate.body) != RowLocation::here) {
+      const BodyType& type = state_.types[state_.spec.bodies[candidate.body.index()].type.index()];
+      if (spec.action == Action::remove) robots_ -= type.drive.has_value();
+      continue;
+    }
+    if (spec.action == Action::remove) {
+      die(row(candidate.body));
+      continue;
+    }
+    toggle_disabled(row(candidate.body));
+  }
+  return spec.action == Action::remove && !chosen.empty();
+}
+
+void World::toggle_disabled(Row row) {
+  Condition& now = state_.condition(row);
+  state_.now.impaired -= !now.is_sound();
+  now.out ^= Condition::k_disabled;
+  state_.now.impaired += !now.is_sound();
+}
+
+bool World::set_disabled(Row row, bool disabled) {
+  require_whole();
+  if (!state_.condition_table)
+    throw std::logic_error(fmt::format(
+        "programs cannot disable \"{}\": add \"mortal\": true to the world file, or set the option mortal "
+        "(worlds with faults, or with an intervention \"disable\" or \"enable\", need neither)",
+        state_.spec.name(body(row))));
+  if (!is_there(row) || ((state_.condition(row).out & Condition::k_disabled) != 0) == disabled) return false;
+  touch();
+  toggle_disabled(row);
+  return true;
+}
+
+std::span<const Experiment::Candidate> World::choose(const GroupSpec& group) {
+  std::vector<Experiment::Candidate>& all = experiment_.candidates;
+  std::size_t count = all.size();
+  if (group.count) count = std::min(count, static_cast<std::size_t>(*group.count));
+  if (group.share)
+    count = std::min(
+        count, static_cast<std::size_t>(std::floor(*group.share * static_cast<double>(all.size()) + 0.5)));
+  if (count < all.size()) {
+    const auto end = all.begin() + static_cast<std::ptrdiff_t>(count);
+    std::ranges::nth_element(all, end, {},
+                             [](const Experiment::Candidate& c) { return std::tuple(c.key, c.body); });
+    std::sort(all.begin(), end, [](const auto& a, const auto& b) { return a.body < b.body; });
+  }
+  return {all.data(), count};
+}
+
+/// Adds the bodies of an intervention `add`. Ends early if the pose of the intervention is not free, or if
+/// none of k_trials random poses for a body is free. Returns whether any body was added.
+bool World::add(const Experiment::Intervention& intervention) {
+  const InterventionSpec& spec = state_.spec.experiment.at[intervention.spec];
+  const std::uint32_t trials = spec.pose ? 1 : k_trials;
+  const std::int64_t left = static_cast<std::int64_t>(unborn(intervention.reserve));
+  const auto count = static_cast<std::uint32_t>(std::min(spec.whom.count.value_or(left), left));
+  for (std::uint32_t i = 0; i < count; ++i) {
+    Birth birth;
+    for (std::uint32_t trial = 0; trial < trials && birth.status != BirthStatus::born; ++trial)
+      birth = give_birth(intervention.reserve, place_to_add(intervention, i, trial));
+    if (birth.status != BirthStatus::born) return i > 0;
+    if (newborn_.size() >= k_most_newborn) index_bodies();
+  }
+  return count > 0;
+}
+
+Pose World::place_to_add(const Experiment::Intervention& intervention, std::uint32_t number,
+                         std::uint32_t trial) const {
+  const InterventionSpec& spec = state_.spec.experiment.at[intervention.spec];
+  if (spec.pose) return *spec.pose;
+  const Box box = spec.region.value_or(state_.bounds());
+  Random random(state_.spec.seed, intervention.stream, number, trial);
+  const double x = random.uniform(box.min.x(), box.max.x());
+  const double y = random.uniform(box.min.y(), box.max.y());
+  return {x, y, 0, random.uniform(-k_pi, k_pi)};
+}
+
+bool World::is_setting(const Experiment::Intervention& intervention) const {
+  return state_.spec.experiment.at[intervention.spec].action == Action::set;
+}
+
+/// Applies a setting if it is not in force, and otherwise undoes it: swaps the prepared data of the
+/// intervention with the present data of the type. No memory is thus allocated during a run.
+void World::swap_setting(Experiment::Intervention& intervention) {
+  const SettingSpec& setting = *state_.spec.experiment.at[intervention.spec].setting;
+  BodyType& type = state_.types[setting.type.index()];
+  switch (setting.of) {
+    case Of::drive: std::swap(type.drive->data, intervention.data); break;
+    case Of::device: std::swap(type.devices[setting.index].prepared, intervention.device); break;
+    case Of::controller: std::swap(type.controllers[setting.index].data, intervention.data); break;
+  }
+}
+
+/// Undoes the settings among the first `count` interventions, the last one first.
+void World::swap_settings_back(std::size_t count) {
+  while (count > 0)
+    if (Experiment::Intervention& done = experiment_.interventions[--count]; is_setting(done))
+      swap_setting(done);
+}
+
+double World::longest_reach() const {
+  double longest = 0;
+  for (const BodyType& type : state_.types)
+    for (const BodyType::Device& device : type.devices)
+      if (type.runs()) longest = std::max(longest, device.prepared.reach_m);
+  // The data of the parameters before or after the intervention: those that are not in force at present.
+  for (const Experiment::Intervention& each : experiment_.interventions)
+    if (is_setting(each)) longest = std::max(longest, each.device.reach_m);
+  return longest;
+}
+
+TypeSpec World::present_type(TypeId type) const {
+  TypeSpec spec = state_.spec.types[type.index()];
+  for (std::size_t i = 0; i < experiment_.next; ++i) {
+    const InterventionSpec& done = state_.spec.experiment.at[experiment_.interventions[i].spec];
+    if (done.action != Action::set || done.setting->type != type) continue;
+    Record& params = params_of(spec, *done.setting);
+    params = changed(params, *done.setting);
+  }
+  return spec;
+}
+
+Result<> World::set(const SettingSpec& setting, const Registry& registry) {
+  require_whole();
+  Experiment& e = experiment_;
+  std::vector<InterventionSpec>& at = state_.spec.experiment.at;
+  // The setting is inserted after all interventions of this tick, as in a world that is resumed from a
+  // checkpoint of this tick.
+  const auto after =
+      std::ranges::upper_bound(e.interventions, state_.now.tick, {}, &Experiment::Intervention::tick);
+  const auto place = static_cast<std::size_t>(after - e.interventions.begin());
+  // Every setting is compiled again, because each contains the values of those before it.
+  std::vector<Experiment::Intervention> compiled(e.interventions.size() + 1);
+  std::map<std::uint32_t, TypeSpec> types;
+  for (std::size_t i = 0; i < compiled.size(); ++i) {
+    const InterventionSpec* const spec =
+        i == place ? nullptr : &at[e.interventions[i < place ? i : i - 1].spec];
+    if (spec && spec->action != Action::set) continue;
+    const Result<> built = build_setting(spec ? *spec->setting : setting, registry, types, compiled[i]);
+    if (!built && spec)
+      return Error{
+          fmt::format("with these values, the world's intervention \"set\" at {:.10g} s would fail: {}",
+                      spec->time_s, built.error().text)};
+    if (!built) return built.error();
+  }
+  swap_settings_back(e.next);
+  if (e.made++ == 0) e.declared = e.interventions;
+  e.interventions.insert(after,
+                         {.tick = state_.now.tick, .spec = at.size(), .whom = {}, .data = {}, .device = {}});
+  InterventionSpec& added = at.emplace_back();
+  added.time_s = static_cast<double>(state_.now.tick) * state_.spec.tick_s;
+  added.action = Action::set;
+  added.setting = setting;
+  for (std::size_t i = 0; i < compiled.size(); ++i) {
+    if (!is_setting(e.interventions[i])) continue;
+    e.interventions[i].data = std::move(compiled[i].data);
+    e.interventions[i].device = std::move(compiled[i].device);
+  }
+  // Interventions of this tick that are still due come before the setting: the next step applies both.
+  if (place == e.next) ++e.next;
+  for (std::size_t i = 0; i < e.next; ++i)
+    if (is_setting(e.interventions[i])) swap_setting(e.interventions[i]);
+  find_due();
+  if (replica_ != nullptr) replica_->set(setting);
+  return {};
+}
+
+/// Undoes the changes of all calls of set().
+void World::forget_settings() {
+  Experiment& e = experiment_;
+  if (e.made == 0) return;
+  swap_settings_back(std::exchange(e.next, 0));
+  e.interventions = std::exchange(e.declared, {});
+  std::vector<InterventionSpec>& at = state_.spec.experiment.at;
+  at.erase(at.end() - static_cast<std::ptrdiff_t>(std::exchange(e.made, 0)), at.end());
+}
+
+/// The tick at whose end a fault occurs next in a body. A fault without a rate (Impairment::per_s) occurs at
+/// `from`. A fault with a rate occurs at least one tick later, after a random, exponentially distributed
+/// time.
+std::uint64_t World::next_fault_tick(std::uint32_t fault, BodyId body, std::uint64_t from) const {
+  const Experiment::Fault& f = experiment_.faults[fault];
+  if (!(f.impairment.per_s > 0)) return from;
+  Random random(state_.spec.seed, f.stream, body.value, static_cast<std::uint32_t>(from));
+  return from + std::max<std::uint64_t>(
+                    1, ticks_until(random.exponential() / f.impairment.per_s, state_.spec.tick_s));
+}
+
+/// Removes the earliest fault event from the heap and returns it. Inserts the event that follows it in the
+/// same body, if there is one: the end of a drop-out, or the next time that the fault occurs. Dead bodies
+/// keep their events, which then have no effect, so that the schedule does not depend on the state.
+Experiment::FaultEvent World::take_fault_event() {
+  std::vector<FaultEvent>& heap = experiment_.fault_events;
+  const FaultEvent now = heap.front();
+  std::ranges::pop_heap(heap, is_later);
+  heap.pop_back();
+  const Impairment& impairment = experiment_.faults[now.fault].impairment;
+  FaultEvent next = now;
+  next.begins = !now.begins;
+  if (now.begins && impairment.drops_out && impairment.lasts_s > 0) {
+    next.tick = now.tick + period_ticks(impairment.lasts_s, state_.spec.tick_s);
+    push(heap, next);
+  } else if (!now.begins && impairment.per_s > 0) {
+    next.tick = next_fault_tick(now.fault, now.body, now.tick);
+    push(heap, next);
+  }
+  return now;
+}
+
+void World::apply_fault_event(const Experiment::FaultEvent& event) {
+  if (location(event.body) != RowLocation::here) return;
+  const Row row = this->row(event.body);
+  if (!is_there(row)) return;
+  const Impairment& impairment = experiment_.faults[event.fault].impairment;
+  Condition& now = state_.condition(row);
+  state_.now.impaired -= !now.is_sound();
+  if (event.begins) {
+    now.dead |= impairment.dead;
+    if (impairment.speed != 1) {
+      now.speed = speed_scale(row) * impairment.speed;
+      // The velocity is scaled too, because the drive's acceleration limits refer to it.
+      Velocity& v = state_.as<Velocity>(WorldState::k_velocity)[row.index()];
+      v = {v.x * impairment.speed, v.y * impairment.speed, v.turn * impairment.speed};
+    }
+    if (impairment.drops_out) now.out |= Condition::k_dropped_out;
+  } else {
+    now.out &= static_cast<std::uint8_t>(~Condition::k_dropped_out);
+  }
+  state_.now.impaired += !now.is_sound();
+}
+
+}  // namespace troupe::engine

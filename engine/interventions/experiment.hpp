@@ -1,0 +1,83 @@
+#pragma once
+
+#include "base/ids.hpp"
+#include "engine/kinds/fault_kind.hpp"
+#include "engine/kinds/kinds.hpp"
+#include "engine/spec/experiment_spec.hpp"
+
+#include <any>
+#include <cstddef>
+#include <cstdint>
+#include <limits>
+#include <vector>
+
+namespace troupe::engine {
+
+/// The compiled interventions and faults of a world, and which of them are applied next. An intervention is a
+/// change of the world at a given time, such as removing robots; a fault is a random failure of a robot.
+/// These data are not part of the state, because they follow from the spec (the description of the world) and
+/// the tick. A *row* is the index of a body in the state tables.
+struct Experiment {
+  /// The value of `due` if no intervention or fault event follows: larger than the number of any tick.
+  static constexpr std::uint64_t k_never = std::numeric_limits<std::uint64_t>::max();
+
+  /// An intervention, compiled from its InterventionSpec.
+  struct Intervention {
+    std::uint64_t tick = 0;  ///< applied after this tick, at the beginning of the next one
+    std::size_t spec = 0;    ///< its InterventionSpec: index into ExperimentSpec::at
+    /// Random stream of the intervention: stream_id("at", INDEX), with `spec` as INDEX; 0 if World::set() has
+    /// added the intervention.
+    std::uint32_t stream = 0;
+    /// All bodies of the group, in order of ids, whether or not they are in the world. Empty for `add` and
+    /// `set`.
+    std::vector<BodyId> whom;
+    std::size_t reserve = 0;  ///< for `add`: the reserve of the bodies, index into WorldSpec::reserves
+    /// For `set` of a drive or controller: the data that its kind prepared from the new parameters. Applying
+    /// the intervention swaps them with the data in BodyType; they are then the data of the old parameters.
+    std::any data;
+    DeviceKind::Prepared device;  ///< for `set` of a device: used like `data`, which is then empty
+  };
+  /// Sorted by tick; within a tick in the order of ExperimentSpec::at.
+  std::vector<Intervention> interventions;
+  std::size_t next = 0;  ///< index of the next intervention to be applied; interventions.size(): none
+  /// Number of interventions that World::set() has added since construction, World::reset() or
+  /// World::restart(). Their specs are the last ones of ExperimentSpec::at.
+  std::size_t made = 0;
+  /// The interventions of the world file, all of them not yet applied, which World::reset() and
+  /// World::restart() restore. Empty while World::set() has added nothing.
+  std::vector<Intervention> declared;
+
+  /// One impairment of a FaultSpec, compiled for the bodies of one type.
+  struct Fault {
+    Impairment impairment;  ///< effect of the fault on a body, and how often it occurs
+    /// Random stream of the fault: stream_id() of the name of its kind and of the index of its FaultSpec.
+    std::uint32_t stream = 0;
+  };
+  /// One entry for each impairment of each FaultSpec and each type of the selected bodies, in the order of
+  /// ExperimentSpec::faults.
+  std::vector<Fault> faults;
+  /// A fault event: a fault begins or ends in a body. It has no effect if the body is not in the world at
+  /// that time.
+  struct FaultEvent {
+    std::uint64_t tick = 0;   ///< applied after this tick, at the beginning of the next one
+    std::uint32_t fault = 0;  ///< the fault: index into `faults`
+    BodyId body;              ///< the impaired body
+    bool begins = true;       ///< true: the fault begins; false: it ends
+  };
+  /// For each fault, and each body that was selected for it, its first event of a run: a heap with the
+  /// earliest event on top. At tick 0, `fault_events` is a copy of this heap.
+  std::vector<FaultEvent> first_fault_events;
+  /// The next event of each fault in each body, after those that were applied so far: a heap with the
+  /// earliest event on top. A fault that occurs no more has no event.
+  std::vector<FaultEvent> fault_events;
+
+  std::uint64_t due = k_never;  ///< tick after which the next intervention or fault event is applied
+  /// A body that a random selection may choose. The selection takes the bodies with the lowest keys.
+  struct Candidate {
+    std::uint64_t key = 0;  ///< random number; of bodies with equal keys, the lowest id is taken first
+    BodyId body;            ///< id of the body
+  };
+  std::vector<Candidate> candidates;  ///< scratch memory of World::choose()
+};
+
+}  // namespace troupe::engine

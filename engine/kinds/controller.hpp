@@ -1,0 +1,262 @@
+#pragma once
+
+#include "engine/fields/description.hpp"
+#include "engine/kinds/kinds.hpp"
+
+#include <algorithm>
+#include <array>
+#include <cstring>
+#include <exception>
+#include <memory>
+#include <tuple>
+#include <type_traits>
+#include <utility>
+
+/// Lists the members of a controller's Memory, or of another struct that belongs to the state of a world:
+/// `TROUPE_FIELDS(heading, steps)` in the body of the struct. The macro is the short form of `describe`
+/// (engine/fields/description.hpp), without units and texts. The state is hashed, compared, saved and
+/// recorded field by field, in the order of this list. A struct with a member that is not listed, is listed
+/// twice, or is not a number, a bool or a std::array of these, does not compile as a Memory. Numbers are
+/// double, float, std::uint8_t and integers of 32 or 64 bits.
+#define TROUPE_FIELDS(...)                                         \
+  constexpr auto troupe_fields() { return std::tie(__VA_ARGS__); } \
+  static constexpr std::string_view troupe_field_names() { return #__VA_ARGS__; }
+
+namespace troupe::engine {
+namespace detail {
+
+/// True if TROUPE_FIELDS lists no member twice. If the number of listed names also equals the number of
+/// members, the list has each member exactly once.
+template <class Memory>
+constexpr bool lists_distinct_members() {
+  Memory example{};
+  return std::apply(
+      [](auto&... members) {
+        const void* const places[] = {nullptr, &members...};
+        for (std::size_t i = 0; i < std::size(places); ++i)
+          for (std::size_t j = 0; j < i; ++j)
+            if (places[i] == places[j]) return false;
+        return true;
+      },
+      example.troupe_fields());
+}
+
+template <class T>
+struct Shape {
+  using element = T;
+  static constexpr std::uint32_t columns = 1;
+};
+template <class T, std::size_t N>
+struct Shape<std::array<T, N>> {
+  using element = T;
+  static constexpr std::uint32_t columns = N;
+};
+
+/// Name number n, counted from 0, of a comma-separated list of names, without leading spaces. The list must
+/// have more than n names.
+constexpr std::string_view nth_name(std::string_view names, std::size_t n) {
+  for (; n > 0; --n) names.remove_prefix(names.find(',') + 1);
+  names = names.substr(0, names.find(','));
+  while (names.starts_with(' ')) names.remove_prefix(1);
+  return names;
+}
+
+struct NoMemory {
+  constexpr auto troupe_fields() { return std::tuple<>{}; }
+  static constexpr std::string_view troupe_field_names() { return ""; }
+};
+
+template <class C>
+struct MemoryOf {
+  using type = NoMemory;
+};
+template <class C>
+requires requires { typename C::Memory; }
+struct MemoryOf<C> {
+  using type = typename C::Memory;
+};
+
+template <class C>
+C make(const Record& record) {
+  if constexpr (requires { typename C::Params; }) {
+    const auto params = from_record<typename C::Params>(record);
+    if constexpr (requires { &C::make; })
+      return C::make(params);
+    else
+      return C{params};
+  } else {
+    static_cast<void>(record);
+    if constexpr (requires { &C::make; })
+      return C::make();
+    else
+      return C{};
+  }
+}
+
+template <class C>
+Result<std::vector<std::size_t>> choose(C& controller, std::span<const DeviceInfo> devices,
+                                        std::vector<bool>& claimed) {
+  if constexpr (requires { controller.choose(devices, claimed); }) {
+    return controller.choose(devices, claimed);
+  } else {
+    static_assert(
+        !requires { &C::choose; },
+        "choose() must take (std::span<const DeviceInfo>, std::vector<bool>& claimed)");
+    std::vector<std::size_t> chosen;
+    if constexpr (requires { C::k_uses; }) {
+      for (const std::string_view kind : C::k_uses) {
+        std::size_t d = 0;
+        while (d < devices.size() && (devices[d].kind != kind || std::ranges::count(chosen, d) > 0)) ++d;
+        if (d == devices.size())
+          return Error{(chosen.empty() ? "needs a device of kind \"" : "needs one more device of kind \"") +
+                       std::string(kind) + "\""};
+        chosen.push_back(d);
+      }
+    } else {
+      for (std::size_t d = 0; d < devices.size(); ++d) chosen.push_back(d);
+    }
+    return chosen;
+  }
+}
+
+template <class Memory, class C>
+void decide_one_by_one(const C& controller, const DecideBatch& batch) {
+  std::array<Readings, k_most_devices_read> readings;
+  std::array<std::byte*, k_most_devices_read> devices;
+  Percept percept{batch.tick, batch.time_s, batch.tick_s, 0, {readings.data(), batch.devices}, {}};
+  std::size_t i = 0;
+  try {
+    for (; i < batch.size(); ++i) {
+      percept.body = batch.body(i);
+      for (std::size_t s = 0; s < batch.devices; ++s) {
+        readings[s] = batch.readings(s, i);
+        devices[s] = batch.device_command(s, i);
+      }
+      percept.estimate = batch.estimate(i);
+      Random random = batch.random(i);
+      Actions actions{
+          batch.command(i), {devices.data(), batch.devices}, {batch.switches.data(), batch.devices}};
+      if constexpr (std::is_same_v<Memory, NoMemory>)
+        controller(percept, random, actions);
+      else
+        controller(*reinterpret_cast<Memory*>(batch.memory(i)), percept, random, actions);
+    }
+  } catch (...) {
+    throw DecisionError{batch.rows[i], std::current_exception()};
+  }
+}
+
+template <class Memory>
+std::vector<StateField> listed_fields() {
+  Memory example{};
+  auto fields = example.troupe_fields();
+  constexpr std::size_t count = std::tuple_size_v<decltype(fields)>;
+  static_assert(std::is_aggregate_v<Memory>,
+                "the memory struct must have no constructors: give its members initial values");
+  static_assert(std::is_empty_v<Memory> || detail::member_count<Memory>() == count,
+                "TROUPE_FIELDS must list every member of the memory struct");
+  static_assert(detail::lists_distinct_members<Memory>(),
+                "TROUPE_FIELDS must list every member of the memory struct once");
+  std::vector<StateField> out;
+  [&]<std::size_t... I>(std::index_sequence<I...>) {
+    [[maybe_unused]] const auto add = [&](auto& member, std::size_t i) {
+      using Member = detail::Shape<std::remove_cvref_t<decltype(member)>>;
+      StateField field;
+      field.name = std::string(detail::nth_name(Memory::troupe_field_names(), i));
+      field.element = element_of<typename Member::element>();
+      field.columns = Member::columns;
+      field.offset =
+          static_cast<std::uint32_t>(reinterpret_cast<char*>(&member) - reinterpret_cast<char*>(&example));
+      out.push_back(std::move(field));
+    };
+    (add(std::get<I>(fields), I), ...);
+  }
+  (std::make_index_sequence<count>{});
+  return out;
+}
+
+}  // namespace detail
+
+/// The state fields of a memory struct, with their offsets in the struct, in the order in which its
+/// `describe` function describes them or TROUPE_FIELDS lists them. The struct must have one of these two (if
+/// it has both, `describe` counts), must be trivially copyable, and must have no constructors. Otherwise the
+/// call does not compile. A struct without members has no fields.
+template <class Memory>
+std::vector<StateField> memory_fields() {
+  static_assert(std::is_trivially_copyable_v<Memory>,
+                "the memory struct must be trivially copyable, because it is saved and hashed as bytes");
+  if constexpr (detail::Described<Memory>) {
+    static_assert(detail::described_members<Memory>().is_state(),
+                  "the members of a memory or state struct must be numbers, bools or arrays of these");
+    return state_fields(described<Memory>());
+  } else {
+    return detail::listed_fields<Memory>();
+  }
+}
+
+/// Makes a controller kind (ControllerKind in engine/kinds/kinds.hpp) from a class C. One object of C serves
+/// all robots of a type. Several threads call this object at once, each for other robots, so its operator()
+/// must not change it. Data that a robot keeps from one decision to the next belong in Memory. `name` and
+/// `text` must live as long as the kind. C must be copyable. It has
+///
+///     void operator()([Memory&,] const Percept&, Random&, Actions&) const;  // for one robot, or
+///     void operator()(const DecideBatch&) const;                            // for a batch of robots
+///
+/// and may have
+///
+///     struct Params { ...; describe };            // its parameters; default: none
+///     struct Memory { ...; TROUPE_FIELDS(...) };  // memory of each robot; may have `describe` instead
+///     static constexpr bool needs_drive = false;  // default: true, the robot must have a drive
+///     static constexpr bool switches = true;      // default: false; true: it switches devices on and off
+///     static C make(const Params&);               // default: C{params}
+///         // without Params: static C make(), by default C{}
+///     Result<std::vector<std::size_t>> choose(std::span<const DeviceInfo>, std::vector<bool>& claimed);
+///         // returns Prepared::devices, see ControllerKind::prepare; default: uses all devices that are
+///         // offered, also those that other controllers claim, and claims none
+///     static constexpr std::array k_uses{std::string_view("ranger")};
+///         // instead of choose: the kinds of the devices that it uses, in this order; a kind that is listed
+///         // twice stands for two devices; an error if the robot has too few devices of a kind; ignores the
+///         // claims of other controllers, and claims no device
+///     Result<> bind_world(const WorldSpec&, const TypeSpec&, std::uint32_t part);
+///         // completes the object from the world: ControllerKind::bind_world
+///     static constexpr std::array<std::string_view, N> brings;
+///         // kinds of devices that it adds to Stage models: ControllerKind::brings
+///
+/// A controller can use at most k_most_devices_read devices. If operator() for one robot throws, the error
+/// message of the step names that robot.
+template <class C>
+ControllerKind make_controller_kind(std::string_view name, std::string_view text) {
+  using Memory = typename detail::MemoryOf<C>::type;
+  ControllerKind kind{.name = name, .text = text};
+  if constexpr (requires { typename C::Params; }) kind.params = described<typename C::Params>();
+  if constexpr (requires { C::needs_drive; }) kind.needs_drive = C::needs_drive;
+  if constexpr (requires { C::switches; }) kind.switches = C::switches;
+  kind.memory = memory_fields<Memory>();
+  kind.memory_bytes = kind.memory.empty() ? 0 : sizeof(Memory);
+  kind.start = [](std::byte* memory) { std::construct_at(reinterpret_cast<Memory*>(memory)); };
+  kind.prepare = [](const Record& record, std::span<const DeviceInfo> devices,
+                    std::vector<bool>& claimed) -> Result<ControllerKind::Prepared> {
+    C controller = detail::make<C>(record);
+    Result<std::vector<std::size_t>> chosen = detail::choose(controller, devices, claimed);
+    if (!chosen) return chosen.error();
+    return ControllerKind::Prepared{std::move(controller), *std::move(chosen)};
+  };
+  if constexpr (requires { C::brings; }) kind.brings.assign(std::begin(C::brings), std::end(C::brings));
+  if constexpr (requires(C & c, const WorldSpec& world, const TypeSpec& type) {
+                  c.bind_world(world, type, 0u);
+                })
+    kind.bind_world = [](std::any& data, const WorldSpec& world, const TypeSpec& type,
+                         std::uint32_t part) -> Result<> {
+      return std::any_cast<C>(&data)->bind_world(world, type, part);
+    };
+  kind.decide = [](const std::any& data, const DecideBatch& batch) {
+    const C& controller = *std::any_cast<C>(&data);
+    if constexpr (requires { controller(batch); })
+      controller(batch);
+    else
+      detail::decide_one_by_one<Memory>(controller, batch);
+  };
+  return kind;
+}
+
+}  // namespace troupe::engine

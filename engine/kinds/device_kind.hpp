@@ -1,0 +1,170 @@
+#pragma once
+
+#include "engine/fields/description.hpp"
+#include "engine/kinds/controller.hpp"
+#include "engine/kinds/kinds.hpp"
+
+#include <any>
+#include <iterator>
+#include <stdexcept>
+#include <string_view>
+#include <utility>
+
+namespace troupe::engine {
+namespace detail {
+
+template <class C>
+DeviceKind::Prepared prepare_device(const Record& record, const Pose& pose_body_device) {
+  if constexpr (requires { typename C::Params; }) {
+    const auto params = from_record<typename C::Params>(record);
+    if constexpr (requires { &C::prepare; })
+      return C::prepare(params, pose_body_device);
+    else if constexpr (requires { &C::make; })
+      return {.data = C::make(params, pose_body_device)};
+    else
+      return {.data = C{params}};
+  } else if constexpr (requires { &C::prepare; }) {
+    return C::prepare(pose_body_device);
+  } else {
+    return {.data = C{}};
+  }
+}
+
+}  // namespace detail
+
+/// Makes the kind of a sensor, or of another device, from a class C. A kind is a table of functions, its
+/// hooks (DeviceKind in engine/kinds/kinds.hpp has their contracts). The hooks call the members of C with the
+/// same names; their argument `data` contains a C. Each device of a body type has one object of C, which
+/// serves all bodies of the type, and several threads call this object at once. C must be copyable. `name`
+/// and `text` must live as long as the kind. C may have
+///
+///     struct Params { ...; describe };            // its parameters; default: none
+///     struct State { ...; describe };             // its state (percepts), one struct per body
+///     struct Command { ...; describe };           // its commands from controllers, one struct per body
+///         // State and Command may list their members with TROUPE_FIELDS instead of describe
+///     static DeviceKind::Prepared prepare(const Params&, const Pose& pose_body_device);
+///         // DeviceKind::prepare; the member `data` of the result must be a C: otherwise the hook throws
+///         // std::logic_error. If the result has no percepts, the hook sets them to the fields of State; if
+///         // it has no commands, to the fields of Command. If C has no Params, the pose is the only argument
+///     static C make(const Params&, const Pose& pose_body_device);
+///         // instead of prepare, if `data` is the only member to be set; only if C has Params
+///         // default, without prepare and make: C{params}, or C{} if C has no Params
+///
+/// C may also have the following hooks of DeviceKind, without the argument `data`. If C has a State, the
+/// hooks marked "row" may take a reference to the State of one body instead of the table and the slot (the
+/// index of the body's row in the table). A hook that C lacks is null:
+///
+///     std::uint64_t sense(const SenseBatch&) const;                      // or a const DeviceBatch&
+///     void act(const DeviceBatch&) const;
+///     void joints_moved(const DeviceBatch&) const;
+///     void start(StateTable&, std::size_t slot) const;                   // row
+///     bool is_spent(const StateTable&, std::size_t slot) const;          // row
+///     static Energy energy(const StateTable&, std::size_t slot);         // row
+///     static HeldFlags flags(const StateTable&, std::size_t slot);       // row
+///     void apply(World&, const Effect&) const;
+///     void born(World&, const Effect&, const Birth&) const;
+///     void draw(const DeviceView&, Frame&) const;
+///     Result<> bind_part(const TypeSpec&, std::uint32_t part);
+///     Result<> bind_world(const WorldSpec&);
+///     double reach_m() const;
+///     static std::vector<DeviceKind::Fixture> body(const Params&);       // only if C has Params
+///     static constexpr std::array<std::string_view, N> joints;
+///     static constexpr std::array<std::string_view, N> reads;
+///     static constexpr ApplyScope scope;
+///     static constexpr bool carries, drives, needs_supply, shows_color;
+///     static constexpr FrameLayer layer;
+template <class C>
+DeviceKind make_device_kind(std::string_view name, std::string_view text) {
+  DeviceKind kind{.name = name, .text = text};
+  if constexpr (requires { typename C::Params; }) kind.params = described<typename C::Params>();
+  if constexpr (requires { C::joints; }) kind.joints.assign(std::begin(C::joints), std::end(C::joints));
+  if constexpr (requires { C::reads; }) kind.reads.assign(std::begin(C::reads), std::end(C::reads));
+  if constexpr (requires { C::scope; }) kind.scope = C::scope;
+  if constexpr (requires { C::carries; }) kind.carries = C::carries;
+  if constexpr (requires { C::drives; }) kind.drives = C::drives;
+  if constexpr (requires { C::needs_supply; }) kind.needs_supply = C::needs_supply;
+  if constexpr (requires { C::shows_color; }) kind.shows_color = C::shows_color;
+  if constexpr (requires { C::layer; }) kind.layer = C::layer;
+  if constexpr (requires { &C::body; })
+    kind.body = [](const Record& record) { return C::body(from_record<typename C::Params>(record)); };
+  kind.prepare = [](const Record& record, const Pose& pose_body_device) {
+    DeviceKind::Prepared prepared = detail::prepare_device<C>(record, pose_body_device);
+    if (std::any_cast<C>(&prepared.data) == nullptr)
+      throw std::logic_error(
+          "prepare() must return a DeviceKind::Prepared whose `data` holds the device class itself");
+    if constexpr (requires { typename C::State; }) {
+      if (prepared.percepts.empty()) {
+        prepared.percepts = memory_fields<typename C::State>();
+        prepared.percept_bytes = sizeof(typename C::State);
+      }
+    }
+    if constexpr (requires { typename C::Command; }) {
+      if (prepared.commands.empty()) {
+        prepared.commands = memory_fields<typename C::Command>();
+        prepared.command_bytes = sizeof(typename C::Command);
+      }
+    }
+    return prepared;
+  };
+  if constexpr (requires { &C::bind_part; })
+    kind.bind_part = [](std::any& data, const TypeSpec& type, std::uint32_t part) -> Result<> {
+      return std::any_cast<C>(&data)->bind_part(type, part);
+    };
+  if constexpr (requires { &C::bind_world; })
+    kind.bind_world = [](std::any& data, const WorldSpec& world) -> Result<> {
+      return std::any_cast<C>(&data)->bind_world(world);
+    };
+  if constexpr (requires { &C::reach_m; })
+    kind.reach_m = [](const std::any& data) { return std::any_cast<C>(&data)->reach_m(); };
+  if constexpr (requires { &C::start; })
+    kind.start = [](const std::any& data, StateTable& state, std::size_t slot) {
+      const C& device = *std::any_cast<C>(&data);
+      if constexpr (requires { device.start(state, slot); })
+        device.start(state, slot);
+      else
+        device.start(state.as<typename C::State>(slot));
+    };
+  if constexpr (requires { &C::sense; })
+    kind.sense = [](const SenseBatch& batch) -> std::uint64_t {
+      return std::any_cast<C>(&batch.data)->sense(batch);
+    };
+  if constexpr (requires { &C::act; })
+    kind.act = [](const DeviceBatch& batch) { std::any_cast<C>(&batch.data)->act(batch); };
+  if constexpr (requires { &C::joints_moved; })
+    kind.joints_moved = [](const DeviceBatch& batch) { std::any_cast<C>(&batch.data)->joints_moved(batch); };
+  if constexpr (requires { &C::apply; })
+    kind.apply = [](World& world, const std::any& data, const Effect& effect) {
+      std::any_cast<C>(&data)->apply(world, effect);
+    };
+  if constexpr (requires { &C::born; })
+    kind.born = [](World& world, const std::any& data, const Effect& effect, const Birth& birth) {
+      std::any_cast<C>(&data)->born(world, effect, birth);
+    };
+  if constexpr (requires { &C::is_spent; })
+    kind.is_spent = [](const std::any& data, const StateTable& state, std::size_t slot) -> bool {
+      const C& device = *std::any_cast<C>(&data);
+      if constexpr (requires { device.is_spent(state, slot); })
+        return device.is_spent(state, slot);
+      else
+        return device.is_spent(state.as<typename C::State>(slot));
+    };
+  if constexpr (requires { &C::energy; })
+    kind.energy = [](const StateTable& state, std::size_t slot) -> Energy {
+      if constexpr (requires { C::energy(state, slot); })
+        return C::energy(state, slot);
+      else
+        return C::energy(state.as<typename C::State>(slot));
+    };
+  if constexpr (requires { &C::flags; })
+    kind.flags = [](const StateTable& state, std::size_t slot) -> HeldFlags {
+      if constexpr (requires { C::flags(state, slot); })
+        return C::flags(state, slot);
+      else
+        return C::flags(state.as<typename C::State>(slot));
+    };
+  if constexpr (requires { &C::draw; })
+    kind.draw = [](const DeviceView& view, Frame& frame) { std::any_cast<C>(&view.data)->draw(view, frame); };
+  return kind;
+}
+
+}  // namespace troupe::engine

@@ -1,0 +1,32 @@
+#include "engine/kinds/effects.hpp"
+
+#include <algorithm>
+#include <stdexcept>
+#include <string>
+#include <tuple>
+
+namespace troupe::engine {
+
+void Effects::reserve(std::size_t most) {
+  effects_ = std::make_unique<Effect[]>(most);
+  most_ = most;
+  count_ = 0;
+}
+
+void Effects::emit(const Effect& effect) {
+  const std::size_t at = count_.fetch_add(1, std::memory_order_relaxed);
+  if (at >= most_)
+    throw std::length_error(
+        "the devices emitted more than " + std::to_string(most_) +
+        " effects in a tick, the number that their kinds declare: declare more in the kind "
+        "(DeviceKind::Prepared::most_effects)");
+  effects_[at] = effect;
+}
+
+std::span<const Effect> Effects::sorted() {
+  const std::span<Effect> all(effects_.get(), count_);
+  std::ranges::sort(all, {}, [](const Effect& e) { return std::tuple(e.source, e.device, e.sequence); });
+  return all;
+}
+
+}  // namespace troupe::engine

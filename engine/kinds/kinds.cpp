@@ -1,0 +1,115 @@
+#include "engine/kinds/kinds.hpp"
+
+#include "base/diagnostics.hpp"
+#include "engine/sensing/sensing_view.hpp"
+
+#include <algorithm>
+#include <cstddef>
+
+namespace troupe::engine {
+namespace {
+
+template <class Kind>
+const Kind* find(const std::vector<Kind>& kinds, std::string_view name) {
+  const auto it = std::ranges::find(kinds, name, &Kind::name);
+  return it == kinds.end() ? nullptr : &*it;
+}
+
+}  // namespace
+
+std::vector<StateField> command_fields() {
+  return {
+      {"x", Element::f64, 1, "m/s", "commanded value, forward", offsetof(Command, x)},
+      {"y", Element::f64, 1, "m/s", "left", offsetof(Command, y)},
+      {"turn", Element::f64, 1, "rad/s", "counter-clockwise", offsetof(Command, turn)},
+      {"mode", Element::u8, 1, "", "0: speeds, 1: accelerations (m/s^2, rad/s^2), 2: a goal (m, rad)",
+       offsetof(Command, mode), true},
+      {"off", Element::u32, 1, "", "devices that are switched off: bit d for device d of the type, from 0",
+       offsetof(Command, off), true}};
+}
+
+BodyId DeviceBatch::body(std::size_t i) const { return view.body(rows[i]); }
+std::size_t DeviceBatch::slot(std::size_t i) const { return view.slot(rows[i]); }
+Random DeviceBatch::random(std::size_t i) const {
+  return {view.spec().seed, stream, body(i).value, static_cast<std::uint32_t>(view.tick())};
+}
+Random DeviceBatch::random(std::size_t i, std::string_view name) const {
+  const auto own = static_cast<std::uint32_t>(mix(stream, stream_id("device", name)));
+  return {view.spec().seed, own, body(i).value, static_cast<std::uint32_t>(view.tick())};
+}
+Mount DeviceBatch::mount(std::size_t i) const {
+  return view.mount(rows[i], view.type(rows[i]).devices[device].joint);
+}
+const Velocity& DeviceBatch::velocity(std::size_t i) const { return view.velocity(rows[i]); }
+const Command& DeviceBatch::command(std::size_t i) const { return view.command(rows[i]); }
+bool DeviceBatch::senses(std::size_t i, std::size_t its_device) const {
+  return view.senses(rows[i], view.type(rows[i]).devices[its_device]);
+}
+bool DeviceBatch::is_on(std::size_t i, std::size_t its_device) const {
+  return view.is_on(rows[i], view.type(rows[i]).devices[its_device]);
+}
+bool DeviceBatch::runs(std::size_t i, std::size_t its_device) const {
+  return view.runs(rows[i], view.type(rows[i]).devices[its_device]);
+}
+const StateTable& DeviceBatch::percepts(std::size_t its_device) const {
+  return view.percepts(view.type(rows.front()).devices[its_device]);
+}
+
+Eigen::Vector3d DeviceView::at(double x, double y, double z) const {
+  const Vec2 p = Transform(pose_world_device) * Vec2(x, y);
+  return {p.x(), p.y(), pose_world_device.z + z};
+}
+
+const ModelKind* Registry::model(std::string_view name) const { return find(models, name); }
+const DeviceKind* Registry::device(std::string_view name) const {
+  const auto found = find_device(name, {});
+  return found ? *found : nullptr;
+}
+Result<const DeviceKind*> Registry::find_device(std::string_view name, std::string unknown) const {
+  if (const DeviceKind* kind = find(devices, name)) return kind;
+  if (plugged_devices) return plugged_devices(name, std::move(unknown));
+  return Error{std::move(unknown)};
+}
+const DriveKind* Registry::drive(std::string_view name) const { return find(drives, name); }
+const ControllerKind* Registry::controller(std::string_view name) const {
+  const auto found = find_controller(name);
+  return found ? *found : nullptr;
+}
+Result<const ControllerKind*> Registry::find_controller(std::string_view name) const {
+  if (const ControllerKind* kind = find(controllers, name)) return kind;
+  std::string unknown = unknown_name("controller", name, controller_names());
+  if (plugged_controllers && !preset(name)) return plugged_controllers(name, std::move(unknown));
+  return Error{std::move(unknown)};
+}
+Result<const MeasureKind*> Registry::find_measure(std::string_view name) const {
+  if (const MeasureKind* kind = measure(name)) return kind;
+  std::vector<std::string_view> known;
+  for (const MeasureKind& kind : measures) known.push_back(kind.name);
+  std::string unknown = unknown_name("measure", name, std::move(known));
+  if (plugged_measures) return plugged_measures(name, std::move(unknown));
+  return Error{std::move(unknown)};
+}
+std::vector<std::string_view> Registry::controller_names() const {
+  std::vector<std::string_view> names;
+  for (const ControllerKind& kind : controllers) names.push_back(kind.name);
+  for (const Preset& each : presets) names.push_back(each.name);
+  std::ranges::sort(names);
+  return names;
+}
+const Registry::Preset* Registry::preset(std::string_view name) const { return find(presets, name); }
+const MeasureKind* Registry::measure(std::string_view name) const { return find(measures, name); }
+const FaultKind* Registry::fault(std::string_view name) const { return find(faults, name); }
+
+std::vector<DeviceKind> Registry::sensors() const {
+  std::vector<DeviceKind> kinds = devices;
+  std::erase_if(kinds, [](const DeviceKind& kind) { return !kind.is_sensor(); });
+  return kinds;
+}
+
+std::vector<DeviceKind> Registry::other_devices() const {
+  std::vector<DeviceKind> kinds = devices;
+  std::erase_if(kinds, [](const DeviceKind& kind) { return kind.is_sensor(); });
+  return kinds;
+}
+
+}  // namespace troupe::engine

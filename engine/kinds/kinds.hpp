@@ -1,0 +1,727 @@
+#pragma once
+
+#include "base/color.hpp"
+#include "base/geometry.hpp"
+#include "base/pose.hpp"
+#include "base/random.hpp"
+#include "base/result.hpp"
+#include "engine/fields/fields.hpp"
+#include "engine/fields/state_table.hpp"
+#include "engine/kinds/effects.hpp"
+#include "engine/kinds/energy.hpp"
+#include "engine/kinds/fault_kind.hpp"
+#include "engine/kinds/localization.hpp"
+#include "engine/kinds/measure_kind.hpp"
+#include "engine/kinds/mount.hpp"
+
+#include <any>
+#include <array>
+#include <exception>
+#include <functional>
+#include <memory>
+#include <optional>
+#include <span>
+#include <string>
+#include <string_view>
+#include <vector>
+
+namespace troupe::engine {
+
+class CommittedView;
+class Links;
+class SensingView;
+class World;
+struct Command;
+struct Frame;
+struct Velocity;
+struct Registry;
+struct TypeSpec;
+struct WorldSpec;
+
+/// A *kind* is a table of functions (hooks) that implements one sort of sensor, other device, drive or
+/// controller. The engine itself implements no sensor, device, drive or controller: it only calls the hooks.
+/// When the world is built, the hook `prepare` converts the parameters to data of a type that the kind
+/// chooses. Most other hooks receive these data, and either a batch of robots, given as a list of rows, or a
+/// single robot. Several threads call the hooks at once, so a hook may write only to its arguments. If a
+/// hook other than DeviceKind::is_spent throws an exception during a step, World::step() throws a StepError.
+///
+/// A body has a *row*, its index in the state tables of the world, and a *slot*, its index in the tables of
+/// its type. The state of a sensor is also called its percepts or readings.
+
+/// A model type of Stage world files, such as `position` or `ranger`, with its defaults. The model kinds are
+/// in the registry (Registry::models), so that all loaders use the same defaults.
+struct ModelKind {
+  std::string_view name;                ///< name in Stage files: "position"
+  std::string_view text;                ///< one sentence for `troupe describe`
+  Eigen::Vector3d size{0.4, 0.4, 1.0};  ///< default size x, y, z, m
+  Color color{1, 0, 0, 1};              ///< default colour
+  /// True: a model without blocks or a bitmap is a box; false: it has no solids.
+  bool has_default_body = true;
+  std::string_view device;  ///< DeviceKind::name of the device that such a model adds; empty: none
+  /// Table of the parameters of that device; if `device` is empty, of the parameters of the model itself.
+  FieldTable params;
+};
+
+/// The argument of the hooks `sense`, `act` and `joints_moved` of a device: rows of one body type for which
+/// the hook is called in a tick, with the data of these rows. There is at least one row. The argument `i` of
+/// the functions is an index into `rows`. engine/sensing/sensing_view.hpp has the functions of `view`.
+struct DeviceBatch {
+  const SensingView& view;     ///< the world: constants, and where all bodies are
+  const std::any& data;        ///< DeviceKind::Prepared::data of the device
+  std::span<const Row> rows;   ///< rows of the batch; all of one type
+  StateTable& state;           ///< state of the device, by slot; hooks may write only to the slots of `rows`
+  const StateTable* commands;  ///< commands from controllers, by slot; null if the kind takes none
+  Effects& effects;            ///< receives effects on other bodies: see emit()
+  Links& links;                ///< receives goals of joints: see move_joint()
+  std::uint32_t device = 0;    ///< index of the device within the type
+  std::uint32_t stream = 0;    ///< number of the device's random stream: see random()
+  /// Time from one run of the device to the next, s: its period in whole ticks. The time since the device
+  /// last ran is longer if the device was switched off, broken or without power meanwhile.
+  double period_s = 0;
+
+  BodyId body(std::size_t i) const;       ///< id of the row's body
+  std::size_t slot(std::size_t i) const;  ///< index of the row in `state` and `commands`
+  /// The random numbers of a row in this tick: a function of the seed of the world, `stream`, the id of the
+  /// body and the tick. Each call returns the same sequence from its beginning.
+  Random random(std::size_t i) const;
+  /// The random numbers of a row in this tick, from an independent stream with this name. If a kind wraps
+  /// another kind and uses such a stream, the wrapped kind gets the same random numbers as without the
+  /// wrapper.
+  Random random(std::size_t i, std::string_view name) const;
+  /// Transform from the body frame to the world frame, including the displacement from rest of the joint
+  /// that the device is mounted on. compose(mount(i), p) is the present pose of the device, where
+  /// p is the argument `pose_body_device` of DeviceKind::prepare.
+  Mount mount(std::size_t i) const;
+  /// Velocity that the drive of the row's body computed last, body frame, m/s and rad/s; 0 if the body has
+  /// no drive. If the drive is due in this tick, it has computed the velocity before the hook `act` is
+  /// called.
+  const Velocity& velocity(std::size_t i) const;
+  /// Command to the drive of the row's body. The numbers have no meaning if the body has no drive.
+  const Command& command(std::size_t i) const;
+  /// Whether a device of the row's body is active (BodyType::Device::active), or World::subscribe() was
+  /// called for the body. Here and below, `its_device` is the index of the device in BodyType::devices.
+  bool senses(std::size_t i, std::size_t its_device) const;
+  /// Whether a device of the row's body is switched on: no controller has switched it off.
+  bool is_on(std::size_t i, std::size_t its_device) const;
+  /// Whether a device of the row's body runs in the ticks in which it is due. It runs if senses() and is_on()
+  /// are true, it is not broken, it has power, and its body is neither disabled nor dropped out by a fault.
+  bool runs(std::size_t i, std::size_t its_device) const;
+  /// State of another device of the same bodies, by slot. A hook may read only the slots of `rows`.
+  const StateTable& percepts(std::size_t its_device) const;
+  /// Present pose of joint n relative to its rest pose, m and rad. Here and below, n counts the joints that
+  /// the device moves (DeviceKind::joints), from 0.
+  const Pose& joint(std::size_t i, std::size_t n) const;
+  /// Sets the goal of joint n for this tick: a pose relative to the rest pose of the joint, m and rad; the
+  /// heading is not wrapped. A second call in the same tick replaces the goal. Only the hook `act` may call
+  /// this. The joints of one device move together or not at all: if the motion of one joint is blocked, no
+  /// joint of the device moves. If bodies carry one another, a blocked motion also stops joints of those
+  /// other bodies: see Links::resolve_joints(). Throws StepError if a number of `to` is not finite.
+  void move_joint(std::size_t i, std::size_t n, const Pose& to) const;
+  /// Whether move_joint() set a goal of joint n in this tick. Only the hook `joints_moved` may call this.
+  bool asked_joint(std::size_t i, std::size_t n) const;
+  /// Whether joint n moved to its goal in this tick. May be false for a goal that equals the pose which the
+  /// joint already had. Only the hook `joints_moved` may call this.
+  bool moved_joint(std::size_t i, std::size_t n) const;
+  /// Emits an effect of row i, which DeviceKind::apply applies after all bodies have moved. Only the hook
+  /// `act` may call this. Throws std::length_error if all devices of the world together emit more effects in
+  /// a tick than their kinds declare (Prepared::most_effects).
+  ///
+  /// sequence: position of this effect among the effects that the device of one body emits in a tick; each
+  /// of these effects has a number of its own
+  /// verb, payload: their meaning is defined by the kind; the verb must be neither k_birth nor k_death
+  /// target: the affected body; not valid() if there is none
+  void emit(std::size_t i, std::uint32_t sequence, std::uint32_t verb, BodyId target,
+            const std::array<double, 4>& payload = {}) const {
+    effects.emit({body(i), device, sequence, verb, target, payload});
+  }
+  /// Requests the birth of the next body of a reserve at the pose `at`, m and rad, world frame. Births come
+  /// after all other effects and all deaths of the tick. DeviceKind::born receives the result, which says
+  /// whether the body was born. There is neither a birth nor a result if the requesting body died in this
+  /// tick. Callers and errors are as for emit(), and a birth counts as an effect. If the world has neither
+  /// reserves nor deaths, World::step() throws std::logic_error.
+  ///
+  /// sequence: as for emit()
+  /// reserve: index into WorldSpec::reserves; must exist
+  void emit_birth(std::size_t i, std::uint32_t sequence, std::uint32_t reserve, const Pose& at) const {
+    effects.emit({body(i), device, sequence, k_birth, BodyId(), {at.x, at.y, at.z, at.heading}, reserve});
+  }
+  /// Requests the death of the body `whose`. The kind must have set Prepared::ends_lives. The request has no
+  /// effect if the body has no row or is not in the world. Callers, `sequence` and errors are as for emit(),
+  /// and a death counts as an effect.
+  void emit_death(std::size_t i, std::uint32_t sequence, BodyId whose) const {
+    effects.emit({body(i), device, sequence, k_death, whose});
+  }
+};
+
+/// The argument of the hook `sense`. In addition to the data of a DeviceBatch, it has the velocities,
+/// commands and device states of all bodies at the end of the last tick. A device class (make_device_kind())
+/// that does not read these additional data may declare `sense(const DeviceBatch&)`.
+struct SenseBatch : DeviceBatch {
+  /// View of the same world as `view`, with the velocities, commands and device states of all bodies.
+  const CommittedView& committed;
+};
+
+/// A fan of beams of a ranging sensor that start at one place.
+struct Transducer {
+  std::size_t first = 0;        ///< index of its first reading among the readings of the sensor
+  std::size_t samples = 1;      ///< number of its readings
+  Pose pose_sensor_transducer;  ///< origin of the beams and heading of their middle; sensor frame
+  double range_max = 0;         ///< length of the beams, m
+  double fov = 0;  ///< angle from the first beam to the last, rad; with a single beam, the width of that beam
+};
+
+/// The images of a camera: their size, and the indices of the percepts (Prepared::percepts) that hold them.
+struct Camera {
+  std::size_t width = 0;   ///< width of the images, pixels
+  std::size_t height = 0;  ///< height of the images, pixels
+  double range_far = 0;    ///< largest visible depth, m; also the depth of a pixel that shows no surface
+  /// Index of the colour percept: u8 [red green blue opacity] per pixel, row by row from the upper left.
+  std::size_t color = 0;
+  std::size_t depth = 1;  ///< index of the depth percept: f32 per pixel, m along the optical axis
+};
+
+/// Specifies which marked parts (parts with a Returns::fiducial that is not 0) a sensor detects.
+struct SoughtMarks {
+  std::int32_t key = 0;       ///< the sensor detects only parts with this Returns::fiducial_key
+  bool at_any_height = true;  ///< false: only parts whose height interval contains the height of the sensor
+};
+
+/// The flags that a device holds. As in Stage, a flag is a coloured token that bodies hold and exchange.
+struct HeldFlags {
+  std::size_t count = 0;       ///< number of flags that it holds now
+  std::uint64_t received = 0;  ///< number received from other bodies since the device came into the world
+};
+
+/// The argument of DeviceKind::draw: the device of one row.
+struct DeviceView {
+  const World& world;       ///< the world, between two ticks
+  const std::any& data;     ///< DeviceKind::Prepared::data of the device
+  const StateTable& state;  ///< state of the device, by slot
+  std::size_t slot = 0;     ///< index of the row in `state`
+  std::uint32_t body = 0;   ///< index of the device's body in Frame::mobile
+  Pose pose_world_device;   ///< present pose, including the displacement of joints
+
+  /// Converts a point from the device frame to the world frame, m.
+  Eigen::Vector3d at(double x, double y, double z) const;
+};
+
+/// The list of a Frame to which the devices of a kind add their drawings (DeviceKind::draw).
+enum class FrameLayer : std::uint8_t {
+  none,    ///< not drawn
+  sights,  ///< detections: Frame::sights
+  blobs,   ///< blobs of colour: Frame::blobs
+  grips,   ///< gripper beams and held bodies: Frame::grips
+};
+
+/// The bodies that an effect of a device may change.
+enum class ApplyScope : std::uint8_t {
+  trees,       ///< the body of the device, the target, and all bodies that move together with either of them;
+               ///< the target must be within the reach of the device (DeviceKind::Prepared::reach_m)
+  any_target,  ///< the same bodies, but the target may be anywhere in the world
+  anything,    ///< any body
+};
+
+// Names for DeviceKind::reads.
+inline constexpr std::string_view k_velocity_of_others = "velocity";  ///< velocities that drives computed
+inline constexpr std::string_view k_command_of_others = "command";    ///< commands to drives
+/// Whether devices run: CommittedView::runs(), senses(), is_on(), works() and is_supplied().
+inline constexpr std::string_view k_runs_of_others = "runs";
+
+/// A kind of device: a sensor, which only reads the world, or another device (gripper, light, power pack),
+/// which takes commands and acts. A device is mounted on a part of a body and has a state of its own.
+struct DeviceKind {
+  std::string_view name;  ///< name in files: "ranger"
+  std::string_view text;  ///< one sentence for `troupe describe`
+  FieldTable params;      ///< table of the parameters of a device of this kind
+  /// Names of the joints that the device moves; empty if it moves none. A device that moves one joint may
+  /// leave the name of this joint empty.
+  std::vector<std::string_view> joints;
+  /// Whether the device can pick up other bodies (World::attach()).
+  bool carries = false;
+  /// Whether the device is a drive. A controller commands the drive device on its own part or, if that part
+  /// has none, on the nearest part that carries its part. Only if there is no such device, it commands the
+  /// body's drive. The command struct of a drive device must be a Command (command_fields()), and the state
+  /// must begin with a Pose, the estimated pose of the device.
+  bool drives = false;
+  /// A solid of a device, with its joints at rest.
+  struct Fixture {
+    Solid solid;              ///< the solid, device frame
+    std::int32_t joint = -1;  ///< index of the device's joint that moves the solid; -1: none
+  };
+  /// The data that `sense` and `act` read of other bodies, in addition to the places of these bodies
+  /// (SensingView). Each name is one of the k_..._of_others above, `KIND` for the states of devices of a
+  /// kind, `KIND/command` for the commands to devices of a kind, or the name of a field for the states of all
+  /// devices whose first field has this name. If several ranks (threads or processes) compute a world
+  /// together, they send one another these data. Tests detect kinds that read other data with
+  /// World::hide_beyond_reach().
+  std::vector<std::string_view> reads;
+  /// The bodies that `apply` may change. Tests detect kinds that change other bodies with
+  /// World::hide_beyond_reach().
+  ApplyScope scope = ApplyScope::anything;
+  /// Returns the solids that the device adds to its body. Null: it adds none.
+  std::vector<Fixture> (*body)(const Record& params) = nullptr;
+  /// A device compiled from its parameters: the data of its hooks and the layout of its state.
+  struct Prepared {
+    std::any data;                     ///< the argument `data` of the hooks
+    std::vector<StateField> percepts;  ///< fields of the device's state table
+    std::size_t percept_bytes = 0;     ///< size of a row, bytes, if rows are structs (memory_fields); else 0
+    /// Fields of the struct with the commands from controllers (memory_fields); empty: the device takes no
+    /// commands.
+    std::vector<StateField> commands;
+    std::size_t command_bytes = 0;  ///< size of the command struct, bytes
+    /// The reach of the device: radius of a disc around the origin of its body, m. `sense` and `act` must
+    /// not read the data of a body whose enclosing circle is outside the disc, except for bodies that move
+    /// together with the device's own body (SensingView::same_tree()). For bodies with joints, the engine
+    /// adds to the radius the larger of BodyType::joint_reach and the present distance of the device's joint
+    /// from its rest position. Tests enforce this rule with World::hide_beyond_reach().
+    double reach_m = 0;
+    /// The reach for which the cells of the spatial index are chosen, m; not set: reach_m. A device that
+    /// rarely searches far sets a smaller value, because a large one makes the cells coarse for all other
+    /// devices.
+    std::optional<double> cell_hint_m = {};
+    /// Number of rays that the device casts each time it runs. It only counts towards the limit of 10 million
+    /// rays for all devices of all types of a world.
+    std::size_t beams = 0;
+    /// Largest number of effects that a row may emit in a tick, requested births and deaths included.
+    std::size_t most_effects = 0;
+    bool ends_lives = false;  ///< whether it may emit deaths: emit_death()
+    double watts = 0;         ///< power that it draws from its supply while it runs, W
+    /// Poses of its joints at tick 0 or at the birth of the body, relative to rest, m and rad: one for each
+    /// name of DeviceKind::joints. Empty: all joints are at rest.
+    std::vector<Pose> joints;
+    double joint_reach_m = 0;  ///< largest horizontal shift of its joints from rest, m; turns do not count
+    /// For rangers: heading of each reading in the sensor frame, rad. Percept 0 of a ranger holds the ranges.
+    /// Empty for all other devices.
+    std::vector<double> bearings;
+    /// For rangers: the fans of beams, in the order of the readings. Each reading belongs to one fan. Empty
+    /// for all other devices.
+    std::vector<Transducer> transducers;
+    std::optional<Camera> camera;      ///< for cameras: their images
+    std::optional<SoughtMarks> seeks;  ///< for fiducial finders: the parts that they detect
+  };
+  /// Compiles the parameters, which the caller has checked against the limits of their table. The hook must
+  /// be a pure function. If it throws, loading the world reports an error at the device in the world file.
+  ///
+  /// pose_body_device: the frame in which the parameters are given, as a pose in the body frame
+  Prepared (*prepare)(const Record& params, const Pose& pose_body_device);
+  /// Called after each call of `prepare`: completes `data` from the type and from the part that carries the
+  /// device (an index into TypeSpec::parts). The error says why the type or the part does not suit the
+  /// device. Null: not needed.
+  Result<> (*bind_part)(std::any& data, const TypeSpec& type, std::uint32_t part) = nullptr;
+  /// Called after each call of `bind_part`: completes `data` from the world. The error says why the world
+  /// does not suit the device. Null: not needed.
+  Result<> (*bind_world)(std::any& data, const WorldSpec& world) = nullptr;
+  /// Called after `bind_part` and `bind_world`: returns a reach, m, that replaces Prepared::reach_m. Kinds
+  /// whose reach depends on the part or the world have this hook. Null: the reach is Prepared::reach_m.
+  double (*reach_m)(const std::any& data) = nullptr;
+  /// Sets the state of a row when its body's life begins, at tick 0 or at a birth. All bytes of the row are 0
+  /// before the call. Null: they stay 0.
+  void (*start)(const std::any& data, StateTable& state, std::size_t slot) = nullptr;
+  /// Called in the phase `sense`: writes the percepts of every row of the batch. The hook must read only the
+  /// state at the end of the last tick. Returns the number of rays cast. Null: the device senses nothing.
+  std::uint64_t (*sense)(const SenseBatch& batch) = nullptr;
+  /// Called in the phase `actuate`, in which the drives also run, before the controllers decide: executes the
+  /// commands of the previous tick. Null: the device has no actions.
+  void (*act)(const DeviceBatch& batch) = nullptr;
+  /// Called after bodies and joints have moved, if any joint of the world had a goal in this tick, for all
+  /// devices of the kind that move joints and whose bodies are in the world. The hook can then read with
+  /// DeviceBatch::moved_joint() whether the joints of a device reached their goals. Null: not needed.
+  void (*joints_moved)(const DeviceBatch& batch) = nullptr;
+  /// Called after the bodies have moved: applies one effect that a device of this kind emitted with
+  /// DeviceBatch::emit(). Effects are applied one by one, in the order of (Effect::source, device,
+  /// sequence). Each call sees the results of the effects applied before. Null: the device must not call
+  /// emit().
+  void (*apply)(World& world, const std::any& data, const Effect& effect) = nullptr;
+  /// Called after all other effects and all deaths of the tick were applied, once for each birth that the
+  /// device requested, unless the body of the device died in this tick: receives the result of the birth.
+  /// Null: not needed.
+  void (*born)(World& world, const std::any& data, const Effect& effect, const Birth& birth) = nullptr;
+
+  /// For power supplies: returns whether the supply of a row is empty. While it is empty, the devices that
+  /// it serves do not run. A supply serves the devices of its part and of the parts mounted on that part,
+  /// except parts with a supply of their own and the parts mounted on them. A supply of the root part also
+  /// serves the drive. The hook must not throw. Null: the device is not a power supply.
+  bool (*is_spent)(const std::any& data, const StateTable& state, std::size_t slot) = nullptr;
+
+  bool needs_supply = false;  ///< true: it is an error if no power supply of the body serves the device
+  /// Returns the energy account of a row. Null: the device stores no energy.
+  Energy (*energy)(const StateTable& state, std::size_t slot) = nullptr;
+  /// Returns the flags that the device of a row holds. Null: the device holds no flags.
+  HeldFlags (*flags)(const StateTable& state, std::size_t slot) = nullptr;
+
+  /// True: the device sets the colour of its part. Its state must then begin with that colour: three f32,
+  /// red, green and blue, in a field named k_shown_color (engine/sensing/shown_color.hpp). Code that reads
+  /// recordings finds the field by this name.
+  bool shows_color = false;
+  FrameLayer layer = FrameLayer::none;  ///< layer that `draw` adds to
+  /// Draws the device of a row: adds entries to the layer `layer` of a frame. For a sensor the hook is
+  /// called only after tick 0 and while the sensor runs (World::runs()). Null if `layer` is
+  /// FrameLayer::none.
+  void (*draw)(const DeviceView& view, Frame& frame) = nullptr;
+
+  /// True if the device only senses: the kind has none of the hooks act, apply and born.
+  bool is_sensor() const { return act == nullptr && apply == nullptr && born == nullptr; }
+};
+
+/// The meaning of the numbers of a command.
+enum class ControlMode : std::uint8_t {
+  velocity,      ///< speeds, m/s and rad/s; for drives of kind `car`, `turn` is the steering angle, rad
+  acceleration,  ///< accelerations, m/s^2 and rad/s^2; for drives of kind `car`, `turn` is as in `velocity`
+  position,      ///< a goal pose, in the frame of the robot's estimated pose, m and rad
+};
+inline constexpr std::size_t k_control_modes = 3;  ///< number of values of ControlMode
+
+/// The command of a controller to its drive. Speeds and accelerations are in the body frame, goals in the
+/// frame of the estimated pose. Assigning `{x, y, turn}` commands a speed and switches all devices on,
+/// because it also resets `mode` and `off`; assigning a single member keeps the others.
+struct Command {
+  double x = 0;                              ///< forward, m/s or m/s^2; for a goal its x, m
+  double y = 0;                              ///< left, m/s or m/s^2; for a goal its y, m
+  double turn = 0;                           ///< turn, rad/s or rad/s^2; for a goal its heading, rad
+  ControlMode mode = ControlMode::velocity;  ///< meaning of x, y and turn
+  std::uint32_t off = 0;  ///< devices that the controller has switched off: bits BodyType::Device::switch_bit
+};
+
+/// The members of Command as state fields.
+std::vector<StateField> command_fields();
+
+/// The velocity that a drive gives its body.
+struct Velocity {
+  double x = 0;     ///< forward, body frame, m/s
+  double y = 0;     ///< left, body frame, m/s
+  double turn = 0;  ///< counter-clockwise, rad/s
+};
+
+/// The argument of DriveKind::drive: robots of one type whose drives run in this tick. All spans have one
+/// entry per robot, but `estimates` may be empty instead. There may be no robots.
+struct DriveBatch {
+  std::span<const Command> commands;  ///< the commands to the drives
+  /// Output: velocities in this tick. On entry, if `estimates` is not empty, the velocities that the drives
+  /// computed last; otherwise the values on entry have no meaning.
+  std::span<Velocity> velocities;
+  std::span<const Pose> estimates;  ///< estimated poses of the robots; empty if all commands are speeds
+  double elapsed_s = 0;             ///< time from one run of these drives to the next, s
+};
+
+/// A kind of drive, which computes velocities from commands.
+struct DriveKind {
+  std::string_view name;  ///< name in files: "diff"
+  std::string_view text;  ///< one sentence for `troupe describe`
+  FieldTable params;      ///< table of the parameters of a drive of this kind
+  /// Compiles the parameters to the argument `data` of the other hooks. The hook must accept all parameters
+  /// within the limits of `params`, because the engine calls it even if `check` returned an error.
+  std::any (*prepare)(const Record& params);
+  /// Checks that the parameters are consistent. The error says which parameters are not, and why.
+  Result<> (*check)(const Record& params);
+  /// Computes the velocities of a batch from the commands, within the limits of the drive. If a velocity or a
+  /// number of a command is not finite, World::step() throws a StepError that names the robot.
+  void (*drive)(const std::any& data, const DriveBatch& batch);
+  /// Returns the velocity that a robot has until its drive runs for the first time. Null: 0.
+  Velocity (*start)(const std::any& data) = nullptr;
+  /// Hooks that only read parameters, whose effect the engine itself implements.
+  ///@{
+  /// Returns how robots with this drive estimate their poses. The error says why the parameters are
+  /// inconsistent. Null: the estimates are the true poses, world frame.
+  Result<Localization> (*localization)(const Record& params) = nullptr;
+  /// Returns the number of pushable bodies that a robot can push at once. A number below 0 counts as 0, and a
+  /// number above k_most_pushed as k_most_pushed. Null: 0.
+  std::int64_t (*pushes)(const Record& params) = nullptr;
+  ///@}
+};
+
+/// The largest number of sensors and other devices that one controller can use.
+inline constexpr std::size_t k_most_devices_read = 16;
+
+/// The state of one sensor or other device of one robot, as its controllers read it.
+class Readings {
+ public:
+  Readings() = default;  ///< refers to no device; the functions below must not be called
+  /// The state in row `slot` of a device's table. The table must outlive this object.
+  Readings(const StateTable& table, std::size_t slot) : table_(&table), slot_(slot) {}
+  /// The values of field f, one per column; f is an index into DeviceKind::Prepared::percepts. T must be the
+  /// C++ type of the field's element (StateField::element).
+  template <class T>
+  std::span<const T> field(std::size_t f) const {
+    return table_->cell<T>(slot_, f);
+  }
+  /// The whole row as a struct. The percepts of the device's kind must be the members of this struct.
+  template <class State>
+  const State& as() const {
+    return table_->as<State>(slot_);
+  }
+
+ private:
+  const StateTable* table_ = nullptr;
+  std::size_t slot_ = 0;
+};
+
+/// The inputs of one robot's controller in a tick.
+struct Percept {
+  std::uint64_t tick = 0;  ///< number of the present tick; the first tick is 1
+  double time_s = 0;       ///< world time at the end of the tick, s
+  double tick_s = 0;       ///< length of a tick, s
+  std::uint32_t body = 0;  ///< id of the robot
+  /// The sensors and other devices that the controller chose in `prepare`, in that order.
+  std::span<const Readings> devices;
+  /// Estimated pose, m and rad: that of the drive device which the controller commands (DeviceKind::drives)
+  /// or, if there is none, that of the robot. Its frame is defined by the Localization of the drive
+  /// (engine/kinds/localization.hpp).
+  Pose estimate;
+
+  /// Ranges that a ranger measured, m, one per beam. `ranger` is its index in `devices`.
+  std::span<const float> ranges(std::size_t ranger) const { return devices[ranger].field<float>(0); }
+};
+
+/// The outputs of one robot's controller. An output that the controller does not set keeps its last value.
+struct Actions {
+  Command& command;  ///< command to the robot's drive, or to the drive device (DeviceKind::drives) instead
+  /// Command structs of the chosen devices, in the order of Percept::devices; null for devices that take no
+  /// commands.
+  std::span<std::byte* const> devices;
+  /// The bit of each chosen device in Command::off, in the order of Percept::devices. switch_device() uses
+  /// these bits.
+  std::span<const std::uint32_t> switches;
+
+  /// Switches a device on or off, from the next tick on. A device that is off does nothing, draws no power
+  /// and keeps its last readings. The device stays off until this function switches it on or until `command`
+  /// is replaced as a whole: set_speed(), for example, switches all devices on again. The call has no effect
+  /// on a device if ControllerKind::switches is false for all controllers that use the device, nor on devices
+  /// whose index in the type is 32 or higher.
+  ///
+  /// chosen: index of the device in Percept::devices, here and below
+  void switch_device(std::size_t chosen, bool on) const {
+    command.off = on ? command.off & ~switches[chosen] : command.off | switches[chosen];
+  }
+  /// Whether the present command leaves a device switched on; true for devices that cannot be switched off.
+  bool is_on(std::size_t chosen) const { return (command.off & switches[chosen]) == 0; }
+
+  /// Commands a speed, m/s and rad/s, from the next tick on, until the command is replaced. For a car `turn`
+  /// is the steering angle, rad.
+  void set_speed(double forward, double left, double turn) {
+    command = {forward, left, turn, ControlMode::velocity};
+  }
+  /// Commands an acceleration, m/s^2 and rad/s^2, from the next tick on, until the command is replaced. For a
+  /// car `turn` is the steering angle, rad.
+  void accelerate(double forward, double left, double turn) {
+    command = {forward, left, turn, ControlMode::acceleration};
+  }
+  /// Commands a goal pose in the frame of Percept::estimate, m and rad. The robot drives to that pose and
+  /// stays there until the command is replaced.
+  void go_to(double x, double y, double heading) { command = {x, y, heading, ControlMode::position}; }
+
+  /// The command to the device number `chosen` of Percept::devices. The kind of the device must take
+  /// commands, and its command struct must be DeviceCommand.
+  template <class DeviceCommand>
+  DeviceCommand& device(std::size_t chosen) const {
+    return *reinterpret_cast<DeviceCommand*>(devices[chosen]);
+  }
+};
+
+/// The argument of ControllerKind::decide: robots of one type whose controller decides in a tick, with their
+/// data. The batch may be empty. In the functions, robot i is the robot of rows[i]. A chosen device is a
+/// device that the controller uses (ControllerKind::Prepared::devices). Its index in that list is the
+/// argument `sensor` of the functions, and the index of its entry in `percepts`, `device_commands` and
+/// `switches`.
+struct DecideBatch {
+  std::uint64_t tick = 0;                ///< number of the present tick; the first tick is 1
+  double time_s = 0;                     ///< world time at the end of the tick, s
+  double tick_s = 0;                     ///< length of a tick, s
+  std::uint64_t seed = 0;                ///< seed of the world
+  std::uint32_t stream = 0;              ///< number of the controller's random stream: see random()
+  std::span<const Row> rows;             ///< rows of the batch
+  std::span<const BodyId> ids;           ///< id of each row of the world
+  std::span<const std::uint32_t> slots;  ///< slot of each row of the world in the tables of its type
+  std::span<Command> commands;           ///< drive command of each row of the world
+  Estimates estimates;                   ///< estimated poses of the robots, as their drives estimate them
+
+  /// The rows of one state table of the type. The table has one row per robot of the type, indexed by slot.
+  struct Rows {
+    std::byte* first = nullptr;  ///< slot 0; null: there is no such table
+    std::size_t row_bytes = 0;   ///< distance from one slot to the next, bytes
+
+    /// The row of a slot; null if there is no table.
+    std::byte* of(std::size_t slot) const { return first == nullptr ? nullptr : first + slot * row_bytes; }
+  };
+  /// State of the chosen devices. Only the first `devices` elements are set.
+  std::array<const StateTable*, k_most_devices_read> percepts;
+  std::array<Rows, k_most_devices_read> device_commands;      ///< commands to the chosen devices
+  std::array<std::uint32_t, k_most_devices_read> switches{};  ///< bits of the chosen devices in Command::off
+  std::size_t devices = 0;                                    ///< number of chosen devices
+  Rows memories;  ///< memory structs of the controller; without rows if its kind has no memory
+  /// Commands to the drive device that the controller commands (DeviceKind::drives). Without rows if there is
+  /// no such device: the controller then commands the body's drive through `commands`.
+  Rows drive_commands = {};
+  /// State of the drive device that `drive_commands` belongs to. It begins with the estimated pose of that
+  /// drive. Null if there is no such device.
+  const StateTable* drive_state = nullptr;
+
+  std::size_t size() const { return rows.size(); }  ///< number of robots in the batch
+  std::uint32_t body(std::size_t i) const { return ids[rows[i].index()].value; }  ///< id of robot i
+  /// Slot of robot i in the tables of its type.
+  std::size_t slot(std::size_t i) const { return slots[rows[i].index()]; }
+  /// Command that the controller of robot i gives, for reading and writing: the command to the drive device
+  /// of `drive_commands` or, if there is none, to the body's drive.
+  Command& command(std::size_t i) const {
+    if (drive_commands.first == nullptr) return commands[rows[i].index()];
+    return *reinterpret_cast<Command*>(drive_commands.of(slot(i)));
+  }
+  /// Estimated pose of robot i: that of the drive device which the controller commands or, if there is none,
+  /// that of the body.
+  Pose estimate(std::size_t i) const {
+    if (drive_state != nullptr) return drive_state->as<Pose>(slot(i));
+    return estimates.of(rows[i], slots[rows[i].index()]);
+  }
+  /// The random numbers of robot i in this tick. Each call returns the same sequence from its beginning.
+  Random random(std::size_t i) const { return {seed, stream, body(i), static_cast<std::uint32_t>(tick)}; }
+  /// Memory of robot i; null if the kind has none.
+  std::byte* memory(std::size_t i) const { return memories.of(slot(i)); }
+  /// Readings of a chosen device of robot i.
+  Readings readings(std::size_t sensor, std::size_t i) const { return {*percepts[sensor], slot(i)}; }
+  /// Ranges that a chosen ranger of robot i measured, m, one number per beam.
+  std::span<const float> ranges(std::size_t sensor, std::size_t i) const {
+    return percepts[sensor]->cell<float>(slot(i), 0);
+  }
+  /// Command struct of a chosen device of robot i; null if its kind takes no commands.
+  std::byte* device_command(std::size_t sensor, std::size_t i) const {
+    return device_commands[sensor].of(slot(i));
+  }
+};
+
+/// An exception of a controller, with the robot for which the controller was called. ControllerKind::decide
+/// may throw this, so that the error message names the robot. For any other exception the message names the
+/// first robot of the batch and, if there are several robots, the size of the batch.
+struct DecisionError {
+  Row row;                    ///< row of the robot
+  std::exception_ptr thrown;  ///< the controller's exception
+};
+
+/// A device of a type, as ControllerKind::prepare receives it to choose the inputs of a controller.
+struct DeviceInfo {
+  std::string_view name;                 ///< name of the device (BodyType::Device::name)
+  std::string_view kind;                 ///< kind of the device (DeviceKind::name)
+  const DeviceKind::Prepared& prepared;  ///< the compiled device
+  /// Pose of the device with all joints at rest, m and rad. Its frame is that of the drive which the
+  /// controller commands: the frame of the drive device (DeviceKind::drives) or, if there is none, the body
+  /// frame.
+  Pose pose = {};
+};
+
+/// A kind of controller. A controller computes commands from the state of devices and from its memory.
+struct ControllerKind {
+  std::string_view name;    ///< name in files: "wander"
+  std::string_view text;    ///< one sentence for `troupe describe`
+  FieldTable params;        ///< table of the parameters of a controller of this kind
+  bool needs_drive = true;  ///< false: bodies without a drive may also have the controller
+  bool switches = false;    ///< whether it may call Actions::switch_device()
+  /// True: all robots of a type that decide in a tick are in one batch, in the order of their ids, and
+  /// `decide` is called on the thread that steps the world, after all other controllers. If several ranks
+  /// (threads or processes) compute the world together, `decide` is called on rank 0. The result may depend
+  /// on all robots of the batch. Controllers in other languages use this, because each of their calls is
+  /// slow.
+  bool is_collective = false;
+  /// Fields of the memory struct that the engine keeps for each robot; empty: the controller has no memory.
+  std::vector<StateField> memory;
+  std::size_t memory_bytes = 0;  ///< size of the memory struct, bytes
+  /// Initialises the memory struct of a robot at tick 0 or at its birth. The hook must set every field,
+  /// whatever the bytes of the struct held before. `troupe check --controllers` tests this rule: it calls
+  /// the hook on two memories that are filled with different bytes. Not called if the controller has no
+  /// memory.
+  void (*start)(std::byte* memory);
+
+  /// A controller compiled from its parameters.
+  struct Prepared {
+    std::any data;  ///< the argument `data` of `decide`
+    /// The devices that the controller uses, at most k_most_devices_read: indices into the argument
+    /// `devices` of `prepare`. The controller decides in the ticks in which the first of these devices is
+    /// due, even if that device is switched off, broken or without power. Without devices the controller
+    /// decides in the ticks in which the body's drive is due, and without a drive once per
+    /// ControllerSpec::period_s.
+    std::vector<std::size_t> devices;
+  };
+  /// Compiles the parameters and chooses among `devices` those that the controller uses. `devices` are the
+  /// devices of the controller's part and of the parts mounted on that part, except drive devices
+  /// (DeviceKind::drives). claimed[d] is true if an earlier controller of the type has reserved devices[d]
+  /// for itself; this function may set further entries. The text of the error says what the type lacks and
+  /// continues the words `controller "NAME"`: for example, `needs a device of kind ranger`.
+  Result<Prepared> (*prepare)(const Record& params, std::span<const DeviceInfo> devices,
+                              std::vector<bool>& claimed);
+  /// Called after each call of `prepare`: completes the data of the controller from the world, the type and
+  /// the part of the controller, for example from the pose of a model or from the floor plan. `part` is an
+  /// index into TypeSpec::parts. The error says why the world or the type does not suit the controller. Null:
+  /// not needed.
+  Result<> (*bind_world)(std::any& data, const WorldSpec& world, const TypeSpec& type,
+                         std::uint32_t part) = nullptr;
+  /// Kinds of devices that the controller needs and that Stage files do not declare, such as "flags". The
+  /// loader of Stage files adds a device of each of these kinds, with default parameters, to a model with
+  /// this controller that has none. Other loaders add none.
+  std::vector<std::string_view> brings;
+  /// Decides for all robots of the batch: sets their commands and memories. make_controller_kind() makes this
+  /// hook from a function for one robot.
+  void (*decide)(const std::any& data, const DecideBatch& batch);
+};
+
+/// All kinds that a world can use. A registry is passed as an argument and is never global.
+/// troupe/registry.cpp assembles the one with all kinds of Troupe.
+struct Registry {
+  std::vector<ModelKind> models;            ///< model kinds of Stage files
+  std::vector<DeviceKind> devices;          ///< kinds of sensors and of other devices
+  std::vector<DriveKind> drives;            ///< kinds of drives
+  std::vector<ControllerKind> controllers;  ///< kinds of controllers
+  std::vector<MeasureKind> measures;        ///< kinds of measures
+  std::vector<FaultKind> faults;            ///< kinds of faults
+
+  /// A name for a controller kind with certain parameters, such as Stage's expand_swarm.
+  struct Preset {
+    std::string_view name;                                   ///< name in files
+    std::string_view kind;                                   ///< name of the controller kind
+    std::string_view text;                                   ///< one sentence for `troupe describe`
+    std::vector<std::pair<std::string_view, Value>> params;  ///< parameters that differ from the defaults
+  };
+  std::vector<Preset> presets;  ///< presets; no preset has the name of a controller kind
+
+  /// A callback that finds controllers of plug-ins (troupe/plugins.hpp), which are not in the lists above.
+  /// `unknown` is the error message for a name that no plug-in has. The callback returns this message as its
+  /// error, with the folders that were searched or other details added. The kinds that it returns live as
+  /// long as the registry and its copies. Empty: there are no plug-ins.
+  std::function<Result<const ControllerKind*>(std::string_view name, std::string unknown)>
+      plugged_controllers;
+  /// Callbacks that find the devices and the measures of plug-ins, like `plugged_controllers`.
+  ///@{
+  std::function<Result<const DeviceKind*>(std::string_view name, std::string unknown)> plugged_devices;
+  std::function<Result<const MeasureKind*>(std::string_view name, std::string unknown)> plugged_measures;
+  ///@}
+
+  /// The kind with this name in the lists above, or for devices and controllers also in a plug-in; null if
+  /// there is none. The name of a preset is not looked up in plug-ins. The pointer is valid as long as the
+  /// lists are not changed.
+  ///@{
+  const ModelKind* model(std::string_view name) const;
+  const DeviceKind* device(std::string_view name) const;
+  const DriveKind* drive(std::string_view name) const;
+  const ControllerKind* controller(std::string_view name) const;
+  ///@}
+  /// The device kind of this name, in the list or in a plug-in; never null. If there is none, the error is
+  /// the message `unknown`, to which `plugged_devices` may add details.
+  Result<const DeviceKind*> find_device(std::string_view name, std::string unknown) const;
+  /// The controller kind of this name, in the lists or in a plug-in; never null. If there is none, the error
+  /// begins with `unknown controller "hover"; known: expand, ...`. The name of a preset is not looked up in
+  /// plug-ins, and gives this error.
+  Result<const ControllerKind*> find_controller(std::string_view name) const;
+  /// The measure of this name, in the list or in a plug-in; never null. If there is none, the error begins
+  /// with `unknown measure "stals"; known: alive, ...`.
+  Result<const MeasureKind*> find_measure(std::string_view name) const;
+  /// Names of the controllers and presets in the lists, sorted.
+  std::vector<std::string_view> controller_names() const;
+  /// The preset, measure or fault of this name in the lists; null if there is none.
+  ///@{
+  const Preset* preset(std::string_view name) const;
+  const MeasureKind* measure(std::string_view name) const;
+  const FaultKind* fault(std::string_view name) const;
+  ///@}
+
+  /// The device kinds of the list `devices` that only sense (DeviceKind::is_sensor()).
+  std::vector<DeviceKind> sensors() const;
+  std::vector<DeviceKind> other_devices() const;  ///< the device kinds of that list that do not only sense
+};
+
+}  // namespace troupe::engine

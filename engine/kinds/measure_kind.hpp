@@ -1,0 +1,83 @@
+#pragma once
+
+#include "base/ids.hpp"
+#include "engine/fields/description.hpp"
+
+#include <algorithm>
+#include <cstddef>
+#include <memory>
+#include <span>
+#include <string_view>
+#include <utility>
+#include <vector>
+
+namespace troupe::engine {
+
+class World;
+
+/// A measure of a run. It computes one number from the present state and from its own memory of earlier
+/// states, and never changes the world. The numbers must have the same bits for any number of threads and any
+/// tile size, like the state (docs/determinism.md).
+class Measure {
+ public:
+  virtual ~Measure() = default;
+  /// Updates the memory with the present state. MeasureSet calls this once for every tick, in order. The
+  /// first call is for the state with which measuring begins. By default it does nothing.
+  virtual void see(World& world) { static_cast<void>(world); }
+  /// The value for the present state, in the unit MeasureKind::unit; NaN if the measure has no value in this
+  /// state. see() was called for this state before. This function may be called any number of times per
+  /// tick.
+  virtual double value(World& world) = 0;
+  /// The memory as bytes; by default there is none. A checkpoint saves these bytes, and a resumed run
+  /// overwrites them. The number of bytes must be the same in every call.
+  virtual std::span<std::byte> memory() { return {}; }
+};
+
+/// A kind of measure. A measure can be computed for all robots, for some of them, or for one.
+struct MeasureKind {
+  std::string_view name;        ///< name of the measure and of its column
+  Unit unit = Unit::none;       ///< SI unit of the values; MeasureSet adds it to the name of the column
+  std::string_view text;        ///< description in one line
+  std::string_view definition;  ///< exact definition, and its source
+  std::string_view formula;  ///< the definition as a formula, with n robots i at positions x_i; may be empty
+  /// For an alias, the name of the original measure; otherwise empty. An alias is computed only if the user
+  /// chooses it (is_usual()).
+  std::string_view same_as;
+  /// Whether code in another language, such as Python, computes the measure. The values of such a measure
+  /// need not have the same bits in every run. The constructor of MeasureSet reports a std::logic_error of
+  /// `make` in its diagnostics; all other exceptions of such a measure propagate unchanged.
+  bool is_foreign = false;
+  FieldTable params;  ///< table of the parameters of a measure of this kind
+  /// Whether the measure is computed if the user chooses no measures. True if it is not an alias and all its
+  /// parameters have default values.
+  bool is_usual() const { return same_as.empty() && std::ranges::all_of(params.defaults(), &Value::given); }
+  /// Makes a measure of the given robots, which are in order of ids; the list may be empty. A measure keeps
+  /// the ids, and asks World::row() for the row of a robot whenever it reads the data of the robot. The
+  /// caller has checked the argument `params` against the table MeasureKind::params. Throws std::length_error
+  /// if the parameters need too much memory, and std::invalid_argument if they name something that does not
+  /// exist.
+  std::unique_ptr<Measure> (*make)(const World& world, const Record& params, std::vector<BodyId> robots);
+};
+
+/// Makes a measure kind from a class M, which is derived from Measure. The constructor of M takes (world,
+/// robots), or (world, params, robots) if M has a described `struct Params` (engine/fields/description.hpp).
+template <class M>
+MeasureKind make_measure_kind(std::string_view name, Unit unit, std::string_view text,
+                              std::string_view definition, std::string_view formula = {}) {
+  MeasureKind kind{.name = name, .unit = unit, .text = text, .definition = definition, .formula = formula};
+  if constexpr (requires { typename M::Params; }) {
+    kind.params = described<typename M::Params>();
+    kind.make = [](const World& world, const Record& record,
+                   std::vector<BodyId> robots) -> std::unique_ptr<Measure> {
+      return std::make_unique<M>(world, from_record<typename M::Params>(record), std::move(robots));
+    };
+  } else {
+    kind.make = [](const World& world, const Record&,
+                   std::vector<BodyId> robots) -> std::unique_ptr<Measure> {
+      return std::make_unique<M>(world, std::move(robots));
+    };
+  }
+  return kind;
+}
+
+}  // namespace troupe::engine

@@ -1,0 +1,561 @@
+#include "engine/links/links.hpp"
+
+#include "engine/kinds/finite.hpp"
+#include "engine/kinds/step_error.hpp"
+#include "partition/placed_shape.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <bit>
+#include <cmath>
+#include <limits>
+
+namespace troupe::engine {
+namespace {
+
+using partition::ObstacleShape;
+using partition::PlacedShape;
+
+constexpr std::size_t k_batch = 64;  // trees per task
+
+Pose between(const Pose& from, const Pose& to, double t) {
+  return {from.x + t * (to.x - from.x), from.y + t * (to.y - from.y), from.z + t * (to.z - from.z),
+          from.heading + t * (to.heading - from.heading)};
+}
+
+/// Capacity to reserve for the obstacle shape of a body together with the bodies that it carries directly.
+/// Bodies that these carry in turn are not counted.
+struct Room {
+  std::size_t pieces = 0;
+  std::size_t corners = 0;  ///< of the piece with the most corners
+
+  void add(const ObstacleShape& shape, std::size_t times) {
+    pieces += times * shape.pieces.size();
+    for (const ConvexPrism& piece : shape.pieces) corners = std::max(corners, piece.outline.size());
+  }
+};
+
+/// The type with the most obstacle pieces among the types whose bodies can be gripped; null if there is none.
+const BodyType* most_intricate_cargo(std::span<const BodyType> types) {
+  const BodyType* most = nullptr;
+  for (const BodyType& type : types)
+    if (!type.grip.empty() && (!most || type.obstacle.pieces.size() > most->obstacle.pieces.size()))
+      most = &type;
+  return most;
+}
+
+/// Returns the map of the points that a joint moves, in the frame of the body: from their positions with all
+/// joints at rest to their positions with this joint displaced by `q` (m, rad). `parent` is this map for the
+/// parent joint, or the identity if the joint has no parent.
+Mount moved_by(const BodyType::Joint& joint, const Mount& parent, const Pose& q) {
+  if (q == Pose{}) return parent;
+  return compose(compose(compose(parent, joint.at_rest), Mount(q)), joint.to_body);
+}
+
+}  // namespace
+
+/// A body of a tree, which is a body and the bodies that it carries, directly or through others. Trees are
+/// visited from the root, the body that is not carried.
+struct Links::TreeBody {
+  Row row;
+  Mount place;         // the body's frame, relative to the root's frame
+  bool moves = false;  // whether a joint between it and the root moves in this round of resolution
+};
+
+void Links::build() {
+  const bool any = std::ranges::any_of(state_.types, [](const BodyType& t) { return t.is_composite(); });
+  if (!any) return;
+  state_.joint_begins.resize(state_.row_count());
+  composite_of_.assign(state_.row_count(), k_none);
+  for (auto* list : {&state_.roots, &first_cargo_, &next_cargo_}) list->assign(state_.row_count(), k_none);
+  composites_.clear();
+  std::size_t joints = 0;
+  for (std::size_t i = 0; i < state_.types.size(); ++i)
+    joints += state_.pools[i].rows * state_.types[i].joints.size();
+  for (std::uint32_t r = 0; r < state_.row_count(); ++r) {
+    const BodyType& t = state_.type(Row(r));
+    state_.joint_begins[r] = state_.joint_begin(state_.row_types[r], state_.slots[r]);
+    rounds_ = std::max(rounds_, t.joint_devices.size());
+    if (!t.is_composite()) continue;
+    composite_of_[r] = static_cast<std::uint32_t>(composites_.size());
+    composites_.push_back(r);
+  }
+  joints_.resize(joints);
+  state_.joint_mounts.resize(joints);
+  shapes_.resize(composites_.size());
+  moved_.resize(composites_.size());
+  on_the_way_.resize(composites_.size());
+  samples_.resize(composites_.size());
+  refused_.resize(composites_.size());
+
+  // Reserves memory now, so that no memory is allocated when a body is gripped, unless that body carries
+  // another one.
+  // Larger shapes allocate their memory when they are first computed.
+  constexpr std::size_t k_most_pieces = 64;
+  const BodyType* cargo = most_intricate_cargo(state_.types);
+  for (std::size_t c = 0; c < composites_.size(); ++c) {
+    const BodyType& t = state_.type(Row(composites_[c]));
+    Room room;
+    room.add(t.obstacle, 1);
+    const auto carry = [](const BodyType::Device& device) { return device.kind->carries; };
+    if (cargo) room.add(cargo->obstacle, static_cast<std::size_t>(std::ranges::count_if(t.devices, carry)));
+    for (auto* buffers : {&shapes_, &moved_, &on_the_way_})
+      (*buffers)[c].reserve(std::min(room.pieces, k_most_pieces), room.corners);
+  }
+}
+
+std::span<Links::Joint> Links::joints(Row row) {
+  return {joints_.data() + state_.joint_begins[row.index()], state_.type(row).joints.size()};
+}
+std::span<const Links::Joint> Links::joints(Row row) const {
+  return {joints_.data() + state_.joint_begins[row.index()], state_.type(row).joints.size()};
+}
+
+bool Links::hold() const {
+  for (const std::uint32_t r : composites_)
+    for (std::size_t j = 0; j < state_.type(Row(r)).joints.size(); ++j)
+      if (!is_finite(state_.joint_state(Row(r), j))) return false;
+  if (!state_.carrier_table) return true;
+  const auto carrier_row = [this](std::uint32_t r) {
+    const std::uint32_t id = state_.carried(r).carrier;
+    return id == 0 || id > state_.rows.size() ? Row() : state_.view.row(BodyId(id - 1));
+  };
+  for (std::uint32_t r = 0; r < state_.row_count(); ++r) {
+    const Carried& link = state_.carried(r);
+    if (link.carrier == 0) continue;
+    const Row by = carrier_row(r);
+    if (!by.valid() || !state_.type(by).carries || link.joint > state_.type(by).joints.size() ||
+        !is_finite(link.pose))
+      return false;
+  }
+  // Finds cycles of carriers: one walk takes two steps towards the root while the other takes one step. They
+  // only meet in a cycle.
+  for (std::uint32_t r = 0; r < state_.row_count(); ++r) {
+    Row slow(r);
+    for (Row fast(r); fast.valid(); slow = carrier_row(slow.value)) {
+      fast = carrier_row(fast.value);
+      if (fast.valid()) fast = carrier_row(fast.value);
+      if (fast.valid() && fast == slow) return false;
+    }
+  }
+  return true;
+}
+
+void Links::derive() {
+  state_.now.carried = 0;
+  asked_ = false;
+  if (!any()) return;
+  std::ranges::fill(first_cargo_, k_none);
+  for (std::uint32_t r = 0; r < state_.row_count(); ++r) state_.roots[r] = r;
+  for (const std::uint32_t r : composites_) rest_joints(Row(r));  // before any shape of a tree is computed
+  for (std::uint32_t r = 0; state_.carrier_table && r < state_.row_count(); ++r) {
+    const std::uint32_t id = state_.carried(r).carrier;
+    if (id != 0) link_cargo(r, state_.view.row(BodyId(id - 1)).value);
+  }
+  for (std::uint32_t r = 0; r < state_.row_count(); ++r) {
+    std::uint32_t root = r;
+    while (const auto by = state_.view.carrier(Row(root))) root = state_.view.row(*by).value;
+    state_.roots[r] = root;
+  }
+}
+
+void Links::forget() {
+  constexpr std::uint32_t k_junk = 0x5a5a5a5a;
+  constexpr double k_nan = std::numeric_limits<double>::quiet_NaN();
+  constexpr Pose k_nowhere{k_nan, k_nan, k_nan, k_nan};
+  const Mount nowhere(k_nowhere);
+  std::ranges::fill(joints_, Joint{nowhere, k_nowhere, Goal::asked, true});
+  std::ranges::fill(state_.joint_mounts, nowhere);
+  for (auto* buffers : {&shapes_, &moved_, &on_the_way_})
+    for (ShapeBuffer& buffer : *buffers) buffer.begin();
+  for (auto* list : {&samples_, &state_.roots, &first_cargo_, &next_cargo_}) std::ranges::fill(*list, k_junk);
+  std::ranges::fill(refused_, std::uint8_t{1});
+  state_.now.carried = k_junk;
+  asked_ = true;
+}
+
+void Links::clear_goals(Row row) {
+  for (Joint& joint : joints(row)) joint.state = Goal::none;
+}
+
+void Links::rest_joints(Row row) {
+  clear_goals(row);
+  move_to_joints(row);
+}
+
+/// Updates WorldState::joint_mounts of a row from their displacements in the state tables.
+void Links::move_to_joints(Row row) {
+  const std::span<Mount> all = state_.mounts(row);
+  for (std::size_t j = 0; j < all.size(); ++j) {
+    const BodyType::Joint& joint = state_.type(row).joints[j];
+    const Mount parent = joint.parent == k_rigid ? Mount() : all[static_cast<std::size_t>(joint.parent)];
+    all[j] = moved_by(joint, parent, state_.joint_state(row, j));
+  }
+}
+
+/// Adds row `cargo` to the list of bodies that row `carrier` carries. The list is sorted by id, so that sums
+/// over it do not depend on the order in which the bodies were picked up.
+void Links::link_cargo(std::uint32_t cargo, std::uint32_t carrier) {
+  std::uint32_t* at = &first_cargo_[carrier];
+  while (*at != k_none && state_.ids[*at] < state_.ids[cargo]) at = &next_cargo_[*at];
+  next_cargo_[cargo] = *at;
+  *at = cargo;
+  ++state_.now.carried;
+}
+
+void Links::unlink_cargo(std::uint32_t cargo, std::uint32_t carrier) {
+  std::uint32_t* at = &first_cargo_[carrier];
+  while (*at != cargo) at = &next_cargo_[*at];
+  *at = next_cargo_[cargo];
+  --state_.now.carried;
+}
+
+void Links::set_root(std::uint32_t row, std::uint32_t root) {
+  state_.roots[row] = root;
+  for (std::uint32_t c = first_cargo_[row]; c != k_none; c = next_cargo_[c]) set_root(c, root);
+}
+
+/// Adds to `out` the obstacle pieces of a body and of all bodies that it carries, in the frame of the root.
+/// If `then` is false, joints are where they are now. If it is true, they are at Joint::then, and only
+/// the pieces that move in this round of resolution are added. Lowers `thinnest` to the width of the thinnest
+/// obstacle piece of these bodies, m.
+void Links::add_tree_body(const TreeBody& body, bool then, ShapeBuffer& out, double& thinnest) const {
+  const BodyType& t = state_.type(body.row);
+  const std::span<const Joint> all = joints(body.row);
+  const std::span<const Mount> mounts = state_.mounts(body.row);
+  thinnest = t.obstacle.empty() ? thinnest : std::min(thinnest, t.obstacle.thinnest);
+  for (std::size_t p = 0; p < t.obstacle.pieces.size(); ++p) {
+    const std::int32_t j = t.obstacle_joints.empty() ? k_rigid : t.obstacle_joints[p];
+    if (j == k_rigid) {
+      if (!then || body.moves) out.add(t.obstacle.pieces[p], body.place);
+      continue;
+    }
+    const Joint& joint = all[static_cast<std::size_t>(j)];
+    if (!then || body.moves || joint.moves)
+      out.add(t.obstacle.pieces[p],
+              compose(body.place, then ? joint.then : mounts[static_cast<std::size_t>(j)]));
+  }
+  for (std::uint32_t c = first_cargo_[body.row.index()]; c != k_none; c = next_cargo_[c]) {
+    const Carried& link = state_.carried(c);
+    TreeBody cargo{Row(c), body.place, body.moves};
+    if (link.joint > 0) {
+      const Joint& joint = all[link.joint - 1];
+      cargo.place = compose(cargo.place, then ? joint.then : mounts[link.joint - 1]);
+      cargo.moves = cargo.moves || joint.moves;
+    }
+    cargo.place = compose(cargo.place, Mount(link.pose));
+    add_tree_body(cargo, then, out, thinnest);
+  }
+}
+
+void Links::reshape(std::uint32_t row) {
+  if (!state_.view.is_there(Row(row))) return state_.update_presence(Row(row));
+  const BodyType& t = state_.type(Row(row));
+  const std::uint32_t c = composite_of_[row];
+  const ObstacleShape* shape = &t.obstacle;
+  // A body without cargo whose joints are at rest uses the shape of its type, which stays in the CPU caches.
+  const auto is_at_rest = [&] {
+    for (std::size_t j = 0; j < t.joints.size(); ++j)
+      if (!(state_.joint_state(Row(row), j) == Pose{})) return false;
+    return first_cargo_[row] == k_none;
+  };
+  if (state_.roots[row] != row) {
+    shape = &k_no_shape;
+  } else if (c != k_none && !is_at_rest()) {
+    double thinnest = std::numeric_limits<double>::infinity();
+    shapes_[c].begin();
+    add_tree_body({Row(row), Mount()}, false, shapes_[c], thinnest);
+    shapes_[c].finish(thinnest);
+    shape = &shapes_[c].shape();
+  }
+  state_.shapes[row] = shape;
+  double shift = 0;
+  if (c != k_none)
+    for (const Mount& joint : state_.mounts(Row(row)))
+      shift = std::max(shift, joint.transform.position.norm());
+  // An upper bound for all points of the body: a joint's mount rotates points about the body's origin, which
+  // keeps their distance from it, and then shifts them.
+  state_.radii[row] = std::max(t.radius + shift, shape->radius);
+}
+
+// ---- Resolution of joint motions
+
+void Links::ask(Row row, std::size_t joint, const Pose& to) {
+  Joint& asked = joints(row)[joint];
+  asked.goal = {to.x + 0.0, to.y + 0.0, to.z + 0.0, to.heading + 0.0};
+  asked.state = Goal::asked;
+  if (!asked_.load(std::memory_order_relaxed)) asked_.store(true, std::memory_order_relaxed);
+}
+
+std::vector<Links::AskedGoal> Links::asked_goals(RowRange rows) const {
+  std::vector<AskedGoal> goals;
+  if (!any() || !asked_.load(std::memory_order_relaxed)) return goals;
+  for (auto r = static_cast<std::uint32_t>(rows.first); r < rows.end; ++r) {
+    const std::span<const Joint> all = joints(Row(r));
+    for (std::uint32_t j = 0; j < all.size(); ++j)
+      if (all[j].state == Goal::asked) goals.push_back({r, j, all[j].goal});
+  }
+  return goals;
+}
+
+template <class Work>
+void Links::for_roots(Work&& work) {
+  const std::size_t count = composites_.size();
+  parallel_.for_each((count + k_batch - 1) / k_batch, [&](std::size_t b) {
+    for (std::size_t c = b * k_batch; c < std::min(count, (b + 1) * k_batch); ++c)
+      if (const std::uint32_t r = composites_[c]; state_.roots[r] == r) work(c, r);
+  });
+}
+
+/// Resolution has several rounds. A round tests the motions of the joints of one device per body; parent
+/// joints move in earlier rounds than their children. In each round, the moving pieces of a tree must be
+/// free of the static scene. They must also be free of every other tree at its present pose, both with the
+/// joints of that tree where they are now and with these joints at their goals. The order in which two trees
+/// are tested therefore does not matter, and they do not come to overlap, whether one of them moves or both.
+/// A static piece or another tree that already overlapped the tree before the round does not block it.
+void Links::resolve_joints(double longest_motion) {
+  if (!asked_.load(std::memory_order_relaxed)) return;
+  // The index still contains each tree as a circle about its origin before this tick. Since then its origin
+  // has moved by at most the longest motion or push, and its radius has grown by at most the joint motions of
+  // this tick, including those of this round. Turns of bodies change neither origin nor radius.
+  double reach = longest_motion;
+  for (std::size_t round = 0; round < rounds_; ++round) {
+    std::atomic<std::uint64_t> longest = 0;  // bits of a double >= 0: they compare as the double does
+    for_roots([&](std::size_t c, std::uint32_t r) {
+      const auto bits = std::bit_cast<std::uint64_t>(ask_joints(c, Row(r), round));
+      std::uint64_t known = longest.load(std::memory_order_relaxed);
+      while (known < bits && !longest.compare_exchange_weak(known, bits, std::memory_order_relaxed)) {
+      }
+    });
+    if (longest == 0) continue;
+    reach += std::bit_cast<double>(longest.load()) + partition::k_rounding_m;
+    for_roots([&](std::size_t c, std::uint32_t r) {
+      if (samples_[c] > 0) refused_[c] = refuses_joints(c, Row(r), round, reach);
+    });
+    for_roots([&](std::size_t c, std::uint32_t r) {
+      if (samples_[c] > 0) answer_joints(Row(r), round, refused_[c] != 0);
+    });
+  }
+}
+
+/// Computes Joint::then for the joints of a body and of all bodies that it carries, at a fraction t (0
+/// to 1) of their motions of this round. Returns an upper bound on how far the complete motions (t = 1) move
+/// any point, m. The result is 0 if no joint moves in this round. `radius` must be an upper bound on the
+/// distance of any point from the root, m.
+double Links::aim_joints(const TreeBody& body, std::size_t round, double t, double radius) {
+  const BodyType& type = state_.type(body.row);
+  const std::span<Joint> all = joints(body.row);
+  std::size_t first = 0;
+  std::size_t last = 0;
+  if (round < type.joint_devices.size()) {
+    const BodyType::Device& device = type.devices[type.joint_devices[round]];
+    first = static_cast<std::size_t>(device.moves);
+    last = first + device.kind->joints.size();
+  }
+  double way = 0;
+  for (std::size_t j = 0; j < all.size(); ++j) {
+    const BodyType::Joint& joint = type.joints[j];
+    const Joint* parent = joint.parent == k_rigid ? nullptr : &all[static_cast<std::size_t>(joint.parent)];
+    Pose q = state_.joint_state(body.row, j);
+    const bool is_asked = first <= j && j < last && all[j].state == Goal::asked;
+    all[j].moves = is_asked || (parent && parent->moves);
+    if (is_asked) {
+      const Pose& to = all[j].goal;
+      const Mount axis = compose(compose(body.place, parent ? parent->then : Mount()), joint.at_rest);
+      way += Vec2(to.x - q.x, to.y - q.y).norm() + std::abs(to.z - q.z) +
+             std::abs(to.heading - q.heading) * (radius + way + axis.transform.position.norm());
+      // A turn at the origin of a body without obstacles has no lever, and is a motion all the same.
+      if (to != q) way = std::max(way, partition::k_rounding_m);
+      q = t < 1 ? between(q, to, t) : to;
+    }
+    all[j].then = moved_by(joint, parent ? parent->then : Mount(), q);
+  }
+  for (std::uint32_t c = first_cargo_[body.row.index()]; c != k_none; c = next_cargo_[c]) {
+    const Carried& link = state_.carried(c);
+    Mount place = body.place;
+    if (link.joint > 0) place = compose(place, state_.mounts(body.row)[link.joint - 1]);
+    way += aim_joints({Row(c), compose(place, Mount(link.pose))}, round, t, radius + way);
+  }
+  return way;
+}
+
+/// Computes the shape of the moving pieces of a tree at their goals, and the number of samples at which their
+/// motion is tested. `c` is the index of the root in composites_. Returns an upper bound on how far any
+/// point moves, m; 0 if no joint of the tree moves in this round.
+double Links::ask_joints(std::size_t c, Row root, std::size_t round) {
+  samples_[c] = 0;
+  refused_[c] = 0;
+  const auto is_asked = [](const Joint& joint) { return joint.state == Goal::asked; };
+  const bool carries = first_cargo_[root.index()] != k_none;
+  if (!carries && std::ranges::none_of(joints(root), is_asked)) return 0;
+  const double way = aim_joints({root, Mount()}, round, 1, state_.shapes[root.index()]->radius);
+  if (way == 0) return 0;
+  double thinnest = std::numeric_limits<double>::infinity();
+  ShapeBuffer& moved = moved_[c];
+  moved.begin();
+  add_tree_body({root, Mount()}, true, moved, thinnest);
+  moved.finish(thinnest);
+  // The same sampling as for motions of bodies: see Conflicts.
+  constexpr double k_most = 1e6;
+  const double samples = moved.shape().empty() ? 1 : std::min(k_most, std::ceil(way / (0.25 * thinnest)));
+  samples_[c] = std::max(1u, static_cast<std::uint32_t>(samples));
+  return way;
+}
+
+bool Links::refuses_joints(std::size_t c, Row root, std::size_t round, double reach) {
+  ShapeBuffer& on_the_way = on_the_way_[c];
+  const Transform& at = state_.view.transform(root);
+  const double z = state_.poses()[root.index()].z;
+  const double radius = state_.shapes[root.index()]->radius;
+  const std::uint32_t n = samples_[c];
+  const PlacedShape before(*state_.shapes[root.index()], at, z);
+  for (std::uint32_t k = 1; k <= n; ++k) {
+    const ShapeBuffer* moved = &moved_[c];
+    if (k < n) {
+      double thinnest = std::numeric_limits<double>::infinity();
+      aim_joints({root, Mount()}, round, static_cast<double>(k) / n, radius);
+      on_the_way.begin();
+      add_tree_body({root, Mount()}, true, on_the_way, thinnest);
+      on_the_way.finish(thinnest);
+      moved = &on_the_way;
+    }
+    if (moved->shape().empty()) return false;
+    const PlacedShape after(moved->shape(), at, z);
+    if (state_.scene.has_obstacles() && state_.scene.crossed(after, [&](std::uint32_t solid) {
+          return !state_.scene.blocks(solid, before, after);
+        }) >= 0)
+      return true;
+    if (others_refuse(root, before, after, reach)) return true;
+  }
+  return false;
+}
+
+/// Whether the moving pieces of a tree, as placed in `after`, overlap another tree that the whole tree, as
+/// placed in `before`, does not overlap. `reach`: bound on how far a tree lies outside its circle in the
+/// index, m.
+bool Links::others_refuse(Row root, const PlacedShape& before, const PlacedShape& after, double reach) const {
+  const auto meets = [&](Row other, const PlacedShape& mine, const ObstacleShape& shape) {
+    const Transform& at = state_.view.transform(other);
+    if (!partition::in_reach(mine.position(), mine.shape().radius, at.position, shape.radius)) return false;
+    const PlacedShape theirs(shape, at, state_.poses()[other.index()].z);
+    return state_.view.body(root) < state_.view.body(other) ? overlap(mine, theirs) : overlap(theirs, mine);
+  };
+  bool refuses = false;
+  // Visits all bodies of the cells in reach and tests their present poses, because the index still contains
+  // the poses before this tick.
+  state_.index.for_each_run(
+      Box::around(after.position(), after.shape().radius + reach),
+      [&](std::span<const partition::BodyCircle> run) {
+        for (const partition::BodyCircle& circle : run) {
+          if (refuses) return;
+          const Row other(state_.roots[circle.row]);
+          const ObstacleShape& shape = *state_.shapes[other.index()];
+          if (other == root || shape.empty()) continue;
+          const std::uint32_t c = composite_of_[other.index()];
+          const bool moves = c != k_none && samples_[c] > 0;
+          refuses = (meets(other, after, shape) || (moves && meets(other, after, moved_[c].shape()))) &&
+                    !meets(other, before, shape);
+        }
+      });
+  return refuses;
+}
+
+/// Ends a round of resolution for a body and for all bodies that it carries. If `refused` is false, their
+/// joints move to their goals. If it is true, the joints stay, and are marked as blocked.
+void Links::answer_joints(Row row, std::size_t round, bool refused) {
+  const BodyType& type = state_.type(row);
+  if (round < type.joint_devices.size()) {
+    const BodyType::Device& device = type.devices[type.joint_devices[round]];
+    const std::span<Joint> all = joints(row);
+    for (std::size_t n = 0; n < device.kind->joints.size(); ++n) {
+      const std::size_t j = static_cast<std::size_t>(device.moves) + n;
+      if (all[j].state != Goal::asked) continue;
+      all[j].state = refused ? Goal::refused : Goal::moved;
+      if (!refused) state_.joint_state(row, j) = all[j].goal;
+    }
+  }
+  if (!refused) {
+    move_to_joints(row);
+    // carry() updates the outlines of carried bodies.
+    if (state_.roots[row.index()] == row.value) state_.update_outlines(row, type, state_.view.transform(row));
+  }
+  for (std::uint32_t c = first_cargo_[row.index()]; c != k_none; c = next_cargo_[c])
+    answer_joints(Row(c), round, refused);
+  if (!refused) reshape(row.value);
+}
+
+// ---- Cargo
+
+void Links::carry() {
+  if (state_.now.carried == 0) return;
+  for_roots([&](std::size_t, std::uint32_t r) { carry_cargo_of(Row(r)); });
+}
+
+void Links::carry_cargo_of(Row carrier) {
+  for (std::uint32_t c = first_cargo_[carrier.index()]; c != k_none; c = next_cargo_[c]) {
+    const Carried& link = state_.carried(c);
+    const Mount hook = state_.view.mount(carrier, static_cast<std::int32_t>(link.joint) - 1);
+    const Pose pose = compose(hook, Mount(link.pose)).pose();
+    state_.poses()[c] = pose;
+    state_.update_outlines(Row(c), state_.type(Row(c)), Transform(pose));
+    carry_cargo_of(Row(c));
+  }
+}
+
+bool Links::attach(Row cargo, Row carrier, std::int32_t joint) {
+  if (!state_.type(carrier).carries || state_.view.carrier(cargo) ||
+      state_.roots[carrier.index()] == cargo.value)
+    return false;
+  const Mount hook = state_.view.mount(carrier, joint);
+  Carried& link = state_.carried(cargo.value);
+  link.carrier = state_.view.body(carrier).value + 1;
+  link.joint = static_cast<std::uint32_t>(joint + 1);
+  link.pose = compose(inverse(hook), state_.view.mount(cargo, k_rigid)).pose();
+  link_cargo(cargo.value, carrier.value);
+  set_root(cargo.value, state_.roots[carrier.index()]);
+  reshape(cargo.value);
+  reshape(state_.roots[carrier.index()]);
+  return true;
+}
+
+void Links::release(Row cargo) {
+  const std::optional<BodyId> by = state_.view.carrier(cargo);
+  if (!by) return;
+  const Row carrier = state_.view.row(*by);
+  state_.carried(cargo.value) = {};
+  unlink_cargo(cargo.value, carrier.value);
+  set_root(cargo.value, cargo.value);
+  reshape(cargo.value);
+  reshape(state_.roots[carrier.index()]);
+}
+
+// ---- Joints in DeviceBatch
+
+namespace {
+std::size_t joint_index(const DeviceBatch& batch, std::size_t i, std::size_t n) {
+  return static_cast<std::size_t>(batch.view.type(batch.rows[i]).devices[batch.device].moves) + n;
+}
+}  // namespace
+
+const Pose& DeviceBatch::joint(std::size_t i, std::size_t n) const {
+  const BodyType::Joint& moved = view.type(rows[i]).joints[joint_index(*this, i, n)];
+  return view.columns_.tables[moved.table].as<Pose>(slot(i));
+}
+void DeviceBatch::move_joint(std::size_t i, std::size_t n, const Pose& to) const {
+  if (!is_finite(to))
+    throw StepError(
+        fmt::format("tick {}: a device of \"{}\" moves joint {} (counted from 0) to x {}, y {}, z {} (m), "
+                    "heading {} (rad): "
+                    "DeviceBatch::move_joint() needs finite numbers",
+                    view.tick(), view.spec().name(body(i)), n, to.x, to.y, to.z, to.heading));
+  links.ask(rows[i], joint_index(*this, i, n), to);
+}
+bool DeviceBatch::asked_joint(std::size_t i, std::size_t n) const {
+  return links.goal(rows[i], joint_index(*this, i, n)) != Links::Goal::none;
+}
+bool DeviceBatch::moved_joint(std::size_t i, std::size_t n) const {
+  return links.goal(rows[i], joint_index(*this, i, n)) == Links::Goal::moved;
+}
+
+}  // namespace troupe::engine

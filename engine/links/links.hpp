@@ -1,0 +1,158 @@
+#pragma once
+
+#include "base/ids.hpp"
+#include "engine/kinds/mount.hpp"
+#include "engine/links/shape_buffer.hpp"
+#include "engine/state/world_state.hpp"
+#include "partition/parallel.hpp"
+#include "partition/placed_shape.hpp"
+
+#include <atomic>
+#include <cstdint>
+#include <span>
+#include <vector>
+
+namespace troupe::engine {
+
+/// The joints of bodies, and the *trees* of bodies that carry one another. A tree consists of a body that is
+/// not carried, the root, and all bodies that the root carries, directly or through others. This part of
+/// World writes the components (state tables) `joint/...` and `carrier`, and the poses of carried bodies. A
+/// row is the index of a body in the state tables. If no body with a row has joints or can pick up bodies,
+/// any() is false, and functions that take a row or a joint must not be called.
+///
+/// A body whose shape can change, because it has joints or can carry, is *composite*. For conflict
+/// resolution, the shape of a root is that of its whole tree, in the root's frame, and the shape of a carried
+/// body is empty.
+class Links {
+ public:
+  static constexpr std::uint32_t k_none = ~0u;  ///< no row
+  /// The state of a joint's motion in this tick.
+  enum class Goal : std::uint8_t {
+    none,     ///< the joint has no command to move
+    asked,    ///< the joint has a command that is not yet resolved, or whose goal is its present pose
+    moved,    ///< the joint is at its goal
+    refused,  ///< the motion was blocked: the joint is at its old pose
+  };
+
+  /// The arguments must outlive the object.
+  Links(WorldState& state, partition::Parallel& parallel) : state_(state), parallel_(parallel) {}
+  Links(const Links&) = delete;
+  Links& operator=(const Links&) = delete;
+
+  /// Allocates the lists. Call this after the rows of the state were made, and again after bodies have
+  /// changed their rows. Then call derive(), rest_joints() and reshape(), which compute all other data.
+  void build();
+  /// Computes all data that are derived from the state tables, except the shapes of trees, which reshape()
+  /// computes.
+  void derive();
+  /// Overwrites all derived data with junk: see World::forget().
+  void forget();
+  /// Whether the tables of joints and carriers are consistent: all poses are finite, all carriers and the
+  /// joints that hold their cargo exist, the types of all carriers can carry, and no body carries itself,
+  /// directly or through others. Reads only the state tables.
+  bool hold() const;
+
+  /// Whether any body with a row, unborn and dead bodies included, has joints or can pick up bodies.
+  bool any() const { return !composites_.empty(); }
+  std::span<const std::uint32_t> composites() const { return composites_; }  ///< rows of composite bodies
+  /// Among the bodies that the row's body carries directly, the row of the body with the lowest id; k_none if
+  /// it carries none.
+  std::uint32_t first_cargo(Row row) const { return first_cargo_[row.index()]; }
+
+  /// Sets the joints of a row to Goal::none, and updates WorldState::joint_mounts from the poses of the
+  /// joints, which it does not change.
+  void rest_joints(Row row);
+  /// Updates the obstacle shape and the radius of a row (WorldState::shapes, radii). The root of a tree gets
+  /// the shape of its whole tree, and a carried body an empty shape. A body that is unborn or dead gets an
+  /// empty shape and a negative radius.
+  void reshape(std::uint32_t row);
+  /// Attaches the body of the row `cargo`, at its present place, to a carrier: to the carrier's joint with
+  /// the index `joint` or, if `joint` is k_rigid, to the carrier itself. Returns false and changes nothing if
+  /// the cargo is already carried, if it is the carrier or carries the carrier, directly or through others,
+  /// or if the type of the carrier cannot carry bodies.
+  bool attach(Row cargo, Row carrier, std::int32_t joint);
+  /// Detaches a body from its carrier, if it has one; its pose stays.
+  void release(Row cargo);
+
+  // ---- in a tick
+  /// Sets the goal of a joint in this tick: a pose relative to the joint's rest pose, m and rad. All numbers
+  /// must be finite. A second call in the same tick replaces the goal. Thread-safe for different rows.
+  void ask(Row row, std::size_t joint, const Pose& to);
+  /// Arguments of a call of ask().
+  struct AskedGoal {
+    std::uint32_t row;    ///< row of the body
+    std::uint32_t joint;  ///< index of the joint
+    Pose goal;            ///< goal of the joint, relative to rest
+  };
+  /// Returns the goals that ask() has set for joints of these rows in this tick, one per joint. Call this
+  /// before resolve_joints(), which resolves them.
+  std::vector<AskedGoal> asked_goals(RowRange rows) const;
+  /// State of the motion of a joint in this tick.
+  Goal goal(Row row, std::size_t joint) const { return joints(row)[joint].state; }
+  /// Tests the joint motions that ask() requested, and carries out those that nothing blocks. The motions
+  /// are tested in rounds: round k tests, for each body of a tree, the joints of the body's device number k
+  /// among the devices that move joints (BodyType::joint_devices). In a round, either all tested joints of a
+  /// tree reach their goals or, if the static scene or another tree blocks one of them, none moves.
+  ///
+  /// longest_motion: upper bound on the distance that any body has moved since the spatial index was built,
+  /// m
+  void resolve_joints(double longest_motion);
+  /// Returns whether ask() was called since the last call of this function or of derive().
+  bool take_asked() { return asked_.exchange(false, std::memory_order_relaxed); }
+  void clear_goals(Row row);  ///< sets the joints of a row to Goal::none
+  void carry();  ///< sets the poses and outlines of all carried bodies from those of their carriers
+
+ private:
+  /// A joint of one body.
+  struct Joint {
+    /// Maps the position of a point on the joint with all joints at rest to its position with this joint at
+    /// its goal, or at the pose that is being tested; both positions are in the body frame.
+    Mount then;
+    Pose goal;                ///< goal in this tick, relative to rest
+    Goal state = Goal::none;  ///< state of the motion in this tick
+    bool moves = false;       ///< whether the joint moves in this round of resolution
+  };
+  struct TreeBody;
+
+  std::span<Joint> joints(Row row);
+  std::span<const Joint> joints(Row row) const;
+  void move_to_joints(Row row);
+  void link_cargo(std::uint32_t cargo, std::uint32_t carrier);
+  void unlink_cargo(std::uint32_t cargo, std::uint32_t carrier);
+  void set_root(std::uint32_t row, std::uint32_t root);
+  void add_tree_body(const TreeBody& body, bool then, ShapeBuffer& out, double& thinnest) const;
+  double aim_joints(const TreeBody& body, std::size_t round, double t, double radius);
+  double ask_joints(std::size_t c, Row root, std::size_t round);
+  bool refuses_joints(std::size_t c, Row root, std::size_t round, double reach);
+  bool others_refuse(Row root, const partition::PlacedShape& before, const partition::PlacedShape& after,
+                     double reach) const;
+  void answer_joints(Row row, std::size_t round, bool refused);
+  void carry_cargo_of(Row carrier);
+  template <class Work>
+  void for_roots(Work&& work);
+
+  WorldState& state_;
+  partition::Parallel& parallel_;
+
+  std::vector<Joint> joints_;        // joints of all rows, at WorldState::joint_begins
+  std::atomic<bool> asked_ = false;  // whether any joint has a command to move in this tick
+  // Number of rounds of joint resolution per tick: the largest number of devices that move joints of one
+  // body. In each round, the joints of at most one device per body move.
+  std::size_t rounds_ = 0;
+
+  std::vector<std::uint32_t> composites_;    // rows of composite bodies
+  std::vector<std::uint32_t> composite_of_;  // one per row: its index in the lists below; k_none: none
+  // One entry per composite body.
+  std::vector<ShapeBuffer> shapes_;      // shape of the tree whose root is the body, in the body's frame
+  std::vector<ShapeBuffer> moved_;       // pieces of the tree that move in this round, at their goals
+  std::vector<ShapeBuffer> on_the_way_;  // the same pieces, at the pose that is tested now
+  std::vector<std::uint32_t> samples_;   // number of poses to test in this round; 0: no motion
+  std::vector<std::uint8_t> refused_;    // 1 if the motion of this round is blocked
+
+  // One per row; empty if there are no composites.
+  // Row of the lowest id among the bodies that it carries directly; k_none: none.
+  std::vector<std::uint32_t> first_cargo_;
+  std::vector<std::uint32_t> next_cargo_;  // row of the next higher id on the same carrier; k_none: none
+};
+
+}  // namespace troupe::engine

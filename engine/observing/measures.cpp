@@ -1,0 +1,199 @@
+#include "engine/observing/measures.hpp"
+
+#include "engine/world/kind_errors.hpp"
+
+#include <fmt/format.h>
+
+#include <set>
+#include <stdexcept>
+#include <utility>
+
+namespace troupe::engine {
+namespace {
+
+bool is_number(std::string_view text) {
+  return !text.empty() && text.find_first_not_of("0123456789") == text.npos;
+}
+
+std::string column_name(const MeasureSpec& spec, const MeasureKind& kind) {
+  const std::string_view unit = unit_suffixes(kind.unit).front().suffix;
+  if (!spec.name.empty()) return fmt::format("{}{}", spec.name, unit);
+  return fmt::format("{}{}{}{}", kind.name, unit, spec.of.empty() ? "" : ":", spec.of);
+}
+
+/// Calls a function of a measure and returns the result. If it throws, throws a std::runtime_error in its
+/// place whose text names the tick and the measure: the exception of a plug-in does not say where it came
+/// from. Exceptions of another language (MeasureKind::is_foreign) are not replaced: they name the file and
+/// the line, and programs in that language catch them.
+template <class Call>
+auto call_measure(const World& world, const MeasureKind& kind, const std::string& column, Call&& call) {
+  if (kind.is_foreign) return call();
+  try {
+    return call();
+  } catch (...) {
+    throw std::runtime_error(fmt::format("tick {}: measure \"{}\" {}", world.tick(), column, thrown_text()));
+  }
+}
+
+template <class Parts>
+void see_all(World& world, const Parts& parts, const std::vector<std::string>& columns,
+             std::span<const std::unique_ptr<Measure>> measures) {
+  for (std::size_t i = 0; i < parts.size(); ++i)
+    call_measure(world, *parts[i].kind, columns[i], [&] { measures[i]->see(world); });
+}
+
+}  // namespace
+
+MeasureSet::MeasureSet(World& world, const Registry& registry, std::span<const MeasureSpec> specs,
+                       Diagnostics& diagnostics, std::span<const std::string> paths)
+    : world_(world) {
+  world.require_whole();
+  world.gather_distributed();
+  for (const MeasureSpec& spec : specs) {
+    const auto error = [&](const std::string& message) {
+      const auto index = static_cast<std::size_t>(&spec - specs.data());
+      diagnostics.error(spec.where,
+                        index < paths.size() ? fmt::format("{}: {}", paths[index], message) : message);
+    };
+    const auto found = registry.find_measure(spec.kind);
+    if (!found) {
+      error(found.error().text);
+      continue;
+    }
+    const MeasureKind* kind = *found;
+    std::vector<BodyId> robots = robots_of(world, spec.of);
+    if (robots.empty() && !spec.of.empty()) {
+      const std::vector<std::string> known = names_of_robots(world);
+      error(unknown_name("type or population of robots", spec.of,
+                         std::vector<std::string_view>(known.begin(), known.end())));
+      continue;
+    }
+    std::string column = column_name(spec, *kind);
+    if (column == "tick" || column == "time_s") {  // the first columns of every table of measures
+      error(
+          fmt::format("a measure cannot have the column \"{}\", which is the time in "
+                      "tables of measures: give it another \"name\"",
+                      column));
+      continue;
+    }
+    if (std::ranges::find(columns_, column) != columns_.end()) {
+      error(fmt::format("two measures have the column \"{}\": give one of them another \"name\"", column));
+      continue;
+    }
+    try {
+      measures_.push_back(kind->make(world, spec.params, robots));
+    } catch (const std::logic_error& thrown) {
+      error(fmt::format("{}: {}", spec.kind, thrown.what()));
+      continue;
+    } catch (...) {
+      if (kind->is_foreign) throw;
+      error(fmt::format("measure \"{}\" {}", spec.kind, thrown_text()));
+      continue;
+    }
+    parts_.push_back({kind, spec.params, std::move(robots)});
+    columns_.push_back(std::move(column));
+  }
+  note_present();
+  see_all(world_, parts_, columns_, measures_);
+}
+
+void MeasureSet::note_present() {
+  seen_ = world_.tick();
+  seen_seed_ = world_.spec().seed;
+}
+
+void MeasureSet::begin() {
+  for (std::size_t i = 0; i < parts_.size(); ++i)
+    call_measure(world_, *parts_[i].kind, columns_[i],
+                 [&] { measures_[i] = parts_[i].kind->make(world_, parts_[i].params, parts_[i].robots); });
+}
+
+void MeasureSet::see() {
+  world_.require_whole();
+  const bool is_same_run = world_.spec().seed == seen_seed_;
+  // At tick 0 the measures begin again, even if they have seen that tick: a reset may have undone changes
+  // that the program made before the first step.
+  if (is_same_run && world_.tick() == seen_ && seen_ > 0) return;
+  world_.gather_distributed();
+  if (!is_same_run || world_.tick() != seen_ + 1) begin();
+  note_present();
+  see_all(world_, parts_, columns_, measures_);
+}
+
+double MeasureSet::value(std::size_t column) {
+  world_.require_whole();
+  return call_measure(world_, *parts_[column].kind, columns_[column],
+                      [&] { return measures_[column]->value(world_); });
+}
+
+std::vector<double> MeasureSet::values() {
+  world_.require_whole();
+  std::vector<double> values;
+  for (std::size_t i = 0; i < parts_.size(); ++i) values.push_back(value(i));
+  return values;
+}
+
+std::vector<std::byte> MeasureSet::memory() const {
+  std::vector<std::byte> all;
+  for (const auto& measure : measures_) {
+    const std::span<const std::byte> own = measure->memory();
+    all.insert(all.end(), own.begin(), own.end());
+  }
+  return all;
+}
+
+bool MeasureSet::remember(std::span<const std::byte> memory) {
+  std::size_t size = 0;
+  for (const auto& measure : measures_) size += measure->memory().size();
+  if (size != memory.size()) return false;
+  for (const auto& measure : measures_) {
+    const std::span<std::byte> own = measure->memory();
+    std::ranges::copy(memory.first(own.size()), own.begin());
+    memory = memory.subspan(own.size());
+  }
+  return true;
+}
+
+std::size_t count_there(const World& world, std::span<const BodyId> bodies) {
+  if (world.absent_count() == 0) return bodies.size();
+  return static_cast<std::size_t>(
+      std::ranges::count_if(bodies, [&](BodyId body) { return world.is_there(world.row(body)); }));
+}
+
+std::vector<BodyId> robots_of(const World& world, std::string_view of) {
+  const WorldSpec& spec = world.spec();
+  const auto type_of = [&](BodyId body) -> const BodyType& {
+    return world.types()[spec.bodies[body.index()].type.index()];
+  };
+  const auto is_robot = [&](BodyId body) { return type_of(body).drive.has_value(); };
+  // If "r1" is a robot (of population "r"), the name does not also stand for the robots r10 to r19.
+  const BodyId named = of.empty() ? BodyId() : world.find(of);
+  const bool is_one = named.valid() && is_robot(named);
+  std::vector<BodyId> robots;
+  for (std::size_t b = 0; b < spec.bodies.size(); ++b) {
+    const BodyId body(b);
+    if (!is_robot(body)) continue;
+    if (!of.empty() && type_of(body).name != of && !(is_one && body == named)) {
+      const std::string name = spec.name(body);
+      if (is_one || !name.starts_with(of) || !is_number(name.substr(of.size()))) continue;
+    }
+    robots.push_back(body);
+  }
+  return robots;
+}
+
+std::vector<std::string> names_of_robots(const World& world) {
+  std::set<std::string> names;
+  const WorldSpec& spec = world.spec();
+  for (std::size_t b = 0; b < spec.bodies.size(); ++b) {
+    const BodyType& type = world.types()[spec.bodies[b].type.index()];
+    if (!type.drive) continue;
+    names.insert(type.name);
+    std::string name = spec.name(BodyId(b));
+    name.erase(name.find_last_not_of("0123456789") + 1);
+    if (!name.empty()) names.insert(std::move(name));
+  }
+  return {names.begin(), names.end()};
+}
+
+}  // namespace troupe::engine

@@ -1,0 +1,109 @@
+#pragma once
+
+#include "base/diagnostics.hpp"
+#include "base/exact_sum.hpp"
+#include "engine/kinds/measure_kind.hpp"
+#include "engine/world/world.hpp"
+
+#include <algorithm>
+#include <cstddef>
+#include <cstdint>
+#include <memory>
+#include <span>
+#include <string>
+#include <string_view>
+#include <vector>
+
+namespace troupe::engine {
+
+/// The measures of one run. Each measure is a column of the results. Not thread-safe; the measures compute on
+/// the worker threads of the world.
+class MeasureSet {
+ public:
+  /// Begins to measure with the present state. Reports these errors to `diagnostics`, at the positions of the
+  /// specs in the file, and leaves out the measures that have them: unknown kinds or robots, equal or
+  /// reserved column names, and exceptions of MeasureKind::make, for example because parameters name
+  /// something unknown or need too much memory. Of the exceptions that `make` of a foreign measure
+  /// (MeasureKind::is_foreign) throws, only std::logic_error is reported; all others propagate unchanged.
+  ///
+  /// Then calls Measure::see() of the remaining measures. Throws the exceptions of MeasureSet::see(): if one
+  /// of these calls throws, and if the last step threw. World and registry must outlive the set.
+  /// paths: for each spec, the path of the measure in its file, such as "/measures/0", with which its errors
+  /// begin; empty if the specs come from no file
+  MeasureSet(World& world, const Registry& registry, std::span<const MeasureSpec> specs,
+             Diagnostics& diagnostics, std::span<const std::string> paths = {});
+
+  /// Names of the columns, in the order of the specs, with the SI unit after the name of the measure:
+  /// `displacement_m`, `displacement_m:leaders`, `stalls:leaders`.
+  std::span<const std::string> columns() const { return columns_; }
+  /// Updates the measures. Call this after every step. Does nothing if the tick and the seed of the world are
+  /// those of the last call (or of the constructor), except at tick 0. The measures begin again with the
+  /// present state if the tick is 0, if the seed has changed, or if the tick is neither that of the last call
+  /// nor the next one, as after a reset or a restore. If a measure throws, throws a std::runtime_error that
+  /// names the tick and the measure; exceptions of foreign measures propagate unchanged. Throws
+  /// std::logic_error if the last step threw (World::require_whole()).
+  void see();
+  /// Values for the state of the last see(), one per column, in the SI units of the columns; NaN if a
+  /// measure has no value. The world must still be in that state. Exceptions are those of see().
+  std::vector<double> values();
+  /// Value of the column with this index, which must exist, as in values(). Does not compute the other
+  /// columns.
+  double value(std::size_t column);
+
+  /// Memory of all measures (Measure::memory()), one after another, for a checkpoint.
+  std::vector<std::byte> memory() const;
+  /// Restores the result of memory(), which must come from a set with the same specs. The world must be in
+  /// the state in which the memory was saved, and the constructor or see() must have been called for that
+  /// state: otherwise the next see() discards the memory. Returns false and changes nothing if the size is
+  /// wrong.
+  bool remember(std::span<const std::byte> memory);
+
+ private:
+  struct Part {
+    const MeasureKind* kind;
+    Record params;
+    std::vector<BodyId> robots;
+  };
+  void begin();
+  void note_present();  // stores the tick and the seed of the world
+
+  World& world_;
+  std::vector<Part> parts_;
+  std::vector<std::string> columns_;                // parallel to parts_
+  std::vector<std::unique_ptr<Measure>> measures_;  // parallel to parts_
+  std::uint64_t seen_ = 0;                          // tick of the last see()
+  std::uint64_t seen_seed_ = 0;                     // seed of the world then
+};
+
+/// Returns the robots (bodies with a drive) that the name `of` stands for, in order of ids, unborn and dead
+/// robots included: all robots of the type with this name, and the robot with this name or alias. If no
+/// single robot has this name or alias, the robots of the population with this name are added, which are
+/// those whose name is `of` followed by digits. Returns all robots if `of` is empty, and no robots if there
+/// is no type, population or robot with this name.
+std::vector<BodyId> robots_of(const World& world, std::string_view of);
+/// Names of all types of robots and of all populations, sorted, each once. The population of a robot is its
+/// name without the digits at the end.
+std::vector<std::string> names_of_robots(const World& world);
+
+/// Returns how many of the bodies are in the world, that is, neither unborn nor dead. All must have rows.
+std::size_t count_there(const World& world, std::span<const BodyId> bodies);
+
+/// Returns the exact sum term(0) + ... + term(count - 1), rounded once to double, and 0 if `count` is 0. The
+/// result depends on neither the number of threads nor the order of the terms. The worker threads of the
+/// world call term(i), so it must be thread-safe. Call this between two steps, or in Measure::see() or
+/// value().
+template <class Term>
+double exact_sum(World& world, std::size_t count, Term&& term) {
+  constexpr std::size_t k_block = 1024;
+  thread_local std::vector<ExactSum> kept;  // reused, because stop conditions call this in every step
+  kept.assign((count + k_block - 1) / k_block, ExactSum());
+  const std::span<ExactSum> sums = kept;  // of this thread: `kept` is another array on each worker
+  world.parallel().for_each(sums.size(), [&, sums](std::size_t b) {
+    for (std::size_t i = b * k_block; i < std::min(count, (b + 1) * k_block); ++i) sums[b].add(term(i));
+  });
+  ExactSum sum;
+  for (const ExactSum& of_block : sums) sum.add(of_block);
+  return sum.value();
+}
+
+}  // namespace troupe::engine

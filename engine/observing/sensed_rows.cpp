@@ -1,0 +1,25 @@
+#include "engine/observing/sensed_rows.hpp"
+
+namespace troupe::engine {
+
+SensedRows::SensedRows(const World& world, const StateTable& table) : world_(world), table_(table) {
+  const auto index = static_cast<std::size_t>(&table - world.tables().data());
+  if (index == 0) return;  // BodyType::Device::table is 0 for a type without bodies
+  for (const BodyType& type : world.types())
+    for (const BodyType::Device& device : type.devices)
+      if (device.table == index && device.kind->is_sensor() && !device.active) sensor_ = &device;
+}
+
+bool SensedRows::all_exist() const {
+  for (std::size_t row = 0; row < table_.rows(); ++row)
+    if (!exist(row)) return false;
+  return true;
+}
+
+bool SensedRows::none_exists() const {
+  for (std::size_t row = 0; row < table_.rows(); ++row)
+    if (exist(row)) return false;
+  return table_.rows() > 0;
+}
+
+}  // namespace troupe::engine

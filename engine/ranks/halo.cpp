@@ -1,0 +1,520 @@
+#include "engine/ranks/halo.hpp"
+
+#include "base/random.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <memory>
+#include <set>
+#include <stdexcept>
+#include <utility>
+
+namespace troupe::engine {
+namespace {
+
+using partition::MessageReader;
+using partition::MessageWriter;
+using partition::TileOwners;
+
+// Margin for the rounding of distances, radii and motions, m. It exceeds that of the enclosing circles in the
+// spatial index within 10 km of the origin; positions of up to 2,000 km are rounded to 5e-10 m.
+constexpr double k_slack_m = 1e-3;
+// The skin that is chosen, in motions: the rows are distributed once in about half as many ticks.
+constexpr double k_skin_motions = 16;
+
+[[noreturn]] void throw_bad_message() {
+  throw std::logic_error(
+      "internal error: a message between ranks has the rows of other bodies; this is no error of your input: "
+      "please report it");
+}
+
+struct Extent {
+  double reach = 0;   // longest reach of a device, m
+  double radius = 0;  // largest radius of a body, m
+};
+
+Extent extent_of(const World& world) {
+  Extent extent{.reach = world.longest_reach()};
+  for (const BodyType& type : world.types())
+    if (type.runs()) extent.radius = std::max({extent.radius, type.radius, type.obstacle.radius});
+  return extent;
+}
+
+/// The coverage (class Halo) without a skin, m. longest: longest motion of a body in this tick, m
+double least_coverage(const Extent& extent, double longest) {
+  return std::max(extent.reach + extent.radius, 2 * extent.radius) + 2 * longest + k_slack_m;
+}
+
+}  // namespace
+
+std::string why_replicated(const World& world) {
+  const WorldSpec& spec = world.spec();
+  if (!spec.reserves.empty() || spec.mortal) return "bodies can be born or die";
+  if (spec.ranging == RangingEngine::grid) return "the world uses the grid ray engine";
+  for (std::size_t t = 0; t < spec.types.size(); ++t) {
+    const BodyType& type = world.types()[t];
+    const auto of_type = [&](std::string_view what) {
+      return fmt::format("robots of type \"{}\" {}", spec.types[t].name, what);
+    };
+    if (type.pushable) return fmt::format("bodies of type \"{}\" can be pushed", spec.types[t].name);
+    if (!type.joints.empty()) return of_type("have joints");
+    if (type.carries) return of_type("can carry bodies");
+    for (const BodyType::Controller& controller : type.controllers)
+      if (controller.kind->is_collective)
+        return of_type(fmt::format("have the controller \"{}\", which decides for all robots in one call",
+                                   controller.kind->name));
+    for (const BodyType::Device& device : type.devices) {
+      const DeviceKind& kind = *device.kind;
+      const bool acts = kind.apply != nullptr || device.prepared.most_effects > 0;
+      if (device.prepared.ends_lives || kind.born != nullptr || kind.joints_moved != nullptr ||
+          (acts && kind.scope != ApplyScope::trees))
+        return of_type(fmt::format("have the device \"{}\" of the kind \"{}\", which acts on other bodies",
+                                   device.name, kind.name));
+      if (!std::isfinite(device.prepared.reach_m))
+        return of_type(fmt::format("have the device \"{}\" of the kind \"{}\", whose reach has no limit",
+                                   device.name, kind.name));
+    }
+  }
+  if (!std::isfinite(world.longest_reach()))
+    return "an intervention changes the reach of a device to one that has no limit";
+  return {};
+}
+
+Halo::Halo(World& world, std::span<StateTable> tables, std::vector<std::size_t> sent, Post post,
+           std::optional<std::uint64_t> cut_seed, std::optional<double> skin_m)
+    : world_(world),
+      tables_(tables),
+      sent_(std::move(sent)),
+      post_(std::move(post)),
+      cut_seed_(cut_seed),
+      skin_m_(skin_m),
+      own_(world.rows()),
+      shown_(post_.ranks),
+      seen_(post_.ranks),
+      shown_rows_(post_.ranks),
+      seen_rows_(post_.ranks),
+      to_send_(post_.ranks),
+      to_receive_(post_.ranks) {
+  const Extent extent = extent_of(world);
+  reach_ = extent.reach;
+  radius_ = extent.radius;
+}
+
+HaloPlan plan_halo(const World& world, unsigned ranks, double longest_motion) {
+  HaloPlan plan{
+      .coverage_m = least_coverage(extent_of(world), longest_motion) + k_skin_motions * longest_motion,
+      .ranks = std::vector<HaloPlan::Rank>(ranks)};
+  std::vector<TileOwners::Key> keys;
+  for (std::size_t r = 0; r < world.rows(); ++r)
+    keys.push_back(TileOwners::key(world.geometry(), world.transform(Row(r)).position));
+  std::ranges::sort(keys);
+  const TileOwners owners(world.geometry(), TileOwners::equal_cut(keys, ranks));
+  std::vector<std::set<unsigned>> neighbours(ranks);
+  std::vector<unsigned> near;
+  for (std::size_t r = 0; r < world.rows(); ++r) {
+    const Vec2 at = world.transform(Row(r)).position;
+    const unsigned owner = owners.owner(at);
+    ++plan.ranks[owner].own;
+    near.clear();
+    owners.find_near(at, plan.coverage_m, near);
+    for (const unsigned rank : near) {
+      ++plan.ranks[rank].ghosts;
+      neighbours[rank].insert(owner);
+      neighbours[owner].insert(rank);
+    }
+  }
+  for (unsigned rank = 0; rank < ranks; ++rank) plan.ranks[rank].neighbours = neighbours[rank].size();
+  return plan;
+}
+
+// ---- Which rank owns which rows
+
+/// Sets the coverage for motions up to `longest`, m, in this tick, and in some later ones.
+void Halo::choose_coverage(double longest) {
+  double skin = k_skin_motions * longest;
+  if (cut_seed_) {
+    // Thin, so that the rows are often distributed because of it, or thick, so that bodies move far before
+    // the rows are distributed: ghosts that are missing then matter to own rows.
+    Random random(*cut_seed_, stream_id("ranks", "skin"), 0, static_cast<std::uint32_t>(world_.tick()));
+    skin = random.below(random.below(2) == 0 ? 4 : 32) * longest;
+  }
+  coverage_ = least_coverage({reach_, radius_}, longest) + skin_m_.value_or(skin);
+  moved_ = 0;
+}
+
+void Halo::divide() {
+  keys_.clear();
+  for (std::size_t r = 0; r < world_.rows(); ++r)
+    keys_.push_back(TileOwners::key(world_.geometry(), position(Row(r))));
+  std::ranges::sort(keys_);
+  owners_ = TileOwners(world_.geometry(), TileOwners::equal_cut(keys_, post_.ranks));
+  if (cut_seed_)
+    cut_again();
+  else
+    keys_ = {};
+  choose_coverage(0);
+  std::vector<BodyId> leaving;
+  std::vector<World::RowState> ghosts;
+  std::vector<unsigned> near;
+  for (std::size_t r = 0; r < world_.rows(); ++r) {
+    const Vec2 at = position(Row(r));
+    if (owners_.owner(at) == post_.rank) continue;
+    leaving.push_back(world_.body(Row(r)));
+    near.clear();
+    owners_.find_near(at, coverage_, near);
+    if (std::ranges::binary_search(near, post_.rank))
+      ghosts.push_back({leaving.back(), world_.row_bytes(Row(r))});
+  }
+  own_ = world_.rows() - leaving.size();
+  world_.exchange_rows(leaving, ghosts, own_);
+  is_complete_ = false;
+  note_neighbours();
+}
+
+/// Gives the ranks random ground. All ranks compute the same.
+void Halo::cut_again() {
+  Random random(*cut_seed_, stream_id("ranks", "cut"), 0, static_cast<std::uint32_t>(world_.tick()));
+  owners_ = TileOwners(world_.geometry(), TileOwners::random_cut(keys_, post_.ranks, random));
+}
+
+void Halo::balance(std::span<const std::uint64_t> times) {
+  // Each rank sends the keys of some of its rows, evenly spaced in the order of keys.
+  constexpr std::size_t k_most_keys = 512;
+  std::vector<TileOwners::Key> keys;
+  for (std::size_t r = 0; r < own_; ++r) keys.push_back(TileOwners::key(world_.geometry(), position(Row(r))));
+  std::ranges::sort(keys);
+  const std::size_t sent = std::min(keys.size(), k_most_keys);
+  MessageWriter own = post_.begin(Order::rows);
+  for (std::size_t i = 0; i < sent; ++i) own.put(keys[(2 * i + 1) * keys.size() / (2 * sent)]);
+  const auto message = std::make_shared<const partition::Message>(own.take());
+  struct Weighted {
+    TileOwners::Key key;
+    std::uint64_t weight;
+  };
+  std::vector<Weighted> all;
+  for (unsigned to = 0; to < post_.ranks; ++to)
+    if (to != post_.rank) post_.send(to, message);
+  for (unsigned from = 0; from < post_.ranks; ++from) {
+    ReceivedOrder received;
+    if (from == post_.rank) {
+      received.message = message;
+      received.rest = MessageReader(*message);
+      static_cast<void>(received.rest.get<Order>());
+      static_cast<void>(received.rest.get<std::uint32_t>());
+    } else {
+      received = post_.receive(Order::rows, from);
+    }
+    const std::size_t first = all.size();
+    while (!received.rest.is_done()) all.push_back({received.rest.get<TileOwners::Key>(), 0});
+    for (std::size_t i = first; i < all.size(); ++i) all[i].weight = 1 + times[from] / (all.size() - first);
+  }
+  std::ranges::sort(all, {}, [](const Weighted& each) { return std::pair(each.key, each.weight); });
+  std::uint64_t total = 0;
+  for (const Weighted& each : all) total += each.weight;
+  std::vector<TileOwners::Key> cut;
+  std::uint64_t before = 0;
+  for (const Weighted& each : all) {
+    while (cut.size() + 1 < post_.ranks && before >= total / post_.ranks * (cut.size() + 1))
+      cut.push_back(each.key);
+    before += each.weight;
+  }
+  cut.resize(post_.ranks - 1, all.empty() ? 0 : all.back().key + 1);
+  owners_ = TileOwners(world_.geometry(), std::move(cut));
+}
+
+void Halo::put_row(MessageWriter& message, Row row) const {
+  message.put(world_.body(row));
+  message.put(position(row).x());
+  message.put(position(row).y());
+  const std::vector<std::byte> bytes = world_.row_bytes(row);
+  message.put(static_cast<std::uint64_t>(bytes.size()));
+  message.put_bytes(bytes);
+}
+
+Halo::Arrival Halo::get_row(MessageReader& message) const {
+  Arrival arrival;
+  arrival.state.body = message.get<BodyId>();
+  arrival.position.x() = message.get<double>();
+  arrival.position.y() = message.get<double>();
+  arrival.state.bytes.resize(message.get<std::uint64_t>());
+  message.get_bytes(arrival.state.bytes);
+  return arrival;
+}
+
+void Halo::distribute(double longest) {
+  const unsigned self = post_.rank;
+  reach_ = world_.longest_reach();
+  if (cut_seed_) cut_again();
+  choose_coverage(longest);
+  std::vector<BodyId> leaving;
+  std::vector<Arrival> arrivals;
+  std::vector<MessageWriter> messages;
+  for (unsigned to = 0; to < post_.ranks; ++to) messages.push_back(post_.begin(Order::rows));
+  std::vector<unsigned> near;
+  for (std::size_t r = 0; r < world_.rows(); ++r) {
+    const Row row(r);
+    if (r >= own_) {
+      leaving.push_back(world_.body(row));
+      continue;
+    }
+    near.clear();
+    owners_.find_near(position(row), coverage_, near);
+    const unsigned owner = owners_.owner(position(row));
+    if (owner != self) {
+      ++counts_.migrated;
+      leaving.push_back(world_.body(row));
+      put_row(messages[owner], row);
+    }
+    for (const unsigned to : near) {
+      if (to != self)
+        put_row(messages[to], row);
+      else
+        arrivals.push_back({{world_.body(row), world_.row_bytes(row)}, position(row)});
+    }
+  }
+  for (unsigned to = 0; to < post_.ranks; ++to)
+    if (to != self) post_.send(to, std::make_shared<const partition::Message>(messages[to].take()));
+  for (unsigned from = 0; from < post_.ranks; ++from) {
+    if (from == self) continue;
+    ReceivedOrder received = post_.receive(Order::rows, from);
+    while (!received.rest.is_done()) arrivals.push_back(get_row(received.rest));
+  }
+  // First the rows that this rank will own, then the ghosts; both in the order of ids, so that the order of
+  // rows does not depend on the senders.
+  const auto is_ghost = [&](const Arrival& arrival) { return owners_.owner(arrival.position) != self; };
+  std::ranges::sort(arrivals, {}, [&](const Arrival& arrival) {
+    return std::pair(is_ghost(arrival), arrival.state.body.value);
+  });
+  std::vector<World::RowState> coming;
+  std::size_t own = world_.rows() - leaving.size();
+  for (Arrival& arrival : arrivals) {
+    own += is_ghost(arrival) ? 0 : 1;
+    coming.push_back(std::move(arrival.state));
+  }
+  own_ = own;
+  world_.exchange_rows(leaving, coming, own_);
+  is_complete_ = false;
+  ++counts_.distributions;
+  note_neighbours();
+}
+
+/// Makes the lists of the rows that this rank exchanges with others, after the rows were distributed.
+void Halo::note_neighbours() {
+  for (std::vector<std::vector<BodyId>>* lists : {&shown_, &seen_})
+    for (std::vector<BodyId>& list : *lists) list.clear();
+  std::vector<unsigned> near;
+  for (std::size_t r = 0; r < world_.rows(); ++r) {
+    const BodyId body = world_.body(Row(r));
+    if (r >= own_) {
+      seen_[owners_.owner(position(Row(r)))].push_back(body);
+      continue;
+    }
+    near.clear();
+    owners_.find_near(position(Row(r)), coverage_, near);
+    for (const unsigned to : near) shown_[to].push_back(body);
+  }
+  for (std::vector<std::vector<BodyId>>* lists : {&shown_, &seen_})
+    for (std::vector<BodyId>& list : *lists) std::ranges::sort(list, {}, &BodyId::value);
+  neighbours_ = 0;
+  for (std::size_t rank = 0; rank < post_.ranks; ++rank)
+    neighbours_ += !shown_[rank].empty() || !seen_[rank].empty();
+  find_rows();
+}
+
+/// Looks up the rows of the bodies in the lists of note_neighbours().
+void Halo::find_rows() {
+  for (std::size_t rank = 0; rank < post_.ranks; ++rank) {
+    for (const auto& [bodies, rows] : {std::pair(&shown_, &shown_rows_), std::pair(&seen_, &seen_rows_)}) {
+      (*rows)[rank].clear();
+      for (const BodyId body : (*bodies)[rank]) (*rows)[rank].push_back(world_.row(body).value);
+    }
+  }
+}
+
+// ---- A tick
+
+double Halo::longest_motion() const {
+  double longest2 = 0;
+  for (std::size_t r = 0; r < own_; ++r) {
+    const Velocity& v = world_.velocities()[r];
+    longest2 = std::max(longest2, v.x * v.x + v.y * v.y);
+  }
+  return sqrt(longest2) * world_.tick_s();
+}
+
+void Halo::prepare_motions(double longest, bool distributes) {
+  ++counts_.ticks;
+  const bool covers_motions = 2 * radius_ + 2 * longest + 2 * moved_ + k_slack_m <= coverage_;
+  const bool covers_sensing = reach_ + radius_ + 2 * (moved_ + longest) + k_slack_m <= coverage_;
+  distributes = distributes || !covers_motions || !covers_sensing;
+  if (cut_seed_) {
+    Random random(*cut_seed_, stream_id("ranks", "when"), 0, static_cast<std::uint32_t>(world_.tick()));
+    distributes = distributes || random.below(32) == 0;
+  }
+  if (distributes) distribute(longest);
+  moved_ += longest;
+  counts_.own += own_;
+  counts_.ghosts += world_.rows() - own_;
+  counts_.neighbours += neighbours_;
+}
+
+void Halo::put_shown(unsigned to, MessageWriter& message) const {
+  for (const std::uint32_t r : shown_rows_[to])
+    for (const std::size_t t : sent_) {
+      const StateTable& table = tables_[t];
+      const std::size_t at = world_.row_in(table, Row(r));
+      if (at < table.rows() && table.ids()[at] == world_.body(Row(r)))
+        message.put_bytes({table.row(at), table.row_bytes()});
+    }
+}
+
+void Halo::get_seen(unsigned from, MessageReader& message) {
+  for (const std::uint32_t r : seen_rows_[from])
+    for (const std::size_t t : sent_) {
+      StateTable& table = tables_[t];
+      const std::size_t at = world_.row_in(table, Row(r));
+      if (at < table.rows() && table.ids()[at] == world_.body(Row(r)))
+        message.get_bytes({table.row(at), table.row_bytes()});
+    }
+}
+
+unsigned Halo::owner(BodyId body) const {
+  if (world_.row(body).index() < own_) return post_.rank;
+  const auto found = std::ranges::find_if(seen_, [&](const std::vector<BodyId>& list) {
+    return std::ranges::binary_search(list, body.value, {}, &BodyId::value);
+  });
+  return static_cast<unsigned>(found - seen_.begin());
+}
+
+void Halo::put_state(MessageWriter& message, BodyId body) const {
+  const Row row = world_.row(body);
+  for (StateTable& table : tables_)
+    if (const std::size_t at = world_.row_in(table, row); at < table.rows() && table.ids()[at] == body)
+      message.put_bytes({table.row(at), table.row_bytes()});
+}
+
+void Halo::get_state(MessageReader& message, BodyId body) {
+  const Row row = world_.row(body);
+  for (StateTable& table : tables_)
+    if (const std::size_t at = world_.row_in(table, row); at < table.rows() && table.ids()[at] == body)
+      message.get_bytes({table.row(at), table.row_bytes()});
+}
+
+std::span<const std::uint32_t> Halo::begin(std::span<const Motion> motions,
+                                           std::span<const std::uint32_t> order) {
+  for (unsigned rank = 0; rank < post_.ranks; ++rank) {
+    to_send_[rank].clear();
+    for (std::uint32_t i = 0; i < shown_rows_[rank].size(); ++i)
+      if (motions[shown_rows_[rank][i]].moves) to_send_[rank].push_back(i);
+    to_receive_[rank] = static_cast<std::size_t>(
+        std::ranges::count_if(seen_rows_[rank], [&](std::uint32_t row) { return motions[row].moves; }));
+  }
+  return own_of(order);
+}
+
+std::span<const std::uint32_t> Halo::own_of(std::span<const std::uint32_t> order) {
+  order_.resize(order.size());
+  std::size_t count = 0;
+  for (const std::uint32_t row : order) {  // without a branch, which would be unpredictable
+    order_[count] = row;
+    count += row < own_;
+  }
+  return std::span(order_).first(count);
+}
+
+/// The two ranks of a pair exchange messages until both know the outcomes of all motions that both of them
+/// have. Both count the same motions, so they agree on when that is. A message may be empty: the outcome for
+/// which this rank waits may itself wait for that of a third rank.
+bool Halo::exchange(Conflicts& conflicts) {
+  std::vector<unsigned> active;
+  for (unsigned rank = 0; rank < post_.ranks; ++rank)
+    if (!to_send_[rank].empty() || to_receive_[rank] > 0) active.push_back(rank);
+  if (active.empty()) return false;
+  ++counts_.rounds;
+  for (const unsigned to : active) {
+    MessageWriter message = post_.begin(Order::outcomes);
+    std::erase_if(to_send_[to], [&](std::uint32_t i) {
+      const Conflicts::Outcome outcome = conflicts.outcome(shown_rows_[to][i]);
+      if (outcome == Conflicts::Outcome::stands) return false;  // not yet resolved
+      message.put(i);
+      message.put(outcome);
+      return true;
+    });
+    post_.send(to, std::make_shared<const partition::Message>(message.take()));
+  }
+  bool is_open = false;
+  for (const unsigned from : active) {
+    ReceivedOrder received = post_.receive(Order::outcomes, from);
+    while (!received.rest.is_done()) {
+      const auto i = received.rest.get<std::uint32_t>();
+      const auto outcome = received.rest.get<Conflicts::Outcome>();
+      if (i >= seen_rows_[from].size() || to_receive_[from] == 0) throw_bad_message();
+      --to_receive_[from];
+      conflicts.receive(seen_rows_[from][i], outcome);
+    }
+    is_open = is_open || !to_send_[from].empty() || to_receive_[from] > 0;
+  }
+  return is_open;
+}
+
+std::uint64_t Halo::hash(std::span<const std::uint32_t> rows, std::span<const std::uint8_t> is_known) const {
+  std::uint64_t sum = 0;
+  for (const std::uint32_t r : rows)
+    for (std::size_t t = 0; t < tables_.size(); ++t) {
+      const std::size_t at = world_.row_in(tables_[t], Row(r));
+      if (is_known[t] != 0 && at < tables_[t].rows() && tables_[t].ids()[at] == world_.body(Row(r)))
+        sum += tables_[t].hash_row(at);
+    }
+  return sum;
+}
+
+// ---- All rows on one rank
+
+void Halo::put_own(MessageWriter& message) const {
+  for (std::size_t r = 0; r < own_; ++r) put_row(message, Row(r));
+}
+
+void Halo::complete(std::span<ReceivedOrder> messages) {
+  std::vector<BodyId> leaving;
+  for (std::size_t r = own_; r < world_.rows(); ++r) leaving.push_back(world_.body(Row(r)));
+  std::vector<World::RowState> coming;
+  for (ReceivedOrder& message : messages)
+    while (!message.rest.is_done()) coming.push_back(get_row(message.rest).state);
+  world_.exchange_rows(leaving, coming, own_ + coming.size());
+  is_complete_ = true;
+}
+
+void Halo::forget_completion() {
+  std::vector<BodyId> stays;
+  for (const std::vector<BodyId>& list : seen_) stays.insert(stays.end(), list.begin(), list.end());
+  std::ranges::sort(stays, {}, &BodyId::value);
+  std::vector<BodyId> leaving;
+  for (std::size_t r = own_; r < world_.rows(); ++r)
+    if (const BodyId body = world_.body(Row(r));
+        !std::ranges::binary_search(stays, body.value, {}, &BodyId::value))
+      leaving.push_back(body);
+  world_.exchange_rows(leaving, {}, own_);
+  is_complete_ = false;
+  find_rows();  // the lists stay: the other ranks have theirs from the time of the last distribution
+}
+
+void Halo::own_all() {
+  std::vector<World::RowState> coming;
+  for (std::size_t b = 0; b < world_.spec().bodies.size(); ++b)
+    if (world_.location(BodyId(b)) == RowLocation::elsewhere) coming.push_back({BodyId(b), {}});
+  own_ = world_.rows() + coming.size();
+  world_.exchange_rows({}, coming, own_);
+  is_complete_ = true;
+}
+
+void Halo::own_none() {
+  std::vector<BodyId> leaving;
+  for (std::size_t r = 0; r < world_.rows(); ++r) leaving.push_back(world_.body(Row(r)));
+  own_ = 0;
+  world_.exchange_rows(leaving, {}, 0);
+  is_complete_ = false;
+}
+
+}  // namespace troupe::engine

@@ -1,0 +1,193 @@
+#pragma once
+
+#include "base/ids.hpp"
+#include "engine/conflicts/conflicts.hpp"
+#include "engine/ranks/orders.hpp"
+#include "engine/ranks/rank_work.hpp"
+#include "engine/world/world.hpp"
+#include "partition/message.hpp"
+#include "partition/tile_owners.hpp"
+
+#include <cstddef>
+#include <cstdint>
+#include <functional>
+#include <memory>
+#include <optional>
+#include <span>
+#include <string>
+#include <vector>
+
+namespace troupe::engine {
+
+/// Why the rows of a world cannot be distributed among ranks (class Halo), as the end of a sentence that
+/// begins with the form: "replicated, because ...". Empty: they can be.
+std::string why_replicated(const World& world);
+
+/// How the rows of a world would be divided among ranks (class Halo).
+struct HaloPlan {
+  struct Rank {
+    std::size_t own = 0;         ///< own rows
+    std::size_t ghosts = 0;      ///< copies of rows of other ranks
+    std::size_t neighbours = 0;  ///< ranks with which it has ghosts in common
+  };
+  double coverage_m = 0;    ///< the coverage, m (class Halo)
+  std::vector<Rank> ranks;  ///< one entry per rank
+};
+/// Returns how a Halo would divide the rows of a world, which must all be here and must meet
+/// why_replicated(), at the places where they are now.
+///
+/// longest_motion: of a body in a tick, m
+HaloPlan plan_halo(const World& world, unsigned ranks, double longest_motion);
+
+/// The *distributed* form of a world that several ranks compute: each rank has only the rows that it owns,
+/// and *ghosts*, copies of those rows of other ranks that its own rows may meet in a tick.
+///
+/// owners  The plane is divided among the ranks (partition::TileOwners). A row belongs to the rank that owned
+///         the place of its body when the rows were last distributed.
+/// rows    The own rows come first, then the ghosts. Sensing, devices and controllers run for own rows only.
+///         Motions are computed for all rows: those of ghosts from the velocities that their owners send.
+/// ghosts  A row is a ghost on each rank that owns ground within the *coverage* of its body. The coverage is
+///         at least the distance at which two bodies can affect each other in this tick or in the sensing of
+///         the next one: the longest reach of a device plus the largest radius of a body, or two radii and
+///         two motions. It also includes twice the distance that bodies may have moved since the rows were
+///         distributed, so that the ghosts remain valid for some ticks. When twice the sum of the longest
+///         motions of these ticks exceeds that margin (the skin), all ranks distribute the rows again. All
+///         ranks know the longest motion of the tick before any body moves, so they decide alike.
+/// moves   Each rank resolves the motions of its own rows. A motion that depends on a ghost waits for the
+///         outcome, which the owner sends when it is known (Conflicts::Border).
+///
+/// No result depends on which rank owns a row, on the skin, or on how often rows are distributed.
+class Halo : public Conflicts::Border {
+ public:
+  /// How this object sends and receives messages.
+  struct Post {
+    unsigned rank = 0;                                     ///< number of this rank
+    unsigned ranks = 1;                                    ///< number of ranks
+    std::function<partition::MessageWriter(Order)> begin;  ///< begins a message
+    /// Sends a message.
+    std::function<void(unsigned to, std::shared_ptr<const partition::Message> message)> send;
+    std::function<ReceivedOrder(Order order, unsigned from)> receive;  ///< waits for a message
+  };
+  /// The world, whose rows must all be here, must meet why_replicated(), and must outlive this object, as
+  /// must `tables`, the state tables of the world. Call divide() next.
+  ///
+  /// sent: indices of the tables whose rows owners send in each tick (Sharing::sent)
+  /// cut_seed: for tests: the ranks get random ground, and again in some of the ticks
+  /// skin_m: the skin, m; not set: it is chosen
+  Halo(World& world, std::span<StateTable> tables, std::vector<std::size_t> sent, Post post,
+       std::optional<std::uint64_t> cut_seed, std::optional<double> skin_m);
+
+  /// Keeps the own rows and the ghosts of a world that is complete on all ranks. Needs no messages.
+  void divide();
+  /// Gives each row to the rank that owns its place. The rows of this rank, and no row of another, are those
+  /// in [0, own()) here. longest: upper bound on the motions of all bodies in the next tick, m
+  void distribute(double longest);
+  /// Upper bound on the length of the motions that own rows will propose in this tick, m.
+  double longest_motion() const;
+  /// Gives the ranks ground on which they would all take about the same time, on the assumption that all rows
+  /// of a rank took equally long. times: the time that each rank took for its rows, one per rank, in any
+  /// unit; the same on all ranks. distribute() must follow.
+  void balance(std::span<const std::uint64_t> times);
+  /// Called when all ranks know the longest motion of all bodies in this tick, before any body moves.
+  /// Distributes the rows if the ghosts could otherwise be too few, or if `distributes` is true.
+  void prepare_motions(double longest, bool distributes);
+
+  std::size_t own() const { return own_; }  ///< number of own rows
+  double reach() const { return reach_; }   ///< longest reach of a device for which the ghosts suffice, m
+  /// Appends those data of the own rows that rank `to` has as ghosts which change before the phase move.
+  void put_shown(unsigned to, partition::MessageWriter& message) const;
+  /// Reads what put_shown() of rank `from` has appended.
+  void get_seen(unsigned from, partition::MessageReader& message);
+
+  /// The rank that owns the row of a body that is here.
+  unsigned owner(BodyId body) const;
+  /// The rank that owns the ground at a point (m, world frame) since the last distribution.
+  unsigned owner_at(const Vec2& point) const { return owners_.owner(point); }
+  /// Bodies of own rows that rank `to` has as ghosts, in the order of ids.
+  std::span<const BodyId> shown(unsigned to) const { return shown_[to]; }
+  /// Bodies of ghosts that rank `from` owns, in the order of ids.
+  std::span<const BodyId> seen(unsigned from) const { return seen_[from]; }
+  /// Appends the state of a body that is here.
+  void put_state(partition::MessageWriter& message, BodyId body) const;
+  /// Reads what put_state() has appended, for a body that is here.
+  void get_state(partition::MessageReader& message, BodyId body);
+
+  /// Appends all data of the own rows.
+  void put_own(partition::MessageWriter& message) const;
+  /// Rank 0 has the rows of all ranks: reads what put_own() of the other ranks has appended, one message
+  /// each. Afterwards, all rows are here, and own() is as before.
+  void complete(std::span<ReceivedOrder> messages);
+  /// Removes the rows that complete() has added.
+  void forget_completion();
+  bool is_complete() const { return is_complete_; }  ///< whether complete() or own_all() was called last
+  /// Makes all rows of the world own rows here. A row that is elsewhere becomes a row of zeros.
+  void own_all();
+  /// Removes all rows: another rank has all of them.
+  void own_none();
+
+  /// What was counted on this rank; without `messages` and `bytes`, which are 0.
+  const RankCounts& counts() const { return counts_; }
+
+  /// Returns those rows of `order` that are own rows, in that order. Valid until the next call.
+  std::span<const std::uint32_t> own_of(std::span<const std::uint32_t> order);
+  /// The sum of the hashes of the own rows that a rank has as ghosts, or of the ghosts of rows that the rank
+  /// owns, in the tables t with is_known[t]. The two ranks of a pair have equal sums between two ticks.
+  ///@{
+  std::uint64_t hash_shown(unsigned to, std::span<const std::uint8_t> is_known) const {
+    return hash(shown_rows_[to], is_known);
+  }
+  std::uint64_t hash_seen(unsigned from, std::span<const std::uint8_t> is_known) const {
+    return hash(seen_rows_[from], is_known);
+  }
+  ///@}
+
+  // ---- Called by Conflicts
+  std::span<const std::uint32_t> begin(std::span<const Motion> motions,
+                                       std::span<const std::uint32_t> order) override;
+  bool exchange(Conflicts& conflicts) override;
+
+ private:
+  struct Arrival {  // a row that another rank has sent, or that changes from own to ghost
+    World::RowState state;
+    Vec2 position;
+  };
+  void put_row(partition::MessageWriter& message, Row row) const;
+  Arrival get_row(partition::MessageReader& message) const;
+  void choose_coverage(double longest);
+  void cut_again();
+  void note_neighbours();
+  void find_rows();
+  std::uint64_t hash(std::span<const std::uint32_t> rows, std::span<const std::uint8_t> is_known) const;
+  Vec2 position(Row row) const { return world_.transform(row).position; }
+
+  World& world_;
+  std::span<StateTable> tables_;
+  std::vector<std::size_t> sent_;
+  Post post_;
+  std::optional<std::uint64_t> cut_seed_;
+  std::optional<double> skin_m_;
+
+  double reach_ = 0;   // World::longest_reach() when the rows were last distributed, m
+  double radius_ = 0;  // largest radius of a body, m
+  std::vector<partition::TileOwners::Key> keys_;  // of the bodies at tick 0, ascending; only with cut_seed_
+  partition::TileOwners owners_;
+  std::size_t own_ = 0;
+  bool is_complete_ = true;
+  double coverage_ = 0;  // m: see class Halo
+  double moved_ = 0;     // upper bound on the distance that a body moved since the last distribution, m
+  // One entry per rank: bodies of own rows that the rank has as ghosts, and of ghosts that the rank owns;
+  // both in the order of ids. And the same as rows.
+  std::vector<std::vector<BodyId>> shown_;
+  std::vector<std::vector<BodyId>> seen_;
+  std::vector<std::vector<std::uint32_t>> shown_rows_;
+  std::vector<std::vector<std::uint32_t>> seen_rows_;
+  // One entry per rank: of the rows in the lists above, the indices of those that move and whose outcome is
+  // not yet sent; and the number of those whose outcome is not yet received.
+  std::vector<std::vector<std::uint32_t>> to_send_;
+  std::vector<std::size_t> to_receive_;
+  std::vector<std::uint32_t> order_;  // result of own_of()
+  std::uint64_t neighbours_ = 0;      // number of ranks with which this rank has ghosts in common
+  RankCounts counts_;
+};
+
+}  // namespace troupe::engine

@@ -1,0 +1,51 @@
+#pragma once
+
+#include "partition/message.hpp"
+#include "partition/transport.hpp"
+
+#include <cstdint>
+#include <memory>
+
+namespace troupe::engine {
+
+/// The kinds of messages between ranks (engine/ranks/replica.hpp): orders that rank 0 gives to the other
+/// ranks, their answers, and messages within a tick. The first byte of every message is its Order. An answer
+/// has the Order of the message that it answers, or Order::failed.
+enum class Order : std::uint8_t {
+  make,        ///< make a replica of a world (troupe/rank_team.hpp); as an answer: the replica is made
+  drop,        ///< destroy a replica
+  end,         ///< the last order: no other order follows
+  step,        ///< compute the next tick
+  reset,       ///< call World::reset()
+  restart,     ///< call World::restart()
+  set,         ///< call World::set()
+  hash,        ///< send rank 0 the sums of the hashes of the rows that the rank owns
+  gather,      ///< send rank 0 the rows that the rank owns in tables with Sharing::kept
+  counts,      ///< send rank 0 what the rank has counted (Replica::all_counts())
+  agree,       ///< in a tick: the callback of World::before_tick() has returned on rank 0
+  together,    ///< in a tick: the rows for Replica::on_rank_0(), to rank 0 and back
+  exchange,    ///< in a tick: the values that the sender has written to the rows that it owns
+  rows,        ///< in a tick: rows that go to another rank, and ghosts (Halo::distribute())
+  outcomes,    ///< in a tick: outcomes of motions of own rows that are ghosts of the receiver
+  candidates,  ///< in a tick: own rows among which an intervention chooses at random
+  effects,     ///< in a tick: rows that effects change (SharedEffects), and how applying them ended
+  /// The sender could not make the replica or compute its rows of the tick, or the callback of
+  /// World::before_tick() threw an exception on rank 0.
+  failed,
+};
+
+/// Begins a message with its head: the order, and the number of the world that the order concerns.
+partition::MessageWriter begin_message(Order order, std::uint32_t world);
+
+/// A received message that the sender began with begin_message(). Its head has been read.
+struct ReceivedOrder {
+  Order order = Order::end;                           ///< the kind of the message
+  std::uint32_t world = 0;                            ///< number of the world
+  partition::MessageReader rest;                      ///< reads the message from the end of its head
+  std::shared_ptr<const partition::Message> message;  ///< the whole message, to which `rest` refers
+};
+/// Waits for the next message from the rank `from`. Throws partition::RankError if a rank failed or does not
+/// answer, and std::logic_error if the message is shorter than a head.
+ReceivedOrder receive_order(partition::Transport& transport, unsigned from);
+
+}  // namespace troupe::engine

@@ -1,0 +1,14 @@
+#pragma once
+
+#include "engine/fields/fields.hpp"
+#include "partition/message.hpp"
+
+namespace troupe::engine {
+
+/// Appends a record with the types of its values to a message between ranks.
+void put_record(partition::MessageWriter& message, const Record& record);
+/// Reads a record that put_record() appended, and returns it. Throws std::logic_error if the message ends
+/// before the record does.
+Record get_record(partition::MessageReader& message);
+
+}  // namespace troupe::engine

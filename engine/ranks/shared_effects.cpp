@@ -1,0 +1,167 @@
+#include "engine/ranks/shared_effects.hpp"
+
+#include "engine/kinds/step_error.hpp"
+#include "engine/world/world.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <exception>
+#include <limits>
+#include <memory>
+#include <optional>
+#include <string>
+#include <utility>
+
+namespace troupe::engine {
+namespace {
+
+using partition::MessageReader;
+using partition::MessageWriter;
+
+}  // namespace
+
+void SharedEffects::note(BodyId body) {
+  affected_.push_back({body, halo_.owner(body), 0, world_.transform(world_.row(body)).position});
+}
+
+void SharedEffects::note() {
+  affected_.clear();
+  own_ = effects_.emitted().size();
+  for (const Effect& effect : effects_.emitted()) {
+    note(effect.source);
+    if (effect.target.index() >= world_.spec().bodies.size()) continue;  // not valid
+    const RowLocation location = world_.location(effect.target);
+    if (location == RowLocation::here) note(effect.target);
+    if (location == RowLocation::elsewhere)
+      throw StepError(fmt::format(
+          "tick {}: the device \"{}\" of \"{}\" acts on \"{}\", which is beyond the reach of the device "
+          "(DeviceKind::Prepared::reach_m)",
+          world_.tick(), world_.type(world_.row(effect.source)).devices[effect.device].name,
+          world_.spec().name(effect.source), world_.spec().name(effect.target)));
+  }
+  noted_ = affected_.size();
+}
+
+void SharedEffects::put(MessageWriter& message) const {
+  message.put(static_cast<std::uint64_t>(own_));
+  message.put_bytes(std::as_bytes(effects_.emitted().first(own_)));
+  if (own_ == 0) return;
+  message.put(static_cast<std::uint64_t>(noted_));
+  for (const Affected& each : std::span(affected_).first(noted_)) {
+    message.put(each.body);
+    message.put(each.owner);
+    message.put(each.position.x());
+    message.put(each.position.y());
+  }
+}
+
+void SharedEffects::get(MessageReader& message) {
+  auto effects = message.get<std::uint64_t>();
+  if (effects == 0) return;
+  for (; effects > 0; --effects) effects_.emit(message.get<Effect>());
+  for (auto bodies = message.get<std::uint64_t>(); bodies > 0; --bodies) {
+    Affected& each = affected_.emplace_back();
+    each.body = message.get<BodyId>();
+    each.owner = message.get<unsigned>();
+    each.position.x() = message.get<double>();
+    each.position.y() = message.get<double>();
+  }
+}
+
+void SharedEffects::begin(bool is_new) {
+  std::ranges::sort(affected_, {}, [](const Affected& each) { return each.body.value; });
+  const auto is_same = [](const Affected& a, const Affected& b) { return a.body == b.body; };
+  affected_.erase(std::unique(affected_.begin(), affected_.end(), is_same), affected_.end());
+  for (Affected& each : affected_) {
+    if (is_new) each.owner = halo_.owner_at(each.position);
+    each.last = each.owner;
+  }
+}
+
+SharedEffects::Affected* SharedEffects::find(BodyId body) {
+  const auto found = std::ranges::lower_bound(affected_, body.value, {},
+                                              [](const Affected& each) { return each.body.value; });
+  return found != affected_.end() && found->body == body ? &*found : nullptr;
+}
+
+void SharedEffects::apply(std::span<const Effect> effects, const std::function<void(const Effect&)>& apply) {
+  constexpr std::uint64_t k_none = std::numeric_limits<std::uint64_t>::max();
+  std::uint64_t failed = k_none;  // number of the effect that threw
+  std::string text;
+  std::exception_ptr error;
+  for (std::size_t i = 0; i < effects.size(); ++i) {
+    Affected& source = *find(effects[i].source);
+    bring(source, source.owner);
+    if (Affected* const target = find(effects[i].target)) bring(*target, source.owner);
+    if (source.owner != post_.rank || error) continue;
+    try {
+      apply(effects[i]);
+    } catch (const std::exception& thrown) {  // the other ranks wait for the messages of this one
+      error = std::current_exception();
+      failed = i;
+      text = thrown.what();
+    }
+  }
+  for (Affected& each : affected_) bring(each, each.owner);
+  show();
+  MessageWriter own = post_.begin(Order::effects);
+  own.put(failed);
+  own.put_text(text);
+  const auto message = std::make_shared<const partition::Message>(own.take());
+  for (unsigned to = 0; to < post_.ranks; ++to)
+    if (to != post_.rank) post_.send(to, message);
+  // The error of the first effect that failed is the one that a single rank would have met. What was thrown
+  // after it, on any rank, may be its consequence.
+  for (unsigned from = 0; from < post_.ranks; ++from) {
+    if (from == post_.rank) continue;
+    ReceivedOrder received = post_.receive(Order::effects, from);
+    const auto number = received.rest.get<std::uint64_t>();
+    if (number >= failed) continue;
+    failed = number;
+    text = received.rest.get_text();
+    error = nullptr;
+  }
+  if (error) std::rethrow_exception(error);
+  if (failed != k_none) throw StepError(text);
+}
+
+/// Sends the state of a body from the rank that has changed it last to rank `to`, unless that is the same.
+void SharedEffects::bring(Affected& body, unsigned to) {
+  const unsigned from = std::exchange(body.last, to);
+  if (from == to) return;
+  const bool is_here = world_.location(body.body) == RowLocation::here;
+  if (from == post_.rank) {
+    MessageWriter message = post_.begin(Order::effects);
+    if (is_here) halo_.put_state(message, body.body);
+    post_.send(to, std::make_shared<const partition::Message>(message.take()));
+  } else if (to == post_.rank) {
+    // One of the two ranks lacks the row if a device acts beyond its reach. Applying that effect throws.
+    ReceivedOrder received = post_.receive(Order::effects, from);
+    if (is_here && !received.rest.is_done()) halo_.get_state(received.rest, body.body);
+  }
+}
+
+/// Sends the states of own bodies to the ranks that have them as ghosts, and receives those of the ghosts
+/// here.
+void SharedEffects::show() {
+  for (unsigned to = 0; to < post_.ranks; ++to) {
+    std::optional<MessageWriter> message;
+    for (const BodyId body : halo_.shown(to)) {
+      if (find(body) == nullptr) continue;
+      if (!message) message = post_.begin(Order::effects);
+      halo_.put_state(*message, body);
+    }
+    if (message) post_.send(to, std::make_shared<const partition::Message>(message->take()));
+  }
+  for (unsigned from = 0; from < post_.ranks; ++from) {
+    std::optional<ReceivedOrder> received;
+    for (const BodyId body : halo_.seen(from)) {
+      if (find(body) == nullptr) continue;
+      if (!received) received = post_.receive(Order::effects, from);
+      halo_.get_state(received->rest, body);
+    }
+  }
+}
+
+}  // namespace troupe::engine

@@ -1,0 +1,68 @@
+#pragma once
+
+#include "base/geometry.hpp"
+#include "base/ids.hpp"
+#include "engine/kinds/effects.hpp"
+#include "engine/ranks/halo.hpp"
+#include "partition/message.hpp"
+
+#include <cstddef>
+#include <functional>
+#include <span>
+#include <utility>
+#include <vector>
+
+namespace troupe::engine {
+
+/// The effects of a tick (actions of devices on other bodies) in a world whose rows are distributed among
+/// ranks (class Halo). All effects of a tick are applied in one order, and each sees the results of those
+/// before, so the ranks take turns: the rank that owns the source of an effect applies it. If the last change
+/// of the source or of the target was made on another rank, that rank sends the state of the body first. At
+/// the end the owners get the states of their bodies, and the other ranks those of their ghosts.
+///
+/// All ranks know all effects of the tick, and who owns the bodies that these concern. They therefore agree
+/// on all messages without asking. Worlds in which devices act on bodies beyond their reach are not
+/// distributed (why_replicated()), because the rank that owns the source of an effect must have the row of
+/// the target.
+class SharedEffects {
+ public:
+  /// effects: those of `world`. World, halo and effects must outlive this object.
+  SharedEffects(World& world, Halo& halo, Effects& effects, Halo::Post post)
+      : world_(world), halo_(halo), effects_(effects), post_(std::move(post)) {}
+
+  /// Called after the phase decide, on all ranks: notes the effects that devices on this rank have emitted.
+  /// Throws StepError if a target is not on this rank: it is beyond the reach that the device declares.
+  void note();
+  /// Appends the noted effects.
+  void put(partition::MessageWriter& message) const;
+  /// Adds the effects that put() of another rank has appended to those of the world.
+  void get(partition::MessageReader& message);
+  /// Called when the effects of all ranks are known, before any body moves. is_new: whether the rows were
+  /// distributed since note()
+  void begin(bool is_new);
+  /// Applies `effects`, those of all ranks in their order; `apply` applies one of them. Throws on all ranks
+  /// if `apply` throws on any rank: StepError, or the exception itself on the rank where it was thrown.
+  void apply(std::span<const Effect> effects, const std::function<void(const Effect&)>& apply);
+
+ private:
+  struct Affected {  // a body that is the source or the target of an effect
+    BodyId body;
+    unsigned owner = 0;            // the rank that owns its row
+    unsigned last = 0;             // the rank that has its present state
+    Vec2 position = Vec2::Zero();  // before the motion of this tick, m, world frame
+  };
+  void note(BodyId body);
+  Affected* find(BodyId body);
+  void bring(Affected& body, unsigned to);
+  void show();
+
+  World& world_;
+  Halo& halo_;
+  Effects& effects_;
+  Halo::Post post_;
+  std::size_t own_ = 0;             // number of the noted effects, which come first in effects_
+  std::size_t noted_ = 0;           // number of elements of affected_ after note()
+  std::vector<Affected> affected_;  // after note(): by own effects; after begin(): by all, in order of ids
+};
+
+}  // namespace troupe::engine

@@ -1,0 +1,173 @@
+#pragma once
+
+#include "engine/sensing/ray_hit.hpp"
+#include "engine/sensing/sensing_view.hpp"
+
+#include <algorithm>
+#include <optional>
+#include <span>
+
+namespace troupe::engine {
+
+/// An outline of any body, or a section of such an outline, in the world frame, m. It has an edge from each
+/// vertex to the next and, if it is closed, an edge from the last vertex to the first.
+struct OutlineChain {
+  std::span<const Vec2> vertices;  ///< vertices along the outline; valid until the next step
+  bool closed = false;             ///< true: a whole closed outline; false: a section of one
+  ZInterval z;                     ///< height interval, world frame, m
+  BodyId body;                     ///< the body that it belongs to
+  std::uint32_t part = 0;          ///< the part that it belongs to: index in the body's type
+  /// Number of the solid that the outline belongs to. The chains with equal `body` and `solid` together bound
+  /// one region (even-odd rule).
+  std::uint32_t solid = 0;
+  /// A number that distinguishes the chains of one solid. Chains that rangers see and chains that they do not
+  /// see are numbered separately.
+  std::uint32_t piece = 0;
+  float ranger_return = 1;  ///< intensity that rangers read; below 0: rays of rangers pass through the chain
+};
+
+/// Calls visit(begin, end) with the two ends (m, world frame) of each edge of the chain.
+template <class Visit>
+void for_each_edge(const OutlineChain& chain, Visit&& visit) {
+  for (std::size_t i = 0; i + 1 < chain.vertices.size(); ++i) visit(chain.vertices[i], chain.vertices[i + 1]);
+  if (chain.closed && !chain.vertices.empty()) visit(chain.vertices.back(), chain.vertices.front());
+}
+
+/// Returns piece number `piece` of `outlines` as a chain. `outlines` must be scene.outlines() or
+/// scene.hidden_outlines().
+inline OutlineChain fixed_chain(const partition::StaticScene& scene, const partition::FixedOutlines& outlines,
+                                std::uint32_t piece) {
+  const partition::FixedSolid& solid = scene.solids()[outlines.solid(piece)];
+  return {outlines.chain(piece), false, solid.solid.z,      solid.body, solid.part,
+          outlines.solid(piece), piece, solid.ranger_return};
+}
+
+/// Calls visit(chain) for the outline pieces of the static scene, including those that rangers do not see,
+/// whose enclosing circles may touch the box (world frame, m) and for which wanted(circle) is true. A piece
+/// may be visited more than once.
+template <class Wanted, class Visit>
+void for_each_fixed_chain(const SensingView& view, const Box& box, Wanted&& wanted, Visit&& visit) {
+  const partition::StaticScene& scene = view.scene();
+  for (const partition::FixedOutlines* outlines : {&scene.outlines(), &scene.hidden_outlines()}) {
+    outlines->for_each_run(box, [&](std::span<const partition::BodyCircle> circles) {
+      for (const partition::BodyCircle& circle : circles)
+        if (wanted(circle)) visit(fixed_chain(scene, *outlines, circle.row));
+    });
+  }
+}
+
+/// Calls visit(chain) for each outline of a row's body, including those that rangers do not see. The body
+/// must be in the world.
+template <class Visit>
+void for_each_chain_of(const SensingView& view, Row row, Visit&& visit) {
+  const std::span<const Vec2> vertices = view.outline(row);
+  const double base = view.poses()[row.index()].z;
+  const BodyType& type = view.type(row);
+  for (const std::vector<RayOutline>* outlines : {&type.outlines, &type.hidden_outlines})
+    for (const RayOutline& outline : *outlines)
+      visit(OutlineChain{vertices.subspan(outline.first, outline.count), true,
+                         outline.z.shifted(base + view.lift(row, outline.joint)), view.body(row),
+                         outline.part, outline.solid, outline.first, outline.ranger_return});
+}
+
+/// Calls visit(chain) for each outline of the mobile bodies in the world, also for outlines that rangers do
+/// not see. Visits only bodies whose enclosing circle may touch the box (world frame, m) and for which
+/// wanted(circle) is true, each body once. `own` is the row (index in the state tables) of a body that is
+/// skipped together with the bodies that move with it (SensingView::same_tree()). If `own` is not valid(), no
+/// body is skipped.
+template <class Wanted, class Visit>
+void for_each_body_chain(const SensingView& view, const Box& box, Row own, Wanted&& wanted, Visit&& visit) {
+  view.index().for_each_near(box, [&](const partition::BodyCircle& circle) {
+    const Row row(circle.row);
+    if (!wanted(circle) || (own.valid() && view.same_tree(row, own))) return;
+    for_each_chain_of(view, row, visit);
+  });
+}
+
+/// A horizontal ray, for first_met().
+struct SightRay {
+  Vec2 origin = Vec2::Zero();      ///< start of the ray, world frame, m
+  Vec2 direction = Vec2::UnitX();  ///< unit vector, world frame
+  double length = 0;               ///< length, m; surfaces at this range or farther are not hit
+  /// Row of the sensor's body. The ray passes through this body and through the bodies that move together
+  /// with it (SensingView::same_tree()). Not valid(): the ray passes through no body.
+  Row own;
+  std::optional<double> z;  ///< height of the ray, world frame, m; not set: it hits surfaces at any height
+  bool (*stops)(const Returns&) = nullptr;  ///< returns whether a part stops the ray; null: all parts do
+};
+
+/// Returns the part whose surface a ray hit. Call this only if hit.met() is true.
+inline const PartSpec& part_of(const SensingView& view, const RayHit& hit) {
+  return view.spec().types[view.spec().bodies[hit.body.index()].type.index()].parts[hit.part];
+}
+
+/// Present colour of the part that a ray hit: the colour that a device gives the part (shown_color()),
+/// otherwise the colour of the part or, if it has none, of its body in the world file. Call this only if
+/// hit.met() is true.
+Color color_of(const CommittedView& view, const RayHit& hit);
+
+/// Returns the first surface along a ray, in double precision. If the ray hits nothing, RayHit::range_m is
+/// the length of the ray and RayHit::met() is false.
+/// hits    A ray hits outlines whose closed z interval contains its height. It hits them from inside and from
+///         outside the body. A ray that starts on an outline hits it at range 0.
+/// ties    If two surfaces are at the same range, the one with the lower (body id, part index) is returned.
+/// cost    The function walks along the ray through the grid and ends at the first surface. Sensors that cast
+///         several rays from one point use VisibilityQuery (engine/sensing/visibility_query.hpp). Rangers,
+///         which cast many beams at once, use the functions of partition/ranging.hpp.
+RayHit first_met(const SensingView& view, const SightRay& ray);
+
+/// The position of a vertex of an outline relative to a ray.
+struct SeenVertex {
+  Vec2 to;      ///< vector from the ray's origin to the vertex, world frame, m
+  double side;  ///< signed distance of the vertex from the ray's line, m; negative to the left of the ray
+  /// origin, direction: the ray; the direction has unit length. All arguments are in the world frame,
+  /// positions in m.
+  SeenVertex(const Vec2& origin, const Vec2& direction, const Vec2& vertex)
+      : to(vertex - origin), side(cross(to, direction)) {}
+};
+
+/// Range at which a ray of unlimited length hits the edge from a to b, m; negative if the ray does not hit
+/// the edge. If the edge runs along the ray, the range to its nearer end, or 0 if the ray starts on the
+/// edge. The ends belong to the edge, so a ray never passes between two edges that share a vertex.
+/// `direction` is the unit vector with which `a` and `b` were made.
+inline double range_to_edge(const Vec2& direction, const SeenVertex& a, const SeenVertex& b) {
+  constexpr double k_missed = -1;
+  if (std::min(a.side, b.side) > 0 || std::max(a.side, b.side) < 0) return k_missed;
+  const double along_a = a.to.dot(direction);
+  const double along_b = b.to.dot(direction);
+  const double near = std::min(along_a, along_b);
+  const double far = std::max(along_a, along_b);
+  if (a.side == b.side) return far < 0 ? k_missed : std::max(near, 0.0);  // the edge runs along the ray
+  const double range = along_a + a.side / (a.side - b.side) * (along_b - along_a);
+  return std::clamp(range, near, far) < 0 ? k_missed : std::clamp(range, near, far);
+}
+/// Range at which a ray with this origin and unit direction hits the edge from a to b, m; negative if it does
+/// not hit the edge. All arguments are in the world frame.
+inline double range_to_edge(const Vec2& origin, const Vec2& direction, const Vec2& a, const Vec2& b) {
+  return range_to_edge(direction, SeenVertex(origin, direction, a), SeenVertex(origin, direction, b));
+}
+
+/// Tests a ray (origin and unit direction in the world frame, length in m) against the edges of a chain, at
+/// any height, and updates `nearest`, the nearest surface that the ray has hit so far. Before the first
+/// chain, `nearest` must have the length of the ray as `range_m`, and no body. Ties are resolved as in
+/// first_met().
+inline void meet_chain(const OutlineChain& chain, const Vec2& origin, const Vec2& direction, double length,
+                       RayHit& nearest) {
+  if (chain.vertices.empty()) return;
+  const auto meet = [&](const SeenVertex& a, const SeenVertex& b) {
+    const double range = range_to_edge(direction, a, b);
+    if (range < 0 || range >= length || range > nearest.range_m) return;
+    const bool is_lower = chain.body != nearest.body ? chain.body < nearest.body : chain.part < nearest.part;
+    if (range < nearest.range_m || is_lower) nearest = {range, chain.body, chain.part};
+  };
+  const SeenVertex first(origin, direction, chain.vertices.front());
+  SeenVertex before = first;
+  for (const Vec2& vertex : chain.vertices.subspan(1)) {
+    const SeenVertex seen(origin, direction, vertex);
+    meet(before, seen);
+    before = seen;
+  }
+  if (chain.closed) meet(before, first);
+}
+
+}  // namespace troupe::engine

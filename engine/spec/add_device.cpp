@@ -1,0 +1,55 @@
+#include "engine/spec/add_device.hpp"
+
+#include "engine/world/kind_errors.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <stdexcept>
+
+namespace troupe::engine {
+
+std::size_t add_device(TypeSpec& type, DeviceSpec device, const DeviceKind& kind) {
+  if (!kind.joints.empty()) device.moves = static_cast<std::int32_t>(type.joints.size());
+  for (const std::string_view joint : kind.joints) {
+    const std::string stem = device.name.empty() ? std::string(kind.name) : device.name;
+    const std::string base = kind.joints.size() == 1 ? stem : fmt::format("{}/{}", stem, joint);
+    std::string name = base;
+    for (int n = 2; std::ranges::find(type.joints, name, &JointSpec::name) != type.joints.end(); ++n)
+      name = fmt::format("{}#{}", base, n);
+    type.joints.push_back({std::move(name), device.joint, device.pose_body_device});
+  }
+  type.devices.push_back(std::move(device));
+  return type.devices.size() - 1;
+}
+
+void add_device_body(TypeSpec& type, std::size_t d, const DeviceKind& kind) {
+  if (!kind.body) return;
+  const DeviceSpec& device = type.devices[d];
+  std::vector<PartSpec> moving;
+  for (std::size_t j = 0; j < kind.joints.size(); ++j) {
+    PartSpec part = type.parts[device.part];
+    part.name =
+        part.name.empty() ? std::string(kind.joints[j]) : fmt::format("{}.{}", part.name, kind.joints[j]);
+    part.alias.clear();
+    part.parent = device.part;
+    part.joint = device.moves + static_cast<std::int32_t>(j);
+    part.solids.clear();
+    moving.push_back(std::move(part));
+  }
+  std::vector<DeviceKind::Fixture> fixtures;
+  try {
+    fixtures = kind.body(device.params);
+  } catch (...) {
+    throw std::runtime_error(fmt::format("device \"{}\" ({}) {}", device.name, kind.name, thrown_text()));
+  }
+  for (DeviceKind::Fixture& fixture : fixtures) {
+    PartSpec& part =
+        fixture.joint < 0 ? type.parts[device.part] : moving[static_cast<std::size_t>(fixture.joint)];
+    part.solids.push_back(placed(std::move(fixture.solid), device.pose_body_device));
+  }
+  for (PartSpec& part : moving)
+    if (!part.solids.empty()) type.parts.push_back(std::move(part));
+}
+
+}  // namespace troupe::engine

@@ -1,0 +1,37 @@
+#include "engine/spec/experiment_spec.hpp"
+
+#include <fmt/format.h>
+
+#include <cmath>
+
+namespace troupe::engine {
+
+bool holds(double a, Comparison comparison, double b) {
+  if (std::isnan(a) || std::isnan(b)) return false;
+  switch (comparison) {
+    case Comparison::below: return a < b;
+    case Comparison::at_most: return a <= b;
+    case Comparison::above: return a > b;
+    case Comparison::at_least: return a >= b;
+    case Comparison::equal: return a == b;
+    case Comparison::unequal: break;
+  }
+  return a != b;
+}
+
+std::string text_of(const StopSpec& condition) {
+  const MeasureSpec& measure = condition.measure;
+  std::string name = measure.name;
+  if (name.empty()) name = measure.of.empty() ? measure.kind : fmt::format("{}:{}", measure.kind, measure.of);
+  return fmt::format("{} {} {}", name, k_comparisons[static_cast<std::size_t>(condition.comparison)],
+                     condition.value);
+}
+
+Record changed(const Record& params, const SettingSpec& setting) {
+  Record changed = params;
+  for (std::size_t i = 0; i < setting.params.size(); ++i)
+    if (setting.params[i].given()) changed[i] = setting.params[i];
+  return changed;
+}
+
+}  // namespace troupe::engine

@@ -1,0 +1,144 @@
+#pragma once
+
+#include "base/geometry.hpp"
+#include "base/ids.hpp"
+#include "base/pose.hpp"
+#include "engine/spec/measure_spec.hpp"
+
+#include <array>
+#include <cstdint>
+#include <optional>
+#include <string>
+#include <string_view>
+#include <vector>
+
+namespace troupe::engine {
+
+// The experiment of a world file (docs/experiments.md): its stop conditions, interventions and faults. Time
+// advances in ticks, steps of equal length. A measure is a number that is computed from the state of a run.
+
+/// How a measure is compared with a number.
+enum class Comparison : std::uint8_t {
+  below,     ///< `a < b`
+  at_most,   ///< `a <= b`
+  above,     ///< `a > b`
+  at_least,  ///< `a >= b`
+  equal,     ///< `a == b`
+  unequal,   ///< `a != b`
+};
+/// The operators in files, in the order of Comparison.
+inline constexpr std::array<std::string_view, 6> k_comparisons{"<", "<=", ">", ">=", "==", "!="};
+/// Whether `a COMPARISON b` is true. If a or b is NaN it is false, also for Comparison::unequal.
+bool holds(double a, Comparison comparison, double b);
+
+/// A stop condition: a comparison of a measure, such as the covered area, with a number.
+struct StopSpec {
+  MeasureSpec measure;                        ///< left operand
+  Comparison comparison = Comparison::below;  ///< operator of `measure COMPARISON value`
+  double value = 0;                           ///< right operand, in the SI unit of the measure
+};
+/// The text of a condition, with the name that the world file gives the measure, if any, and the shortest
+/// decimal form of the number: `coverage >= 0.9`, `stalls:leaders > 10`.
+std::string text_of(const StopSpec& condition);
+
+/// A group of bodies: a population, all bodies of a type, or one body. If `count` or `share` is set, the
+/// group is a random selection of these bodies; if both are set, the smaller number of bodies counts.
+/// Interventions select among the bodies that they can change when they are applied: those in the world that
+/// are not yet in the requested condition. Faults select among the bodies that are present at tick 0. Static
+/// bodies do not belong to any group. Building the world reports an error for a group without bodies.
+struct GroupSpec {
+  /// What `name` refers to.
+  enum class By : std::uint8_t {
+    population,  ///< the name of a population: NAME for all bodies named NAME0, NAME1, ...
+    type,        ///< the name of a body type (TypeSpec::name)
+    model,       ///< the name or alias of one body
+  };
+  By by = By::population;  ///< what `name` refers to
+  std::string name;        ///< name of the population, type or body
+  /// Number of bodies to select, at least 0; all if there are fewer. Not set: no limit. For the intervention
+  /// `add`, the number of bodies to add; not set: all unborn bodies of the reserve. Not used for `move`.
+  std::optional<std::int64_t> count;
+  /// Fraction of the bodies to select, 0 to 1. The number of bodies is rounded to nearest, halves up. Not
+  /// set: no limit. Not used for the interventions `add` and `move`.
+  std::optional<double> share;
+};
+
+/// New values for some parameters of the drive, of a device or of a controller of a type. The type must have
+/// that drive, device or controller.
+struct SettingSpec {
+  /// The owner of the parameters.
+  enum class Of : std::uint8_t {
+    drive,       ///< the drive of the type (TypeSpec::drive)
+    device,      ///< the device TypeSpec::devices[SettingSpec::index]
+    controller,  ///< the controller TypeSpec::controllers[SettingSpec::index]
+  };
+  TypeId type;              ///< the type; the change affects all its bodies
+  Of of = Of::drive;        ///< the owner of the parameters
+  std::uint32_t index = 0;  ///< index of the device or controller in the TypeSpec; unused for Of::drive
+  /// One value per field of the kind's table, in the order of the table. Where there is no value
+  /// (Value::given() is false), the parameter does not change.
+  Record params;
+};
+
+/// Returns a copy of `params` in which the values that setting.params gives replace the old ones. `params`
+/// must have one value per field of the same table as setting.params.
+Record changed(const Record& params, const SettingSpec& setting);
+
+/// An intervention of the world file: a change of the running world, applied between two ticks. It does not
+/// affect unborn and dead bodies, except that `add` spawns unborn ones.
+struct InterventionSpec {
+  /// The kind of intervention.
+  enum class Action : std::uint8_t {
+    remove,   ///< removes the bodies of the group from the world for good
+    add,      ///< spawns bodies of the reserve of a population
+    disable,  ///< stops the devices, controllers and drives of the group's bodies
+    enable,   ///< lets disabled bodies of the group run again
+    /// moves one body to `pose`, even if another body is there; no effect on a carried body
+    move,
+    set,  ///< changes parameters of a type, for all its bodies
+  };
+  /// World time, s. The intervention is applied after the first tick that ends at this time or later, in the
+  /// phase `intervene` at the beginning of the tick that follows. With 0 or less, it is applied before the
+  /// first tick.
+  double time_s = 0;
+  Action action = Action::remove;  ///< kind of intervention
+  GroupSpec whom;  ///< affected bodies; for `move`, one body; for `add`, a population with a reserve
+  /// World frame, m and rad. For `move`, the new pose, within the bounds of the world; it must be set. For
+  /// `add`, the pose of each new body; no further body is added once this pose is occupied.
+  std::optional<Pose> pose;
+  /// For `add` without `pose`: box in which each new body gets a random free pose with z = 0, world frame, m.
+  /// Not set: the box WorldSpec::bounds, which the world must then have. If a body finds no free pose in 1000
+  /// trials, it and the remaining bodies are not added.
+  std::optional<Box> region;
+  std::optional<SettingSpec> setting;  ///< for `set`: the new parameters; `whom` is then unused
+  Where where;                         ///< file position, for messages
+};
+/// The names of the actions in files, in the order of InterventionSpec::Action.
+inline constexpr std::array<std::string_view, 6> k_actions{"remove", "add",  "disable",
+                                                           "enable", "move", "set"};
+
+/// Faults that may occur in bodies of a group. Only bodies that are present at tick 0 have faults.
+struct FaultSpec {
+  GroupSpec whom;     ///< bodies that may fail; selected when the world is built or restarted
+  double from_s = 0;  ///< world time from which on faults may occur, s
+  /// One possible fault of the bodies.
+  struct Impairment {
+    std::string kind;  ///< name of a fault kind of Registry::faults
+    Record params;     ///< one value for each field of the kind's table (FaultKind::params)
+  };
+  std::vector<Impairment> impairments;  ///< the faults; each occurs independently of the others
+  Where where;                          ///< file position, for messages
+};
+
+/// The experiment of a world: when its runs end, and what changes the world during a run.
+struct ExperimentSpec {
+  std::vector<StopSpec> stop_when;   ///< the run ends after the first tick at which one of these is true
+  std::vector<InterventionSpec> at;  ///< interventions, in any order of time
+  std::vector<FaultSpec> faults;     ///< faults that may occur
+
+  /// Whether the experiment has neither stop conditions nor interventions nor faults. A run of the world then
+  /// ends only at its end time, or when the program ends it.
+  bool empty() const { return stop_when.empty() && at.empty() && faults.empty(); }
+};
+
+}  // namespace troupe::engine

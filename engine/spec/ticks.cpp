@@ -1,0 +1,25 @@
+#include "engine/spec/ticks.hpp"
+
+#include <algorithm>
+
+namespace troupe::engine {
+namespace {
+
+constexpr double k_most = 1e15;  // ticks: far more than any run has, and exact in a double
+
+}  // namespace
+
+std::uint64_t ticks_until(double end_s, double tick_s) {
+  const double quotient = end_s / tick_s;
+  if (quotient >= k_most) return static_cast<std::uint64_t>(k_most);
+  const double ticks = quotient - 1e-9 * std::max(1.0, quotient);
+  if (!(ticks > 0)) return 0;
+  const auto whole = static_cast<std::uint64_t>(ticks);
+  return static_cast<double>(whole) < ticks ? whole + 1 : whole;
+}
+
+std::uint64_t period_ticks(double period_s, double tick_s) {
+  return std::max<std::uint64_t>(1, ticks_until(period_s, tick_s));
+}
+
+}  // namespace troupe::engine

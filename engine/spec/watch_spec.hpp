@@ -1,0 +1,39 @@
+#pragma once
+
+#include "engine/fields/description.hpp"
+
+#include <cstdint>
+
+namespace troupe::engine {
+
+inline constexpr double k_most_rate = 1e9;                      ///< largest WatchSpec::rate
+inline constexpr std::int64_t k_most_clock_ticks = 1000000000;  ///< largest WatchSpec::clock_ticks
+
+/// Settings of the world file for watching a run: how fast the run advances, whether a window starts paused,
+/// and whether and how often the program prints the world time. No member affects the results.
+struct WatchSpec {
+  bool clock = false;               ///< whether the world time is printed during the run
+  std::uint64_t clock_ticks = 100;  ///< ticks from one printed time to the next, if `clock` is true
+  /// Speed of a run with the option `--rate world`, as a multiple of real time; 0: as fast as possible.
+  double rate = 1;
+  bool paused = false;  ///< whether a window starts paused
+  friend bool operator==(const WatchSpec&, const WatchSpec&) = default;
+
+  static constexpr void describe(Description<WatchSpec>& d) {
+    using namespace facts;
+    d.member<&WatchSpec::clock>("clock", "true: the run prints the world time");
+    d.member<&WatchSpec::clock_ticks>("clock_ticks", within(1, k_most_clock_ticks),
+                                      "number of ticks from one printed time to the next");
+    d.member<&WatchSpec::rate>(
+        "rate", within(0, k_most_rate),
+        "speed of a run with the option `--rate world`, as a multiple of real time; 0: as fast as possible");
+    d.member<&WatchSpec::paused>("paused", "true: a window starts paused");
+  }
+};
+
+/// The fields of WatchSpec as they appear in files: `clock`, `clock_ticks`, `rate`, `paused`.
+const FieldTable& watch_fields();
+Record watch_record(const WatchSpec& watch);  ///< the members as a record of watch_fields()
+WatchSpec watch_spec(const Record& record);   ///< the settings of a record of watch_fields()
+
+}  // namespace troupe::engine

@@ -1,0 +1,281 @@
+#pragma once
+
+#include "base/color.hpp"
+#include "base/diagnostics.hpp"
+#include "base/geometry.hpp"
+#include "base/ids.hpp"
+#include "engine/fields/fields.hpp"
+#include "engine/spec/experiment_spec.hpp"
+#include "engine/spec/measure_spec.hpp"
+#include "engine/spec/names.hpp"
+#include "engine/spec/ranging_engine.hpp"
+#include "engine/spec/watch_spec.hpp"
+
+#include <functional>
+#include <optional>
+#include <string>
+#include <unordered_map>
+#include <vector>
+
+namespace troupe::engine {
+
+// The structs below are the expanded contents of a world file. They are plain data, which a loader makes from
+// a file of any format, or a program fills by hand. engine::World is built from them. Lengths are in metres,
+// angles in radians and times in seconds.
+
+/// Largest total number of corners of outlines. The readers of world files apply this limit to all types of a
+/// world together, and World applies it to all static bodies together.
+inline constexpr std::size_t k_most_vertices = 50000000;
+
+/// How a part of a body interacts with other bodies and with their sensors.
+struct Returns {
+  bool obstacle = true;       ///< whether the part takes part in collisions
+  float ranger = 1;           ///< intensity that rangers read; below 0: rays of rangers pass through the part
+  std::int32_t fiducial = 0;  ///< value that fiducial finders read; 0: they do not detect the part
+  std::int32_t fiducial_key = 0;  ///< only fiducial finders with the same key detect the part
+  bool gripper = false;           ///< grippers detect the part and can grip its body
+  bool pushable = false;          ///< robots can push the whole body: docs/pushing.md
+  /// True: blob finders report its colour. False: the part only hides other parts from them; a finder whose
+  /// parameter `use_blob_return` is false reports the part all the same.
+  bool blob = true;
+  friend bool operator==(const Returns&, const Returns&) = default;
+};
+
+/// Value in place of the index of a joint: the part or device is not on a joint, but fixed to the body.
+inline constexpr std::int32_t k_rigid = -1;
+
+/// A joint: a frame of a body type that a device of the type, such as an actuator or a gripper, moves. Parts,
+/// devices and further joints can be mounted on a joint. All their poses are given with every joint at rest.
+struct JointSpec {
+  std::string name;  ///< name; the joint's state is the component `joint/<name>`
+  /// Index of the joint that it is mounted on, which is lower than its own index; k_rigid: none.
+  std::int32_t parent = k_rigid;
+  /// Frame of the joint at rest, in the body frame. Displacements of the joint are given in this frame.
+  Pose pose_body_joint;
+};
+
+/// The image that a part's solids are made from. Only code that writes world files uses this struct; the
+/// simulation uses the solids.
+struct ImageSpec {
+  /// Path of the image or, for a ROS map, of its YAML file: absolute or relative to the working folder.
+  /// Readers of world files have already joined it with the folder of the world file.
+  std::string file;
+  /// True: the whole image is scaled to the part's size. False: the bounding box of its solid pixels is.
+  bool keeps_margins = false;
+  bool unknown_is_solid = false;  ///< for ROS maps: whether unknown cells are solid
+  bool boundary = false;          ///< true: adds four walls just inside the edges of the image
+  Pose origin;                    ///< centre of the image, or frame of the map, in the part's frame
+  friend bool operator==(const ImageSpec&, const ImageSpec&) = default;
+};
+
+/// The blocks that a part's solids are made from, as in Stage. All blocks together are scaled to fill the
+/// part's size, centred in x and y, and placed at `origin`. Only code that writes world files uses this
+/// struct; the simulation uses the solids.
+struct FittedBlocks {
+  std::vector<Solid> blocks;  ///< blocks before scaling, all in one frame and in any unit of length
+  Pose origin;                ///< pose of the centre of the scaled blocks, in the part's frame
+};
+
+/// A part of a body type: one model of a Stage model tree.
+struct PartSpec {
+  std::string name;  ///< name within the body: "ranger:0"; empty for the root (part 0)
+  /// A second name of the part, by which programs can find it; for parts from Stage files, the name that
+  /// Stage generates. Empty: none.
+  std::string alias;
+  std::string kind;              ///< model kind, for code that writes world files: "position", "ranger", ...
+  std::uint32_t parent = 0;      ///< index of its parent part; the root's is 0
+  std::int32_t joint = k_rigid;  ///< index of the joint that it is mounted on; k_rigid: none
+  Pose pose_body_part;           ///< pose of the part's frame in the body frame
+  /// Declared size x, y, z, m, which fiducial finders report (in Stage, GetGeom() returns it). Collisions and
+  /// rays depend on `solids` alone.
+  Eigen::Vector3d size{0.4, 0.4, 1.0};
+  std::vector<Solid> solids;  ///< in the body frame with joints at rest, m, after all scaling
+  Returns returns;            ///< how it interacts with other bodies and with sensors
+  /// Whether the part is a floor plan, such as an image of a building or the walls of an arena. Controllers
+  /// that plan paths, and `troupe lint`, use its solids as the plan.
+  bool floor_plan = false;
+  std::optional<ImageSpec> image;      ///< the image that `solids` are made from; not set: no image
+  std::optional<FittedBlocks> fitted;  ///< the blocks that `solids` are made from; not set: none
+  std::optional<Color> color;          ///< colour of the part; not set: the body's colour
+  Where where;                         ///< position in the file, for messages
+};
+
+/// A device that each body of a type has.
+struct DeviceSpec {
+  /// Name of the device in its type. It is not derived from `part`: a program that fills this struct must set
+  /// it. If an earlier device of the type has the same name, the world appends a number to the name and
+  /// warns.
+  std::string name;
+  std::string kind;              ///< name of a kind of Registry::devices
+  std::uint32_t part = 0;        ///< index of the part that carries it
+  std::int32_t joint = k_rigid;  ///< index of the joint that it is mounted on; k_rigid: none
+  /// Index of the first of the joints that it moves (DeviceKind::joints); k_rigid: it moves none.
+  std::int32_t moves = k_rigid;
+  Record params;  ///< one value for each field of the kind's table
+  /// Pose of the device's frame in the body frame, with joints at rest. Parameters that are poses or points
+  /// are given in the device's frame.
+  Pose pose_body_device;
+  double period_s = 0;  ///< time from one run to the next, s; 0: it runs in every tick
+  bool active = true;   ///< true: it runs even if no controller and no program reads it
+  Where where;          ///< position in the file, for messages
+};
+
+/// The drive of the bodies of a type.
+struct DriveSpec {
+  std::string kind;  ///< name of a kind of Registry::drives
+  /// One value for each field of the kind's table; FieldTable::defaults() makes such a record.
+  Record params;
+  double period_s = 0;  ///< time from one run to the next, s; 0: it runs in every tick
+  Where where;          ///< position in the file, for messages
+};
+
+/// A controller of the bodies of a type.
+struct ControllerSpec {
+  std::string kind;  ///< name of a kind of Registry::controllers or of a plug-in
+  /// Index of the part that the controller is on. The controller may use the devices of this part and of the
+  /// parts mounted on this part, directly or through further parts, except drives.
+  std::uint32_t part = 0;
+  /// One value for each field of the kind's table; FieldTable::defaults() makes such a record.
+  Record params;
+  /// Time from one decision to the next, s; 0: every tick. Used only if the controller uses no device and
+  /// the type has no drive. Otherwise the controller has the period of the first device that it uses or, if
+  /// it uses none, of the drive.
+  double period_s = 0;
+  Where where;  ///< position in the file, for messages
+};
+
+/// A body type: everything that identical bodies share.
+struct TypeSpec {
+  std::string name;                ///< name, unique in the world
+  std::vector<PartSpec> parts;     ///< parts in depth-first order; part 0 is the root
+  std::vector<JointSpec> joints;   ///< joints; each comes after its parent joint
+  std::optional<DriveSpec> drive;  ///< drive; not set: the bodies have none
+  /// Devices. A device that moves a joint comes before the devices that are mounted on the joint.
+  std::vector<DeviceSpec> devices;
+  /// The controllers, in the order in which they decide in a tick. If several controllers command one drive,
+  /// the last command counts.
+  std::vector<ControllerSpec> controllers;
+};
+
+/// One body of the world.
+struct BodySpec {
+  Name name;             ///< name of the body, in the table WorldSpec::names
+  TypeId type;           ///< type of the body: index into WorldSpec::types
+  Pose pose_world_body;  ///< pose at tick 0, world frame
+  Color color;           ///< colour of the parts that set none
+  /// Fiducial value of the body's root part. This value replaces Returns::fiducial of the type's root part,
+  /// so that robots with different fiducial values can share a type. It has no effect if it is 0, or if
+  /// Returns::fiducial is 0.
+  std::int32_t fiducial = 0;
+  Where where;  ///< position in the file, for messages
+};
+
+/// A reserve: bodies of a population that are unborn at tick 0 and can be born later, in ascending order of
+/// ids (docs/lives.md). They have the ids [first, first + count) and are all of one type. Each body gets its
+/// pose when it is born.
+struct ReserveSpec {
+  std::string population;   ///< name of the population: "r" for the bodies "r0", "r1", ...
+  BodyId first;             ///< lowest id of the reserve
+  std::uint32_t count = 0;  ///< number of bodies in the reserve
+};
+
+/// A part that has a name of its own in the world, independent of the name of its body
+/// (WorldSpec::part_aliases).
+struct PartName {
+  BodyId body;       ///< the body that has the part
+  std::string part;  ///< name of the part (PartSpec::name)
+};
+
+/// The recording that the world asks for (docs/recordings.md).
+struct RecordSpec {
+  /// Path of the recording, relative to the working folder. Empty: a run is recorded only if the command line
+  /// names a file.
+  std::string file;
+  std::vector<std::string> fields;  ///< fields to record; empty: the default fields (docs/recordings.md)
+  std::optional<double> every_s;    ///< world time between two recorded ticks, s; not set: 0.1 s
+  Where where;                      ///< position in the file, for messages
+  Where where_fields;               ///< position of `fields`, for messages
+};
+
+/// A whole world, from which engine::World is built. A program that fills it by hand calls add_ground()
+/// first.
+struct WorldSpec {
+  std::string title;                   ///< title of the world, for display
+  std::shared_ptr<SourceFiles> files;  ///< files that the `Where` values refer to; may be null
+  std::uint64_t seed = 1;              ///< seed of all random numbers and of motion priorities
+  double tick_s = 0.1;                 ///< length of a tick, s; above 0
+  std::optional<double> quit_time_s;   ///< world time at which a run ends by default, s; not set: none
+  std::optional<RecordSpec> record;    ///< the recording that the world asks for; not set: none
+  RangingEngine ranging = RangingEngine::exact;  ///< how ranges are computed: docs/sensing.md
+  double resolution_m = k_resolution_m;          ///< edge of the cells of the grid ray engine, m
+  Where resolution_where;                        ///< position of `resolution_m`, for messages
+  /// Box in which the origins of bodies must stay, m, world frame. A body does not make a motion that would
+  /// end outside the box. If this member is not set, the box reaches from -100 km to 100 km in x and y.
+  std::optional<Box> bounds;
+  std::vector<TypeSpec> types;  ///< body types; TypeId is the position in this list
+  /// Texts of all `Name` values in `bodies` and `aliases`. A Name consists of a word of this table and,
+  /// optionally, a number: "r17" is the word "r" and the number 17.
+  Names names;
+  /// The bodies; BodyId is the position in this list. Body 0 is the ground: add_ground().
+  std::vector<BodySpec> bodies;
+  std::vector<ReserveSpec> reserves;  ///< reserves in ascending order of ids; they do not overlap
+  /// True: a program may remove and disable bodies, even if the world file has no reserve, intervention or
+  /// fault.
+  bool mortal = false;
+  /// Further names of bodies; no name occurs twice. For example, a model of a Stage file with the key `name`
+  /// can also be found under the name that Stage generates for it.
+  std::vector<NamedBody> aliases;
+  /// Parts that have a name of their own in the world, independent of the name of their body. The key is
+  /// this name: `x` for a child model with `name "/x"` in a Stage file.
+  std::unordered_map<std::string, PartName> part_aliases;
+  /// Measures that a run takes, unless the options of the run choose others.
+  std::vector<MeasureSpec> measures;
+  double measure_every_s = 1;    ///< world time between two lines of measures, s; 0: every tick
+  WatchSpec watch;               ///< speed of a run, and how often the world time is reported
+  std::optional<Record> window;  ///< initial view of a window: worldio/window_fields.hpp
+  ExperimentSpec experiment;     ///< interventions, faults and stop conditions
+
+  /// Name of a body, as text.
+  std::string name(BodyId body) const { return names.text(bodies[body.index()].name); }
+  /// Whether a body is in the world at tick 0. False if it belongs to a reserve.
+  bool starts(BodyId body) const {
+    for (const ReserveSpec& reserve : reserves)
+      if (body.value - reserve.first.value < reserve.count) return false;
+    return true;
+  }
+};
+
+/// Appends the ground, which must be body 0 of every world: the type `ground` and its body `_ground_model`,
+/// without solids. Call this once, before any other body is added.
+void add_ground(WorldSpec& spec);
+
+/// Checks the members of a world against one another. Calls report(place in the file, message) for the
+/// inconsistencies, such as a part whose parent comes later, a body whose type does not exist, or reserves
+/// that overlap. The report need not be complete: further inconsistencies may appear when these are mended.
+/// Each message begins with the path of the value: `types[0].parts[2].parent: ...`. The limits of single
+/// members are checked with the tables of engine/spec/spec_description.hpp, not here.
+void check_rules(const WorldSpec& spec, const std::function<void(Where, const std::string&)>& report);
+
+/// Appends a reserve of `count` bodies (at least 1) for each population of robots that has no reserve. Here
+/// a population is the set of all robots (bodies with a drive) named NAME followed by a number; a population
+/// whose robots are of several types is skipped. The new bodies get the numbers after the highest number of
+/// the population. Their poses are 0, and all their other members are copies of those of the population's
+/// first body.
+void add_spare(WorldSpec& spec, std::uint32_t count);
+
+/// Value that fiducial finders read from a part of a body, including BodySpec::fiducial; 0: they do not
+/// detect the part.
+inline std::int32_t fiducial_of(const WorldSpec& spec, BodyId body, std::uint32_t part) {
+  const BodySpec& b = spec.bodies[body.index()];
+  const std::int32_t of_type = spec.types[b.type.index()].parts[part].returns.fiducial;
+  return part == 0 && of_type != 0 && b.fiducial != 0 ? b.fiducial : of_type;
+}
+
+/// True if the type has a drive.
+inline bool is_mobile(const TypeSpec& type) { return type.drive.has_value(); }
+
+/// True if the part with index `below` is the part with index `part`, or is mounted on it directly or through
+/// further parts.
+bool is_below(const TypeSpec& type, std::uint32_t below, std::uint32_t part);
+
+}  // namespace troupe::engine

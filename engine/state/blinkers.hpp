@@ -1,0 +1,80 @@
+#pragma once
+
+#include "base/ids.hpp"
+#include "engine/kinds/effects.hpp"
+#include "engine/state/world_state.hpp"
+
+#include <cstdint>
+#include <map>
+#include <span>
+#include <vector>
+
+namespace troupe::engine {
+
+/// Implements the test mode World::hide_beyond_reach(). Before a device runs, World calls hide_from(): the
+/// object replaces by junk the data of other bodies that the kind of the device does not declare to read, and
+/// removes bodies beyond the reach of the device from the spatial index. The object also detects effects
+/// (changes that a device makes to bodies) on bodies that the kind does not declare to change. A row is the
+/// index of a body in the state tables, and a component is one of these tables. Bodies that carry one another
+/// form a tree.
+class Blinkers {
+ public:
+  /// Copies `state`, and keeps a reference to it: `state` must outlive the object.
+  explicit Blinkers(WorldState& state);
+
+  /// Hides data from a device of the row's body. Two groups of bodies are hidden completely: bodies that are
+  /// not in the world, and bodies whose enclosing circles are outside the disc with the radius `reach` (m)
+  /// about the origin of the row's body. Bodies in the same tree as the row's body count as inside the disc.
+  /// Of the remaining bodies, except the row's own, the state is hidden but for these components: `pose`,
+  /// `carrier`, `life`, those of joints, and those that the kind of the device declares to read
+  /// (DeviceKind::reads). `kind` must outlive the object.
+  void hide_from(Row row, const DeviceKind& kind, double reach);
+  /// Undoes the last call of hide_from(), which must have had the same row and kind and must not have been
+  /// undone yet.
+  void show_hidden(Row row, const DeviceKind& kind);
+  /// Checks the effects that the device emitted while data were hidden: throws a StepError if the kind of the
+  /// device has the scope ApplyScope::trees and the target of an effect was a hidden body. Call it after
+  /// show_hidden(), before the next hide_from(). Effects without a target, and effects on static bodies, are
+  /// allowed.
+  void check_targets(const BodyType::Device& device, std::span<const Effect> emitted) const;
+
+  /// Call this before an effect is applied: copies the state, and stores which bodies are in the tree of the
+  /// source or of the target of the effect. end_effect() compares with these data.
+  void begin_effect(const Effect& effect);
+  /// Throws a StepError if the effect that was applied since begin_effect() has changed the state of a body
+  /// that the kind of the device does not declare to change (DeviceKind::scope): a body that neither before
+  /// nor after the effect was in the tree of its source or of its target. If the kind has the scope
+  /// ApplyScope::anything, nothing is checked.
+  void end_effect(const BodyType::Device& device, const Effect& effect);
+
+ private:
+  std::vector<std::uint8_t> tables_read_by(const DeviceKind& kind) const;
+  template <class Visit>
+  void for_joints_of(Row row, Visit&& visit) const;
+  template <class Visit>
+  void for_other_tables(Row row, std::span<const std::uint8_t> reads, Visit&& visit);
+  std::vector<std::uint8_t> trees_of(const Effect& effect) const;
+
+  WorldState& state_;
+
+  // Copies of columns of the state. Only the elements of hidden rows are used.
+  std::vector<Transform> transforms_;
+  std::vector<Vec2> outlines_;
+  std::vector<double> radii_;
+  std::vector<const partition::ObstacleShape*> shapes_;
+  std::vector<Mount> joint_mounts_;
+  std::vector<std::uint32_t> roots_;
+  std::vector<StateTable> tables_;
+  partition::BodyIndex index_;  // while rows are hidden: the complete index; otherwise: memory for the index
+                                // without hidden rows
+  partition::Parallel serial_{1};
+  std::vector<Row> hidden_;  // in ascending order
+  // Per kind of device: for each state table, whether the kind reads the rows of other bodies in it.
+  std::map<const DeviceKind*, std::vector<std::uint8_t>> reads_;
+
+  // The state before the effect that is being applied.
+  std::vector<StateTable> before_;
+  std::vector<std::uint8_t> inside_;  // one per row: 1 if it was in the tree of the source or of the target
+};
+
+}  // namespace troupe::engine

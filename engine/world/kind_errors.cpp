@@ -1,0 +1,59 @@
+#include "engine/world/kind_errors.hpp"
+
+#include "engine/world/world.hpp"
+
+#include <fmt/format.h>
+
+#include <exception>
+
+namespace troupe::engine {
+namespace {
+
+[[noreturn]] void throw_named(const World& world, std::span<const Row> rows, const std::string& what) {
+  const auto error = [&](Row row, std::size_t others) {
+    const std::string robot =
+        row.valid() ? fmt::format(" of \"{}\"", world.spec().name(world.body(row))) : std::string();
+    const std::string batch =
+        others > 0 ? fmt::format(", the first of a batch of {} robots,", others + 1) : "";
+    return StepError(fmt::format("tick {}: {}{}{} {}", world.tick(), what, robot, batch, thrown_text()));
+  };
+  try {
+    throw;
+  } catch (const StepError&) {
+    throw;
+  } catch (const DecisionError& decision) {
+    try {
+      std::rethrow_exception(decision.thrown);
+    } catch (...) {
+      throw error(decision.row, 0);
+    }
+  } catch (...) {
+    throw error(rows.empty() ? Row() : rows.front(), rows.empty() ? 0 : rows.size() - 1);
+  }
+}
+
+}  // namespace
+
+std::string thrown_text() {
+  try {
+    throw;
+  } catch (const std::exception& error) {
+    return fmt::format("threw: {}", error.what());
+  } catch (...) {
+    return "threw an exception that is not a std::exception";
+  }
+}
+
+void throw_step_error(const World& world, std::span<const Row> rows, const BodyType::Controller& what) {
+  throw_named(world, rows, fmt::format("controller \"{}\"", what.kind->name));
+}
+
+void throw_step_error(const World& world, std::span<const Row> rows, const BodyType::Device& what) {
+  throw_named(world, rows, fmt::format("device \"{}\" ({})", what.name, what.kind->name));
+}
+
+void throw_step_error(const World& world, std::span<const Row> rows, const BodyType::Drive& what) {
+  throw_named(world, rows, fmt::format("drive \"{}\"", what.kind->name));
+}
+
+}  // namespace troupe::engine

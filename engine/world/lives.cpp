@@ -1,0 +1,218 @@
+#include "base/fp_environment.hpp"
+#include "engine/kinds/finite.hpp"
+#include "engine/world/kind_errors.hpp"
+#include "engine/world/world.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <cstddef>
+#include <stdexcept>
+
+namespace troupe::engine {
+
+void World::build_lives() {
+  const auto ends_lives = [](const BodyType& type) {
+    return std::ranges::any_of(type.devices,
+                               [](const BodyType::Device& device) { return device.prepared.ends_lives; });
+  };
+  const bool experiment_ends_them = std::ranges::any_of(state_.spec.experiment.at, [](const auto& at) {
+    return at.action == InterventionSpec::Action::remove;
+  });
+  if (state_.spec.reserves.empty() && !state_.spec.mortal && !experiment_ends_them &&
+      std::ranges::none_of(state_.types, ends_lives))
+    return;
+  state_.life_table = state_.tables.size();
+  state_.tables.emplace_back(
+      "life", HashGroup::pose, StateTable::Layout::rows,
+      sparse({{"birth", Element::u64, 1, "",
+               "number of ticks completed when the body was born; 0: present from the start",
+               offsetof(Life, birth)},
+              {"x", Element::f64, 1, "m", "position at birth, world frame; 0 if present from the start",
+               offsetof(Life, x)},
+              {"y", Element::f64, 1, "m", "position at birth, world frame; 0 if present from the start",
+               offsetof(Life, y)},
+              {"presence", Element::u8, 1, "", "0: in the world, 1: not yet born, 2: dead",
+               offsetof(Life, presence)}}),
+      state_.bodies, sizeof(Life));
+  next_born_.resize(state_.spec.reserves.size());
+  std::size_t most = 0;
+  for (const ReserveSpec& reserve : state_.spec.reserves) most += reserve.count;
+  newborn_.reserve(most);
+  if (state_.spec.ranging == RangingEngine::grid) state_.not_drawn.resize(rows());
+}
+
+/// Whether the rows of the component `life` are consistent with one another and with the tick.
+bool World::lives_hold(std::uint64_t tick) const {
+  if (!state_.life_table) return true;
+  const StateTable& lives = state_.tables[*state_.life_table];
+  for (std::size_t r = 0; r < rows(); ++r) {
+    const Life& life = lives.as<Life>(r);
+    if (life.birth > tick || life.presence > static_cast<std::uint8_t>(Presence::dead) ||
+        !std::isfinite(life.x) || !std::isfinite(life.y))
+      return false;
+    if (life.presence == static_cast<std::uint8_t>(Presence::there)) continue;
+    if (state_.carrier_table && state_.tables[*state_.carrier_table].as<Carried>(r).carrier != 0)
+      return false;
+    if (presence(Row(r)) == Presence::unborn && state_.spec.starts(state_.bodies[r])) return false;
+  }
+  for (std::size_t r = 0; state_.carrier_table && r < rows(); ++r) {
+    const std::uint32_t id = state_.tables[*state_.carrier_table].as<Carried>(r).carrier;
+    const Row by = id == 0 || id > state_.rows.size() ? Row() : row(BodyId(id - 1));
+    if (by.valid() && presence(by) != Presence::there) return false;
+  }
+  for (const ReserveSpec& reserve :
+       state_.spec.reserves)  // the bodies of a reserve are born in the order of their ids
+    for (std::uint32_t i = 1; i < reserve.count; ++i) {
+      const BodyId id(reserve.first.index() + i);
+      if (presence(row(BodyId(id.index() - 1))) == Presence::unborn && presence(row(id)) != Presence::unborn)
+        return false;
+    }
+  return true;
+}
+
+void World::derive_lives() {
+  robots_ = robots_at_start_;
+  state_.now.absent = 0;
+  newborn_.clear();
+  if (!state_.life_table) return;
+  robots_ = 0;
+  for (std::size_t r = 0; r < rows(); ++r) {
+    const bool there = presence(Row(r)) == Presence::there;
+    state_.now.absent += !there;
+    robots_ += there && type(Row(r)).drive;
+  }
+  for (std::size_t i = 0; i < state_.spec.reserves.size(); ++i) {
+    const ReserveSpec& reserve = state_.spec.reserves[i];
+    std::uint32_t& next = next_born_[i];
+    next = 0;
+    while (next < reserve.count && presence(row(BodyId(reserve.first.index() + next))) != Presence::unborn)
+      ++next;
+  }
+}
+
+Vec2 World::origin(Row row) const {
+  const BodyId id = body(row);
+  if (state_.spec.starts(id)) return state_.spec.bodies[id.index()].pose_world_body.position();
+  const Life& life = state_.tables[*state_.life_table].as<Life>(row.index());
+  return {life.x, life.y};
+}
+
+std::optional<std::size_t> World::reserve(std::string_view population) const {
+  const auto found = std::ranges::find(state_.spec.reserves, population, &ReserveSpec::population);
+  if (found == state_.spec.reserves.end()) return {};
+  return static_cast<std::size_t>(found - state_.spec.reserves.begin());
+}
+
+/// Spawns the next body of a reserve, if there is one and `pose` is free. The spatial index must contain the
+/// present poses of all bodies in the world, except those that were born since it was built; newborn_ lists
+/// these.
+Birth World::give_birth(std::size_t reserve, const Pose& pose) {
+  if (unborn(reserve) == 0) return {BirthStatus::used_up, {}};
+  const BodyId id(state_.spec.reserves[reserve].first.index() + next_born_[reserve]);
+  const Row row = this->row(id);
+  for (const BodyType::Device& device : type(row).devices)
+    if (device.command_table)  // a program may have kept a reference to this command, and written to it
+      state_.tables[*device.command_table].clear_row(slot(row));
+  state_.life(row).presence = static_cast<std::uint8_t>(Presence::there);
+  --state_.now.absent;
+  start(row, pose);
+  derive(row);
+  if (!is_free(row, poses()[row.index()])) {
+    state_.clear(row);
+    state_.life(row).presence = static_cast<std::uint8_t>(Presence::unborn);
+    ++state_.now.absent;
+    derive(row);
+    return {BirthStatus::occupied, {}};
+  }
+  const Pose& at = poses()[row.index()];
+  Life& life = state_.life(row);
+  life.birth = state_.now.tick;
+  life.x = at.x;
+  life.y = at.y;
+  robots_ += type(row).drive.has_value();
+  newborn_.push_back(row);
+  ++next_born_[reserve];
+  return {BirthStatus::born, id};
+}
+
+/// Removes a body from the world, if it is there. Its carrier releases it, and it releases its cargo. Its row
+/// keeps the pose at death and the component `life`; the rest of its state becomes 0.
+void World::die(Row row) {
+  if (!is_there(row)) return;
+  if (links_.any()) {
+    links_.release(row);
+    while (links_.first_cargo(row) != Links::k_none) links_.release(Row(links_.first_cargo(row)));
+  }
+  const Pose pose = poses()[row.index()];
+  const Life life = state_.life(row);
+  if (state_.now.impaired > 0) state_.now.impaired -= !state_.condition(row).is_sound();
+  state_.clear(row);
+  state_.poses()[row.index()] = pose;
+  state_.life(row) = life;
+  state_.life(row).presence = static_cast<std::uint8_t>(Presence::dead);
+  ++state_.now.absent;
+  robots_ -= type(row).drive.has_value();
+  derive(row);
+}
+
+/// Carries out the deaths and births that devices requested in this tick. Deaths come first, so that a body
+/// can be born where another body died in the same tick. Throws std::logic_error if the world has neither
+/// reserves nor deaths.
+void World::resolve_lives(std::span<const Effect> effects) {
+  if (!state_.life_table)
+    throw std::logic_error(
+        "a device requested a birth, but no population of the world has a \"reserve\"; or it requested a "
+        "death, "
+        "but its kind does not set DeviceKind::Prepared::ends_lives in prepare()");
+  for (const Effect& effect : effects)
+    if (effect.verb == k_death && effect.target.index() < state_.rows.size() && row(effect.target).valid())
+      die(row(effect.target));
+  bool is_indexed = false;
+  for (const Effect& effect : effects) {
+    if (effect.verb != k_birth || !is_there(row(effect.source))) continue;
+    // Until it is rebuilt, the index has the poses before this tick.
+    if (!is_indexed) state_.index.rebuild(state_.transforms, state_.radii, parallel_);
+    is_indexed = true;
+    const BodyType::Device& device = type(row(effect.source)).devices[effect.device];
+    const auto [x, y, z, heading] = effect.payload;
+    const Birth birth = give_birth(effect.reserve, {x, y, z, heading});
+    if (const Row source = row(effect.source); device.kind->born)
+      call_kind(*this, {&source, 1}, device,
+                [&] { device.kind->born(*this, device.prepared.data, effect, birth); });
+  }
+  movement_.count_stalls();
+}
+
+Birth World::spawn(std::size_t reserve, const Pose& pose) {
+  require_whole();
+  restore_fp_environment();  // a library may have changed it, see World::step()
+  if (!is_finite(pose))
+    throw std::invalid_argument(
+        fmt::format("a body of \"{}\" cannot be placed at x {}, y {}, z {} (m), heading {} (rad): the "
+                    "numbers must be finite",
+                    state_.spec.reserves[reserve].population, pose.x, pose.y, pose.z, pose.heading));
+  touch();
+  const Completion completion(*this);
+  const Birth birth = give_birth(reserve, pose);
+  if (birth.status == BirthStatus::born) index_bodies();
+  return birth;
+}
+
+void World::remove(Row row) {
+  require_whole();
+  restore_fp_environment();  // a library may have changed it, see World::step()
+  if (!state_.life_table)
+    throw std::logic_error(
+        "programs cannot remove bodies of this world: add \"mortal\": true to the world file, or set the "
+        "option mortal (worlds with a \"reserve\", a device that removes bodies, or an intervention "
+        "\"remove\" need neither)");
+  if (!is_there(row)) return;
+  touch();
+  die(row);
+  movement_.count_stalls();
+  index_bodies();
+}
+
+}  // namespace troupe::engine

@@ -1,0 +1,285 @@
+#include "base/fp_environment.hpp"
+#include "base/random.hpp"
+#include "engine/state/blinkers.hpp"
+#include "engine/world/world.hpp"
+#include "partition/message.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cstddef>
+#include <cstdint>
+#include <numeric>
+#include <optional>
+#include <span>
+#include <stdexcept>
+#include <string_view>
+#include <vector>
+
+// Bodies that change their rows, and rows that leave a world and come back.
+
+namespace troupe::engine {
+namespace {
+
+/// Moves each element i of a column to the place to[i]. An empty column stays empty.
+template <class T>
+void move_elements(std::vector<T>& column, std::span<const std::uint32_t> to) {
+  const std::vector<T> old = column;
+  for (std::size_t i = 0; i < old.size(); ++i) column[to[i]] = old[i];
+}
+
+/// Calls visit(t) for each state table t that has rows only for bodies of this type.
+template <class Visit>
+void for_tables_of_type(const BodyType& type, Visit&& visit) {
+  for (const BodyType::Joint& joint : type.joints) visit(joint.table);
+  if (type.drive && type.drive->odometry_table) visit(*type.drive->odometry_table);
+  for (const BodyType::Device& device : type.devices) {
+    visit(device.table);
+    if (device.command_table) visit(*device.command_table);
+  }
+  for (const BodyType::Controller& controller : type.controllers)
+    if (controller.table) visit(*controller.table);
+}
+
+/// The bytes of a field in a row of a table.
+std::span<std::byte> bytes_of(StateTable& table, std::size_t row, std::size_t field) {
+  return {table.cell<std::byte>(row, field).data(),
+          table.fields()[field].columns * element_size(table.fields()[field].element)};
+}
+
+}  // namespace
+
+/// Throws if the rows of this world cannot change; `what` says what was asked for.
+void World::begin_row_change(std::string_view what) const {
+  require_whole();
+  if (replica_ != nullptr)
+    throw std::logic_error(fmt::format("the rows of a world that several ranks compute cannot be {}", what));
+  restore_fp_environment();  // a library may have changed it, see step()
+}
+
+void World::shuffle_rows(std::uint64_t seed) {
+  begin_row_change("shuffled");
+  const Completion completion(*this);
+  Random random(seed, stream_id("rows", "shuffle"), 0, static_cast<std::uint32_t>(state_.now.tick));
+  std::vector<std::uint32_t> to(rows());
+  std::iota(to.begin(), to.end(), 0u);
+  random.shuffle(to);
+  std::vector<std::vector<std::uint32_t>> slots_to(state_.types.size());
+  for (const std::uint32_t t : state_.row_types)
+    slots_to[t].push_back(static_cast<std::uint32_t>(slots_to[t].size()));
+  for (std::vector<std::uint32_t>& slots : slots_to) random.shuffle(slots);
+  move_rows(to, slots_to);
+  derive_rows();
+}
+
+/// Gives the body of each row r the row to[r], and the body of each slot s of type t the slot slots_to[t][s].
+/// derive_rows() must follow.
+void World::move_rows(std::span<const std::uint32_t> to,
+                      std::span<const std::vector<std::uint32_t>> slots_to) {
+  std::vector<bool> is_of_type(state_.tables.size(), false);
+  for (std::size_t t = 0; t < state_.types.size(); ++t) {
+    if (state_.pools[t].rows == 0) continue;  // such a type has no tables
+    for_tables_of_type(state_.types[t], [&](std::size_t table) {
+      is_of_type[table] = true;
+      state_.tables[table].move_rows(slots_to[t]);
+    });
+  }
+  for (std::size_t table = 0; table < state_.tables.size(); ++table)
+    if (!is_of_type[table]) state_.tables[table].move_rows(to);
+  move_elements(state_.bodies, to);
+  move_elements(state_.ids, to);
+  move_elements(state_.row_types, to);
+  move_elements(state_.slots, to);
+  move_elements(state_.subscribed, to);
+  for (std::size_t r = 0; r < rows(); ++r) {
+    const std::uint32_t t = state_.row_types[r];
+    state_.rows[state_.bodies[r].index()] = Row(r);
+    state_.slots[r] = slots_to[t][state_.slots[r]];
+    state_.outline_begins[r] = state_.outline_begin(t, state_.slots[r]);
+  }
+  for (std::vector<Placed>* list : {&placed_, &placed_before_})
+    for (Placed& placed : *list) placed.row = Row(to[placed.row.index()]);
+}
+
+/// Computes all data that depend on the rows of bodies, after these have changed. derive_state() would also
+/// clear the lists of placed bodies.
+void World::derive_rows() {
+  state_.radii.resize(rows());
+  state_.shapes.resize(rows());
+  state_.transforms.resize(rows());
+  if (!state_.not_drawn.empty()) state_.not_drawn.resize(rows());
+  if (!placed_at_.empty() || !placed_.empty()) {
+    placed_at_.assign(rows(), 0);
+    for (std::uint32_t i = 0; i < placed_.size(); ++i) placed_at_[placed_[i].row.index()] = i + 1;
+  }
+  movement_.build();
+  links_.build();
+  state_.bind_view();
+  movement_.draw_odometry_errors();
+  state_.now.absent = 0;
+  for (std::size_t r = 0; state_.life_table && r < rows(); ++r)
+    state_.now.absent += presence(Row(r)) != Presence::there;
+  count_impaired();
+  movement_.count_stalls();
+  links_.derive();
+  for (std::size_t r = 0; r < rows(); ++r) derive(Row(r));
+  if (state_.ray_grid) {
+    Diagnostics diagnostics(state_.spec.files);  // stays empty: the constructor has made the same checks
+    build_ray_grid(diagnostics);
+  }
+  if (blinkers_) blinkers_.reset(new Blinkers(state_));
+  index_bodies();
+}
+
+std::vector<World::RowState> World::remove_rows(std::span<const BodyId> bodies) {
+  begin_row_change("removed");
+  std::vector<bool> leaves(rows(), false);
+  for (const BodyId body : bodies) {
+    if (location(body) != RowLocation::here || leaves[row(body).index()])
+      throw std::invalid_argument(fmt::format(
+          "the row of \"{}\" cannot be removed: it is not in this world, or is to be removed twice",
+          state_.spec.name(body)));
+    leaves[row(body).index()] = true;
+  }
+  for (std::size_t r = 0; state_.now.carried > 0 && r < rows(); ++r)
+    if (leaves[r] != leaves[state_.roots[r]])
+      throw std::invalid_argument(
+          fmt::format("the row of \"{}\" cannot be removed without the rows of the bodies that carry it or "
+                      "that it carries",
+                      state_.spec.name(state_.bodies[leaves[r] ? r : state_.roots[r]])));
+  const Completion completion(*this);
+  std::vector<RowState> removed;
+  for (const BodyId body : bodies) removed.push_back({body, row_bytes(row(body))});
+  drop_rows(leaves);
+  state_.own_rows = rows();
+  derive_rows();
+  return removed;
+}
+
+void World::add_rows(std::span<const RowState> added) {
+  begin_row_change("added");
+  for (const RowState& each : added)
+    if (location(each.body) != RowLocation::elsewhere)
+      throw std::invalid_argument(
+          fmt::format("the row of \"{}\" cannot be added: it is in this world already, "
+                      "or the body is static",
+                      state_.spec.name(each.body)));
+  const Completion completion(*this);
+  append_rows(added);
+  state_.own_rows = rows();
+  derive_rows();
+}
+
+void World::exchange_rows(std::span<const BodyId> leaving, std::span<const RowState> coming,
+                          std::size_t own) {
+  std::vector<bool> leaves(rows(), false);
+  for (const BodyId body : leaving) leaves[row(body).index()] = true;
+  if (!leaving.empty()) drop_rows(leaves);
+  if (!coming.empty()) append_rows(coming);
+  state_.own_rows = own;
+  if (!leaving.empty() || !coming.empty())
+    derive_rows();
+  else
+    movement_.count_stalls();
+}
+
+/// Removes each row r with leaves[r]. The other rows, and the slots of their bodies, keep their order.
+/// derive_rows() must follow.
+void World::drop_rows(const std::vector<bool>& leaves) {
+  // Moves the rows and slots that stay to the front, in their order.
+  std::vector<std::uint32_t> to(rows());
+  std::uint32_t kept = 0;
+  for (std::size_t r = 0; r < rows(); ++r)
+    if (!leaves[r]) to[r] = kept++;
+  std::uint32_t next = kept;
+  for (std::size_t r = 0; r < rows(); ++r)
+    if (leaves[r]) to[r] = next++;
+  std::vector<std::vector<std::uint32_t>> row_of(state_.types.size());  // by type and slot
+  for (const std::uint32_t t : state_.row_types) row_of[t].push_back(0);
+  for (std::uint32_t r = 0; r < rows(); ++r) row_of[state_.row_types[r]][state_.slots[r]] = r;
+  std::vector<std::vector<std::uint32_t>> slots_to(state_.types.size());
+  std::vector<std::uint32_t> kept_slots(state_.types.size(), 0);
+  for (std::size_t t = 0; t < state_.types.size(); ++t) {
+    slots_to[t].resize(row_of[t].size());
+    for (std::size_t s = 0; s < row_of[t].size(); ++s)
+      if (!leaves[row_of[t][s]]) slots_to[t][s] = kept_slots[t]++;
+    std::uint32_t slot = kept_slots[t];
+    for (std::size_t s = 0; s < row_of[t].size(); ++s)
+      if (leaves[row_of[t][s]]) slots_to[t][s] = slot++;
+  }
+  move_rows(to, slots_to);
+
+  for (std::size_t r = kept; r < rows(); ++r) state_.rows[state_.bodies[r].index()] = k_elsewhere;
+  state_.bodies.resize(kept);
+  state_.ids.resize(kept);
+  state_.row_types.resize(kept);
+  state_.slots.resize(kept);
+  state_.outline_begins.resize(kept);
+  state_.subscribed.resize(kept);
+  std::vector<std::size_t> counts(state_.tables.size(), kept);
+  for (std::size_t t = 0; t < state_.types.size(); ++t)
+    if (state_.pools[t].rows > 0)
+      for_tables_of_type(state_.types[t], [&](std::size_t table) { counts[table] = kept_slots[t]; });
+  for (std::size_t table = 0; table < counts.size(); ++table) state_.tables[table].keep_rows(counts[table]);
+  for (std::vector<Placed>* list : {&placed_, &placed_before_})
+    std::erase_if(*list, [&](const Placed& placed) { return placed.row.index() >= kept; });
+}
+
+/// Adds rows after the present ones, in the order of the list. derive_rows() must follow.
+void World::append_rows(std::span<const RowState> added) {
+  std::vector<std::uint32_t> counts(state_.types.size(), 0);
+  for (const std::uint32_t t : state_.row_types) ++counts[t];
+  std::vector<bool> is_of_type(state_.tables.size(), false);
+  for (std::size_t t = 0; t < state_.types.size(); ++t)
+    if (state_.pools[t].rows > 0)
+      for_tables_of_type(state_.types[t], [&](std::size_t table) { is_of_type[table] = true; });
+  for (const RowState& each : added) {
+    const std::uint32_t t = state_.spec.bodies[each.body.index()].type.value;
+    state_.rows[each.body.index()] = Row(rows());
+    state_.bodies.push_back(each.body);
+    state_.ids.push_back(each.body.value);
+    state_.row_types.push_back(t);
+    state_.slots.push_back(counts[t]++);
+    state_.outline_begins.push_back(state_.outline_begin(t, state_.slots.back()));
+    state_.subscribed.push_back(0);
+    for (std::size_t table = 0; table < state_.tables.size(); ++table)
+      if (!is_of_type[table]) state_.tables[table].add_rows({&each.body, 1});
+    for_tables_of_type(state_.types[t], [&](std::size_t table) {
+      state_.tables[table].add_rows({&each.body, 1});
+    });
+  }
+  state_.bind_view();
+  for (const RowState& each : added)
+    if (!each.bytes.empty()) set_state(row(each.body), each.bytes);
+}
+
+/// All data of a row that are neither constant nor derived: its rows of the state tables, its subscription,
+/// and its entries in the lists of placed bodies.
+std::vector<std::byte> World::row_bytes(Row row) {
+  partition::MessageWriter message;
+  message.put(state_.subscribed[row.index()]);
+  for (const std::vector<Placed>* list : {&placed_, &placed_before_}) {
+    const auto found = std::ranges::find(*list, row, &Placed::row);
+    message.put(static_cast<std::uint8_t>(found != list->end()));
+    if (found != list->end()) message.put(found->pose);
+  }
+  state_.for_tables_of(row, [&](std::size_t t, std::size_t at) {
+    for (std::size_t f = 0; f < state_.tables[t].fields().size(); ++f)
+      message.put_bytes(bytes_of(state_.tables[t], at, f));
+  });
+  return message.take();
+}
+
+/// Sets all data of a row that row_bytes() returns.
+void World::set_state(Row row, std::span<const std::byte> bytes) {
+  partition::MessageReader message(bytes);
+  state_.subscribed[row.index()] = message.get<std::uint8_t>();
+  for (std::vector<Placed>* list : {&placed_, &placed_before_})
+    if (message.get<std::uint8_t>() != 0) list->push_back({row, message.get<Pose>()});
+  state_.for_tables_of(row, [&](std::size_t t, std::size_t at) {
+    for (std::size_t f = 0; f < state_.tables[t].fields().size(); ++f)
+      message.get_bytes(bytes_of(state_.tables[t], at, f));
+  });
+}
+
+}  // namespace troupe::engine

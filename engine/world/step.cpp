@@ -1,0 +1,362 @@
+#include "base/fp_environment.hpp"
+#include "engine/kinds/finite.hpp"
+#include "engine/ranks/replica.hpp"
+#include "engine/state/batches.hpp"
+#include "engine/state/blinkers.hpp"
+#include "engine/world/kind_errors.hpp"
+#include "engine/world/world.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <stdexcept>
+
+namespace troupe::engine {
+namespace {
+
+std::string_view asked_for(ControlMode mode) {
+  switch (mode) {
+    case ControlMode::velocity: break;
+    case ControlMode::acceleration: return "an acceleration";
+    case ControlMode::position: return "to a goal";
+  }
+  return "a speed";
+}
+
+Velocity scaled(const Velocity& v, double by) { return {v.x * by, v.y * by, v.turn * by}; }
+
+}  // namespace
+
+std::string_view phase_name(Phase phase) {
+  switch (phase) {
+    case Phase::intervene: return "intervene";
+    case Phase::sense: return "sense";
+    case Phase::actuate: return "actuate";
+    case Phase::decide: return "decide";
+    case Phase::move: return "move";
+    case Phase::index: break;
+  }
+  return "index";
+}
+
+void World::step() {
+  require_whole();
+  const Completion completion(*this);
+  restore_fp_environment();  // a library loaded since the last step may have enabled fast maths
+  if (replica_)
+    replica_->tick(before_tick_ != nullptr, [this] { make_tick(); });
+  else
+    make_tick();
+}
+
+/// Each phase reads the state that the phase before it has written. Each task writes only its own rows.
+/// Drives run before controllers, so a command takes effect one tick after the readings on which it is based.
+/// If several ranks compute the world, each of them senses, actuates and decides for its own rows.
+void World::make_tick() {
+  begin(Phase::intervene);
+  if (state_.now.tick >= experiment_.due) intervene();
+  if (replica_)
+    replica_->agree(before_tick_);
+  else if (before_tick_)
+    before_tick_();
+  ++state_.now.tick;
+  begin_placing();
+  begin(Phase::sense);
+  sense();
+  begin(Phase::actuate);
+  actuate();
+  begin(Phase::decide);
+  decide();
+  if (replica_) replica_->exchange();
+  begin(Phase::move);
+  move();
+  begin(Phase::index);
+  index_bodies();
+  if (on_phase_) on_phase_(std::nullopt);
+}
+
+void World::begin(Phase phase) {
+  if (replica_) replica_->begin(phase);
+  if (on_phase_) on_phase_(phase);
+}
+
+void World::BlinkersDeleter::operator()(Blinkers* blinkers) const { delete blinkers; }
+
+void World::hide_beyond_reach(bool on) {
+  if (on && (parallel_.threads() != 1 || state_.ray_grid))
+    throw std::invalid_argument(fmt::format(
+        "hide_beyond_reach() needs a world with one thread and the exact ray engine, found {} "
+        "thread{} and the {} ray engine",
+        parallel_.threads(), parallel_.threads() == 1 ? "" : "s", state_.ray_grid ? "grid" : "exact"));
+  blinkers_.reset(on ? new Blinkers(state_) : nullptr);
+}
+
+/// Calls work(rows) once. If hide_beyond_reach() is on, calls work once per row instead. During the call for
+/// a row, the bodies beyond the device's reach are hidden. In the state of the remaining bodies, all
+/// components that the kind does not declare to read are hidden.
+template <class Work>
+void World::for_seeing(std::span<const Row> rows, const BodyType& type, const BodyType::Device& device,
+                       Work&& work) {
+  if (!blinkers_) return work(rows);
+  for (const Row& row : rows) {
+    const std::size_t emitted = effects_.emitted().size();
+    // A drive on a part (DeviceKind::drives) declares no joint_reach_m: the largest would make the cells of
+    // the spatial index too wide. What is mounted on the part has moved with it.
+    const double shift =
+        device.joint == k_rigid
+            ? 0
+            : state_.mounts(row)[static_cast<std::size_t>(device.joint)].transform.position.norm();
+    blinkers_->hide_from(row, *device.kind, device.prepared.reach_m + std::max(type.joint_reach, shift));
+    work(std::span(&row, 1));
+    blinkers_->show_hidden(row, *device.kind);
+    blinkers_->check_targets(device, effects_.emitted().subspan(emitted));
+  }
+}
+
+/// The rows that this world senses, actuates and decides for.
+RowRange World::own_rows() const { return replica_ ? replica_->own() : RowRange{0, rows()}; }
+
+void World::sense() {
+  std::atomic<std::uint64_t> beams = 0;
+  const std::span<const std::uint32_t> order =
+      replica_ ? replica_->own_of(state_.index.order()) : state_.index.order();
+  for_neighbours(state_, parallel_, order, [&](std::span<const Row> rows, const BodyType& type) {
+    for (const BodyType::Device& device : type.devices) {
+      if (!device.kind->sense) continue;
+      for_running(state_, rows, device, [&](std::span<const Row> running) {
+        for_seeing(running, type, device, [&](std::span<const Row> some) {
+          const std::uint64_t cast = call_kind(*this, some, device, [&] {
+            return device.kind->sense(SenseBatch{device_batch(some, type, device), state_.view});
+          });
+          beams.fetch_add(cast, std::memory_order_relaxed);
+        });
+      });
+    }
+  });
+  beams_ += beams;
+}
+
+void World::actuate() {
+  std::atomic<std::uint32_t> faulty = BodyId().value;  // lowest id whose velocity is not finite
+  const auto actuate_rows = [&](std::span<const Row> rows, const BodyType& type) {
+    if (type.drive)
+      for_due(state_, rows, type.drive->period,
+              [&](std::span<const Row> some) { drive(some, *type.drive, faulty); });
+    if (type.drive && type.drive->supply) halt_spent(rows, *type.drive);
+    for (const BodyType::Device& device : type.devices)
+      if (device.kind->act)
+        for_running(state_, rows, device, [&](std::span<const Row> running) {
+          for_seeing(running, type, device, [&](std::span<const Row> some) {
+            call_kind(*this, some, device, [&] { device.kind->act(device_batch(some, type, device)); });
+          });
+        });
+  };
+  for_blocks(state_, parallel_, own_rows(), [&](std::span<const Row> rows, const BodyType& type) {
+    if (state_.now.impaired > 0) halt_disabled(rows);
+    for_enabled(state_, rows, [&](std::span<const Row> enabled) { actuate_rows(enabled, type); });
+  });
+  if (const BodyId id(faulty.load()); id.valid()) {
+    throw StepError(
+        fmt::format("tick {}: robot \"{}\" was commanded {} that is not a finite number", state_.now.tick,
+                    state_.spec.name(id), asked_for(commands()[row(id).index()].mode)),
+        id);
+  }
+}
+
+void World::decide() {
+  for_blocks(state_, parallel_, own_rows(), [&](std::span<const Row> present, const BodyType& type) {
+    if (type.controllers.empty()) return;
+    for_enabled(state_, present, [&](std::span<const Row> rows) {
+      for (const BodyType::Controller& controller : type.controllers)
+        if (!controller.kind->is_collective)
+          for_due(state_, rows, controller.period,
+                  [&](std::span<const Row> some) { decide(some, type, controller); });
+    });
+  });
+  if (!has_collective_) return;
+  const auto decide_for_all = [this] {
+    for (const BodyType& type : state_.types)
+      for (const BodyType::Controller& controller : type.controllers)
+        if (controller.kind->is_collective) decide_together(type, controller);
+  };
+  if (replica_)
+    replica_->on_rank_0(decide_for_all);
+  else
+    decide_for_all();
+}
+
+/// Calls a controller with ControllerKind::is_collective once, for all its robots that are due in this tick,
+/// in the order of their ids.
+void World::decide_together(const BodyType& type, const BodyType::Controller& controller) {
+  thread_local std::vector<Row> rows;  // reused, because this is called in every tick
+  rows.clear();
+  for (std::size_t b = 0; b < state_.rows.size(); ++b) {
+    if (location(BodyId(b)) != RowLocation::here) continue;
+    const Row row = this->row(BodyId(b));
+    if (&this->type(row) == &type && is_there(row) && !is_disabled(row) &&
+        (state_.now.tick - birth_tick(row)) % controller.period == 0)
+      rows.push_back(row);
+  }
+  if (!rows.empty()) decide(rows, type, controller);
+}
+
+DeviceBatch World::device_batch(std::span<const Row> rows, const BodyType& type,
+                                const BodyType::Device& device) {
+  return {.view = state_.view,
+          .data = device.prepared.data,
+          .rows = rows,
+          .state = state_.tables[device.table],
+          .commands = device.command_table ? &state_.tables[*device.command_table] : nullptr,
+          .effects = effects_,
+          .links = links_,
+          .device = static_cast<std::uint32_t>(&device - type.devices.data()),
+          .stream = device.stream,
+          .period_s = static_cast<double>(device.period) * state_.spec.tick_s};
+}
+
+void World::drive(std::span<const Row> rows, const BodyType::Drive& drive,
+                  std::atomic<std::uint32_t>& faulty) {
+  std::array<Command, k_row_block> commands;
+  std::array<Velocity, k_row_block> velocities;
+  bool speeds_only = true;
+  const bool has_slow = state_.now.impaired > 0;
+  for (std::size_t i = 0; i < rows.size(); ++i) {
+    commands[i] = state_.as<Command>(WorldState::k_command)[rows[i].index()];
+    speeds_only = speeds_only && commands[i].mode == ControlMode::velocity;
+  }
+  DriveBatch batch{.commands = {commands.data(), rows.size()},
+                   .velocities = {velocities.data(), rows.size()},
+                   .estimates = {},
+                   .elapsed_s = static_cast<double>(drive.period) * state_.spec.tick_s};
+  if (speeds_only) {
+    call_kind(*this, rows, drive, [&] { drive.kind->drive(drive.data, batch); });
+  } else {
+    std::array<Pose, k_row_block> estimates;
+    batch.estimates = {estimates.data(), rows.size()};
+    for (std::size_t i = 0; i < rows.size(); ++i) {
+      velocities[i] = state_.as<Velocity>(WorldState::k_velocity)[rows[i].index()];
+      if (has_slow) velocities[i] = scaled(velocities[i], 1 / speed_scale(rows[i]));
+      estimates[i] = estimate(rows[i]);
+    }
+    call_kind(*this, rows, drive, [&] { drive.kind->drive(drive.data, batch); });
+  }
+  for (std::size_t i = 0; i < rows.size(); ++i) {
+    const Velocity v = has_slow ? scaled(velocities[i], speed_scale(rows[i])) : velocities[i];
+    const Command& command = commands[i];  // drives clamp an infinite command to a finite velocity
+    if (!is_finite(command) || !is_finite(v)) {
+      std::uint32_t lowest = faulty.load();
+      const std::uint32_t id = body(rows[i]).value;
+      while (id < lowest && !faulty.compare_exchange_weak(lowest, id)) {
+      }
+      continue;
+    }
+    // + 0.0 turns -0 into 0, so that equal velocities have equal bits.
+    state_.as<Velocity>(WorldState::k_velocity)[rows[i].index()] = {v.x + 0.0, v.y + 0.0, v.turn + 0.0};
+  }
+}
+
+/// Sets the velocity of disabled and dropped-out robots to 0, whatever their commands are.
+void World::halt_disabled(std::span<const Row> rows) {
+  for (const Row row : rows)
+    if (state_.condition(row).out != 0) state_.as<Velocity>(WorldState::k_velocity)[row.index()] = {};
+}
+
+/// Sets the velocity of robots whose power supply is empty to 0, whatever their commands are.
+void World::halt_spent(std::span<const Row> rows, const BodyType::Drive& drive) {
+  for (const Row row : rows)
+    if (!is_supplied(row, drive.supply)) state_.as<Velocity>(WorldState::k_velocity)[row.index()] = {};
+}
+
+void World::decide(std::span<const Row> rows, const BodyType& type, const BodyType::Controller& controller) {
+  DecideBatch batch{.tick = state_.now.tick,
+                    .time_s = time_s(),
+                    .tick_s = state_.spec.tick_s,
+                    .seed = state_.spec.seed,
+                    .stream = controller.stream,
+                    .rows = rows,
+                    .ids = state_.bodies,
+                    .slots = state_.slots,
+                    .commands = state_.as<Command>(WorldState::k_command),
+                    .estimates = estimates(type)};
+  const auto rows_of = [this](std::size_t table) {
+    return DecideBatch::Rows{state_.tables[table].row(0), state_.tables[table].row_bytes()};
+  };
+  for (const std::size_t sensor : controller.devices) {
+    const BodyType::Device& chosen = type.devices[sensor];
+    batch.percepts[batch.devices] = &percepts(chosen);
+    batch.switches[batch.devices] = chosen.switch_bit;
+    batch.device_commands[batch.devices++] =
+        chosen.command_table ? rows_of(*chosen.command_table) : DecideBatch::Rows();
+  }
+  if (controller.table) batch.memories = rows_of(*controller.table);
+  if (controller.drive) {
+    const BodyType::Device& drive = type.devices[*controller.drive];
+    batch.drive_commands = rows_of(*drive.command_table);
+    batch.drive_state = &percepts(drive);
+  }
+  call_kind(*this, rows, controller, [&] {
+    if (on_decide_)
+      on_decide_(type, controller, batch);
+    else
+      controller.kind->decide(controller.data, batch);
+  });
+}
+
+void World::move() {
+  movement_.propose();
+  movement_.resolve(links_.composites(), replica_ ? replica_->border() : nullptr);
+  conflict_rounds_ += movement_.rounds();
+  movement_.commit();
+  if (links_.any()) {
+    links_.resolve_joints(movement_.longest());
+    links_.carry();
+    report_joints();
+  }
+  apply_effects();
+}
+
+void World::apply_effects() {
+  if (effects_.empty()) return;
+  const std::span<const Effect> effects = effects_.sorted();
+  bool any_of_life = false;
+  const auto apply = [&](const Effect& effect) {
+    any_of_life = any_of_life || effect.is_of_life();
+    if (effect.is_of_life()) return;
+    const BodyType::Device& device = type(row(effect.source)).devices[effect.device];
+    const Row source = row(effect.source);
+    call_kind(*this, {&source, 1}, device, [&] {
+      if (blinkers_) blinkers_->begin_effect(effect);
+      device.kind->apply(*this, device.prepared.data, effect);
+      if (blinkers_) blinkers_->end_effect(device, effect);
+    });
+  };
+  if (replica_)
+    replica_->apply_effects(effects, apply);
+  else
+    std::ranges::for_each(effects, apply);
+  if (any_of_life) resolve_lives(effects);
+  effects_.clear();
+}
+
+/// Calls the hook joints_moved of devices, so that they read the outcomes of the joint motions that they
+/// commanded. Then clears these outcomes.
+void World::report_joints() {
+  if (!links_.take_asked()) return;
+  for_blocks(state_, parallel_, [&](std::span<const Row> rows, const BodyType& type) {
+    if (type.joint_devices.empty()) return;
+    for (const std::size_t d : type.joint_devices) {
+      const BodyType::Device& device = type.devices[d];
+      if (device.kind->joints_moved)
+        call_kind(*this, rows, device, [&] { device.kind->joints_moved(device_batch(rows, type, device)); });
+    }
+    for (const Row row : rows) links_.clear_goals(row);
+  });
+}
+
+void World::index_bodies() {
+  state_.index.rebuild(state_.transforms, state_.radii, parallel_);
+  newborn_.clear();
+  if (state_.ray_grid) redraw_ray_grid();
+}
+
+}  // namespace troupe::engine

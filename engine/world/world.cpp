@@ -1,0 +1,492 @@
+#include "engine/world/world.hpp"
+
+#include "base/exact_sum.hpp"
+#include "base/fp_environment.hpp"
+#include "engine/kinds/finite.hpp"
+#include "engine/observing/frame.hpp"
+#include "engine/ranks/replica.hpp"
+#include "engine/sensing/shown_color.hpp"
+#include "engine/world/kind_errors.hpp"
+#include "partition/placed_shape.hpp"
+#include "partition/ranging.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <bit>
+#include <cmath>
+#include <limits>
+#include <map>
+#include <utility>
+
+namespace troupe::engine {
+namespace {
+
+const Localization k_true_pose;  // the localization of bodies without a drive
+constexpr double k_nan = std::numeric_limits<double>::quiet_NaN();
+constexpr Pose k_nowhere{k_nan, k_nan, k_nan, k_nan};
+
+}  // namespace
+
+void World::start() {
+  const Completion completion(*this);
+  state_.now.tick = 0;
+  beams_ = conflict_rounds_ = 0;
+  derive_experiment();  // first: bodies start with the parameters of tick 0
+  for (StateTable& table : state_.tables) table.clear();
+  for (std::size_t r = 0; r < rows(); ++r) {
+    const BodyId body = state_.bodies[r];
+    if (state_.spec.starts(body))
+      start(Row(r), state_.spec.bodies[body.index()].pose_world_body);
+    else
+      state_.life(Row(r)).presence = static_cast<std::uint8_t>(Presence::unborn);
+  }
+  derive();
+}
+
+void World::start(Row row, const Pose& p) {
+  const BodyType& type = this->type(row);
+  for (const BodyType::Device& device : type.devices)
+    if (device.kind->start)
+      call_kind(*this, {&row, 1}, device,
+                [&] { device.kind->start(device.prepared.data, state_.tables[device.table], slot(row)); });
+  for (const std::size_t d : type.joint_devices) {
+    const BodyType::Device& device = type.devices[d];
+    const std::vector<Pose>& joints = device.prepared.joints;
+    for (std::size_t n = 0; n < joints.size(); ++n)
+      state_.tables[type.joints[static_cast<std::size_t>(device.moves) + n].table].as<Pose>(slot(row)) =
+          joints[n];
+  }
+  for (const BodyType::Controller& controller : type.controllers)
+    if (controller.table)
+      call_kind(*this, {&row, 1}, controller,
+                [&] { controller.kind->start(state_.tables[*controller.table].row(slot(row))); });
+  state_.poses()[row.index()] = {p.x + 0.0, p.y + 0.0, p.z + 0.0, wrap_angle(p.heading) + 0.0};
+  if (type.drive) start(row, *type.drive);
+}
+
+void World::start(Row row, const BodyType::Drive& drive) {
+  if (drive.kind->start)
+    state_.as<Velocity>(WorldState::k_velocity)[row.index()] = drive.kind->start(drive.data);
+  if (!drive.odometry_table) return;
+  const Pose& pose = poses()[row.index()];
+  const Pose believed = relative_to(drive.localization.origin.value_or(pose), pose);
+  state_.as<Odometry>(*drive.odometry_table)[slot(row)] = {believed.x, believed.y, believed.heading};
+}
+
+void World::derive() {
+  movement_.draw_odometry_errors();
+  derive_experiment();
+  derive_state();
+}
+
+void World::derive_state() {
+  derive_lives();
+  count_impaired();
+  movement_.count_stalls();
+  links_.derive();
+  for (std::size_t r = 0; r < rows(); ++r) derive(Row(r));
+  effects_.clear();
+  begin_placing();
+  placed_before_.clear();
+  index_bodies();
+}
+
+void World::derive(Row row) {
+  movement_.rest(row);
+  state_.update_presence(row);
+  if (links_.any()) {
+    links_.rest_joints(row);
+    links_.reshape(row.value);
+  }
+  state_.update_outlines(row, type(row), Transform(poses()[row.index()]));
+}
+
+void World::forget() {
+  constexpr std::uint32_t k_junk = 0x5a5a5a5a;
+  std::ranges::fill(state_.transforms, Transform{{k_nan, k_nan}, Rotation(SinCos{k_nan, k_nan})});
+  std::fill_n(state_.outlines.begin(), state_.outlines.size() - partition::EdgeBlock::k_piece,
+              Vec2(k_nan, k_nan));
+  std::ranges::fill(state_.radii, k_nan);
+  std::ranges::fill(state_.shapes, nullptr);
+  std::ranges::fill(state_.not_drawn, std::uint8_t{0x5a});
+  std::ranges::fill(next_born_, k_junk);
+  for (std::size_t* count : {&robots_, &state_.now.absent, &state_.now.impaired}) *count = k_junk;
+  links_.forget();
+  std::ranges::fill(grid_lifts_, k_nan);
+  experiment_.fault_events.clear();
+  experiment_.due = 0;
+  state_.index = partition::BodyIndex(state_.geometry);
+  movement_.forget();
+  placed_before_.assign(1, {Row(0), k_nowhere});
+  derive();
+  movement_.forget_motions();
+}
+
+void World::build_ray_grid(Diagnostics& diagnostics) {
+  std::vector<partition::MovingOutline> outlines;
+  for (std::uint32_t r = 0; r < rows(); ++r)
+    for (const RayOutline& outline : type(Row(r)).outlines)
+      outlines.push_back({r, static_cast<std::uint32_t>(state_.outline_begins[r]) + outline.first,
+                          outline.count, outline.z, outline.ranger_return});
+  if (links_.any()) grid_lifts_.resize(outlines.size());
+  try {
+    state_.ray_grid = std::make_unique<partition::RayGrid>(state_.scene.solids(), std::move(outlines),
+                                                           state_.outlines, state_.spec.resolution_m);
+  } catch (const std::length_error& error) {
+    diagnostics.error(state_.spec.resolution_where, fmt::format("the grid ray engine: {}", error.what()));
+    diagnostics.throw_if_errors();
+  }
+  state_.bind_view();
+  redraw_ray_grid();
+}
+
+void World::redraw_ray_grid() {
+  std::size_t o = 0;
+  for (std::uint32_t r = 0; !grid_lifts_.empty() && r < rows(); ++r)
+    for (const RayOutline& outline : type(Row(r)).outlines)
+      if (outline.count > 0) grid_lifts_[o++] = lift(Row(r), outline.joint);
+  partition::RayGrid::Linked linked{.lifts = grid_lifts_, .groups = {}, .absent = {}};
+  if (state_.now.carried > 0) linked.groups = state_.roots;
+  if (state_.now.absent > 0) linked.absent = state_.not_drawn;
+  state_.ray_grid->redraw(state_.outlines, poses(), parallel_, linked);
+}
+
+BodyId World::find(std::string_view name) const {
+  const std::optional<Name> wanted = state_.spec.names.find(name);
+  if (!wanted) return {};
+  std::call_once(names_made_, [this] {
+    names_.reserve(state_.spec.bodies.size() + state_.spec.aliases.size());
+    for (const NamedBody& alias : state_.spec.aliases) names_.set(alias.name, alias.body);
+    for (std::size_t b = 0; b < state_.spec.bodies.size(); ++b)
+      names_.set(state_.spec.bodies[b].name, BodyId(b));
+  });
+  return names_.find(*wanted);
+}
+
+Estimates World::estimates(const BodyType& type) const {
+  if (!type.drive) return {&k_true_pose, poses(), {}};
+  Estimates estimates{&type.drive->localization, poses(), {}};
+  if (type.drive->odometry_table) estimates.odometries = state_.as<Odometry>(*type.drive->odometry_table);
+  return estimates;
+}
+
+void World::set_estimate(Row row, const Pose& pose) {
+  require_whole();
+  const auto& drive = type(row).drive;
+  if (!drive || !drive->odometry_table)
+    throw std::logic_error(
+        fmt::format("\"{}\" has no odometry: its estimated pose is its true pose and cannot be set",
+                    state_.spec.name(body(row))));
+  if (!is_finite(pose))
+    throw std::invalid_argument(fmt::format(
+        "the estimated pose of \"{}\" cannot be x {}, y {} (m), heading {} (rad): the numbers must "
+        "be finite",
+        state_.spec.name(body(row)), pose.x, pose.y, pose.heading));
+  touch();
+  state_.as<Odometry>(*drive->odometry_table)[slot(row)] = {pose.x + 0.0, pose.y + 0.0,
+                                                            wrap_angle(pose.heading) + 0.0};
+}
+
+void World::set_poses(std::span<const Placed> placed) {
+  require_whole();
+  restore_fp_environment();  // a library may have changed it, see step()
+  const Box inside = state_.bounds();
+  for (const Placed& place : placed) {
+    const Pose& p = place.pose;
+    if (!is_there(place.row))
+      throw std::invalid_argument(fmt::format(
+          "\"{}\" cannot be placed: it was removed from the world, or has not been added to it yet",
+          state_.spec.name(body(place.row))));
+    if (!is_finite(p) || !inside.contains(p.position()))
+      throw std::invalid_argument(
+          fmt::format("\"{}\" cannot be placed at x {}, y {}, z {} (m), heading {} (rad): {}",
+                      state_.spec.name(body(place.row)), p.x, p.y, p.z, p.heading,
+                      is_finite(p) ? outside_text(inside) : "the numbers must be finite"));
+    if (const std::optional<BodyId> by = carrier(place.row))
+      throw std::invalid_argument(
+          fmt::format("\"{}\" cannot be placed while \"{}\" carries it: release it first",
+                      state_.spec.name(body(place.row)), state_.spec.name(*by)));
+  }
+  touch();
+  for (const auto& [row, p] : placed) {
+    const Pose pose{p.x + 0.0, p.y + 0.0, p.z + 0.0, wrap_angle(p.heading) + 0.0};
+    state_.poses()[row.index()] = pose;
+    state_.stalls()[row.index()] = WorldState::k_free;
+    movement_.rest(row);
+    state_.update_outlines(row, type(row), Transform(pose));
+  }
+  if (links_.any()) links_.carry();
+  for (const Placed& place : placed) remember_placed(place.row);
+  for (std::size_t r = 0; state_.now.carried > 0 && r < rows(); ++r)
+    if (carrier(Row(r))) remember_placed(Row(r));
+  movement_.count_stalls();
+  index_bodies();
+}
+
+void World::remember_placed(Row row) {
+  placed_at_.resize(rows());
+  std::uint32_t& at = placed_at_[row.index()];
+  if (at == 0) {
+    placed_.push_back({row, {}});
+    at = static_cast<std::uint32_t>(placed_.size());
+  }
+  placed_[at - 1].pose = poses()[row.index()];
+}
+
+/// Makes the poses that were set since the last step placed_before_, and clears placed_. Called when a step
+/// begins.
+void World::begin_placing() {
+  for (const Placed& place : placed_) placed_at_[place.row.index()] = 0;
+  placed_before_.swap(placed_);
+  placed_.clear();
+}
+
+bool World::is_free(Row row, const Pose& pose) const {
+  require_whole();
+  if (!is_finite(pose) || !state_.bounds().contains(pose.position())) return false;
+  const partition::ObstacleShape& shape = is_there(row) ? *state_.shapes[row.index()] : type(row).obstacle;
+  if (shape.empty()) return true;
+  if (state_.scene.has_obstacles() && state_.scene.blocked(shape, pose)) return false;
+  bool free = true;
+  const auto look_at = [&](std::uint32_t r) {
+    if (!free || r == row.index() || state_.shapes[r]->empty()) return;
+    // The body with the lower id is the first argument, as in conflict resolution, so that both agree.
+    free = state_.ids[row.index()] < state_.ids[r] ? !overlap(shape, pose, *state_.shapes[r], poses()[r])
+                                                   : !overlap(*state_.shapes[r], poses()[r], shape, pose);
+  };
+  state_.index.for_each_near(Box::around(pose.position(), shape.radius),
+                             [&](const partition::BodyCircle& other) { look_at(other.row); });
+  for (const Row other : newborn_) look_at(other.value);
+  return free;
+}
+
+bool World::stalled(Row row) const { return state_.stalls()[row.index()] != WorldState::k_free; }
+bool World::is_out_of_bounds(Row row) const {
+  return state_.stalls()[row.index()] == WorldState::k_out_of_bounds;
+}
+
+void World::throw_half_made() const {
+  throw std::logic_error(fmt::format(
+      "the step to tick {} failed and left an incomplete state: call reset() before anything else",
+      state_.now.tick));
+}
+
+void World::reset() {
+  restore_fp_environment();  // a library may have changed it, see step()
+  if (replica_) replica_->reset();
+  forget_settings();
+  start();
+}
+
+void World::restart(std::uint64_t seed, std::span<const BodySpec> bodies, const Registry& registry) {
+  restore_fp_environment();  // a library may have changed it, see step()
+  if (replica_) replica_->restart(seed, bodies);
+  bool has_scene_changed = false;
+  for (std::size_t b = 0; b < bodies.size(); ++b)
+    has_scene_changed =
+        has_scene_changed || (location(BodyId(b)) == RowLocation::none &&
+                              bodies[b].pose_world_body != state_.spec.bodies[b].pose_world_body);
+  Diagnostics diagnostics(state_.spec.files);  // without errors of build_faults(): see the constructor
+  const auto begin_with = [&](std::uint64_t next_seed, std::span<const BodySpec> next) {
+    state_.spec.seed = next_seed;
+    std::ranges::copy(next, state_.spec.bodies.begin());
+    if (has_scene_changed) build_scene();
+    build_faults(registry, diagnostics);
+    forget_settings();
+    start();
+  };
+  if (!has_scene_changed || !state_.ray_grid) return begin_with(seed, bodies);
+  const std::uint64_t old_seed = state_.spec.seed;
+  const std::vector<BodySpec> old = state_.spec.bodies;
+  begin_with(seed, bodies);
+  try {
+    build_ray_grid(diagnostics);
+  } catch (...) {  // the grid is still that of the old scene
+    Diagnostics none(state_.spec.files);
+    std::swap(diagnostics, none);
+    begin_with(old_seed, old);
+    throw;
+  }
+}
+
+bool World::restore(std::uint64_t tick, const Counters& counters, std::uint64_t state_hash,
+                    const Fill& fill) {
+  restore_fp_environment();  // a library may have changed it, see step()
+  is_half_made_ = false;
+  if (replica_) replica_->replace();
+  for (StateTable& table : state_.tables) table.clear();
+  try {
+    fill(state_.tables);
+  } catch (...) {
+    start();
+    throw;
+  }
+  constexpr double k_reach = 2e6;  // m: beyond any bounds, and cell numbers still fit 32 bits
+  const auto stands_somewhere = [](const Pose& pose) {
+    return std::abs(pose.x) < k_reach && std::abs(pose.y) < k_reach && std::isfinite(pose.z) &&
+           std::isfinite(pose.heading);
+  };
+  const auto has_mode = [](const Command& command) {
+    return static_cast<std::size_t>(command.mode) < k_control_modes;
+  };
+  if (hashes().state != state_hash || !std::ranges::all_of(poses(), stands_somewhere) ||
+      !std::ranges::all_of(commands(), has_mode) || !lives_hold(tick) || !conditions_hold() ||
+      !links_.hold()) {
+    start();
+    return false;
+  }
+  state_.now.tick = tick;
+  beams_ = counters.beams;
+  conflict_rounds_ = counters.conflict_rounds;
+  derive();
+  return true;
+}
+
+std::vector<BodyId> World::subscribed() const {
+  std::vector<BodyId> bodies;
+  for (std::size_t b = 0; b < state_.rows.size(); ++b)
+    if (const BodyId body(b);
+        location(body) == RowLocation::here && state_.subscribed[row(body).index()] != 0)
+      bodies.push_back(body);
+  return bodies;
+}
+
+std::uint64_t World::hash(const StateTable& table) {
+  require_whole();
+  gather();
+  constexpr std::size_t k_block = 1024;  // rows per task
+  const std::size_t blocks = (table.rows() + k_block - 1) / k_block;
+  std::atomic<std::uint64_t> sum = 0;
+  parallel_.for_each(blocks, [&](std::size_t b) {
+    sum.fetch_add(table.hash_rows(b * k_block, std::min(table.rows(), (b + 1) * k_block)),
+                  std::memory_order_relaxed);
+  });
+  return sum;
+}
+
+Hashes World::hashes() {
+  require_whole();
+  if (replica_)
+    if (const std::optional<Hashes> sum = replica_->hashes()) return *sum;
+  constexpr std::size_t k_block = 512;  // rows per task, in all tables: a loop per table would cost more
+  std::size_t rows = 0;
+  for (const StateTable& table : state_.tables) rows = std::max(rows, table.rows());
+  std::array<std::atomic<std::uint64_t>, k_hash_groups> sums{};
+  parallel_.for_each((rows + k_block - 1) / k_block, [&](std::size_t b) {
+    for (const StateTable& table : state_.tables)
+      if (const std::size_t first = b * k_block; first < table.rows())
+        sums[static_cast<std::size_t>(table.group())].fetch_add(
+            table.hash_rows(first, std::min(table.rows(), first + k_block)), std::memory_order_relaxed);
+  });
+  Hashes hashes;
+  for (std::size_t g = 0; g < k_hash_groups; ++g) hashes.state += hashes.groups[g] = sums[g];
+  return hashes;
+}
+
+double World::mean_displacement() const {
+  require_whole();
+  ExactSum sum;
+  for (std::size_t r = 0; r < rows(); ++r)
+    if (type(Row(r)).drive && is_there(Row(r))) sum.add((transform(Row(r)).position - origin(Row(r))).norm());
+  return robots_ > 0 ? sum.value() / static_cast<double>(robots_) : 0;
+}
+
+namespace {
+
+/// The looks of a frame that differ from those of the scene only in colours: for each type, and for each list
+/// of the colours of its parts, the index of the look (FrameBody::type). Bodies that look alike share a look,
+/// because a viewer draws all bodies of one look at once.
+using LooksByColor = std::map<std::pair<std::uint32_t, std::vector<float>>, std::uint32_t>;
+
+/// The colours that devices give the parts of a body, except its root part; empty if there are none.
+std::vector<float> colors_of_parts(const CommittedView& view, Row row) {
+  std::vector<float> colors;
+  for (const BodyType::Device& device : view.type(row).devices) {
+    if (device.part == 0 || !device.kind->shows_color) continue;
+    const std::span<const float> shown = view.percepts(device).cell<float>(view.slot(row), 0);
+    colors.insert(colors.end(), shown.begin(), shown.begin() + 3);
+  }
+  return colors;
+}
+
+}  // namespace
+
+/// Returns the shapes and the radius of the body of `row` as they are drawn, with its joints where they are
+/// now and its parts in the colours that devices give them. If `row` is not valid, the joints are at rest and
+/// the colours are those of the world file. `t`: index of the body's type.
+FrameType World::look_of(std::size_t t, Row row) const {
+  FrameType look{.mobile = state_.types[t].drive.has_value(),
+                 .radius = state_.types[t].radius,
+                 .name = state_.spec.types[t].name};
+  const std::vector<PartSpec>& parts = state_.spec.types[t].parts;
+  for (std::uint32_t p = 0; p < parts.size(); ++p) {
+    const PartSpec& part = parts[p];
+    // FrameBody::color is the colour of the root part.
+    const std::optional<Color> shown =
+        row.valid() && p > 0 ? shown_color(state_.view, row, p) : std::optional<Color>();
+    for (const Solid& solid : part.solids) {
+      look.shapes.push_back({solid, shown ? shown : part.color});
+      if (part.joint == k_rigid || !row.valid()) continue;
+      const Mount& now = state_.mounts(row)[static_cast<std::size_t>(part.joint)];
+      Solid& moved = look.shapes.back().solid;
+      for (Ring& ring : moved.contours)
+        for (Vec2& point : ring) point = now.transform * point;
+      moved.z = moved.z.shifted(now.z);
+    }
+  }
+  if (row.valid()) look.radius = state_.radii[row.index()];
+  return look;
+}
+
+FrameScene World::frame_scene() const {
+  FrameScene scene;
+  scene.title = state_.spec.title;
+  for (std::size_t t = 0; t < state_.types.size(); ++t) scene.types.push_back(look_of(t, Row()));
+  scene.bounds = state_.scene.bounds();
+  scene.tile_m = state_.geometry.tile_m();
+  scene.cell_m = state_.geometry.cell_m;
+  scene.limits = state_.spec.bounds;
+  for (std::size_t b = 0; b < state_.spec.bodies.size(); ++b) {
+    const BodySpec& body = state_.spec.bodies[b];
+    if (location(BodyId(b)) == RowLocation::none)
+      scene.fixed.push_back(
+          {body.type.value, body.pose_world_body, body.color, false, static_cast<std::uint32_t>(b)});
+    else if (state_.spec.starts(BodyId(b)))
+      scene.bounds.extend(
+          Box::around(body.pose_world_body.position(), state_.types[body.type.index()].radius));
+  }
+  return scene;
+}
+
+Frame World::frame() const {
+  require_whole();
+  gather();  // devices that are drawn read their state
+  Frame frame{time_s(), state_.now.tick, {}};
+  frame.mobile.reserve(rows());
+  LooksByColor looks;
+  for (std::size_t b = 0; b < state_.rows.size(); ++b) {
+    const BodySpec& body = state_.spec.bodies[b];
+    if (location(BodyId(b)) != RowLocation::here) continue;
+    const Row r = row(BodyId(b));
+    if (!is_there(r)) continue;
+    const Color color = shown_color(state_.view, r, 0).value_or(body.color);
+    frame.mobile.push_back(
+        {body.type.value, poses()[r.index()], color, stalled(r), static_cast<std::uint32_t>(b)});
+    const auto has_moved = [](const Mount& joint) {
+      return joint.transform.position != Vec2::Zero() || joint.z != 0 || joint.heading != 0;
+    };
+    const auto next = static_cast<std::uint32_t>(state_.types.size() + frame.types.size());
+    std::uint32_t look = next;
+    if (type(r).joints.empty() || std::ranges::none_of(state_.mounts(r), has_moved)) {
+      const std::vector<float> colors = colors_of_parts(state_.view, r);
+      if (colors.empty()) continue;
+      look = looks.try_emplace({body.type.value, colors}, next).first->second;
+    }
+    frame.mobile.back().type = look;
+    if (look == next) frame.types.push_back(look_of(body.type.value, r));
+  }
+  return frame;
+}
+
+}  // namespace troupe::engine

@@ -1,0 +1,682 @@
+#pragma once
+
+#include "engine/conflicts/movement.hpp"
+#include "engine/fields/state_table.hpp"
+#include "engine/interventions/experiment.hpp"
+#include "engine/kinds/components.hpp"
+#include "engine/kinds/kinds.hpp"
+#include "engine/kinds/step_error.hpp"
+#include "engine/links/links.hpp"
+#include "engine/sensing/fixed_targets.hpp"
+#include "engine/sensing/sensing_view.hpp"
+#include "engine/spec/body_type.hpp"
+#include "engine/spec/world_spec.hpp"
+#include "engine/state/world_state.hpp"
+#include "engine/world/phase.hpp"
+#include "partition/body_index.hpp"
+#include "partition/parallel.hpp"
+#include "partition/ray_grid.hpp"
+#include "partition/static_scene.hpp"
+
+#include <array>
+#include <atomic>
+#include <cstddef>
+#include <cstdint>
+#include <exception>
+#include <functional>
+#include <map>
+#include <memory>
+#include <mutex>
+#include <span>
+#include <string>
+#include <string_view>
+#include <vector>
+
+namespace troupe::engine {
+
+class Blinkers;  // engine/state/blinkers.hpp
+// engine/observing/frame.hpp
+struct Frame;
+struct FrameScene;
+struct FrameType;
+// engine/ranks/replica.hpp
+class Replica;
+struct ReplicaParts;
+
+/// Options of a World that affect the speed of a run, but never its results.
+struct WorldOptions {
+  /// Number of threads that compute a step. With 0 there is one thread per processor that the process may
+  /// use.
+  unsigned threads = 0;
+  /// Edge of the square tiles of the spatial index, m. With 0 it is chosen from body sizes and sensor ranges.
+  /// Wide bodies can make the tiles wider than this.
+  double tile_size_m = 0;
+};
+
+/// The hashes of a state (docs/determinism.md): of all state tables together, and of each group of tables.
+/// All sums are modulo 2^64.
+struct Hashes {
+  std::uint64_t state = 0;                            ///< sum of the hashes of all tables
+  std::array<std::uint64_t, k_hash_groups> groups{};  ///< one per HashGroup: sum of the hashes of its tables
+};
+
+/// A running world. It consists of constants made from a WorldSpec, the state tables, and the number of the
+/// tick.
+///
+/// S(k) is the state after k ticks. S(k+1) = step(S(k)) is a pure function of S(k), the spec and the seed.
+///
+/// Every body that has a drive, a device or a controller, or that can be gripped or pushed, has a *row*, an
+/// index into the state tables. Within the rows of its type, it has a *slot*, an index into the tables of
+/// that type.
+class World {
+ public:
+  /// Builds the world in the state S(0). Throws InputError for errors that the loader of a world file cannot
+  /// find, such as a controller that needs a sensor which its robot does not have, and StepError if a hook
+  /// `start` (a function of a device or controller kind) throws. If bodies overlap at tick 0, one warning
+  /// gives the number of overlapping pairs, counted up to 10,000. If `diagnostics` is thorough, each of the
+  /// first hundred pairs gets a warning of its own instead, and one more warning gives the number of any
+  /// further pairs. Bodies that extend below the floor (z = 0) also cause a warning. The registry must
+  /// outlive the world.
+  World(WorldSpec spec, const Registry& registry, const WorldOptions& options, Diagnostics& diagnostics);
+  World(WorldSpec, Registry&&, const WorldOptions&, Diagnostics&) = delete;
+  World(const World&) = delete;
+  World& operator=(const World&) = delete;
+
+  // ---- the tick: engine/world/step.cpp
+  /// Computes one tick: from S(k) to S(k+1). Throws StepError if a command to the drive of a robot, the
+  /// velocity that the drive computes, or the goal of a joint is not a finite number, or if a function of a
+  /// kind or an OnDecide callback throws. Exceptions of the callbacks of on_phase() and before_tick()
+  /// propagate unchanged. After an exception the state is incomplete: see require_whole(). Apart from the
+  /// first steps, a step allocates no memory unless a kind or a callback does.
+  void step();
+  /// Throws std::logic_error if the state is incomplete: a step, or a hook of a kind during spawn(), threw,
+  /// and no reset(), restart() or restore() followed. After a step that threw, some rows have the state of
+  /// the new tick and others that of the old tick. All functions that read or change the state as a whole
+  /// call this first, such as step(), hashes(), tables(), frame(), spawn(), remove(), set() and the set_
+  /// functions. Accessors of single rows or columns, such as pose() or poses(), do not call it.
+  void require_whole() const {
+    if (is_half_made_) throw_half_made();
+  }
+  /// Returns to S(0), the state at tick 0, and undoes the changes of set(). The tables, the tick, the
+  /// counters and all data derived from them are then as after construction, or as after the last restart().
+  /// Callbacks and subscriptions stay. This allocates no memory, and is allowed after a step that threw.
+  /// Throws StepError if a hook `start` of a device or controller kind throws.
+  void reset();
+  /// Goes to S(0), the state at tick 0, with another seed and other poses of the bodies. The run then has the
+  /// same results as a run of a new world whose spec has this seed and these bodies. Only the order of the
+  /// rows may differ. The changes of set() are undone. Callbacks and subscriptions stay. This is allowed
+  /// after a step that threw. Throws StepError if a hook `start` of a device or controller kind throws, and
+  /// InputError if the grid ray engine cannot represent the new static scene.
+  ///
+  /// bodies: one for each body of the spec, in the same order and with the same names and types, which is
+  /// not checked. Poses and colours may differ. If a static body has another pose, the static scene is
+  /// rebuilt.
+  /// registry: the registry that was passed to the constructor
+  void restart(std::uint64_t seed, std::span<const BodySpec> bodies, const Registry& registry);
+  /// Counts of work since tick 0. They are not part of the state.
+  struct Counters {
+    std::uint64_t beams = 0;            ///< rays cast by all sensors
+    std::uint64_t conflict_rounds = 0;  ///< rounds of conflict resolution, see Conflicts::rounds()
+  };
+  Counters counters() const { return {beams_, conflict_rounds_}; }  ///< the present counts
+  /// A callback that restore() calls to write a saved state into the tables. It must set every field of every
+  /// row. Before the call, restore() sets every byte of the tables to 0.
+  using Fill = std::function<void(std::span<StateTable>)>;
+  /// Restores a saved state. Calls `fill`, checks the filled tables, and recomputes all data that are derived
+  /// from them. `tick`, `counters` and `state_hash` are the values of tick(), counters() and Hashes::state
+  /// when the state was saved. Returns false, and sets the world to S(0), if the filled tables do not have
+  /// the hash `state_hash`, or if they contain values that no state has, such as a NaN in a pose. If `fill`
+  /// throws, the exception propagates and the world is also at S(0).
+  bool restore(std::uint64_t tick, const Counters& counters, std::uint64_t state_hash, const Fill& fill);
+  /// Overwrites all derived data (those that are neither constant, nor state, nor set by the program) with
+  /// junk, and then computes them again from the state. Tests call this and check that the run continues with
+  /// the same bits (the "amnesia" test, docs/determinism.md).
+  void forget();
+  /// Switches on or off a test mode that detects device kinds that read or change data which they do not
+  /// declare. In this mode the hooks `sense` and `act` of a device are called for one row at a time. During
+  /// each call, the bodies whose enclosing circles are outside the reach of the device
+  /// (DeviceKind::Prepared::reach_m, plus the reach of the joints of its body) are not in the spatial index,
+  /// and their poses, outlines and state are junk. Bodies that move together with the device's body
+  /// (same_tree()) are not hidden. In the state of the remaining bodies, except the device's own body, the
+  /// components that the kind does not declare to read (DeviceKind::reads) are junk. If no kind reads more
+  /// than it declares, the hashes of the run stay the same (docs/determinism.md). A step throws a StepError
+  /// if an effect of a device has a target, or changes the state of a body, outside the scope that the kind
+  /// of the device declares (DeviceKind::scope). The mode is slow: each call takes time proportional to the
+  /// number of rows. Throws std::invalid_argument if the mode is switched on in a world with several threads
+  /// or the grid ray engine.
+  void hide_beyond_reach(bool on);
+  /// A test mode: gives every body another row and another slot, at random. `seed` and tick() select the new
+  /// rows and slots. All rows, slots, and references to rows of tables that the caller holds are then those
+  /// of other bodies. No result depends on rows and slots, so the run continues with the same bits
+  /// (docs/determinism.md). Throws std::logic_error if several ranks compute the world. Call this between
+  /// steps.
+  void shuffle_rows(std::uint64_t seed);
+  /// The data of a row that neither the spec nor other data determine: its state, and what programs have set.
+  struct RowState {
+    BodyId body;                   ///< body of the row
+    std::vector<std::byte> bytes;  ///< the data, for add_rows() of a world with the same spec
+  };
+  /// Removes the rows of bodies, and returns their data, in the order of `bodies`. location() of the bodies
+  /// is then RowLocation::elsewhere. If a body is carried or carries others, the list must have its whole
+  /// tree: all bodies that move together with it (same_tree()). Counts such as robots() still include the
+  /// removed bodies. If the world cannot be distributed among ranks (engine/ranks/halo.hpp), it must get the
+  /// rows back by add_rows() before anything else is done with it. Otherwise it can step: the remaining
+  /// bodies then do what they would do if the removed ones were far away, except that interventions choose at
+  /// random among the remaining bodies only. Throws std::invalid_argument if a body has no row in this world,
+  /// occurs twice, or comes without its tree, and std::logic_error if several ranks compute the world. Call
+  /// this between steps.
+  std::vector<RowState> remove_rows(std::span<const BodyId> bodies);
+  /// Adds rows that remove_rows() has removed, in any order. Throws std::invalid_argument if location() of a
+  /// body is not RowLocation::elsewhere. Call this between steps.
+  void add_rows(std::span<const RowState> added);
+  /// Number of completed ticks. Within a step, from the phase `sense` on: number of the tick that the step
+  /// computes.
+  std::uint64_t tick() const { return state_.now.tick; }
+  double tick_s() const { return state_.spec.tick_s; }  ///< length of a tick, s
+  /// World time, s: tick() * tick_s().
+  double time_s() const { return static_cast<double>(state_.now.tick) * state_.spec.tick_s; }
+  /// Replaces the callback that step() calls at the beginning of each phase and at the end of the tick. The
+  /// argument is the phase that begins, or std::nullopt at the end of the tick. An empty callback is not
+  /// called.
+  void on_phase(std::function<void(std::optional<Phase>)> callback) { on_phase_ = std::move(callback); }
+  /// Sets the callback that each step calls in the phase `intervene`, after it has applied the interventions
+  /// and faults of the world file, and before any sensor runs. The callback may change the world in all ways
+  /// that are allowed between two steps. The exceptions of the callback propagate from step(). A second call
+  /// of before_tick() replaces the callback. Call before_tick() between steps.
+  void before_tick(std::function<void()> callback) { before_tick_ = std::move(callback); }
+  /// A callback that step() calls in place of a controller, once per batch of robots. The callback must
+  /// itself call controller.kind->decide(controller.data, batch). Several threads call it at once, so it must
+  /// be thread-safe. ControllerCheck installs such a callback.
+  using OnDecide =
+      std::function<void(const BodyType& type, const BodyType::Controller& controller, const DecideBatch&)>;
+  /// Replaces the OnDecide callback. With an empty callback, step() calls the controllers itself again. Call
+  /// this between steps.
+  void on_decide(OnDecide callback) { on_decide_ = std::move(callback); }
+
+  /// A view of those data of the world that devices may read (engine/sensing/sensing_view.hpp). It always
+  /// shows the present state, and is valid as long as the world exists. Functions that devices share with
+  /// other code, such as first_met(), take such a view as an argument.
+  const CommittedView& view() const { return state_.view; }
+
+  // ---- ranks: engine/ranks/ranks.cpp. Several ranks (threads or processes) may compute one world together.
+  // Each rank then has a World of its own, called a replica (engine/ranks/replica.hpp), and the functions
+  // below keep the replicas equal.
+  /// Connects this world to a replica; a null pointer disconnects it. Called by the constructor and the
+  /// destructor of Replica. Returns references to the data of this world that the replica exchanges with
+  /// other ranks.
+  ReplicaParts join(Replica* replica);
+  /// On rank 0: fetches the table rows that only other ranks compute (Sharing::kept), so that the tables here
+  /// are complete. Functions that read whole tables call this first. It does nothing on other ranks, during a
+  /// tick, if the tables are complete, and if the world has no Replica. If several threads are to read the
+  /// world at once, call this beforehand on the thread that calls step().
+  void gather() const {
+    if (replica_ != nullptr) gather_rows();
+  }
+  /// Calls gather() if the rows of the world are distributed among ranks (engine/ranks/halo.hpp): on rank 0,
+  /// all rows are then here until the next step. Measures call this, because they read the rows of all
+  /// bodies.
+  void gather_distributed() const;
+  /// Called by Replica on ranks other than 0, after a program has changed the state on rank 0: replaces the
+  /// state by that of rank 0. Works like restore() with the same `tick` and `fill`, but checks nothing.
+  /// is_in_tick: whether the interventions of the present tick have already been applied.
+  void adopt(std::uint64_t tick, const Fill& fill, bool is_in_tick);
+  /// Called by Halo (engine/ranks/halo.hpp), also during a tick, before the phase `move`: removes the rows of
+  /// `leaving`, which are in this world, and then adds those of `coming` after the others. A RowState without
+  /// bytes adds a row of zeros. `own`: number of rows, at the front, that this world computes from now on.
+  void exchange_rows(std::span<const BodyId> leaving, std::span<const RowState> coming, std::size_t own);
+  /// RowState::bytes of a row.
+  std::vector<std::byte> row_bytes(Row row);
+
+  // ---- constants and indices
+  /// The spec that the world was made from, with the seed and the bodies of the last restart() and the
+  /// settings of set().
+  const WorldSpec& spec() const { return state_.spec; }
+  std::span<const BodyType> types() const { return state_.types; }      ///< compiled types, indexed by TypeId
+  const partition::StaticScene& scene() const { return state_.scene; }  ///< geometry of the static bodies
+  /// Spatial index of the bodies in the world that have rows, at their present poses. During a step, it has
+  /// the poses before the motions of that step. It is rebuilt in the phase `index` and, if devices request
+  /// births, already before these births at the end of the phase `move`.
+  const partition::BodyIndex& index() const { return state_.index; }
+  /// Spatial index of the parts of static bodies that fiducial finders detect.
+  const FixedTargets& fixed_targets() const { return state_.fixed_targets; }
+  /// Cells through which the grid ray engine traces rays (RangingEngine::grid). Null if the world uses the
+  /// exact ray engine.
+  const partition::RayGrid* ray_grid() const { return state_.ray_grid.get(); }
+  /// Sizes of the cells and tiles of the spatial index. No result depends on them.
+  const partition::GridGeometry& geometry() const { return state_.geometry; }
+  /// The worker threads of step(). Measures may use them between steps.
+  partition::Parallel& parallel() { return parallel_; }
+  /// Number of rows: one for each body that has a drive, a device or a controller, or that can be gripped or
+  /// pushed. The constructor orders the rows by the positions of their bodies at tick 0, so that neighbours
+  /// in space are close in memory; the rows of unborn bodies come last.
+  std::size_t rows() const { return state_.bodies.size(); }
+  /// Number of robots (rows whose type has a drive) that are in the world at tick 0.
+  std::size_t robots_at_start() const { return robots_at_start_; }
+  /// Number of robots that are in the world now.
+  std::size_t robots() const { return robots_; }
+  BodyId body(Row row) const { return state_.view.body(row); }  ///< body of a row
+  /// Where the row of a body is.
+  RowLocation location(BodyId body) const { return state_.view.location(body); }
+  /// Row of a body. Static bodies have no row: for them the result is not valid(). Throws std::logic_error if
+  /// location() is RowLocation::elsewhere.
+  Row row(BodyId body) const { return state_.view.row(body); }
+  const BodyType& type(Row row) const { return state_.view.type(row); }  ///< type of the row's body
+  /// Slot of a row: its position among the rows of its type, and so its index in the tables of that type.
+  std::size_t slot(Row row) const { return state_.view.slot(row); }
+  /// Returns the body with this name or alias. A body with this name comes before a body with this alias; of
+  /// several bodies with this name, the one with the highest id is returned. Unborn and dead bodies are found
+  /// as well. If there is no such body, the result is not valid(). Thread-safe.
+  BodyId find(std::string_view name) const;
+
+  // ---- the state
+  /// The state tables. Members of BodyType such as Device::table are indices into this list.
+  std::span<const StateTable> tables() const {
+    require_whole();
+    gather();
+    return state_.tables;
+  }
+  /// Index of the row's body in one of the tables(): the row, if all bodies have the component, else its
+  /// slot. If the table has no row for the body, the result is the index of another body, or is not below
+  /// StateTable::rows().
+  std::size_t row_in(const StateTable& table, Row row) const { return state_.row_in(table, row); }
+  /// Pose of each row, world frame. A dead body has the pose at which it died; all values of an unborn body
+  /// are 0.
+  std::span<const Pose> poses() const { return state_.view.poses(); }
+  /// Pose of any body, static ones included, in the world frame. A dead body has the pose at which it died;
+  /// for an unborn body all values are NaN. Throws std::logic_error if location() is RowLocation::elsewhere.
+  Pose pose(BodyId body) const { return state_.view.pose(body); }
+  /// The row's pose as a transform, which is stored and not computed here. Equals Transform(pose) bit for
+  /// bit.
+  const Transform& transform(Row row) const { return state_.view.transform(row); }
+  /// Velocity that the drive of each row computed, body frame, m/s and rad/s. It is 0 if the body has no
+  /// drive or is not in the world. From the next tick on, it is also 0 while the body is disabled or dropped
+  /// out by a fault, or while the power supply of its drive is empty. It does not become 0 when an obstacle
+  /// blocks the motion.
+  std::span<const Velocity> velocities() const { return state_.as<Velocity>(WorldState::k_velocity); }
+  /// Command to the drive of each row. The numbers have no meaning for rows without a drive.
+  std::span<const Command> commands() const { return state_.as<Command>(WorldState::k_command); }
+  /// Whether the row's last motion was blocked or would have ended out of bounds. False before the first
+  /// tick, and after set_poses() has placed the body.
+  bool stalled(Row row) const;
+  /// Whether the row's last motion would have ended outside the bounds of the world (WorldSpec::bounds).
+  bool is_out_of_bounds(Row row) const;
+  /// Estimated pose of a robot, m and rad, in the frame that the Localization of its drive defines: by
+  /// default the world frame, or with odometry the frame of the robot's first pose. For a body without a
+  /// drive, the true pose in the world frame.
+  Pose estimate(Row row) const { return estimates(type(row)).of(row, slot(row)); }
+  /// Estimated poses of all bodies of a type, valid as long as the world exists. For a type without a drive
+  /// they are the true poses, world frame.
+  Estimates estimates(const BodyType& type) const;
+  /// Overwrites the odometry estimate of a robot with a pose in the frame of the estimate, m and rad. The z
+  /// of the pose is ignored, and the heading is wrapped. Throws std::logic_error if the robot has no
+  /// odometry, and std::invalid_argument if a number of the pose, z included, is not finite.
+  void set_estimate(Row row, const Pose& pose);
+  /// Overwrites the command to a robot's drive, which the next step executes. Call this between steps. If a
+  /// number is not finite, the next step in which the drive runs throws a StepError. Throws std::logic_error
+  /// after a step that threw (require_whole()).
+  void set_command(Row row, const Command& command) {
+    require_whole();
+    touch();
+    state_.tables[WorldState::k_command].as<Command>(row.index()) = command;
+  }
+  /// Transform from the body frame to the world frame for the parts and devices on a joint of the row's body.
+  /// `joint` is an index into BodyType::joints or k_rigid. Details: SensingView::mount().
+  Mount mount(Row row, std::int32_t joint) const { return state_.view.mount(row, joint); }
+  /// Upper bound on the distance of any point of the row's body from its origin, m; negative if the body is
+  /// not in the world. Details: SensingView::radius().
+  double radius(Row row) const { return state_.view.radius(row); }
+  /// Height by which a joint of the row's body, and the joints that carry it, have raised the parts on the
+  /// joint above their rest position, m; 0 for k_rigid. `joint` is as in mount().
+  double lift(Row row, std::int32_t joint) const { return state_.view.lift(row, joint); }
+  /// Present pose of a joint (an index into BodyType::joints) relative to its rest pose, m and rad.
+  const Pose& joint_state(Row row, std::size_t joint) const { return state_.joint_state(row, joint); }
+  /// The body that carries the row's body; std::nullopt if it is not carried.
+  std::optional<BodyId> carrier(Row row) const { return state_.view.carrier(row); }
+  /// Number of carried bodies.
+  std::size_t carried_count() const { return state_.now.carried; }
+  /// Whether two bodies move together: one carries the other, directly or through further bodies, or a third
+  /// body carries both. True if a and b are the same row.
+  bool same_tree(Row a, Row b) const { return state_.view.same_tree(a, b); }
+  /// Attaches the body `cargo` to the body `carrier`. The cargo then keeps its present pose relative to the
+  /// joint with the index `joint` of the carrier or, if `joint` is k_rigid, relative to the carrier itself.
+  /// Returns false and changes nothing if the cargo is already carried, if the cargo is the carrier or
+  /// carries the carrier, directly or through others, or if no device of the carrier can carry bodies
+  /// (DeviceKind::carries). Both bodies must be in the world. Only DeviceKind::apply may call this.
+  bool attach(Row cargo, Row carrier, std::int32_t joint) { return links_.attach(cargo, carrier, joint); }
+  /// Detaches a body from its carrier; its pose stays. Does nothing if the body is not carried. Only
+  /// DeviceKind::apply may call this.
+  void release(Row cargo) { links_.release(cargo); }
+
+  // ---- births and deaths: engine/world/lives.cpp
+  /// Whether bodies of this world may be born or die. They may if the world has reserves, if a device or an
+  /// intervention can remove bodies, or if WorldSpec::mortal is set. In all other worlds the state has no
+  /// component `life`.
+  bool has_lives() const { return state_.life_table.has_value(); }
+  /// Whether the row's body is in the world, unborn or dead; Presence::there if has_lives() is false.
+  Presence presence(Row row) const { return state_.view.presence(row); }
+  /// Whether the row's body is in the world. An unborn or dead body is not in the spatial index, and does not
+  /// sense, decide or move. Its state is 0, except for the component `life` and the pose of a dead body.
+  bool is_there(Row row) const { return state_.view.is_there(row); }
+  /// Number of rows whose bodies are unborn or dead.
+  std::size_t absent_count() const { return state_.now.absent; }
+  /// Position of the row's body at its birth, or at tick 0 if it was present then; m, world frame. (0, 0)
+  /// for an unborn body.
+  Vec2 origin(Row row) const;
+  /// Number of ticks that were completed when the body was born; 0 if it was present at tick 0 or is unborn.
+  /// The periods of its devices, drive and controllers count from that tick.
+  std::uint64_t birth_tick(Row row) const { return state_.view.birth_tick(row); }
+  /// Index in WorldSpec::reserves of the reserve of a population. `population` is the name of the population
+  /// ("ant"), not of a body ("ant7"). std::nullopt if there is no such population, or if it has no reserve.
+  std::optional<std::size_t> reserve(std::string_view population) const;
+  /// Number of bodies of a reserve (an index into WorldSpec::reserves) that are not yet born.
+  std::size_t unborn(std::size_t reserve) const {
+    return state_.spec.reserves[reserve].count - next_born_[reserve];
+  }
+  /// Spawns the next body of a reserve (an index into WorldSpec::reserves, which must exist) at a pose, m and
+  /// rad, world frame. If the pose is not free (is_free()) or the reserve has no body left, no body is born,
+  /// and Birth::status gives the reason. Apart from its pose and the component `life`, a new body has the
+  /// state of a body at tick 0. Throws std::invalid_argument if the pose is not finite, and StepError if a
+  /// hook `start` of a device or controller kind throws (see require_whole()). Each birth rebuilds the
+  /// spatial index of all bodies. Call this between steps.
+  Birth spawn(std::size_t reserve, const Pose& pose);
+  /// Removes a body from the world; bodies that it carries stay where they are. Does nothing if the body is
+  /// not in the world. Throws std::logic_error if has_lives() is false. Each call rebuilds the spatial index
+  /// of all bodies. Call this between steps.
+  void remove(Row row);
+
+  // ---- experiments: engine/interventions/experiment.cpp
+  /// Whether the row's body is disabled by an intervention or a program, or dropped out by a fault. The
+  /// devices, controllers and drive of such a body do not run. The body does not move on its own, but still
+  /// blocks motions and is visible to sensors.
+  bool is_disabled(Row row) const { return state_.now.impaired > 0 && state_.condition(row).out != 0; }
+  /// Whether no fault has broken the row's device, and is_disabled() is false for the row. `device` is an
+  /// element of BodyType::devices of the row's type.
+  bool works(Row row, const BodyType::Device& device) const { return state_.view.works(row, device); }
+  /// Whether bodies of this world may be disabled or fail. They may if the world has an intervention that
+  /// disables or enables bodies, if it has faults, or if WorldSpec::mortal is set. In all other worlds the
+  /// state has no component `condition`.
+  bool has_conditions() const { return state_.condition_table.has_value(); }
+  /// Disables or enables a body, as the intervention `disable` or `enable` of a world file does. Returns
+  /// false and changes nothing if the body is already disabled or enabled, as requested, or is not in the
+  /// world. A drop-out by a fault is independent of this: enabling the body does not end it. Throws
+  /// std::logic_error if has_conditions() is false. Call this between steps.
+  bool set_disabled(Row row, bool disabled);
+  /// Changes parameters of a type, for all its bodies, as the intervention `set` of a world file does. The
+  /// change becomes part of spec(), as an intervention at the present time, until reset() or restart(). The
+  /// error says why the parameters cannot change; the world is then unchanged. If several ranks compute the
+  /// world, all of them apply the change. `registry` must be that of the constructor. Call this between
+  /// steps, or in the callback of before_tick().
+  Result<> set(const SettingSpec& setting, const Registry& registry);
+  /// Number of interventions that set() has added at the end of ExperimentSpec::at since construction,
+  /// reset() or restart().
+  std::size_t settings_made() const { return experiment_.made; }
+  /// The spec of a type with its present parameters, which settings may have changed.
+  TypeSpec present_type(TypeId type) const;
+  /// Longest reach of a device of any type with rows, m (DeviceKind::Prepared::reach_m), over all parameters
+  /// that the interventions of spec() give the device during a run.
+  double longest_reach() const;
+  /// Number of bodies in the world that are disabled or have a fault, such as a broken device. Bodies whose
+  /// rows are elsewhere do not count.
+  std::size_t impaired_count() const { return state_.now.impaired; }
+
+  /// An argument of set_poses(): a row, and a pose for its body.
+  struct Placed {
+    Row row;    ///< row of the body
+    Pose pose;  ///< world frame, m and rad; the heading may have any finite value and is wrapped
+  };
+  /// Sets the poses of bodies. Call this between steps. If a row occurs twice, its last pose counts. The
+  /// odometry estimate and the velocity of a robot do not change; a stalled robot is no longer stalled. The
+  /// poses may overlap other bodies. As at tick 0, bodies that overlap may then move apart but not closer.
+  /// Carried bodies move with their carriers. Throws std::invalid_argument, and moves no body, if a body of
+  /// the list is carried or not in the world, or if a pose is not finite or out of bounds. Each call rebuilds
+  /// the spatial index of all bodies, so pass all poses in one call.
+  void set_poses(std::span<const Placed> placed);
+  /// The bodies that set_poses() placed between the last two steps, or in the phase `intervene` of the last
+  /// step, and all bodies that were carried during such a call. Each row occurs once. Placed::pose is the
+  /// pose that the body had before the motions of the last step. Measures of the distance travelled use this
+  /// list, so that jumps do not count as travel. The list is empty before the first step. It is not part of
+  /// the state.
+  std::span<const Placed> placed_before_step() const { return placed_before_; }
+  /// Whether the row's body could be at a pose (world frame, m and rad): it would be within the world's
+  /// bounds, and would overlap neither the static scene nor another body that is an obstacle. The test uses
+  /// the present joints of the body, and includes the bodies that it carries. An unborn or dead body is
+  /// tested with its joints at rest. If no tested body is an obstacle, or if the row's body is carried, only
+  /// the bounds count. False if the pose is not finite.
+  bool is_free(Row row, const Pose& pose) const;
+  /// State of a device (for a sensor its readings), one table row per slot of its type. Before the first run
+  /// of a sensor, its readings are 0 or as DeviceKind::start has set them.
+  const StateTable& percepts(const BodyType::Device& sensor) const {
+    gather();
+    return state_.tables[sensor.table];
+  }
+  /// Makes every sensor of this body run, including the sensors that no controller reads. The body must have
+  /// a row. Call this before the first step.
+  void subscribe(BodyId body) {
+    touch();
+    state_.subscribed[row(body).index()] = 1;
+  }
+  /// Bodies for which subscribe() was called, in ascending order of ids.
+  std::vector<BodyId> subscribed() const;
+  /// Whether a sensor of the row is active (BodyType::Device::active), or subscribe() was called for its
+  /// body.
+  bool senses(Row row, const BodyType::Device& sensor) const { return state_.view.senses(row, sensor); }
+  /// Whether a device of the row gets power: false if its power supply is empty. `supply` is the index of
+  /// that supply among the devices of the type (BodyType::Device::supply). If it is std::nullopt, the device
+  /// has no supply and the result is true.
+  bool is_supplied(Row row, std::optional<std::size_t> supply) const {
+    return state_.view.is_supplied(row, supply);
+  }
+  /// Whether the row's device is switched on: no controller has switched it off.
+  bool is_on(Row row, const BodyType::Device& device) const { return state_.view.is_on(row, device); }
+  /// Whether the row's device runs in the ticks in which it is due, that is, once per
+  /// BodyType::Device::period. The device runs if senses(), is_on(), works() and is_supplied() are true for
+  /// it.
+  bool runs(Row row, const BodyType::Device& device) const { return state_.view.runs(row, device); }
+  /// Commands to a device, one table row per slot of its type. The device must take commands. A program may
+  /// change the commands between steps.
+  StateTable& asked_of(const BodyType::Device& device) {
+    touch();
+    return state_.tables[*device.command_table];
+  }
+  /// State of a device, one table row per slot of its type, for code that changes it: DeviceKind::apply and
+  /// DeviceKind::born, and programs between steps.
+  StateTable& state(const BodyType::Device& device) {
+    touch();
+    return state_.tables[device.table];
+  }
+  /// Vertices of the outlines of a row's body at their present places: see SensingView::outline().
+  std::span<const Vec2> outline(Row row) const { return state_.view.outline(row); }
+  /// Hash of one table: the sum of the hashes of its rows, modulo 2^64. The hash of the state is the sum of
+  /// these over all tables.
+  std::uint64_t hash(const StateTable& table);
+  Hashes hashes();  ///< hashes of the present state; computed on the worker threads
+
+  // ---- counters
+  std::uint64_t beams_cast() const { return beams_; }  ///< rays cast by all sensors since tick 0
+  /// Number of robots whose last motion was blocked or would have ended out of bounds.
+  std::size_t stalled_count() const { return movement_.stalled(); }
+  /// Number of robots whose last motion would have ended out of bounds.
+  std::size_t out_of_bounds_count() const { return movement_.out_of_bounds(); }
+  /// Rounds of conflict resolution since tick 0, see Conflicts::rounds().
+  std::uint64_t conflict_rounds() const { return conflict_rounds_; }
+  /// Mean straight-line distance between the present position of a robot and its origin(), over all robots in
+  /// the world, m; 0 if there are none.
+  double mean_displacement() const;
+
+  // ---- for viewers
+  /// The constant data for drawing the world. FrameScene::rangers is empty.
+  FrameScene frame_scene() const;
+  /// The data for drawing that change with each tick: Frame::time_s, `tick`, `mobile` and `types`. All other
+  /// members, which viewers request, are empty.
+  Frame frame() const;
+
+ private:
+  [[noreturn]] void throw_half_made() const;
+  /// Guards work that changes the state. Its destructor sets is_half_made_ if the work threw an exception,
+  /// and clears it otherwise.
+  class Completion {
+   public:
+    explicit Completion(World& world) : world_(world) { world_.is_half_made_ = false; }
+    ~Completion() { world_.is_half_made_ = std::uncaught_exceptions() > before_; }
+    Completion(const Completion&) = delete;
+    Completion& operator=(const Completion&) = delete;
+
+   private:
+    World& world_;
+    int before_ = std::uncaught_exceptions();
+  };
+  void check_size(Diagnostics& diagnostics) const;
+  void check_reserves(Diagnostics& diagnostics) const;
+  std::vector<BodyId> rows_by_place() const;
+  void build_rows();
+  void build_scene();
+  void build_tables();
+  void build_lives();
+  /// Fills the tables with the state at tick 0, and computes the derived data.
+  void start();
+  /// Gives a row the state that its body has at tick 0 or at its birth, with this pose (world frame). All
+  /// bytes of the row must be 0 before.
+  void start(Row row, const Pose& pose);
+  void start(Row row, const BodyType::Drive& drive);
+  /// Computes all derived data: those that are neither constant, nor state, nor set by the program. It reads
+  /// only the spec, the tick and the tables, never earlier derived data. It is called after every start,
+  /// reset and restore.
+  void derive();
+  /// The part of derive() that does not concern the interventions and faults of the spec.
+  void derive_state();
+  /// The part of derive() for one row; also called for bodies that are born or die.
+  void derive(Row row);
+  // engine/world/row_order.cpp
+  void begin_row_change(std::string_view what) const;
+  void move_rows(std::span<const std::uint32_t> to, std::span<const std::vector<std::uint32_t>> slots_to);
+  void derive_rows();
+  void drop_rows(const std::vector<bool>& leaves);
+  void append_rows(std::span<const RowState> added);
+  void set_state(Row row, std::span<const std::byte> bytes);
+  void build_ray_grid(Diagnostics& diagnostics);
+  void report_overlaps(Diagnostics& diagnostics);
+
+  void make_tick();
+  void sense();
+  void actuate();
+  void decide();
+  DeviceBatch device_batch(std::span<const Row> rows, const BodyType& type, const BodyType::Device& device);
+  void drive(std::span<const Row> rows, const BodyType::Drive& drive, std::atomic<std::uint32_t>& faulty);
+  void halt_disabled(std::span<const Row> rows);
+  void halt_spent(std::span<const Row> rows, const BodyType::Drive& drive);
+  void decide(std::span<const Row> rows, const BodyType& type, const BodyType::Controller& controller);
+  void decide_together(const BodyType& type, const BodyType::Controller& controller);
+  void move();
+  void apply_effects();
+
+  // engine/world/lives.cpp
+  void derive_lives();
+  bool lives_hold(std::uint64_t tick) const;
+  Birth give_birth(std::size_t reserve, const Pose& pose);
+  void die(Row row);
+  void resolve_lives(std::span<const Effect> effects);
+
+  // engine/interventions/experiment.cpp
+  void build_experiment(const Registry& registry, Diagnostics& diagnostics);
+  /// Compiles an intervention. `types` has the specs of the types that earlier interventions change, with
+  /// these changes, by TypeId. The function adds the changes of this intervention.
+  void build_intervention(Experiment::Intervention& intervention, const Registry& registry,
+                          std::map<std::uint32_t, TypeSpec>& types, Diagnostics& diagnostics);
+  /// Compiles a setting of parameters into `intervention`. `types` is as for build_intervention(). The error
+  /// says what is wrong with the setting.
+  Result<> build_setting(const SettingSpec& setting, const Registry& registry,
+                         std::map<std::uint32_t, TypeSpec>& types, Experiment::Intervention& intervention);
+  void build_faults(const Registry& registry, Diagnostics& diagnostics);
+  void build_fault(std::size_t at, const Registry& registry, Diagnostics& diagnostics);
+  void build_conditions();
+  /// The bodies with rows that a group names, in order of ids, before any random choice. If it names none,
+  /// reports an error at `where` and returns no bodies.
+  std::vector<BodyId> bodies_of(const GroupSpec& group, Where where, Diagnostics& diagnostics) const;
+  /// Computes from the tick which interventions have been applied: those whose tick is before the present
+  /// one. The next step applies the interventions of the present tick.
+  void derive_experiment();
+  void find_due();
+  bool conditions_hold() const;
+  void count_impaired();
+  void intervene();
+  bool carry_out(Experiment::Intervention& intervention);
+  void toggle_disabled(Row row);
+  /// Chooses as many of Experiment::candidates as the group asks for: those with the lowest keys. Returns
+  /// them in order of ids.
+  std::span<const Experiment::Candidate> choose(const GroupSpec& group);
+  bool add(const Experiment::Intervention& intervention);
+  Pose place_to_add(const Experiment::Intervention& intervention, std::uint32_t number,
+                    std::uint32_t trial) const;
+  bool is_setting(const Experiment::Intervention& intervention) const;
+  void swap_settings_back(std::size_t count);
+  void forget_settings();
+  void swap_setting(Experiment::Intervention& intervention);
+  std::uint64_t next_fault_tick(std::uint32_t fault, BodyId body, std::uint64_t from) const;
+  Experiment::FaultEvent take_fault_event();
+  void apply_fault_event(const Experiment::FaultEvent& event);
+  double speed_scale(Row row) const;
+
+  void report_joints();
+  void redraw_ray_grid();
+  void remember_placed(Row row);
+  void begin_placing();
+  void index_bodies();
+  FrameType look_of(std::size_t t, Row row) const;
+  void begin(Phase phase);
+  void gather_rows() const;
+  /// Called when a program is about to change the state, so that the other ranks receive the changed state
+  /// before the next tick. Does nothing during a tick.
+  void touch() {
+    if (replica_ != nullptr) touch_rows();
+  }
+  void touch_rows();
+  RowRange own_rows() const;
+  template <class Work>
+  void for_seeing(std::span<const Row> rows, const BodyType& type, const BodyType::Device& device,
+                  Work&& work);
+
+  // Every member belongs to one of five groups: constant, state, set by the program, derived, or scratch.
+  // Only state is saved, so no member of another group may carry information from one tick to the next.
+
+  WorldState state_;  // constants, state, and the places of bodies, which are derived
+  partition::Parallel parallel_;
+  Links links_;        // derived, except its list of composite bodies, which is constant
+  Movement movement_;  // derived and scratch, except which bodies push and can be pushed
+
+  // Constants: made from the spec by the constructor.
+  mutable NameMap names_;  // built by the first find(), because most runs never call it
+  mutable std::once_flag names_made_;
+  std::size_t robots_at_start_ = 0;
+  bool has_collective_ = false;  // a type has a controller with ControllerKind::is_collective
+
+  // State, and counters.
+  bool is_half_made_ = false;  // a step threw: only reset(), restart() and restore() are allowed
+  std::uint64_t beams_ = 0;
+  std::uint64_t conflict_rounds_ = 0;
+
+  // Set by the program.
+  std::function<void(std::optional<Phase>)> on_phase_;
+  OnDecide on_decide_;
+  std::function<void()> before_tick_;
+  struct BlinkersDeleter {
+    void operator()(Blinkers* blinkers) const;
+  };
+  std::unique_ptr<Blinkers, BlinkersDeleter> blinkers_;  // null: devices see everything
+  Replica* replica_ = nullptr;                           // null: this world computes all rows itself
+
+  // Derived: computed by derive(), kept up to date by each tick.
+  std::vector<std::uint32_t> next_born_;  // one per reserve: index of its first unborn body in the reserve
+  std::vector<Row> newborn_;              // rows of bodies that the index does not contain yet
+  std::size_t robots_ = 0;
+  Experiment experiment_;  // except its lists of interventions, which only set() extends, and faults, which
+                           // are constant
+  std::vector<double> grid_lifts_;  // height offset of each outline that the grid ray engine draws, m
+
+  // Scratch: data of the current tick, and the poses that programs set, which measures read.
+  Effects effects_;
+  std::vector<Placed> placed_;            // set since the last step, each row once
+  std::vector<Placed> placed_before_;     // set between the last two steps
+  std::vector<std::uint32_t> placed_at_;  // position of each row in placed_, from 1; 0: not in it
+};
+
+}  // namespace troupe::engine

@@ -1,0 +1,357 @@
+#include "engine/world/world.hpp"
+#include "partition/ranging.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <utility>
+
+// The parts of World that run once, when the world is made from its spec.
+
+namespace troupe::engine {
+namespace {
+
+using Layout = StateTable::Layout;
+
+// Limit on the beams of all types together: a beam takes some hundred bytes.
+constexpr double k_most_beams = 10e6;
+
+/// Chooses the cells of the spatial index. Their width is an eighth of the reach of a body (its longest
+/// sensor reach plus its radius), averaged over the bodies with rows; the reach of a body without sensors
+/// counts as 16 radii. Such cells are small enough to exclude most bodies out of reach, and large enough that
+/// a query visits few of them. The mean is used, not the maximum, so that a few robots of long range do not
+/// coarsen the grid. If `tile_size_m` is positive, tiles have this width, m, and are divided into cells of
+/// about the width above; wide bodies may require wider tiles.
+partition::GridGeometry choose_geometry(const WorldSpec& spec, std::span<const BodyType> types,
+                                        double tile_size_m) {
+  double sum = 0;
+  double widths = 0;
+  double widths2 = 0;
+  double count = 0;
+  double width = 0;
+  for (const BodySpec& body : spec.bodies) {
+    const BodyType& type = types[body.type.index()];
+    if (!type.runs()) continue;
+    double reach = 0;
+    for (const BodyType::Device& sensor : type.devices)
+      if (sensor.active)
+        reach = std::max(reach, sensor.prepared.cell_hint_m.value_or(sensor.prepared.reach_m));
+    const double radius = type.radius + type.joint_reach;
+    sum += reach > 0 ? 1.001 * (reach + radius) : 16 * radius;
+    widths += 2 * radius;
+    widths2 += 4 * radius * radius;
+    width = std::max(width, 2 * radius);
+    ++count;
+  }
+  // Cells are at least as wide as the bodies that cover most of the ground (mean width, weighted by width),
+  // so that few bodies overlap several cells. They are also at least an eighth as wide as the widest body, so
+  // that no body overlaps more than some hundred cells. The factor 1 + 1e-9 covers the rounding of the sums:
+  // if all bodies have the same width, they fit into a cell.
+  const double own_width = widths > 0 ? (1 + 1e-9) * widths2 / widths : 0;
+  const double least = std::max({0.05, own_width, width / 8});
+  const double cell = std::max(least, count > 0 ? sum / (8 * count) : 1.0);
+  constexpr unsigned k_tile_bits = 4;
+  if (!(tile_size_m > 0)) return {cell, k_tile_bits};
+  unsigned bits = 0;
+  while (bits < 8 && tile_size_m / (1u << bits) > cell && tile_size_m / (2u << bits) >= least) ++bits;
+  return {std::max(least, tile_size_m / (1u << bits)), bits};
+}
+
+/// Adds the tables that every world has, in the order of WorldState::TableIndex.
+void add_common_tables(WorldState& state) {
+  state.tables.emplace_back(
+      "pose", HashGroup::pose, Layout::rows,
+      std::vector<StateField>{{"x", Element::f64, 1, "m", "world frame"},
+                              {"y", Element::f64, 1, "m", "world frame"},
+                              {"z", Element::f64, 1, "m", "world frame"},
+                              {"heading", Element::f64, 1, "rad", "counter-clockwise from +x"}},
+      state.bodies);
+  state.tables.emplace_back(
+      "velocity", HashGroup::velocity, Layout::rows,
+      std::vector<StateField>{{"x", Element::f64, 1, "m/s", "forward, as the drive computed it"},
+                              {"y", Element::f64, 1, "m/s", "left"},
+                              {"turn", Element::f64, 1, "rad/s", "counter-clockwise"}},
+      state.bodies);
+  state.tables.emplace_back("command", HashGroup::velocity, Layout::rows, command_fields(), state.bodies,
+                            sizeof(Command));
+  state.tables.emplace_back(
+      "stall", HashGroup::velocity, Layout::columns,
+      std::vector<StateField>{
+          {"stalled", Element::u8, 1, "",
+           "1: last motion was blocked, 2: last motion would have ended out of bounds, 0: neither"}},
+      state.bodies);
+}
+
+void add_carrier_table(WorldState& state) {
+  state.carrier_table = state.tables.size();
+  state.tables.emplace_back(
+      "carrier", HashGroup::pose, Layout::rows,
+      sparse(
+          {{"carrier", Element::u32, 1, "", "id of the body that carries this body, plus 1; 0: none"},
+           {"joint", Element::u32, 1, "",
+            "joint of the carrier that holds this body, counted from 1; 0: none"},
+           {"x", Element::f64, 1, "m", "in the frame of the carrier, moved by the joint if `joint` is not 0"},
+           {"y", Element::f64, 1, "m", "in the same frame as x"},
+           {"z", Element::f64, 1, "m", "in the same frame as x"},
+           {"heading", Element::f64, 1, "rad", "in the same frame as x"}}),
+      state.bodies);
+}
+
+// The tables of one type have a row for each of its `bodies`.
+
+void add_joint_tables(BodyType& type, const std::vector<BodyId>& bodies, std::vector<StateTable>& tables) {
+  for (BodyType::Joint& joint : type.joints) {
+    joint.table = tables.size();
+    tables.emplace_back(
+        fmt::format("joint/{}", joint.name), HashGroup::pose, Layout::rows,
+        std::vector<StateField>{
+            {"x", Element::f64, 1, "m", "relative to the joint's rest pose"},
+            {"y", Element::f64, 1, "m", "relative to the joint's rest pose"},
+            {"z", Element::f64, 1, "m", "relative to the joint's rest pose"},
+            {"heading", Element::f64, 1, "rad", "relative to the joint's rest pose; not wrapped"}},
+        bodies);
+  }
+}
+
+void add_odometry_table(BodyType& type, const std::vector<BodyId>& bodies, std::vector<StateTable>& tables) {
+  if (!type.drive || type.drive->localization.kind != Localization::Kind::odom) return;
+  type.drive->odometry_table = tables.size();
+  tables.emplace_back(
+      "odometry", HashGroup::memory, Layout::rows,
+      std::vector<StateField>{{"x", Element::f64, 1, "m", "estimated position"},
+                              {"y", Element::f64, 1, "m", "estimated position"},
+                              {"heading", Element::f64, 1, "rad", "estimated heading, counter-clockwise"}},
+      bodies);
+}
+
+void add_device_tables(BodyType& type, const std::vector<BodyId>& bodies, std::vector<StateTable>& tables) {
+  for (BodyType::Device& device : type.devices) {
+    const DeviceKind::Prepared& prepared = device.prepared;
+    // Component names do not contain the name of the type: types only save memory, and two files may divide
+    // the same bodies into types differently.
+    const std::string component = fmt::format("{}/{}", device.kind->name, device.name);
+    device.table = tables.size();
+    tables.emplace_back(component, HashGroup::sensor, Layout::rows, prepared.percepts, bodies,
+                        prepared.percept_bytes);
+    if (prepared.commands.empty()) continue;
+    device.command_table = tables.size();
+    tables.emplace_back(component + "/command", HashGroup::velocity, Layout::rows, prepared.commands, bodies,
+                        prepared.command_bytes);
+  }
+}
+
+void add_memory_tables(BodyType& type, const std::vector<BodyId>& bodies, std::vector<StateTable>& tables) {
+  for (std::size_t c = 0; c < type.controllers.size(); ++c) {
+    BodyType::Controller& controller = type.controllers[c];
+    if (controller.kind->memory.empty()) continue;
+    controller.table = tables.size();
+    tables.emplace_back(fmt::format("{}/{}", controller.kind->name, c), HashGroup::memory, Layout::rows,
+                        controller.kind->memory, bodies, controller.kind->memory_bytes);
+  }
+}
+
+}  // namespace
+
+World::World(WorldSpec spec, const Registry& registry, const WorldOptions& options, Diagnostics& diagnostics)
+    : parallel_(options.threads), links_(state_, parallel_), movement_(state_, parallel_) {
+  state_.spec = std::move(spec);
+  double beams = 0;
+  for (const TypeSpec& type : state_.spec.types) {
+    state_.types.push_back(make_body_type(type, state_.spec, registry, diagnostics));
+    for (const BodyType::Device& sensor : state_.types.back().devices)
+      beams += static_cast<double>(sensor.prepared.beams);
+    for (const BodyType::Controller& controller : state_.types.back().controllers)
+      has_collective_ = has_collective_ || controller.kind->is_collective;
+    if (beams <= k_most_beams) continue;
+    diagnostics.error(
+        type.parts.front().where,
+        fmt::format(
+            "too large: the sensors of this type and of the types before it have {:.0f} beams in total (each "
+            "type is counted once, however many bodies it has), at most {:.0f} are allowed",
+            beams, k_most_beams));
+    diagnostics.throw_if_errors();
+  }
+  check_size(diagnostics);
+  check_reserves(diagnostics);
+  diagnostics.throw_if_errors();
+  state_.geometry = choose_geometry(state_.spec, state_.types, options.tile_size_m);
+  build_rows();
+  movement_.build();
+  links_.build();
+  build_experiment(registry, diagnostics);
+  build_scene();
+  build_tables();
+  if (state_.spec.ranging == RangingEngine::grid) build_ray_grid(diagnostics);
+  report_overlaps(diagnostics);
+}
+
+/// Reports worlds that need too much memory. A file of some kilobytes can ask for more memory than the
+/// machine has, and the operating system would then kill the process without a message.
+void World::check_size(Diagnostics& diagnostics) const {
+  constexpr double k_most_bytes = 16e9;
+  double fixed_vertices = 0;
+  double bytes = 0;
+  Where where;
+  std::vector<double> vertices;
+  for (const TypeSpec& type : state_.spec.types) {
+    double count = 0;
+    for (const PartSpec& part : type.parts) count += static_cast<double>(count_vertices(part.solids));
+    vertices.push_back(count);
+  }
+  for (const BodySpec& body : state_.spec.bodies) {
+    const BodyType& type = state_.types[body.type.index()];
+    if (!type.runs()) {
+      fixed_vertices += vertices[body.type.index()];
+    } else {
+      bytes += type.row_bytes();
+    }
+    where = body.where;
+    if (fixed_vertices > k_most_vertices || bytes > k_most_bytes) break;
+  }
+  if (fixed_vertices > k_most_vertices)
+    diagnostics.error(
+        where,
+        fmt::format(
+            "too large: with this body, the outlines of all static bodies have more than {} corners in "
+            "total",
+            k_most_vertices));
+  if (bytes > k_most_bytes)
+    diagnostics.error(
+        where,
+        fmt::format("too large: with this body, the sensor readings, controller memories and outlines of all "
+                    "bodies take more than {:.0f} GB",
+                    k_most_bytes / 1e9));
+}
+
+void World::check_reserves(Diagnostics& diagnostics) const {
+  for (const ReserveSpec& reserve : state_.spec.reserves) {
+    const BodySpec& body = state_.spec.bodies[reserve.first.index()];
+    if (!state_.types[body.type.index()].runs())
+      diagnostics.error(
+          body.where, fmt::format("the reserve of population \"{}\" needs a type that has a drive, a device "
+                                  "or a controller, or that can be gripped or pushed",
+                                  reserve.population));
+  }
+}
+
+/// Returns the bodies that have rows, in the order of their rows. Bodies that are neighbours in space at tick
+/// 0 become neighbours in memory, and remain so for a long time. With 100,000 robots in a building, a step
+/// with rows in arbitrary order takes 1.5 times as long. The order affects only the speed. It is computed
+/// with the default cells, whatever WorldOptions::tile_size_m is.
+std::vector<BodyId> World::rows_by_place() const {
+  struct Place {
+    std::uint64_t key;
+    BodyId body;
+  };
+  const partition::GridGeometry geometry = choose_geometry(state_.spec, state_.types, 0);
+  const auto low_bits = [](std::int32_t value, unsigned bits) {
+    return static_cast<std::uint64_t>(value) & ((1u << bits) - 1);
+  };
+  std::vector<Place> places;
+  places.reserve(state_.spec.bodies.size());
+  for (std::size_t b = 0; b < state_.spec.bodies.size(); ++b) {
+    const BodySpec& body = state_.spec.bodies[b];
+    if (!state_.types[body.type.index()].runs()) continue;
+    if (!state_.spec.starts(BodyId(b))) {  // the body is unborn, and its place of birth is unknown
+      places.push_back({~std::uint64_t{0}, BodyId(b)});
+      continue;
+    }
+    const partition::Cell cell = geometry.cell(body.pose_world_body.position());
+    std::uint64_t key = 0;
+    const auto append = [&](partition::Cell c, unsigned bits) {
+      key = (key << (2 * bits)) | (low_bits(c.y, bits) << bits) | low_bits(c.x, bits);
+    };
+    append(geometry.tile(cell), 24);
+    append(geometry.block(cell), geometry.tile_bits - geometry.block_bits());
+    append(cell, geometry.block_bits());
+    places.push_back({key, BodyId(b)});
+  }
+  std::ranges::sort(places, {}, [](const Place& place) { return std::pair(place.key, place.body.value); });
+  std::vector<BodyId> bodies;
+  bodies.reserve(places.size());
+  for (const Place& place : places) bodies.push_back(place.body);
+  return bodies;
+}
+
+void World::build_rows() {
+  state_.rows.resize(state_.spec.bodies.size());
+  const std::vector<BodyId> bodies = rows_by_place();
+  const auto reserve = [&bodies](auto&... columns) { (columns.reserve(bodies.size()), ...); };
+  reserve(state_.bodies, state_.ids, state_.row_types, state_.slots, state_.outline_begins);
+  state_.pools.resize(state_.types.size());
+  for (const BodyId body : bodies) ++state_.pools[state_.spec.bodies[body.index()].type.index()].rows;
+  std::size_t vertices = 0;
+  std::size_t joints = 0;
+  for (std::size_t t = 0; t < state_.types.size(); ++t) {
+    WorldState::Pool& pool = state_.pools[t];
+    pool.outlines = vertices;
+    pool.joints = static_cast<std::uint32_t>(joints);
+    vertices += pool.rows * state_.types[t].outline_vertices.size();
+    joints += pool.rows * state_.types[t].joints.size();
+  }
+  std::vector<std::uint32_t> slots(state_.types.size(), 0);
+  for (const BodyId body : bodies) {
+    const auto t = state_.spec.bodies[body.index()].type.value;
+    const BodyType& type = state_.types[t];
+    state_.rows[body.index()] = Row(state_.bodies.size());
+    state_.bodies.push_back(body);
+    state_.ids.push_back(body.value);
+    state_.row_types.push_back(t);
+    state_.outline_begins.push_back(state_.outline_begin(t, slots[t]));
+    state_.slots.push_back(slots[t]++);
+    robots_at_start_ += type.drive.has_value() && state_.spec.starts(body);
+  }
+  state_.own_rows = rows();
+  state_.subscribed.resize(rows());
+  state_.radii.resize(rows());
+  state_.shapes.resize(rows());
+  state_.transforms.resize(rows());
+  state_.outlines.resize(vertices + partition::EdgeBlock::k_piece,
+                         Vec2::Zero());  // padding: rangers copy k_piece vertices at a time
+  state_.bind_view();
+}
+
+void World::build_scene() {
+  std::vector<partition::FixedSolid> solids;
+  for (std::size_t b = 0; b < state_.spec.bodies.size(); ++b) {
+    const BodySpec& body = state_.spec.bodies[b];
+    if (state_.types[body.type.index()].runs()) continue;
+    const std::vector<PartSpec>& parts = state_.spec.types[body.type.index()].parts;
+    for (std::uint32_t p = 0; p < parts.size(); ++p)
+      for (const Solid& solid : parts[p].solids)
+        solids.push_back({placed(solid, body.pose_world_body), BodyId(b), parts[p].returns.obstacle,
+                          parts[p].returns.ranger, p});
+  }
+  state_.scene = partition::StaticScene(std::move(solids), state_.geometry.cell_m);
+  state_.fixed_targets =
+      FixedTargets(state_.spec, [this](BodyId body) { return location(body) == RowLocation::none; });
+  state_.index = partition::BodyIndex(state_.geometry);
+  if (state_.spec.bounds) state_.index.reserve(*state_.spec.bounds);
+}
+
+/// The order of the tables is the order of the components in recordings and checkpoints.
+void World::build_tables() {
+  add_common_tables(state_);
+  if (std::ranges::any_of(state_.types, &BodyType::carries)) add_carrier_table(state_);
+  build_lives();
+  build_conditions();
+
+  std::vector<std::vector<BodyId>> bodies(state_.types.size());  // by type
+  for (std::size_t r = 0; r < rows(); ++r) bodies[state_.row_types[r]].push_back(state_.bodies[r]);
+  std::size_t effects = 0;
+  for (std::size_t t = 0; t < state_.types.size(); ++t) {
+    if (bodies[t].empty()) continue;
+    BodyType& type = state_.types[t];
+    add_joint_tables(type, bodies[t], state_.tables);
+    add_odometry_table(type, bodies[t], state_.tables);
+    add_device_tables(type, bodies[t], state_.tables);
+    add_memory_tables(type, bodies[t], state_.tables);
+    for (const BodyType::Device& device : type.devices)
+      effects += device.prepared.most_effects * bodies[t].size();
+  }
+  effects_.reserve(effects);
+  state_.bind_view();
+  start();
+}
+
+}  // namespace troupe::engine
