@@ -539,8 +539,8 @@ class Simulation {
 
   /// Sets a callback that provides data of the program for the checkpoint, such as the state of an observer.
   /// Each save() calls `memory` and stores the returned bytes under `name`; after resume(), saved_memory()
-  /// returns them. A null callback removes the callback of this name. Do not use the name `holds` or names
-  /// that begin with `stop_when`: checkpoints store data of Troupe under them.
+  /// returns them. A null callback removes the callback of this name. Throws std::invalid_argument for the
+  /// name `holds` and for names that begin with `stop_when`: checkpoints store data of Troupe under them.
   void on_save(const std::string& name, std::function<std::vector<std::byte>()> memory);
   /// The bytes that save() stored under `name` in the checkpoint that the run was resumed from (see
   /// on_save()); std::nullopt if there are none or the run was not resumed.

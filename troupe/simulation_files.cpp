@@ -23,9 +23,10 @@
 namespace troupe {
 namespace {
 
-constexpr const char* k_spare = "spare";          // key in a header
-constexpr const char* k_holds = "holds";          // key in the memories of a checkpoint
-constexpr std::string_view k_plugin = "plugin ";  // prefix of keys in a header: plugin NAME
+constexpr const char* k_spare = "spare";                // key in a header
+constexpr std::string_view k_plugin = "plugin ";        // prefix of keys in a header: plugin NAME
+constexpr const char* k_holds = "holds";                // key in the memories of a checkpoint
+constexpr const char* k_stop_conditions = "stop_when";  // prefix of keys: StopConditions::memory_name()
 
 /// Returns the first part of a line of version_line(), "troupe 0.2.0".
 std::string_view version_of(std::string_view line) { return line.substr(0, line.find(" (")); }
@@ -317,6 +318,9 @@ void Simulation::save(const std::filesystem::path& checkpoint) const {
 }
 
 void Simulation::on_save(const std::string& name, std::function<std::vector<std::byte>()> memory) {
+  if (name == k_holds || name.starts_with(k_stop_conditions))
+    throw std::invalid_argument(
+        fmt::format("on_save(): checkpoints store data of Troupe under \"{}\": choose another name", name));
   if (memory)
     impl_->on_save[name] = std::move(memory);
   else

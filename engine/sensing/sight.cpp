@@ -10,7 +10,7 @@ namespace {
 
 /// Margin for tests that exclude surfaces early, m: far above the rounding errors of doubles within 100 km of
 /// the origin.
-constexpr double k_slack = 1e-9;
+constexpr double k_margin_m = 1e-9;
 
 /// Finds the nearest surface that a ray hits among the outlines that are passed to meet().
 class Nearest {
@@ -28,7 +28,7 @@ class Nearest {
       Box box;
       box.extend(Vec2(ray_.origin + i * step * ray_.direction));
       box.extend(Vec2(ray_.origin + std::min((i + 1) * step, best_.range_m) * ray_.direction));
-      visit(box.expanded(k_slack));
+      visit(box.expanded(k_margin_m));
     }
   }
 
@@ -36,7 +36,7 @@ class Nearest {
   bool reaches(const partition::BodyCircle& circle) const {
     const Vec2 centre = Vec2(circle.x, circle.y) - ray_.origin;
     const double along = centre.dot(ray_.direction);
-    const double radius = circle.radius + k_slack;
+    const double radius = circle.radius + k_margin_m;
     return std::abs(cross(centre, ray_.direction)) <= radius && along >= -radius &&
            along <= best_.range_m + radius;
   }

@@ -11,6 +11,7 @@
 #include "troupe/troupe.hpp"
 #include "worldio/results/hdf5_file.hpp"
 
+#include <fmt/format.h>
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 #include <sys/resource.h>
@@ -425,6 +426,24 @@ TEST_F(Checkpoint, ThatCannotBeWrittenLeavesTheOneBefore) {
   EXPECT_FALSE(fs::exists(file_.string() + ".partial"));
   simulation.save(file_);  // and when there is room again it is written
   EXPECT_EQ(Simulation::resume(file_).state_hash(), simulation.state_hash());
+}
+
+TEST_F(Checkpoint, HoldsDataOfProgramsUnderNamesThatTroupeDoesNotUse) {
+  Simulation simulation(write("room.json", k_room));
+  const auto memory = [] { return std::vector<std::byte>(3, std::byte{7}); };
+  simulation.on_save("mine", memory);
+  for (const char* name : {"holds", "stop_when", "stop_when 0123456789abcdef"}) {
+    try {
+      simulation.on_save(name, memory);
+      FAIL() << name;
+    } catch (const std::invalid_argument& error) {
+      EXPECT_EQ(error.what(), fmt::format("on_save(): checkpoints store data of Troupe under \"{}\": choose "
+                                          "another name",
+                                          name));
+    }
+  }
+  simulation.save(file_);
+  EXPECT_EQ(Simulation::resume(file_).saved_memory("mine"), memory());
 }
 
 TEST_F(Checkpoint, ThatHasNoFolderIsAnError) {
