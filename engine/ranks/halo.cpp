@@ -82,7 +82,7 @@ std::string why_replicated(const World& world) {
   return {};
 }
 
-Halo::Halo(World& world, std::span<StateTable> tables, std::vector<std::size_t> sent, Post post,
+Halo::Halo(World& world, std::span<StateTable> tables, std::vector<std::size_t> sent, RankPost post,
            std::optional<std::uint64_t> cut_seed, std::optional<double> skin_m)
     : world_(world),
       tables_(tables),
@@ -411,10 +411,6 @@ std::span<const std::uint32_t> Halo::begin(std::span<const Motion> motions,
     to_receive_[rank] = static_cast<std::size_t>(
         std::ranges::count_if(seen_rows_[rank], [&](std::uint32_t row) { return motions[row].moves; }));
   }
-  return own_of(order);
-}
-
-std::span<const std::uint32_t> Halo::own_of(std::span<const std::uint32_t> order) {
   order_.resize(order.size());
   std::size_t count = 0;
   for (const std::uint32_t row : order) {  // without a branch, which would be unpredictable

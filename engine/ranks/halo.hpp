@@ -10,8 +10,6 @@
 
 #include <cstddef>
 #include <cstdint>
-#include <functional>
-#include <memory>
 #include <optional>
 #include <span>
 #include <string>
@@ -59,22 +57,13 @@ HaloPlan plan_halo(const World& world, unsigned ranks, double longest_motion);
 /// No result depends on which rank owns a row, on the skin, or on how often rows are distributed.
 class Halo : public Conflicts::Border {
  public:
-  /// How this object sends and receives messages.
-  struct Post {
-    unsigned rank = 0;                                     ///< number of this rank
-    unsigned ranks = 1;                                    ///< number of ranks
-    std::function<partition::MessageWriter(Order)> begin;  ///< begins a message
-    /// Sends a message.
-    std::function<void(unsigned to, std::shared_ptr<const partition::Message> message)> send;
-    std::function<ReceivedOrder(Order order, unsigned from)> receive;  ///< waits for a message
-  };
   /// The world, whose rows must all be here, must meet why_replicated(), and must outlive this object, as
   /// must `tables`, the state tables of the world. Call divide() next.
   ///
   /// sent: indices of the tables whose rows owners send in each tick (Sharing::sent)
   /// cut_seed: for tests: the ranks get random ground, and again in some of the ticks
   /// skin_m: the skin, m; not set: it is chosen
-  Halo(World& world, std::span<StateTable> tables, std::vector<std::size_t> sent, Post post,
+  Halo(World& world, std::span<StateTable> tables, std::vector<std::size_t> sent, RankPost post,
        std::optional<std::uint64_t> cut_seed, std::optional<double> skin_m);
 
   /// Keeps the own rows and the ghosts of a world that is complete on all ranks. Needs no messages.
@@ -128,8 +117,6 @@ class Halo : public Conflicts::Border {
   /// What was counted on this rank; without `messages` and `bytes`, which are 0.
   const RankCounts& counts() const { return counts_; }
 
-  /// Returns those rows of `order` that are own rows, in that order. Valid until the next call.
-  std::span<const std::uint32_t> own_of(std::span<const std::uint32_t> order);
   /// The sum of the hashes of the own rows that a rank has as ghosts, or of the ghosts of rows that the rank
   /// owns, in the tables t with is_known[t]. The two ranks of a pair have equal sums between two ticks.
   ///@{
@@ -163,7 +150,7 @@ class Halo : public Conflicts::Border {
   World& world_;
   std::span<StateTable> tables_;
   std::vector<std::size_t> sent_;
-  Post post_;
+  RankPost post_;
   std::optional<std::uint64_t> cut_seed_;
   std::optional<double> skin_m_;
 
@@ -185,7 +172,7 @@ class Halo : public Conflicts::Border {
   // not yet sent; and the number of those whose outcome is not yet received.
   std::vector<std::vector<std::uint32_t>> to_send_;
   std::vector<std::size_t> to_receive_;
-  std::vector<std::uint32_t> order_;  // result of own_of()
+  std::vector<std::uint32_t> order_;  // result of begin()
   std::uint64_t neighbours_ = 0;      // number of ranks with which this rank has ghosts in common
   RankCounts counts_;
 };

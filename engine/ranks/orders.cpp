@@ -20,4 +20,10 @@ ReceivedOrder receive_order(partition::Transport& transport, unsigned from) {
   return received;
 }
 
+void RankPost::send_to_all(partition::MessageWriter message) const {
+  const auto shared = std::make_shared<const partition::Message>(message.take());
+  for (unsigned to = 0; to < ranks; ++to)
+    if (to != rank) send(to, shared);
+}
+
 }  // namespace troupe::engine

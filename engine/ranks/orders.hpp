@@ -4,6 +4,7 @@
 #include "partition/transport.hpp"
 
 #include <cstdint>
+#include <functional>
 #include <memory>
 
 namespace troupe::engine {
@@ -47,5 +48,19 @@ struct ReceivedOrder {
 /// Waits for the next message from the rank `from`. Throws partition::RankError if a rank failed or does not
 /// answer, and std::logic_error if the message is shorter than a head.
 ReceivedOrder receive_order(partition::Transport& transport, unsigned from);
+
+/// How the parts of a Replica send and receive the messages of a tick.
+struct RankPost {
+  unsigned rank = 0;                                     ///< number of this rank
+  unsigned ranks = 1;                                    ///< number of ranks
+  std::function<partition::MessageWriter(Order)> begin;  ///< begins a message
+  /// Sends a message.
+  std::function<void(unsigned to, std::shared_ptr<const partition::Message> message)> send;
+  /// Waits for a message. Throws an exception that ends the tick if rank `from` has failed in this tick.
+  std::function<ReceivedOrder(Order order, unsigned from)> receive;
+
+  /// Sends a message to every other rank.
+  void send_to_all(partition::MessageWriter message) const;
+};
 
 }  // namespace troupe::engine

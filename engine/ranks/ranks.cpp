@@ -11,7 +11,7 @@ ReplicaParts World::join(Replica* replica) {
 void World::gather_rows() const { replica_->gather(); }
 
 void World::gather_distributed() const {
-  if (replica_ != nullptr && replica_->halo() != nullptr) replica_->gather();
+  if (replica_ != nullptr) replica_->gather_distributed();
 }
 
 void World::touch_rows() { replica_->touch(); }

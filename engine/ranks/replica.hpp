@@ -1,10 +1,11 @@
 #pragma once
 
-#include "engine/fields/state_table.hpp"
 #include "engine/interventions/experiment.hpp"
 #include "engine/ranks/halo.hpp"
 #include "engine/ranks/orders.hpp"
+#include "engine/ranks/rank_rows.hpp"
 #include "engine/ranks/rank_work.hpp"
+#include "engine/ranks/sharing.hpp"
 #include "engine/state/world_state.hpp"
 #include "engine/world/phase.hpp"
 #include "partition/message.hpp"
@@ -24,50 +25,11 @@
 namespace troupe::engine {
 
 struct BodySpec;
-struct BodyType;
 struct Effect;
-class Effects;
 struct Hashes;
-class Links;
 struct Registry;
 struct SettingSpec;
-class SharedEffects;
 class World;
-
-/// How the ranks that compute one world share the rows of a state table. Each row has an *owner*: the rank
-/// that senses, actuates and decides for the row's body.
-enum class Sharing : std::uint8_t {
-  alike,  ///< every rank computes every row, in the phases intervene and move; nothing is sent
-  sent,   ///< the owner computes a row and sends it to all ranks in each tick, before the phase move
-  kept,   ///< the owner computes a row; other ranks have old values, except rank 0 after gather()
-};
-/// Returns how each state table of a world is shared, in the order of World::tables(). This follows from the
-/// tables and from what the kinds of devices declare.
-///
-/// kept    The readings of sensors, because only the controllers of the sensor's own body read them. Also the
-///         memories of controllers, and most commands.
-/// sent    The velocities of drives, from which every rank computes the motions. The states of devices that
-///         act or set a colour, because other bodies may read them. Also the readings and commands that a
-///         kind of device in the world declares to read (DeviceKind::reads), and the commands to devices with
-///         hooks in the phase move.
-/// alike   All other tables.
-std::vector<Sharing> sharing_of(const World& world);
-
-/// A division of the rows into one range per rank: rank r owns the rows from cut[r] up to, but not including,
-/// cut[r + 1].
-using Cut = std::vector<std::uint32_t>;
-/// Returns a cut with which all ranks would take about the same time, on the assumption that all rows of a
-/// rank took equally long. Returns `cut` if all times are 0. times: the time that each rank took with `cut`,
-/// one per rank, in any unit
-Cut balanced_cut(const Cut& cut, std::span<const std::uint64_t> times);
-
-/// The data of a world that a Replica reads and writes.
-struct ReplicaParts {
-  std::span<StateTable> tables;  ///< the state tables
-  Effects& effects;              ///< the effects of the tick
-  Links& links;                  ///< for the goals of joints
-  std::uint64_t& beams;          ///< rays cast by all sensors since tick 0
-};
 
 /// Options of a Replica. No option changes the results of a run.
 struct ReplicaOptions {
@@ -91,13 +53,10 @@ struct ReplicaOptions {
 };
 
 /// One of several replicas of a world, each of which belongs to one *rank*: a thread or process
-/// (docs/architecture.md). Every rank holds all rows and computes the phases `move` and `index` for all of
-/// them. Each rank senses, actuates and decides for its own rows. Once a tick, all ranks exchange the rows
-/// that other ranks may read (Sharing::sent), the effects (actions of devices on other bodies) and the goals
-/// of joints. Results do not depend on the number of ranks, nor on which rows a rank owns.
-///
-/// If the rows are distributed (ReplicaOptions::is_distributed), a rank holds only its own rows and copies of
-/// some others: see Halo. The ranks then exchange the data of these copies only.
+/// (docs/architecture.md). Each rank senses, actuates and decides for its own rows. In each tick, the ranks
+/// exchange the data that other ranks need for the phases move and index. How the rows are divided among the
+/// ranks, and therefore which data they exchange, depends on the form of the world: see ReplicatedRows and
+/// DistributedRows. Results do not depend on the form, on the number of ranks, nor on which rows a rank owns.
 ///
 /// Rank 0 leads: the program calls its World. The Replica of rank 0 orders the others to do the same, and
 /// returns hashes and tables as if there were one world. The other ranks call follow() for each order.
@@ -119,7 +78,7 @@ class Replica {
   const partition::Transport& transport() const { return transport_; }  ///< connects the ranks
   /// Sizes and times of the work in the last tick, one entry per rank.
   std::span<const RankWork> work() const { return work_; }
-  /// How often the cut was changed because the ranks took unequal times.
+  /// How often rows were given to other ranks because the ranks took unequal times.
   std::uint64_t rebalanced() const { return rebalanced_; }
   /// What each rank has counted, one entry per rank; Transport::traffic() may also include other worlds. Rank
   /// 0 asks the other ranks. Call it on rank 0, between two ticks.
@@ -145,8 +104,8 @@ class Replica {
   /// then calls work(), which the other ranks do not call. Afterwards, each rank receives the values that
   /// work() has written to the rows that the rank owns.
   void on_rank_0(const std::function<void()>& work);
-  /// Called after the phase decide: sends the rows that other ranks may read, the effects and the goals of
-  /// joints to all ranks, and receives theirs.
+  /// Called after the phase decide: sends the other ranks those data of the own rows that they need in the
+  /// phases move and index, and receives theirs.
   void exchange();
   /// In a distributed world: adds the candidates of the other ranks to those of this rank. Every rank must
   /// call this for the same interventions, each in the phase intervene. Otherwise does nothing.
@@ -161,18 +120,19 @@ class Replica {
   void begin(Phase phase);  ///< called when a phase begins: stores the phase for errors, and the time
 
   /// The rows that this rank owns.
-  RowRange own() const { return halo_ ? RowRange{0, halo_->own()} : rows_of(transport_.rank()); }
+  RowRange own() const { return rows_->own(); }
   /// The ranks with which this rank resolves the motions of a distributed world; otherwise null.
-  Conflicts::Border* border() { return halo_.get(); }
+  Conflicts::Border* border() { return rows_->halo(); }
   /// The rows of a distributed world on this rank; otherwise null.
-  const Halo* halo() const { return halo_.get(); }
+  const Halo* halo() const { return rows_->halo(); }
   /// Returns those rows of `order` that this rank owns, in that order. Valid until the next call.
   std::span<const std::uint32_t> own_of(std::span<const std::uint32_t> order);
 
-  void gather();   ///< implements World::gather()
-  void touch();    ///< called before the program changes the state: World::touch()
-  void replace();  ///< called before the program replaces the whole state
-  void reset();    ///< called by World::reset(): on rank 0, orders the other ranks to reset their worlds
+  void gather();              ///< implements World::gather()
+  void gather_distributed();  ///< implements World::gather_distributed()
+  void touch();               ///< called before the program changes the state: World::touch()
+  void replace();             ///< called before the program replaces the whole state
+  void reset();  ///< called by World::reset(): on rank 0, orders the other ranks to reset their worlds
   /// Called by World::restart(): on rank 0, orders the other ranks to restart their worlds.
   void restart(std::uint64_t seed, std::span<const BodySpec> bodies);
   /// Called by World::set() after the change: on rank 0, orders the other ranks to make the same change.
@@ -195,64 +155,39 @@ class Replica {
   bool leads() const { return transport_.rank() == 0; }
   /// Whether the program may hold references through which it changes the state.
   bool may_write() const { return leads() && options_.keeps_references && is_written_; }
-  RowRange rows_of(unsigned rank) const { return {cut_[rank], cut_[rank + 1]}; }
-  /// The rows of a table whose bodies have the rows `rows` of the world.
-  RowRange rows_in(const StateTable& table, const RowRange& rows) const;
   partition::MessageWriter message_of(Order order) const;
   /// Waits for the message with this order from a rank and returns it. If that rank fails in this tick,
   /// returns its message with Order::failed instead. Obeys other orders that rank 0 gives before.
   ReceivedOrder expect(Order order, unsigned from);
 
-  void make_halo();
-  void own_all();
-  void settle_rows();
-  std::vector<std::uint8_t> known_tables() const;
-  void check_ghosts(std::span<const std::vector<std::uint64_t>> sums) const;
-  std::vector<std::uint64_t> ghost_sums() const;
-  void put_state(partition::MessageWriter& message);
-  void adopt_state(partition::MessageReader message, bool is_in_tick);
-  void put_written(partition::MessageWriter& message);
-  void get_written(partition::MessageReader& message, unsigned from);
-  template <class Visit>
-  void for_rows(Sharing sharing, const RowRange& rows, Visit&& visit) const;
-  void put_kept(partition::MessageWriter& message, const RowRange& rows) const;
-  void get_kept(partition::MessageReader& message, const RowRange& rows);
-  void put_own(partition::MessageWriter& message, const RowRange& rows) const;
-  void get_own(partition::MessageReader& message, const RowRange& rows);
-  Hashes own_hashes();
+  std::unique_ptr<RankRows> make_rows();
+  void put_changes(partition::MessageWriter& message);
+  void get_changes(partition::MessageReader& message, bool is_in_tick);
+  void take_all();
   RankCounts own_counts() const;
+  Hashes own_hashes();
   void fail();
   static Failure failure_of(partition::MessageReader message);
   [[noreturn]] void throw_first(std::vector<Failure>& failures, const std::exception_ptr& own);
-  Cut equal_cut() const;
-  void note_times();
-  bool have_unequal_times();
-  void adopt_cut(Cut cut);
+  std::vector<std::uint64_t> unequal_times();
 
   World& world_;
   const Registry& registry_;
   partition::Transport& transport_;
   std::uint32_t number_;
   ReplicaOptions options_;
-  std::vector<Sharing> sharing_;  // one per table
+  std::vector<Sharing> sharing_;  // one per table; rows_ refers to it
   ReplicaParts parts_;
-  std::unique_ptr<Halo> halo_;                     // null: every rank has all rows
-  std::unique_ptr<SharedEffects> shared_effects_;  // null: every rank has all rows
-  // In the next tick, rank 0 gives its rows, which are all rows of the world, to their owners.
-  bool distributes_ = false;
-  Cut cut_;                              // which rows the ranks own
   std::vector<RankWork> work_;           // one per rank, of this tick
-  std::vector<std::uint64_t> times_;     // one per rank: its time for its own rows since the last cut, ns
+  std::vector<std::uint64_t> times_;     // one per rank: its time for its own rows, ns: see unequal_times()
   std::vector<std::uint32_t> requests_;  // one per rank: the last result of ReplicaOptions::requests
   std::uint64_t rebalanced_ = 0;
-  RankCounts counts_;                 // only if every rank has all rows
   std::vector<std::uint32_t> order_;  // result of own_of()
 
   // The program has changed the state of rank 0 since the other ranks received it.
   std::atomic<bool> is_touched_ = false;
   bool is_read_ = false;                  // the program has read the state
   std::atomic<bool> is_written_ = false;  // the program has changed the state
-  bool is_stale_ = false;                 // rank 0 has old rows of other ranks in tables with Sharing::kept
   bool is_in_tick_ = false;               // the program cannot read or change the state
   bool has_callback_ = false;
   bool is_exchanged_ = false;  // in this tick, the messages of all ranks were received
@@ -263,7 +198,7 @@ class Replica {
   // `decide`, so that it does not count as work.
   std::array<double, k_phases> began_s_{};
   std::vector<std::optional<ReceivedOrder>> failed_;  // one per rank: how it failed in this tick
-  std::size_t exchanged_bytes_ = 0;                   // length of the last message of exchange()
+  std::unique_ptr<RankRows> rows_;                    // the last member: it uses the others
 };
 
 }  // namespace troupe::engine

@@ -108,9 +108,7 @@ void SharedEffects::apply(std::span<const Effect> effects, const std::function<v
   MessageWriter own = post_.begin(Order::effects);
   own.put(failed);
   own.put_text(text);
-  const auto message = std::make_shared<const partition::Message>(own.take());
-  for (unsigned to = 0; to < post_.ranks; ++to)
-    if (to != post_.rank) post_.send(to, message);
+  post_.send_to_all(std::move(own));
   // The error of the first effect that failed is the one that a single rank would have met. What was thrown
   // after it, on any rank, may be its consequence.
   for (unsigned from = 0; from < post_.ranks; ++from) {

@@ -4,6 +4,7 @@
 #include "base/ids.hpp"
 #include "engine/kinds/effects.hpp"
 #include "engine/ranks/halo.hpp"
+#include "engine/ranks/orders.hpp"
 #include "partition/message.hpp"
 
 #include <cstddef>
@@ -27,7 +28,7 @@ namespace troupe::engine {
 class SharedEffects {
  public:
   /// effects: those of `world`. World, halo and effects must outlive this object.
-  SharedEffects(World& world, Halo& halo, Effects& effects, Halo::Post post)
+  SharedEffects(World& world, Halo& halo, Effects& effects, RankPost post)
       : world_(world), halo_(halo), effects_(effects), post_(std::move(post)) {}
 
   /// Called after the phase decide, on all ranks: notes the effects that devices on this rank have emitted.
@@ -59,7 +60,7 @@ class SharedEffects {
   World& world_;
   Halo& halo_;
   Effects& effects_;
-  Halo::Post post_;
+  RankPost post_;
   std::size_t own_ = 0;             // number of the noted effects, which come first in effects_
   std::size_t noted_ = 0;           // number of elements of affected_ after note()
   std::vector<Affected> affected_;  // after note(): by own effects; after begin(): by all, in order of ids

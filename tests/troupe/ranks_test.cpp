@@ -3,7 +3,7 @@
 
 #include "base/hash.hpp"
 #include "engine/kinds/controller.hpp"
-#include "engine/ranks/replica.hpp"
+#include "engine/ranks/sharing.hpp"
 #include "engine/world/world.hpp"
 #include "models/devices/led.hpp"
 #include "tests/support/scenes.hpp"

@@ -1,4 +1,4 @@
-#include "engine/ranks/replica.hpp"
+#include "engine/ranks/replicated_rows.hpp"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>

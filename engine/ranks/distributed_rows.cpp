@@ -1,0 +1,158 @@
+#include "engine/ranks/distributed_rows.hpp"
+
+#include "engine/kinds/effects.hpp"
+#include "engine/world/world.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cstddef>
+#include <memory>
+#include <stdexcept>
+#include <string>
+#include <utility>
+
+namespace troupe::engine {
+namespace {
+
+using partition::MessageReader;
+using partition::MessageWriter;
+
+World& require_distributable(World& world) {
+  if (const std::string reason = why_replicated(world); !reason.empty())
+    throw std::logic_error(fmt::format("the rows of this world cannot be distributed: {}", reason));
+  return world;
+}
+
+std::vector<std::size_t> tables_sent(std::span<const Sharing> sharing) {
+  std::vector<std::size_t> sent;
+  for (std::size_t t = 0; t < sharing.size(); ++t)
+    if (sharing[t] == Sharing::sent) sent.push_back(t);
+  return sent;
+}
+
+[[noreturn]] void throw_collective() {
+  throw std::logic_error(
+      "internal error: a controller decides for the robots of all ranks, but the world is distributed; this "
+      "is "
+      "no error of your input: please report it");
+}
+
+}  // namespace
+
+DistributedRows::DistributedRows(World& world, const ReplicaParts& parts, std::span<const Sharing> sharing,
+                                 RankPost post, std::optional<std::uint64_t> cut_seed,
+                                 std::optional<double> skin_m)
+    : world_(require_distributable(world)),
+      post_(std::move(post)),
+      halo_(world, parts.tables, tables_sent(sharing), post_, cut_seed, skin_m),
+      effects_(world, halo_, parts.effects, post_) {
+  for (const Sharing each : sharing) is_known_.push_back(each != Sharing::kept);
+  halo_.divide();
+}
+
+// ---- All rows on rank 0
+
+bool DistributedRows::take_all() {
+  leads() ? halo_.own_all() : halo_.own_none();
+  return leads();
+}
+
+/// Appends the tick only: redistribute() sends the rows.
+void DistributedRows::put_all(MessageWriter& message) {
+  message.put(world_.tick());
+  halo_.own_all();
+  is_on_rank_0_ = true;
+}
+
+void DistributedRows::adopt_all(MessageReader message, bool is_in_tick) {
+  halo_.own_none();
+  world_.adopt(
+      message.get<std::uint64_t>(), [](std::span<StateTable>) {}, is_in_tick);
+  is_on_rank_0_ = true;
+}
+
+// ---- The tick
+
+/// Leaves on each rank only its own rows and its ghosts. The ghosts must also suffice after World::set() has
+/// made the reach of a device longer.
+void DistributedRows::redistribute(bool have_jumped) {
+  const bool must_distribute = std::exchange(is_on_rank_0_, false) || have_jumped;
+  if (!must_distribute && leads() && halo_.is_complete()) halo_.forget_completion();
+  if (must_distribute || world_.longest_reach() > halo_.reach()) halo_.distribute(0);
+}
+
+void DistributedRows::add_candidates(std::vector<Experiment::Candidate>& candidates) {
+  MessageWriter own = post_.begin(Order::candidates);
+  for (const Experiment::Candidate& candidate : candidates) {
+    own.put(candidate.key);
+    own.put(candidate.body);
+  }
+  post_.send_to_all(std::move(own));
+  for (unsigned from = 0; from < post_.ranks; ++from) {
+    if (from == post_.rank) continue;
+    ReceivedOrder received = post_.receive(Order::candidates, from);
+    while (!received.rest.is_done()) {
+      Experiment::Candidate& candidate = candidates.emplace_back();
+      candidate.key = received.rest.get<std::uint64_t>();
+      candidate.body = received.rest.get<BodyId>();
+    }
+  }
+}
+
+void DistributedRows::put_rows_of(unsigned, MessageWriter&) const { throw_collective(); }
+void DistributedRows::get_rows_of(unsigned, MessageReader&) { throw_collective(); }
+
+RankRows::Messages DistributedRows::written(const MessageWriter& head) {
+  longest_ = halo_.longest_motion();
+  effects_.note();
+  Messages messages(post_.ranks);
+  for (unsigned to = 0; to < post_.ranks; ++to) {
+    if (to == post_.rank) continue;
+    MessageWriter message = head;
+    message.put(longest_);
+    halo_.put_shown(to, message);
+    effects_.put(message);
+    messages[to] = std::make_shared<const partition::Message>(message.take());
+  }
+  return messages;
+}
+
+void DistributedRows::get_written(unsigned from, MessageReader& message) {
+  longest_ = std::max(longest_, message.get<double>());
+  halo_.get_seen(from, message);
+  effects_.get(message);
+}
+
+bool DistributedRows::prepare_motions(std::span<const std::uint64_t> times) {
+  if (!times.empty()) halo_.balance(times);
+  const std::uint64_t distributions = halo_.counts().distributions;
+  halo_.prepare_motions(longest_, !times.empty());
+  effects_.begin(halo_.counts().distributions != distributions);
+  return !times.empty();
+}
+
+// ---- Verification
+
+/// Halo::hash_shown() and Halo::hash_seen() for each rank.
+std::vector<std::uint64_t> DistributedRows::sums() const {
+  std::vector<std::uint64_t> sums;
+  for (unsigned rank = 0; rank < post_.ranks; ++rank) {
+    sums.push_back(halo_.hash_shown(rank, is_known_));
+    sums.push_back(halo_.hash_seen(rank, is_known_));
+  }
+  return sums;
+}
+
+/// Throws unless all ghosts equal the rows of which they are copies.
+void DistributedRows::verify(std::span<const std::vector<std::uint64_t>> sums) const {
+  for (unsigned a = 0; a < post_.ranks; ++a)
+    for (unsigned b = 0; b < post_.ranks; ++b)
+      if (sums[a][2 * b] != sums[b][2 * a + 1])
+        throw std::logic_error(fmt::format(
+            "internal error: the ghosts of rank {} differ from the rows of rank {} after tick {}; "
+            "if the world uses no plug-in, please report it",
+            b, a, world_.tick()));
+}
+
+}  // namespace troupe::engine

@@ -1,0 +1,66 @@
+#pragma once
+
+#include "engine/ranks/halo.hpp"
+#include "engine/ranks/rank_rows.hpp"
+#include "engine/ranks/shared_effects.hpp"
+#include "engine/ranks/sharing.hpp"
+
+#include <cstdint>
+#include <functional>
+#include <optional>
+#include <span>
+#include <vector>
+
+namespace troupe::engine {
+
+/// The *distributed* form of a world that several ranks compute: a rank has only its own rows and ghosts
+/// (class Halo). In each tick, the ranks exchange the data of the ghosts, and all effects.
+class DistributedRows final : public RankRows {
+ public:
+  /// Keeps the own rows and the ghosts of `world`, whose rows must all be here. Throws std::logic_error if
+  /// the world does not meet why_replicated(). The world must outlive this object.
+  ///
+  /// sharing: sharing_of(world)
+  /// cut_seed, skin_m: see Halo
+  DistributedRows(World& world, const ReplicaParts& parts, std::span<const Sharing> sharing, RankPost post,
+                  std::optional<std::uint64_t> cut_seed, std::optional<double> skin_m);
+
+  RowRange own() const override { return {0, halo_.own()}; }
+  Halo* halo() override { return &halo_; }
+  RankCounts counts() const override { return halo_.counts(); }
+
+  bool is_complete() const override { return halo_.is_complete(); }
+  void put_missing(partition::MessageWriter& message) const override { halo_.put_own(message); }
+  void complete(std::span<ReceivedOrder> messages) override { halo_.complete(messages); }
+  bool take_all() override;
+  void put_all(partition::MessageWriter& message) override;
+  void adopt_all(partition::MessageReader message, bool is_in_tick) override;
+
+  void redistribute(bool have_jumped) override;
+  void add_candidates(std::vector<Experiment::Candidate>& candidates) override;
+  void put_rows_of(unsigned rank, partition::MessageWriter& message) const override;
+  void get_rows_of(unsigned rank, partition::MessageReader& message) override;
+  Messages written(const partition::MessageWriter& head) override;
+  void get_written(unsigned from, partition::MessageReader& message) override;
+  bool prepare_motions(std::span<const std::uint64_t> times) override;
+  void apply_effects(std::span<const Effect> effects,
+                     const std::function<void(const Effect&)>& apply) override {
+    effects_.apply(effects, apply);
+  }
+
+  std::vector<std::uint64_t> sums() const override;
+  void verify(std::span<const std::vector<std::uint64_t>> sums) const override;
+
+ private:
+  bool leads() const { return post_.rank == 0; }
+
+  World& world_;
+  RankPost post_;
+  std::vector<std::uint8_t> is_known_;  // of each table: 1 if the ghosts have its present values, otherwise 0
+  Halo halo_;
+  SharedEffects effects_;
+  bool is_on_rank_0_ = false;  // until redistribute(): rank 0 has all rows, and the other ranks have none
+  double longest_ = 0;  // longest motion of a body in this tick, of the ranks whose messages are read, m
+};
+
+}  // namespace troupe::engine

@@ -1,0 +1,31 @@
+#include "engine/ranks/rank_rows.hpp"
+
+#include "engine/world/world.hpp"
+
+#include <algorithm>
+#include <atomic>
+#include <cstddef>
+
+namespace troupe::engine {
+
+RowRange rows_in(const World& world, const StateTable& table, const RowRange& rows) {
+  if (table.rows() == world.rows()) return rows;
+  const auto before = [&](std::size_t row) {
+    const auto found =
+        std::ranges::partition_point(table.ids(), [&](BodyId body) { return world.row(body).index() < row; });
+    return static_cast<std::size_t>(found - table.ids().begin());
+  };
+  return {before(rows.first), before(rows.end)};
+}
+
+std::uint64_t hash_of(partition::Parallel& parallel, const StateTable& table, const RowRange& rows) {
+  constexpr std::size_t k_block = 1024;  // rows per task
+  std::atomic<std::uint64_t> sum = 0;
+  parallel.for_each((rows.end - rows.first + k_block - 1) / k_block, [&](std::size_t b) {
+    const std::size_t first = rows.first + b * k_block;
+    sum.fetch_add(table.hash_rows(first, std::min(rows.end, first + k_block)), std::memory_order_relaxed);
+  });
+  return sum;
+}
+
+}  // namespace troupe::engine

@@ -1,0 +1,111 @@
+#pragma once
+
+#include "engine/fields/state_table.hpp"
+#include "engine/interventions/experiment.hpp"
+#include "engine/ranks/orders.hpp"
+#include "engine/ranks/rank_work.hpp"
+#include "engine/state/world_state.hpp"
+#include "partition/message.hpp"
+#include "partition/parallel.hpp"
+
+#include <cstdint>
+#include <functional>
+#include <memory>
+#include <span>
+#include <vector>
+
+namespace troupe::engine {
+
+struct Effect;
+class Effects;
+class Halo;
+class Links;
+class World;
+
+/// The data of a world that a Replica reads and writes.
+struct ReplicaParts {
+  std::span<StateTable> tables;  ///< the state tables
+  Effects& effects;              ///< the effects of the tick
+  Links& links;                  ///< for the goals of joints
+  std::uint64_t& beams;          ///< rays cast by all sensors since tick 0
+};
+
+/// The rows of a table whose bodies have the rows `rows` of the world.
+RowRange rows_in(const World& world, const StateTable& table, const RowRange& rows);
+/// The sum of the hashes of rows of a table, computed in parallel.
+std::uint64_t hash_of(partition::Parallel& parallel, const StateTable& table, const RowRange& rows);
+
+/// How the rows of a world are divided among the ranks that compute it, and therefore which data the ranks
+/// exchange. ReplicatedRows and DistributedRows implement the two forms of a world on several ranks. A
+/// Replica decides when the ranks exchange data. It sends and receives the messages whose contents the
+/// functions below write and read; the functions of a tick also exchange messages of their own (RankPost).
+///
+/// All ranks call the functions of a tick at the same points of the tick.
+class RankRows {
+ public:
+  RankRows() = default;
+  RankRows(const RankRows&) = delete;
+  RankRows& operator=(const RankRows&) = delete;
+  virtual ~RankRows() = default;
+
+  virtual RowRange own() const = 0;       ///< the rows that this rank owns
+  virtual Halo* halo() = 0;               ///< the rows of a distributed world on this rank; otherwise null
+  virtual RankCounts counts() const = 0;  ///< what this rank has counted; `messages` and `bytes` are 0
+
+  // ---- All rows on rank 0
+  /// Whether rank 0, which calls this, has the present values of all rows.
+  virtual bool is_complete() const = 0;
+  /// Appends those data of the own rows that rank 0 lacks.
+  virtual void put_missing(partition::MessageWriter& message) const = 0;
+  /// On rank 0: reads what put_missing() of the other ranks has appended, one message each, in the order of
+  /// ranks. Afterwards, is_complete() is true.
+  virtual void complete(std::span<ReceivedOrder> messages) = 0;
+  /// Prepares for a new state, which all ranks make or rank 0 reads from a file: rank 0 takes all rows, and
+  /// must be complete if the world is distributed. Returns whether this rank must send the new state to the
+  /// other ranks because they have no rows.
+  virtual bool take_all() = 0;
+  /// On rank 0: appends the whole state to a message for the other ranks. redistribute() must follow.
+  virtual void put_all(partition::MessageWriter& message) = 0;
+  /// On other ranks: replaces the state of the world by the state that put_all() has appended. redistribute()
+  /// must follow. is_in_tick: see World::adopt()
+  virtual void adopt_all(partition::MessageReader message, bool is_in_tick) = 0;
+
+  // ---- A tick, in the order of calls
+  /// Gives the rows to the ranks that need them. Called when a tick begins, after the callback of the tick,
+  /// and after interventions have moved bodies. have_jumped: whether interventions have moved bodies
+  virtual void redistribute(bool have_jumped) = 0;
+  /// Adds the candidates of the other ranks to those of this rank.
+  virtual void add_candidates(std::vector<Experiment::Candidate>& candidates) = 0;
+  /// For controllers that decide on rank 0 for the robots of all ranks: appends, or reads, the present values
+  /// of the rows that `rank` owns. A distributed world has no such controllers (why_replicated()), and these
+  /// functions throw std::logic_error.
+  ///@{
+  virtual void put_rows_of(unsigned rank, partition::MessageWriter& message) const = 0;
+  virtual void get_rows_of(unsigned rank, partition::MessageReader& message) = 0;
+  ///@}
+  using Messages = std::vector<std::shared_ptr<const partition::Message>>;
+  /// Returns one message per rank with the data that this rank has written in the phases sense, actuate and
+  /// decide, and that the other rank reads. The message of this rank itself is not used. Each message begins
+  /// with a copy of `head`. Throws StepError if this rank cannot compute the tick.
+  virtual Messages written(const partition::MessageWriter& head) = 0;
+  /// Reads the message that rank `from` has written for this rank, without its head.
+  virtual void get_written(unsigned from, partition::MessageReader& message) = 0;
+  /// Called when the messages of all other ranks have been read, before any body moves: changes the owners of
+  /// rows if necessary. Returns whether it has done so because of `times`.
+  ///
+  /// times: if the ranks take unequal times, the times that they took for their own rows in the last ticks,
+  /// one
+  ///        per rank, in any unit, the same on all ranks; otherwise empty
+  virtual bool prepare_motions(std::span<const std::uint64_t> times) = 0;
+  /// Applies the effects of all ranks, in their order. `apply` applies one. See Replica::apply_effects().
+  virtual void apply_effects(std::span<const Effect> effects,
+                             const std::function<void(const Effect&)>& apply) = 0;
+
+  // ---- Verification (ReplicaOptions::verify)
+  /// Sums from which verify() finds whether the rows that several ranks have are equal on them.
+  virtual std::vector<std::uint64_t> sums() const = 0;
+  /// On rank 0: throws std::logic_error if rows differ. sums: the result of sums() on each rank
+  virtual void verify(std::span<const std::vector<std::uint64_t>> sums) const = 0;
+};
+
+}  // namespace troupe::engine

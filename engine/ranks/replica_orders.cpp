@@ -1,0 +1,187 @@
+// The orders that rank 0 gives between two ticks, and how the other ranks obey them.
+
+#include "engine/ranks/record_message.hpp"
+#include "engine/ranks/replica.hpp"
+#include "engine/world/world.hpp"
+
+#include <fmt/format.h>
+
+#include <stdexcept>
+#include <utility>
+
+namespace troupe::engine {
+namespace {
+
+using partition::MessageReader;
+using partition::MessageWriter;
+
+}  // namespace
+
+void Replica::follow(Order order, MessageReader message) {
+  switch (order) {
+    case Order::step:
+      has_callback_ = message.get<bool>();
+      get_changes(message, false);
+      try {
+        world_.step();
+      } catch (const StepError&) {  // thrown on all ranks, and reported by rank 0
+      }
+      return;
+    case Order::reset: return world_.reset();
+    case Order::restart: {
+      const auto seed = message.get<std::uint64_t>();
+      std::vector<BodySpec> bodies = world_.spec().bodies;
+      for (BodySpec& body : bodies) {
+        body.pose_world_body = message.get<Pose>();
+        body.color = message.get<Color>();
+      }
+      return world_.restart(seed, bodies, registry_);
+    }
+    case Order::set: {
+      SettingSpec setting;
+      setting.type = message.get<TypeId>();
+      setting.of = message.get<SettingSpec::Of>();
+      setting.index = message.get<std::uint32_t>();
+      setting.params = get_record(message);
+      if (const Result<> done = world_.set(setting, registry_); !done)
+        throw std::logic_error(
+            fmt::format("internal error: rank {}: {}; this is no error of your input: please report it",
+                        transport_.rank(), done.error().text));
+      return;
+    }
+    case Order::hash: {
+      MessageWriter answer = message_of(Order::hash);
+      answer.put(own_hashes());
+      if (message.get<bool>())
+        for (const std::uint64_t sum : rows_->sums()) answer.put(sum);
+      transport_.send(0, std::move(answer));
+      return;
+    }
+    case Order::gather: {
+      MessageWriter answer = message_of(Order::gather);
+      rows_->put_missing(answer);
+      transport_.send(0, std::move(answer));
+      return;
+    }
+    case Order::counts: {
+      MessageWriter answer = message_of(Order::counts);
+      answer.put(own_counts());
+      transport_.send(0, std::move(answer));
+      return;
+    }
+    case Order::failed: return;  // from a tick that has already ended on this rank
+    default:
+      throw std::logic_error(
+          fmt::format("internal error: rank {} got order {} between two ticks; this is no error of your "
+                      "input: please report it",
+                      transport_.rank(), static_cast<int>(order)));
+  }
+}
+
+void Replica::gather() {
+  if (!leads() || is_in_tick_) return;
+  if (!is_read_) is_read_ = true;  // no write later, when several threads may call this
+  if (rows_->is_complete()) return;
+  transport_.send_to_all(message_of(Order::gather));
+  std::vector<ReceivedOrder> answers;
+  for (unsigned from = 1; from < ranks(); ++from) answers.push_back(expect(Order::gather, from));
+  rows_->complete(answers);
+}
+
+void Replica::gather_distributed() {
+  if (halo() != nullptr) gather();
+}
+
+void Replica::touch() {
+  if (!leads() || is_in_tick_) return;
+  gather();
+  is_touched_.store(true, std::memory_order_relaxed);
+  is_written_.store(true, std::memory_order_relaxed);
+}
+
+/// Called before a new state replaces the whole state, on all ranks that make the new state.
+void Replica::take_all() {
+  gather_distributed();  // rows have data that are not state, such as subscriptions
+  is_touched_ = rows_->take_all() || may_write();
+}
+
+void Replica::replace() {
+  take_all();
+  is_touched_ = true;
+}
+
+void Replica::reset() {
+  take_all();
+  if (leads()) transport_.send_to_all(message_of(Order::reset));
+}
+
+void Replica::restart(std::uint64_t seed, std::span<const BodySpec> bodies) {
+  take_all();
+  if (!leads()) return;
+  MessageWriter message = message_of(Order::restart);
+  message.put(seed);
+  for (const BodySpec& body : bodies) {
+    message.put(body.pose_world_body);
+    message.put(body.color);
+  }
+  transport_.send_to_all(std::move(message));
+}
+
+void Replica::set(const SettingSpec& setting) {
+  if (!leads()) return;
+  MessageWriter message = message_of(Order::set);
+  message.put(setting.type);
+  message.put(setting.of);
+  message.put(setting.index);
+  put_record(message, setting.params);
+  transport_.send_to_all(std::move(message));
+}
+
+RankCounts Replica::own_counts() const {
+  RankCounts counts = rows_->counts();
+  counts.messages = transport_.traffic().messages;
+  counts.bytes = transport_.traffic().bytes;
+  return counts;
+}
+
+std::vector<RankCounts> Replica::all_counts() {
+  std::vector<RankCounts> counts{own_counts()};  // before the question, whose messages do not count
+  transport_.send_to_all(message_of(Order::counts));
+  for (unsigned from = 1; from < ranks(); ++from)
+    counts.push_back(expect(Order::counts, from).rest.get<RankCounts>());
+  return counts;
+}
+
+Hashes Replica::own_hashes() {
+  Hashes hashes;
+  for (const StateTable& table : parts_.tables) {
+    const std::uint64_t sum = hash_of(world_.parallel(), table, rows_in(world_, table, own()));
+    hashes.groups[static_cast<std::size_t>(table.group())] += sum;
+    hashes.state += sum;
+  }
+  return hashes;
+}
+
+std::optional<Hashes> Replica::hashes() {
+  if (!leads() || is_touched_) return {};
+  // If rank 0 has all rows of a distributed world, the ghosts that could be verified are gone.
+  if (rows_->is_complete() && (!options_.verify || halo() != nullptr)) return {};
+  MessageWriter question = message_of(Order::hash);
+  question.put(options_.verify);
+  transport_.send_to_all(std::move(question));
+  Hashes sum = own_hashes();
+  std::vector<std::vector<std::uint64_t>> sums(ranks());
+  if (options_.verify) sums[0] = rows_->sums();
+  for (unsigned from = 1; from < ranks(); ++from) {
+    ReceivedOrder answer = expect(Order::hash, from);
+    const auto part = answer.rest.get<Hashes>();
+    sum.state += part.state;
+    for (std::size_t g = 0; g < k_hash_groups; ++g) sum.groups[g] += part.groups[g];
+    sums[from].resize(sums[0].size());
+    answer.rest.get_bytes(std::as_writable_bytes(std::span(sums[from])));
+  }
+  if (options_.verify) rows_->verify(sums);
+  return sum;
+}
+
+}  // namespace troupe::engine

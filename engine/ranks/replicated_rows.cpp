@@ -1,0 +1,233 @@
+#include "engine/ranks/replicated_rows.hpp"
+
+#include "base/random.hpp"
+#include "engine/kinds/effects.hpp"
+#include "engine/links/links.hpp"
+#include "engine/world/world.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <memory>
+#include <stdexcept>
+#include <utility>
+
+namespace troupe::engine {
+namespace {
+
+using partition::MessageReader;
+using partition::MessageWriter;
+
+Cut equal_cut(std::size_t rows, unsigned ranks) {
+  Cut cut;
+  for (std::size_t r = 0; r <= ranks; ++r) cut.push_back(static_cast<std::uint32_t>(rows * r / ranks));
+  return cut;
+}
+
+}  // namespace
+
+Cut balanced_cut(const Cut& cut, std::span<const std::uint64_t> times) {
+  const std::size_t ranks = times.size();
+  const auto rows = [&](std::size_t rank) { return cut[rank + 1] - cut[rank]; };
+  double total = 0;
+  for (std::size_t rank = 0; rank < ranks; ++rank)
+    if (rows(rank) > 0) total += static_cast<double>(times[rank]);
+  if (!(total > 0)) return cut;
+  Cut balanced(ranks + 1, cut.back());
+  balanced[0] = 0;
+  double before = 0;  // time of the ranks before `rank`
+  std::size_t rank = 0;
+  for (std::size_t next = 1; next < ranks; ++next) {
+    const double wanted = total * static_cast<double>(next) / static_cast<double>(ranks);
+    const auto time = [&] { return rows(rank) > 0 ? static_cast<double>(times[rank]) : 0.0; };
+    while (rank + 1 < ranks && before + time() < wanted) before += time(), ++rank;
+    const double part = time() > 0 ? std::min(1.0, (wanted - before) / time()) : 0.0;
+    balanced[next] = cut[rank] + static_cast<std::uint32_t>(std::lround(part * rows(rank)));
+  }
+  return balanced;
+}
+
+ReplicatedRows::ReplicatedRows(World& world, const ReplicaParts& parts, std::span<const Sharing> sharing,
+                               RankPost post, std::optional<std::uint64_t> cut_seed)
+    : world_(world),
+      parts_(parts),
+      sharing_(sharing),
+      post_(std::move(post)),
+      cut_seed_(cut_seed),
+      cut_(equal_cut(world.rows(), post_.ranks)) {}
+
+/// Calls visit(bytes) for each contiguous piece of the tables with this sharing. Only the table rows of those
+/// bodies are visited that have the rows `rows` in the world.
+template <class Visit>
+void ReplicatedRows::for_rows(Sharing sharing, const RowRange& rows, Visit&& visit) const {
+  for (std::size_t t = 0; t < parts_.tables.size(); ++t) {
+    if (sharing_[t] != sharing) continue;
+    StateTable& table = parts_.tables[t];
+    const RowRange in = rows_in(world_, table, rows);
+    if (in.first < in.end) visit(std::span(table.row(in.first), table.row(in.end)));
+  }
+}
+
+void ReplicatedRows::put_rows(Sharing sharing, const RowRange& rows, MessageWriter& message) const {
+  for_rows(sharing, rows, [&](std::span<std::byte> bytes) { message.put_bytes(bytes); });
+}
+
+void ReplicatedRows::get_rows(Sharing sharing, const RowRange& rows, MessageReader& message) {
+  for_rows(sharing, rows, [&](std::span<std::byte> bytes) { message.get_bytes(bytes); });
+}
+
+// ---- All rows on rank 0
+
+void ReplicatedRows::put_missing(MessageWriter& message) const { put_rows(Sharing::kept, own(), message); }
+
+void ReplicatedRows::complete(std::span<ReceivedOrder> messages) {
+  for (unsigned from = 1; from < post_.ranks; ++from)
+    get_rows(Sharing::kept, rows_of(from), messages[from - 1].rest);
+  is_complete_ = true;
+}
+
+bool ReplicatedRows::take_all() {
+  is_complete_ = true;
+  return false;
+}
+
+/// Appends the state tables, and the subscriptions (World::subscribe()).
+void ReplicatedRows::put_all(MessageWriter& message) {
+  message.put(world_.tick());
+  const std::vector<BodyId> subscribed = world_.subscribed();
+  message.put(static_cast<std::uint64_t>(subscribed.size()));
+  message.put_bytes(std::as_bytes(std::span(subscribed)));
+  for (StateTable& table : parts_.tables) message.put_bytes(table.data());
+}
+
+void ReplicatedRows::adopt_all(MessageReader message, bool is_in_tick) {
+  const auto tick = message.get<std::uint64_t>();
+  std::vector<BodyId> subscribed(message.get<std::uint64_t>());
+  message.get_bytes(std::as_writable_bytes(std::span(subscribed)));
+  for (const BodyId body : subscribed) world_.subscribe(body);
+  world_.adopt(
+      tick,
+      [&](std::span<StateTable> tables) {
+        for (StateTable& table : tables) message.get_bytes(table.data());
+      },
+      is_in_tick);
+}
+
+// ---- The tick
+
+/// Appends the rows whose present values other ranks do not have: those in tables that are kept or sent.
+void ReplicatedRows::put_rows_of(unsigned rank, MessageWriter& message) const {
+  for (const Sharing sharing : {Sharing::kept, Sharing::sent}) put_rows(sharing, rows_of(rank), message);
+}
+
+void ReplicatedRows::get_rows_of(unsigned rank, MessageReader& message) {
+  for (const Sharing sharing : {Sharing::kept, Sharing::sent}) get_rows(sharing, rows_of(rank), message);
+}
+
+RankRows::Messages ReplicatedRows::written(const MessageWriter& head) {
+  MessageWriter message = head;
+  message.reserve(written_);
+  put_rows(Sharing::sent, own(), message);
+  const std::vector<Links::AskedGoal> goals = parts_.links.asked_goals(own());
+  message.put(static_cast<std::uint64_t>(goals.size()));
+  message.put_bytes(std::as_bytes(std::span(goals)));
+  const std::span<const Effect> effects = parts_.effects.emitted();
+  message.put(static_cast<std::uint64_t>(effects.size()));
+  message.put_bytes(std::as_bytes(effects));
+  written_ = message.size();
+  return Messages(post_.ranks, std::make_shared<const partition::Message>(message.take()));
+}
+
+void ReplicatedRows::get_written(unsigned from, MessageReader& message) {
+  get_rows(Sharing::sent, rows_of(from), message);
+  for (auto left = message.get<std::uint64_t>(); left > 0; --left) {
+    const auto [row, joint, goal] = message.get<Links::AskedGoal>();
+    parts_.links.ask(Row(row), joint, goal);
+  }
+  for (auto left = message.get<std::uint64_t>(); left > 0; --left) parts_.effects.emit(message.get<Effect>());
+  if (!message.is_done())
+    throw std::logic_error(
+        "internal error: a message between ranks is too long; this is no error of your input: please report "
+        "it");
+}
+
+/// Gives rows to other ranks if the ranks take unequal times, or at random for tests. All ranks have the same
+/// times and compute the same cut.
+bool ReplicatedRows::prepare_motions(std::span<const std::uint64_t> times) {
+  is_complete_ = false;
+  ++counts_.ticks;
+  counts_.own += own().end - own().first;
+  if (cut_seed_) adopt_cut(random_cut());
+  if (times.empty()) return false;
+  Cut cut = balanced_cut(cut_, times);
+  const bool is_new = cut != cut_;
+  adopt_cut(std::move(cut));
+  return is_new;
+}
+
+Cut ReplicatedRows::random_cut() const {
+  Random random(*cut_seed_, 0, 0, static_cast<std::uint32_t>(world_.tick()));
+  const auto rows = static_cast<std::uint32_t>(world_.rows());
+  Cut cut{0};
+  for (unsigned r = 1; r < post_.ranks; ++r) cut.push_back(random.below(rows + 1));
+  cut.push_back(rows);
+  std::ranges::sort(cut);
+  return cut;
+}
+
+/// Adopts a cut. The rows of tables that are kept go from their old owners to the new ones.
+void ReplicatedRows::adopt_cut(Cut cut) {
+  const Cut before = std::exchange(cut_, std::move(cut));
+  const auto common = [](const Cut& a, unsigned i, const Cut& b, unsigned j) {
+    return RowRange{std::max(a[i], b[j]), std::min(a[i + 1], b[j + 1])};
+  };
+  const unsigned own = post_.rank;
+  for (unsigned to = 0; to < post_.ranks; ++to) {
+    const RowRange rows = common(before, own, cut_, to);
+    if (to == own || rows.first >= rows.end) continue;
+    MessageWriter message = post_.begin(Order::exchange);
+    put_rows(Sharing::kept, rows, message);
+    post_.send(to, std::make_shared<const partition::Message>(message.take()));
+  }
+  for (unsigned from = 0; from < post_.ranks; ++from) {
+    const RowRange rows = common(before, from, cut_, own);
+    if (from == own || rows.first >= rows.end) continue;
+    ReceivedOrder received = post_.receive(Order::exchange, from);
+    get_rows(Sharing::kept, rows, received.rest);
+  }
+}
+
+void ReplicatedRows::apply_effects(std::span<const Effect> effects,
+                                   const std::function<void(const Effect&)>& apply) {
+  std::ranges::for_each(effects, apply);
+}
+
+// ---- Verification
+
+/// Hashes of the tables that must be equal on all ranks: those that are alike or sent.
+std::vector<std::uint64_t> ReplicatedRows::sums() const {
+  std::vector<std::uint64_t> sums;
+  for (std::size_t t = 0; t < sharing_.size(); ++t)
+    if (const StateTable& table = parts_.tables[t]; sharing_[t] != Sharing::kept)
+      sums.push_back(hash_of(world_.parallel(), table, {0, table.rows()}));
+  return sums;
+}
+
+void ReplicatedRows::verify(std::span<const std::vector<std::uint64_t>> sums) const {
+  for (unsigned from = 1; from < post_.ranks; ++from) {
+    std::size_t sum = 0;
+    for (std::size_t t = 0; t < sharing_.size(); ++t) {
+      if (sharing_[t] == Sharing::kept) continue;
+      if (sums[from][sum] != sums[0][sum])
+        throw std::logic_error(
+            fmt::format("internal error: the tables \"{}\" of ranks 0 and {} differ after tick {}; unless a "
+                        "plug-in caused "
+                        "this, it is no error of your input: please report it",
+                        parts_.tables[t].component(), from, world_.tick()));
+      ++sum;
+    }
+  }
+}
+
+}  // namespace troupe::engine

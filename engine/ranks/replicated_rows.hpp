@@ -1,0 +1,77 @@
+#pragma once
+
+#include "engine/ranks/rank_rows.hpp"
+#include "engine/ranks/sharing.hpp"
+
+#include <cstddef>
+#include <cstdint>
+#include <functional>
+#include <optional>
+#include <span>
+#include <vector>
+
+namespace troupe::engine {
+
+/// A division of the rows into one range per rank: rank r owns the rows from cut[r] up to, but not including,
+/// cut[r + 1].
+using Cut = std::vector<std::uint32_t>;
+/// Returns a cut with which all ranks would take about the same time, on the assumption that all rows of a
+/// rank took equally long. Returns `cut` if all times are 0. times: the time that each rank took with `cut`,
+/// one per rank, in any unit
+Cut balanced_cut(const Cut& cut, std::span<const std::uint64_t> times);
+
+/// The *replicated* form of a world that several ranks compute: every rank has all rows and computes the
+/// phases move and index for all of them. Each rank owns the rows of one range of a Cut, and sends the rows
+/// that other ranks may read (Sharing::sent), its effects and the goals of joints to all ranks in each tick.
+class ReplicatedRows final : public RankRows {
+ public:
+  /// sharing: sharing_of(world); it and the world must outlive this object
+  /// cut_seed: for tests: each tick ends with a new random cut
+  ReplicatedRows(World& world, const ReplicaParts& parts, std::span<const Sharing> sharing, RankPost post,
+                 std::optional<std::uint64_t> cut_seed);
+
+  RowRange own() const override { return rows_of(post_.rank); }
+  Halo* halo() override { return nullptr; }
+  RankCounts counts() const override { return counts_; }
+
+  bool is_complete() const override { return is_complete_; }
+  void put_missing(partition::MessageWriter& message) const override;
+  void complete(std::span<ReceivedOrder> messages) override;
+  bool take_all() override;
+  void put_all(partition::MessageWriter& message) override;
+  void adopt_all(partition::MessageReader message, bool is_in_tick) override;
+
+  void redistribute(bool) override {}                                   // every rank has all rows
+  void add_candidates(std::vector<Experiment::Candidate>&) override {}  // every rank finds all candidates
+  void put_rows_of(unsigned rank, partition::MessageWriter& message) const override;
+  void get_rows_of(unsigned rank, partition::MessageReader& message) override;
+  Messages written(const partition::MessageWriter& head) override;
+  void get_written(unsigned from, partition::MessageReader& message) override;
+  bool prepare_motions(std::span<const std::uint64_t> times) override;
+  void apply_effects(std::span<const Effect> effects,
+                     const std::function<void(const Effect&)>& apply) override;
+
+  std::vector<std::uint64_t> sums() const override;
+  void verify(std::span<const std::vector<std::uint64_t>> sums) const override;
+
+ private:
+  RowRange rows_of(unsigned rank) const { return {cut_[rank], cut_[rank + 1]}; }
+  template <class Visit>
+  void for_rows(Sharing sharing, const RowRange& rows, Visit&& visit) const;
+  void put_rows(Sharing sharing, const RowRange& rows, partition::MessageWriter& message) const;
+  void get_rows(Sharing sharing, const RowRange& rows, partition::MessageReader& message);
+  Cut random_cut() const;
+  void adopt_cut(Cut cut);
+
+  World& world_;
+  ReplicaParts parts_;
+  std::span<const Sharing> sharing_;  // one per table
+  RankPost post_;
+  std::optional<std::uint64_t> cut_seed_;
+  Cut cut_;                  // which rows the ranks own
+  bool is_complete_ = true;  // on rank 0: the rows of other ranks in tables with Sharing::kept are present
+  std::size_t written_ = 0;  // length of the last message of written()
+  RankCounts counts_;
+};
+
+}  // namespace troupe::engine
