@@ -33,9 +33,8 @@ std::vector<std::size_t> tables_sent(std::span<const Sharing> sharing) {
 
 [[noreturn]] void throw_collective() {
   throw std::logic_error(
-      "internal error: a controller decides for the robots of all ranks, but the world is distributed; this "
-      "is "
-      "no error of your input: please report it");
+      "internal error: a controller decides for the robots of all ranks, but the world is distributed; "
+      "this is no error of your input: please report it");
 }
 
 }  // namespace

@@ -93,9 +93,8 @@ class RankRows {
   /// Called when the messages of all other ranks have been read, before any body moves: changes the owners of
   /// rows if necessary. Returns whether it has done so because of `times`.
   ///
-  /// times: if the ranks take unequal times, the times that they took for their own rows in the last ticks,
-  /// one
-  ///        per rank, in any unit, the same on all ranks; otherwise empty
+  /// times: if the ranks take unequal times, the time that each rank took for its own rows in the last ticks,
+  /// one per rank, in any unit, the same on all ranks; otherwise empty
   virtual bool prepare_motions(std::span<const std::uint64_t> times) = 0;
   /// Applies the effects of all ranks, in their order. `apply` applies one. See Replica::apply_effects().
   virtual void apply_effects(std::span<const Effect> effects,

@@ -306,10 +306,14 @@ std::string world_format_reference(const engine::Registry& registry) {
   append_table(engine::watch_fields(), text);
   text += k_window_heading;
   text +=
-      "\n\n[pictures.md](pictures.md) describes this view. It "
-      "shows the layers `show_grid`, `show_clock`, `show_footprints` and `show_occupancy`; with `show_data`, "
-      "also `show_ranger_ranges`, `show_fiducial`, `show_gripper_data` and `blobfinder_vis`. `--layers` adds "
-      "and removes layers. The other switches, `interval` and the keys of screenshots have no effect.\n\n";
+      "\n\n[pictures.md](pictures.md) describes this view. Each of the keys `show_grid`, `show_clock`, "
+      "`show_footprints` and\n"
+      "`show_occupancy` switches one layer of the view on or off. The keys `show_ranger_ranges`, "
+      "`show_fiducial`,\n"
+      "`show_gripper_data` and `blobfinder_vis` do the same, but only if `show_data` is true. `--layers` "
+      "adds "
+      "and removes\n"
+      "layers. The other switches, `interval` and the keys of screenshots have no effect.\n\n";
   append_table(window_fields(), text);
   append_kinds("Drive", registry.drives, text);
   append_kinds("Sensor", registry.sensors(), text);
