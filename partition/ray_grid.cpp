@@ -171,10 +171,10 @@ class RayGrid::Line {
     return (step_x < 0 || at.x() >= 0 || at.x() <= -1) && (step_y < 0 || at.y() >= 0 || at.y() <= -1);
   }
 
-  /// Negative if the ray crosses border x along x before border y along y.
+  /// Negative if the ray takes its x-th step along x before its y-th step along y. Steps count from 1.
   std::int64_t order(std::int64_t x, std::int64_t y) const { return up * (2 * x - 1) - across * (2 * y - 1); }
-  /// y_steps: the number of borders along y that are crossed before border x along x. x_steps: the number of
-  /// borders along x that are crossed before border y along y.
+  /// y_steps: the number of steps along y before the x-th step along x. x_steps: the number of steps along x
+  /// before the y-th step along y. Of two steps at the same point, the step along y comes first.
   std::int64_t y_steps(std::int64_t x) const { return (up * (2 * x - 1) + across) / (2 * across); }
   std::int64_t x_steps(std::int64_t y) const { return (across * (2 * y - 1) + up - 1) / (2 * up); }
 

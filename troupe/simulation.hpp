@@ -629,10 +629,10 @@ class Simulation {
   /// nothing, if there is no such type, if the type has no such parameter, or if a value is not allowed or
   /// would change the layout of the state, such as a number of beams.
   void set(std::string_view type, std::string_view setting);
-  /// The parameters of a type, with the changes of set() and of the world file up to now, as JSON: a list of
-  /// objects like those for set(), one for the drive and one for each device and controller. Infinite values,
-  /// and lists of objects such as the transducers of a ranger, are left out. Throws std::out_of_range, with
-  /// the known names, if there is no such type.
+  /// The parameters of a type, with the changes that set() and the interventions `set` of the world have made
+  /// up to now, as JSON: a list of objects like those for set(), one for the drive and one for each device
+  /// and controller. Infinite values, and lists of objects such as the transducers of a ranger, are left out.
+  /// Throws std::out_of_range, with the known names, if there is no such type.
   std::string parameters(std::string_view type) const;
   /// Names of all robots in the world, in the order of their ids.
   std::vector<std::string> robot_names() const;

@@ -17,7 +17,7 @@ namespace troupe::worldio {
 /// body, in the order of the ids; `pose` and `color` have four entries per body. The aliases, which are
 /// second names of bodies, have columns of their own.
 struct BodyColumns {
-  std::vector<std::uint32_t> word, number;  ///< the two members of engine::Name
+  std::vector<std::uint32_t> word, number;  ///< the name of the body: the members of engine::Name
   std::vector<std::uint32_t> type;          ///< index into WorldSpec::types
   std::vector<double> pose;                 ///< x, y, z (m) and heading (rad), world frame
   std::vector<float> color;                 ///< red, green, blue, opacity
