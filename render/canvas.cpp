@@ -397,7 +397,7 @@ bool is_on_top(const AnyLayer& any) {
   return points && points->on_top;
 }
 
-/// The number of vertices that drawing the layers once transforms.
+/// The number of vertices that are transformed when all layers are drawn once.
 std::size_t vertices_of(std::span<const AnyLayer> layers) {
   std::size_t vertices = 0;
   for (const AnyLayer& any : layers) {

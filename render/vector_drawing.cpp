@@ -149,8 +149,8 @@ void close_lines(VectorPath& path) {
   path.is_closed = true;
 }
 
-/// Whether XML and cairo allow a character in a text. They forbid surrogates, and both or one of them the
-/// control characters and the noncharacters, such as U+FFFF.
+/// Whether a text of a drawing may contain a character: no control characters, surrogates, noncharacters
+/// (such as U+FFFF) and numbers above U+10FFFF, because XML or cairo refuses most of them.
 bool is_printable(char32_t code) {
   const bool is_control = code < 0x20 || code == 0x7f;
   const bool is_surrogate = code >= 0xd800 && code < 0xe000;

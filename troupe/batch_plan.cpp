@@ -207,8 +207,8 @@ std::size_t BatchEnv::Impl::array_index(const TeamData& team, std::string_view n
 }
 
 /// Looks up, in one copy of the world, what the columns and actions of a team refer to, and stores it in
-/// `bound`: the fields of readings and commands, and the ids of possible neighbours and targets.
-/// Throws if the robots of the team differ.
+/// `bound`: the fields of readings and commands, and the ids of possible neighbours and targets. Throws if a
+/// name is unknown, if a robot cannot carry out an action, or if a field differs from robot to robot.
 void BatchEnv::Impl::bind(const TeamData& team, Copy& copy, TeamCopy& bound) {
   engine::World& world = copy.simulation.world();
   std::vector<Model> robots;

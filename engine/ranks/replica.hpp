@@ -156,8 +156,8 @@ class Replica {
   /// Whether the program may hold references through which it changes the state.
   bool may_write() const { return leads() && options_.keeps_references && is_written_; }
   partition::MessageWriter message_of(Order order) const;
-  /// Waits for the message with this order from a rank and returns it. If that rank fails in this tick,
-  /// returns its message with Order::failed instead. Obeys other orders that rank 0 gives before.
+  /// Waits for a message with this order, or with Order::failed, from the rank `from`, and returns it. While
+  /// it waits for Order::agree, it obeys other orders that rank 0 gives.
   ReceivedOrder expect(Order order, unsigned from);
 
   std::unique_ptr<RankRows> make_rows();

@@ -124,7 +124,8 @@ def act(weights, observations, random):
 
 
 def test(weights, copies=8):
-    """Returns the mean return over all robots of one episode in each copy, with the seeds 1 to `copies`."""
+    """Tests a policy: runs one episode in each of `copies` copies of the world, which have the seeds 1 to `copies`.
+    Returns the mean of the returns of all robots."""
     task = troupe.envs.Navigation()
     random = np.random.default_rng(1)
     envs = troupe.envs.VectorEnv(task, 8 * copies)
