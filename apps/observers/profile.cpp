@@ -1,12 +1,12 @@
 #include "apps/observers/profile.hpp"
 
+#include "apps/memory.hpp"
 #include "apps/options.hpp"
 #include "apps/outputs.hpp"
 
 #include <CLI/CLI.hpp>
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
-#include <unistd.h>
 
 #include <algorithm>
 #include <cerrno>
@@ -24,15 +24,6 @@ constexpr std::size_t k_tick_track = 0;  // the track of ticks; the tracks of wo
 
 double microseconds(std::chrono::steady_clock::duration d) {
   return std::chrono::duration<double, std::micro>(d).count();
-}
-
-/// Returns the size of the memory of this process that is in RAM, bytes.
-std::uint64_t resident_bytes() {
-  std::ifstream statm("/proc/self/statm");
-  std::uint64_t pages = 0;
-  std::uint64_t resident = 0;
-  statm >> pages >> resident;
-  return resident * static_cast<std::uint64_t>(sysconf(_SC_PAGESIZE));
 }
 
 }  // namespace

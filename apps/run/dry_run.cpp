@@ -1,31 +1,21 @@
 #include "apps/run/dry_run.hpp"
 
+#include "apps/memory.hpp"
 #include "apps/numbers.hpp"
 #include "engine/spec/ticks.hpp"
 #include "engine/world/world.hpp"
 
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
-#include <unistd.h>
 
 #include <algorithm>
 #include <cmath>
-#include <fstream>
 #include <iterator>
 #include <string_view>
 #include <vector>
 
 namespace troupe::apps {
 namespace {
-
-/// Returns the size of the memory of this process that is in RAM, bytes.
-std::uint64_t resident_bytes() {
-  std::ifstream statm("/proc/self/statm");
-  std::uint64_t pages = 0;
-  std::uint64_t resident = 0;
-  statm >> pages >> resident;
-  return resident * static_cast<std::uint64_t>(sysconf(_SC_PAGESIZE));
-}
 
 /// Returns the highest speed that the drives of a world allow, m/s. Drives of plug-ins, whose parameters may
 /// have other names, count as 0.

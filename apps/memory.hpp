@@ -1,0 +1,10 @@
+#pragma once
+
+#include <cstdint>
+
+namespace troupe::apps {
+
+/// Returns the size of the memory of this process that is in RAM, bytes.
+std::uint64_t resident_bytes();
+
+}  // namespace troupe::apps
