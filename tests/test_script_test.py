@@ -37,8 +37,8 @@ class Arguments(unittest.TestCase):
             self.assertEqual(done.stderr, f'scripts/test: error: unknown argument "{wrong}"; allowed are --all, --help, '
                                           f"and the presets {allowed}\n")
 
-    def test_ci_runs_every_test(self):
-        self.assertIn("\nexec scripts/test --all\n", (ROOT / ".ci/run").read_text())
+    def test_ci_tests_what_is_shipped_wholly_and_with_sanitizers(self):
+        self.assertIn("\nscripts/test --all release\nscripts/test dev\n", (ROOT / ".ci/run").read_text())
 
 
 if __name__ == "__main__":
