@@ -100,7 +100,7 @@ class OnTwoNodes:
         cls.launcher = shutil.which(f"mpirun.{cls.mpi}")
         if cls.launcher is None or not (pathlib.Path(PROGRAM).parent / f"libtroupe_mpi_{cls.mpi}.so").exists():
             raise unittest.SkipTest(f"NOT TESTED: {cls.mpi}: its mpirun or its module is missing (scripts/setup --mpi)")
-        if pathlib.Path("/tmp") in pathlib.Path(PROGRAM).resolve().parents:
+        if pathlib.Path(PROGRAM).resolve().is_relative_to("/tmp"):
             raise unittest.SkipTest(f"NOT TESTED: {PROGRAM} is in /tmp, and each node has a /tmp of its own")
         for tool in ("unshare", "nsenter", "ip"):
             if shutil.which(tool) is None:
