@@ -362,22 +362,16 @@ void Halo::prepare_motions(double longest, bool distributes) {
 
 void Halo::put_shown(unsigned to, MessageWriter& message) const {
   for (const std::uint32_t r : shown_rows_[to])
-    for (const std::size_t t : sent_) {
-      const StateTable& table = tables_[t];
-      const std::size_t at = world_.row_in(table, Row(r));
-      if (at < table.rows() && table.ids()[at] == world_.body(Row(r)))
-        message.put_bytes({table.row(at), table.row_bytes()});
-    }
+    for (const std::size_t t : sent_)
+      if (const std::optional<std::size_t> at = world_.find_in(tables_[t], Row(r)))
+        message.put_bytes({tables_[t].row(*at), tables_[t].row_bytes()});
 }
 
 void Halo::get_seen(unsigned from, MessageReader& message) {
   for (const std::uint32_t r : seen_rows_[from])
-    for (const std::size_t t : sent_) {
-      StateTable& table = tables_[t];
-      const std::size_t at = world_.row_in(table, Row(r));
-      if (at < table.rows() && table.ids()[at] == world_.body(Row(r)))
-        message.get_bytes({table.row(at), table.row_bytes()});
-    }
+    for (const std::size_t t : sent_)
+      if (const std::optional<std::size_t> at = world_.find_in(tables_[t], Row(r)))
+        message.get_bytes({tables_[t].row(*at), tables_[t].row_bytes()});
 }
 
 unsigned Halo::owner(BodyId body) const {
@@ -391,15 +385,15 @@ unsigned Halo::owner(BodyId body) const {
 void Halo::put_state(MessageWriter& message, BodyId body) const {
   const Row row = world_.row(body);
   for (StateTable& table : tables_)
-    if (const std::size_t at = world_.row_in(table, row); at < table.rows() && table.ids()[at] == body)
-      message.put_bytes({table.row(at), table.row_bytes()});
+    if (const std::optional<std::size_t> at = world_.find_in(table, row))
+      message.put_bytes({table.row(*at), table.row_bytes()});
 }
 
 void Halo::get_state(MessageReader& message, BodyId body) {
   const Row row = world_.row(body);
   for (StateTable& table : tables_)
-    if (const std::size_t at = world_.row_in(table, row); at < table.rows() && table.ids()[at] == body)
-      message.get_bytes({table.row(at), table.row_bytes()});
+    if (const std::optional<std::size_t> at = world_.find_in(table, row))
+      message.get_bytes({table.row(*at), table.row_bytes()});
 }
 
 std::span<const std::uint32_t> Halo::begin(std::span<const Motion> motions,
@@ -411,13 +405,7 @@ std::span<const std::uint32_t> Halo::begin(std::span<const Motion> motions,
     to_receive_[rank] = static_cast<std::size_t>(
         std::ranges::count_if(seen_rows_[rank], [&](std::uint32_t row) { return motions[row].moves; }));
   }
-  order_.resize(order.size());
-  std::size_t count = 0;
-  for (const std::uint32_t row : order) {  // without a branch, which would be unpredictable
-    order_[count] = row;
-    count += row < own_;
-  }
-  return std::span(order_).first(count);
+  return rows_within(order, {0, own_}, order_);
 }
 
 /// The two ranks of a pair exchange messages until both know the outcomes of all motions that both of them
@@ -458,11 +446,9 @@ bool Halo::exchange(Conflicts& conflicts) {
 std::uint64_t Halo::hash(std::span<const std::uint32_t> rows, std::span<const std::uint8_t> is_known) const {
   std::uint64_t sum = 0;
   for (const std::uint32_t r : rows)
-    for (std::size_t t = 0; t < tables_.size(); ++t) {
-      const std::size_t at = world_.row_in(tables_[t], Row(r));
-      if (is_known[t] != 0 && at < tables_[t].rows() && tables_[t].ids()[at] == world_.body(Row(r)))
-        sum += tables_[t].hash_row(at);
-    }
+    for (std::size_t t = 0; t < tables_.size(); ++t)
+      if (const std::optional<std::size_t> at = world_.find_in(tables_[t], Row(r)); at && is_known[t] != 0)
+        sum += tables_[t].hash_row(*at);
   return sum;
 }
 

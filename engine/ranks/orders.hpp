@@ -20,9 +20,9 @@ enum class Order : std::uint8_t {
   reset,       ///< call World::reset()
   restart,     ///< call World::restart()
   set,         ///< call World::set()
-  hash,        ///< send rank 0 the sums of the hashes of the rows that the rank owns
-  gather,      ///< send rank 0 the rows that the rank owns in tables with Sharing::kept
-  counts,      ///< send rank 0 what the rank has counted (Replica::all_counts())
+  hash,        ///< send rank 0 the sums of the hashes of the rows that the receiver owns
+  gather,      ///< send rank 0 those rows of tables with Sharing::kept that the receiver owns
+  counts,      ///< send rank 0 what the receiver has counted (Replica::all_counts())
   agree,       ///< in a tick: the callback of World::before_tick() has returned on rank 0
   together,    ///< in a tick: the rows for Replica::on_rank_0(), to rank 0 and back
   exchange,    ///< in a tick: the values that the sender has written to the rows that it owns

@@ -30,6 +30,7 @@ Replica::Replica(World& world, const Registry& registry, partition::Transport& t
       options_(std::move(options)),
       sharing_(sharing_of(world)),
       parts_(world.join(this)),
+      joined_(&world),
       work_(transport.ranks()),
       times_(transport.ranks(), 0),
       requests_(transport.ranks(), 0),
@@ -56,7 +57,7 @@ std::unique_ptr<RankRows> Replica::make_rows() {
   return std::make_unique<ReplicatedRows>(world_, parts_, sharing_, std::move(post), options_.cut_seed);
 }
 
-Replica::~Replica() { world_.join(nullptr); }
+void Replica::Leave::operator()(World* world) const { world->join(nullptr); }
 
 std::uint64_t Replica::requests() const {
   return std::accumulate(requests_.begin(), requests_.end(), std::uint64_t{0});
@@ -172,14 +173,7 @@ void Replica::agree(const std::function<void()>& callback) {
 }
 
 std::span<const std::uint32_t> Replica::own_of(std::span<const std::uint32_t> order) {
-  const auto [first, end] = own();
-  order_.resize(order.size());
-  std::size_t count = 0;
-  for (const std::uint32_t row : order) {  // without a branch, which would be unpredictable
-    order_[count] = row;
-    count += row >= first && row < end;
-  }
-  return std::span(order_).first(count);
+  return rows_within(order, own(), order_);
 }
 
 void Replica::on_rank_0(const std::function<void()>& work) {

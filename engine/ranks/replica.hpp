@@ -69,7 +69,7 @@ class Replica {
   /// registry: the registry that `world` was made with
   Replica(World& world, const Registry& registry, partition::Transport& transport, std::uint32_t number,
           ReplicaOptions options);
-  ~Replica();
+  ~Replica() = default;
   Replica(const Replica&) = delete;
   Replica& operator=(const Replica&) = delete;
 
@@ -152,6 +152,11 @@ class Replica {
   /// Thrown if another rank fails while this rank waits for its message in a tick.
   struct OtherFailed {};
 
+  /// Makes a world compute all rows itself again.
+  struct Leave {
+    void operator()(World* world) const;
+  };
+
   bool leads() const { return transport_.rank() == 0; }
   /// Whether the program may hold references through which it changes the state.
   bool may_write() const { return leads() && options_.keeps_references && is_written_; }
@@ -178,9 +183,10 @@ class Replica {
   ReplicaOptions options_;
   std::vector<Sharing> sharing_;  // one per table; rows_ refers to it
   ReplicaParts parts_;
-  std::vector<RankWork> work_;           // one per rank, of this tick
-  std::vector<std::uint64_t> times_;     // one per rank: its time for its own rows, ns: see unequal_times()
-  std::vector<std::uint32_t> requests_;  // one per rank: the last result of ReplicaOptions::requests
+  std::unique_ptr<World, Leave> joined_;  // the world leaves also if the constructor throws
+  std::vector<RankWork> work_;            // one per rank, of this tick
+  std::vector<std::uint64_t> times_;      // one per rank: its time for its own rows, ns: see unequal_times()
+  std::vector<std::uint32_t> requests_;   // one per rank: the last result of ReplicaOptions::requests
   std::uint64_t rebalanced_ = 0;
   std::vector<std::uint32_t> order_;  // result of own_of()
 

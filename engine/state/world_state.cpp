@@ -17,6 +17,17 @@ std::string outside_text(const Box& bounds) {
                      plain_number(bounds.max.y()));
 }
 
+std::span<const std::uint32_t> rows_within(std::span<const std::uint32_t> order, const RowRange& range,
+                                           std::vector<std::uint32_t>& rows) {
+  rows.resize(order.size());
+  std::size_t count = 0;
+  for (const std::uint32_t row : order) {  // without a branch, which would be unpredictable
+    rows[count] = row;
+    count += row >= range.first && row < range.end;
+  }
+  return std::span(rows).first(count);
+}
+
 void WorldState::bind_view() {
   PublicColumns columns{.spec = &spec,
                         .scene = &scene,

@@ -29,6 +29,10 @@ struct RowRange {
   std::size_t first = 0;  ///< the first row
   std::size_t end = 0;    ///< one past the last row
 };
+/// Writes those rows of `order` that are in a range to `rows`, in that order. Returns them; the result is
+/// valid as long as `rows` does not change.
+std::span<const std::uint32_t> rows_within(std::span<const std::uint32_t> order, const RowRange& range,
+                                           std::vector<std::uint32_t>& rows);
 
 /// The state of a world, the constants that describe the world, what the program has set, and data that are
 /// derived from the state: the transforms, outlines, radii and shapes of bodies, and the spatial index. World
@@ -210,13 +214,17 @@ struct WorldState {
     const std::size_t r = row.index();
     return r < table.rows() && table.ids()[r] == bodies[r] ? r : slots[r];
   }
+  /// Index of the row's body in a state table; not set: the table has no row for the body.
+  std::optional<std::size_t> find_in(const StateTable& table, Row row) const {
+    const std::size_t at = row_in(table, row);
+    if (at < table.rows() && table.ids()[at] == bodies[row.index()]) return at;
+    return std::nullopt;
+  }
   /// Calls visit(t, i) for each state table t that has a row for the row's body; i is the index of that row.
   template <class Visit>
   void for_tables_of(Row row, Visit&& visit) {
-    for (std::size_t t = 0; t < tables.size(); ++t) {
-      const std::size_t at = row_in(tables[t], row);
-      if (at < tables[t].rows() && tables[t].ids()[at] == bodies[row.index()]) visit(t, at);
-    }
+    for (std::size_t t = 0; t < tables.size(); ++t)
+      if (const std::optional<std::size_t> at = find_in(tables[t], row)) visit(t, *at);
   }
 
  private:

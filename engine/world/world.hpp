@@ -132,18 +132,19 @@ class World {
   /// junk, and then computes them again from the state. Tests call this and check that the run continues with
   /// the same bits (the "amnesia" test, docs/determinism.md).
   void forget();
-  /// Switches on or off a test mode that detects device kinds that read or change data which they do not
-  /// declare. In this mode the hooks `sense` and `act` of a device are called for one row at a time. During
-  /// each call, the bodies whose enclosing circles are outside the reach of the device
-  /// (DeviceKind::Prepared::reach_m, plus the reach of the joints of its body) are not in the spatial index,
-  /// and their poses, outlines and state are junk. Bodies that move together with the device's body
-  /// (same_tree()) are not hidden. In the state of the remaining bodies, except the device's own body, the
-  /// components that the kind does not declare to read (DeviceKind::reads) are junk. If no kind reads more
-  /// than it declares, the hashes of the run stay the same (docs/determinism.md). A step throws a StepError
-  /// if an effect of a device has a target, or changes the state of a body, outside the scope that the kind
-  /// of the device declares (DeviceKind::scope). The mode is slow: each call takes time proportional to the
-  /// number of rows. Throws std::invalid_argument if the mode is switched on in a world with several threads
-  /// or the grid ray engine.
+  /// Switches on or off a test mode that finds device kinds which read or change data that they do not
+  /// declare. If a kind reads such data, the hashes of the run differ from those without the mode
+  /// (docs/determinism.md). If an effect of a device has a target, or changes the state of a body, outside
+  /// the scope that its kind declares (DeviceKind::scope), the step throws a StepError.
+  ///
+  /// In this mode the hooks `sense` and `act` of a device are called for one row at a time. During each call,
+  /// the bodies whose enclosing circles are outside the reach of the device (DeviceKind::Prepared::reach_m,
+  /// plus BodyType::joint_reach) are hidden: they are not in the spatial index, and their poses, outlines and
+  /// state are junk. Bodies that move together with the device's body (same_tree()) are never hidden. In the
+  /// state of bodies that are not hidden, the components that the kind does not declare to read
+  /// (DeviceKind::reads) are junk; only the state of the device's own body is left as it is. The mode is
+  /// slow: each call takes time proportional to the number of rows. Throws std::invalid_argument if the mode
+  /// is switched on in a world with several threads or the grid ray engine.
   void hide_beyond_reach(bool on);
   /// A test mode: gives every body another row and another slot, at random. `seed` and tick() select the new
   /// rows and slots. All rows, slots, and references to rows of tables that the caller holds are then those
@@ -279,6 +280,10 @@ class World {
   /// slot. If the table has no row for the body, the result is the index of another body, or is not below
   /// StateTable::rows().
   std::size_t row_in(const StateTable& table, Row row) const { return state_.row_in(table, row); }
+  /// Like row_in(); not set: the table has no row for the body.
+  std::optional<std::size_t> find_in(const StateTable& table, Row row) const {
+    return state_.find_in(table, row);
+  }
   /// Pose of each row, world frame. A dead body has the pose at which it died; all values of an unborn body
   /// are 0.
   std::span<const Pose> poses() const { return state_.view.poses(); }

@@ -825,6 +825,8 @@ TEST(Halo, RefusesAWorldThatMustBeReplicated) {
   partition::Mailboxes mailboxes(1);
   EXPECT_THROW(Replica(world, simulation.registry(), mailboxes.of(0), 0, {.is_distributed = true}),
                std::logic_error);
+  world.step();  // the world computes all rows itself, as before
+  EXPECT_EQ(world.tick(), 1u);
 }
 
 }  // namespace
