@@ -193,12 +193,14 @@ std::string others_text(const engine::DeviceKind& kind) {
                         fmt::join(kind.reads, ", "));
   if (kind.apply != nullptr) {
     constexpr std::array<std::string_view, 3> k_scopes{
-        "its own body, a target within its reach, and the bodies that carry them or that they carry",
-        "its own body, a target anywhere in the world, and the bodies that carry them or that they carry",
+        "its own body, one target within its reach, and all bodies that carry or are carried by one of these "
+        "two",
+        "its own body, one target anywhere in the world, and all bodies that carry or are carried by one of "
+        "these two",
         "any body"};
     text += fmt::format("  changes: {}\n", k_scopes[static_cast<std::size_t>(kind.scope)]);
   }
-  return text.empty() ? text : "other bodies\n" + text + "\n";
+  return text.empty() ? text : "access to bodies\n" + text + "\n";
 }
 
 template <class Kind>

@@ -57,8 +57,9 @@ struct CaseTiming {
 CaseTiming time_case(const Case& one, std::size_t repeat, const engine::Registry& registry,
                      const std::function<void(const std::string&)>& progress);
 
-/// A text for messages that says how a run differs from the plain run of its scene: `, frames`, the name of
-/// its observer, as in `, hashes`, or its instruction set, as in `, avx2`. Empty for a plain run.
+/// The end of a message that says how a run differs from the plain run of its scene: `, frames` if the run
+/// draws frames; otherwise a comma and the name of its observer (`, hashes`) or of its instruction set
+/// (`, avx2`). Empty for a plain run.
 std::string with_text(const Run& run);
 
 /// Returns the additional wall time of a run with an observer, as a fraction of the wall time of the run of

@@ -41,10 +41,12 @@ struct VectorDrawing {
   std::vector<std::variant<VectorPath, VectorText>> items;
 };
 
-/// The layers and the lettering of a map (is_from_above()) as a drawing. Consecutive triangles of a fan are
-/// joined to a polygon, and consecutive strokes to a line, if they have the same colour and height. The paths
-/// of flat layers are sorted by height, because a drawing has no depth buffer; a layer with Layer::on_top
-/// begins a new group, which is drawn after the earlier paths. Texts are passed through printable_utf8().
+/// The layers and the lettering of a map as a drawing. The projection must be from above (is_from_above()).
+/// Consecutive triangles of a triangle fan are joined to a polygon, and consecutive strokes to a line, if
+/// they have the same colour and height. A drawing has no depth buffer: the paths of consecutive layers are
+/// sorted by height and drawn in that order. A layer with `on_top` begins a new group, which is sorted by
+/// itself and drawn after all earlier paths. A SolidLayer is a group whose paths are drawn in the order that
+/// they have. Texts are passed through printable_utf8().
 VectorDrawing vector_drawing(const Projection& projection, std::span<const AnyLayer> layers,
                              const Writing& writing, const Theme& theme);
 

@@ -143,8 +143,10 @@ class Window {
   const engine::Record& record_;
 };
 
-/// Sets the view that `window` of a world describes. In both cameras of the window, yaw turns
-/// counter-clockwise and pitch is 0 straight down and increases towards the horizontal, as in render::Camera.
+/// Sets `view` to what the entry `window` of a world describes. The entry has the poses of two cameras, one
+/// in perspective and one from above, and says which of them is used. In both poses, yaw turns
+/// counter-clockwise, and pitch is 0 straight down and increases towards the horizontal, as in
+/// render::Camera.
 void look_through(const Window& window, render::View& view) {
   const auto& size = window.numbers("size_px");
   if (size[0] >= 1 && size[1] >= 1) {

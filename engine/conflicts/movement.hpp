@@ -56,10 +56,10 @@ class Movement {
   std::uint64_t rounds() const { return conflicts_.rounds(); }
   /// Upper bound on the distance that any body moved in the last resolution, m: Conflicts::longest().
   double longest() const { return conflicts_.longest(); }
-  /// Number of rows below WorldState::own_rows whose last motion was blocked or would have ended out of
-  /// bounds.
+  /// Number of bodies whose motion in the last resolution was blocked or would have ended out of bounds. Only
+  /// own rows count: those with an index less than WorldState::own_rows.
   std::size_t stalled() const { return stalled_; }
-  /// Number of rows below WorldState::own_rows whose last motion would have ended out of bounds.
+  /// Number of bodies that stalled() counts because their motion would have ended out of bounds.
   std::size_t out_of_bounds() const { return out_of_bounds_; }
 
  private:

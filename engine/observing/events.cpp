@@ -17,7 +17,7 @@ std::span<const EventKind> event_kinds() {
        "the motion of the robot would have left the bounds of the world, so it stayed in place"},
       {release, "release", "the robot released a body that it carried"},
       {grip, "grip", "the robot gripped a body, and carries it from now on"},
-      {birth, "birth", "a body of a reserve was born at this pose"},
+      {birth, "birth", "a body from the reserve of its population entered the world at this pose"},
       {death, "death", "the body died at this pose"},
       {fails, "fails", "the robot stopped completely: it was disabled, or a drop_out fault occurred"},
       {recovers, "recovers", "the robot works again after an event `fails`"},

@@ -277,9 +277,10 @@ class TypeCompiler {
          ++n)
       name = fmt::format("{}#{}", device.name, n);
     if (name != device.name)
-      diagnostics_.warning(device.where,
-                           fmt::format("the type already has a sensor \"{}\": this sensor is renamed \"{}\"",
-                                       device.name, name));
+      diagnostics_.warning(
+          device.where,
+          fmt::format("the type already has a sensor or device \"{}\": this one is renamed \"{}\"",
+                      device.name, name));
     return name;
   }
 

@@ -198,7 +198,7 @@ struct Touched {
   BodyId target() const { return left.valid() ? left : right; }
 };
 
-/// Updates the beams and contacts in `state`, and writes the bodies that the paddles would hold to `touched`.
+/// Updates the beams and contacts in `state`, and sets `touched` to the bodies that the paddles would hold.
 /// closer: the paddle position, 0 to 1, after one more step of closing.
 void feel(const SensingView& view, const Hand& hand, double closer, GripperState& state, Touched& touched) {
   state.beam_inner = state.beam_outer = state.contact_left = state.contact_right = 0;

@@ -48,8 +48,8 @@ struct Remover {
       d.member<&Params::radius>("radius", engine::Unit::meters, above(0), at_most(1000),
                                 "a body dies when its origin is within this distance of the remover");
       d.member<&Params::of>("of",
-                            "type of the bodies that are removed, with or without a drive; empty: all bodies "
-                            "that have a drive");
+                            "only bodies of this type are removed, whether or not they have a drive; empty: "
+                            "all bodies that have a drive are removed");
     }
   };
   using State = RemoverState;

@@ -34,7 +34,8 @@ struct SpawnerState {
 
   static constexpr void describe(engine::Description<SpawnerState>& d) {
     d.member<&SpawnerState::flags>("flags",
-                                   "number of flags that its body had received when the spawner last ran");
+                                   "number of flags that its body had received when the spawner last ran; 0 "
+                                   "if its parameter `per_flags` is 0");
     d.member<&SpawnerState::born>("born",
                                   "number of bodies that it has spawned since the birth of its own body");
     d.member<&SpawnerState::owed>("owed", "number of births that are due but have not succeeded yet");

@@ -451,9 +451,9 @@ engine::MeasureKind order_measure() {
   return engine::make_measure_kind<Order>(
       "order", Unit::none, "agreement of the headings, from 0 (none) to 1 (full)",
       "The length of the mean of the robots' unit heading vectors, also called polarisation: 1 if all "
-      "headings are equal, near 0 if they are random. Source, for particles of equal speed: Vicsek et al., "
-      "Novel type of phase transition in a system of self-driven particles, Physical Review Letters 75, "
-      "1995.",
+      "headings are equal, near 0 if they are random. Source: Vicsek et al., Novel type of phase transition "
+      "in a system of self-driven particles, Physical Review Letters 75, 1995, where all particles have the "
+      "same speed.",
       "|1/n sum_i (cos h_i, sin h_i)|, with the heading h_i of robot i");
 }
 

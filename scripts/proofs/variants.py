@@ -90,7 +90,7 @@ def allocator(base):
 
 
 def surroundings(base, folder):
-    """A process with fast maths, another rounding mode, locale and working directory (tests/hostile/surroundings.cpp)."""
+    """A process with the floating-point mode of -ffast-math, another rounding mode, locale and working directory (tests/hostile/surroundings.cpp)."""
     locale = folder / "locale" / "de_DE.UTF-8"
     if not locale.exists():
         locale.parent.mkdir()
@@ -102,7 +102,7 @@ def surroundings(base, folder):
                    "TROUPE_LOCALE": locale.name, "LC_ALL": locale.name}
     variants = tuple(replace(base, label=f"hostile surroundings, {n} threads", threads=n, environment=environment,
                              folder=pathlib.Path("/")) for n in (1, 2))
-    return Proof("T0 hostile surroundings", "fast maths, rounding up, locale, folder", variants)
+    return Proof("T0 hostile surroundings", "fast-math mode, rounding up, locale, folder", variants)
 
 
 def plugin(base):
@@ -110,8 +110,8 @@ def plugin(base):
     turns off denormal numbers."""
     idle = '{"size_m": [0.1, 0.1, 0.1], "drive": {"kind": "diff"}, "controller": {"kind": "walker"}}'
     options = ("--set", f"/types/plugged={idle}", "--plugin-path", ROOT / "build" / "release" / "plugins" / "fast")
-    variants = tuple(replace(base, label=f"plug-in of fast maths, {n} threads", threads=n, options=options) for n in (1, 2))
-    return Proof("T0 hostile plug-in", "linked with fast maths, loaded with the world", variants)
+    variants = tuple(replace(base, label=f"plug-in linked with -ffast-math, {n} threads", threads=n, options=options) for n in (1, 2))
+    return Proof("T0 hostile plug-in", "linked with -ffast-math, loaded with the world", variants)
 
 
 def observers(base, folder):

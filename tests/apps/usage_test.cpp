@@ -285,13 +285,13 @@ TEST_F(Describe, FieldsHaveKeyDefaultRangeAndMeaning) {
 
 TEST_F(Describe, DevicesShowWhatTheyReadAndChangeOfOthers) {
   EXPECT_THAT(troupe({"describe", "radio"}).out,
-              HasSubstr("other bodies\n  reads, in addition to the poses and shapes of other bodies: "
+              HasSubstr("access to bodies\n  reads, in addition to the poses and shapes of other bodies: "
                         "radio/command, runs\n"));
   EXPECT_THAT(
       troupe({"describe", "flags"}).out,
-      HasSubstr("other bodies\n  changes: its own body, a target anywhere in the world, and the bodies "
-                "that carry them or that they carry\n"));
-  EXPECT_THAT(troupe({"describe", "ranger"}).out, Not(HasSubstr("other bodies\n")));
+      HasSubstr("access to bodies\n  changes: its own body, one target anywhere in the world, and all bodies "
+                "that carry or are carried by one of these two\n"));
+  EXPECT_THAT(troupe({"describe", "ranger"}).out, Not(HasSubstr("access to bodies\n")));
 }
 
 // What a field of a state or a command means, and its unit, is given where the struct is described.

@@ -141,9 +141,9 @@ TEST(World, TwoSensorsOfOneNameAreToldApart) {
   Diagnostics diagnostics;
   const World world(scene.spec, test::registry(), {.threads = 1}, diagnostics);
   EXPECT_EQ(world.types()[type.index()].devices[1].name, "ir#2");
-  EXPECT_THAT(
-      diagnostics.warnings(),
-      testing::ElementsAre("warning: the type already has a sensor \"ir\": this sensor is renamed \"ir#2\""));
+  EXPECT_THAT(diagnostics.warnings(),
+              testing::ElementsAre(
+                  "warning: the type already has a sensor or device \"ir\": this one is renamed \"ir#2\""));
 }
 
 TEST(World, AWaferThinRobotIsAWarning) {
