@@ -118,14 +118,33 @@ class OnProcesses:
         self.plain("run", "room.json", "--for", 4, "--hash-log", "longer.log", "--quiet")
         self.assertEqual(lines_of(self.folder / "resumed.log")[-1], lines_of(self.folder / "longer.log")[-1])
 
+    def test_births_and_deaths_have_the_same_bits_on_distributed_ranks(self):
+        world = json.loads(WORLD)
+        world["types"]["wanderer"]["devices"] = [{"name": "pack", "kind": "power_pack", "capacity_J": 40, "mass_kg": 1, "when_empty": "die"}]
+        world["types"]["door"] = {"size_m": [0.2, 0.2, 0.01], "obstacle": False, "ranger_return": -1, "devices": [
+            {"name": "spawner", "kind": "spawner", "population": "w", "every_s": 0.2, "within_m": 0.5}]}
+        world["populations"][0]["reserve"] = 40
+        world["populations"].append({"name": "d", "type": "door", "count": 4,
+                                     "place": {"rule": "grid", "region_m": [[-2, -2], [2, 2]], "pitch_m": 4}})
+        world["at"] = [{"time_s": 1, "add": {"population": "w", "count": 5, "region_m": [[-3, -3], [3, 3]]}},
+                       {"time_s": 2, "remove": {"population": "w", "share": 0.2}}]
+        (self.folder / "lives.json").write_text(json.dumps(world))
+        self.plain("run", "lives.json", "--threads", 1, "--hash-log", "lives.log", "--quiet")
+        for ranks in (2, 3):
+            done = self.run_on(ranks, "run", "lives.json", "--threads", 1, "--distribute", "--tile-size", 1, "--hash-log",
+                               "distributed.log", "--json")
+            self.assertEqual(done.returncode, 0, done.stderr)
+            self.assertEqual(json.loads(done.stdout)["rank_form"], "distributed")
+            self.assertEqual(lines_of(self.folder / "distributed.log"), lines_of(self.folder / "lives.log"))
+
     def test_a_world_that_cannot_be_distributed_is_replicated(self):
         world = json.loads(WORLD)
-        world["populations"][0]["reserve"] = 3
-        (self.folder / "lives.json").write_text(json.dumps(world))
-        done = self.run_on(2, "run", "lives.json", "--for", 0.5, "--distribute", "--json")
+        world["ranging"] = "grid"
+        (self.folder / "grid.json").write_text(json.dumps(world))
+        done = self.run_on(2, "run", "grid.json", "--for", 0.5, "--distribute", "--json")
         self.assertEqual(done.returncode, 0, done.stderr)
         summary = json.loads(done.stdout)
-        self.assertEqual((summary["rank_form"], summary["why_replicated"]), ("replicated", "bodies can be born or die"))
+        self.assertEqual((summary["rank_form"], summary["why_replicated"]), ("replicated", "the world uses the grid ray engine"))
 
     def test_only_rank_0_prints(self):
         done = self.run_on(3, "run", "room.json", "--threads", 1)

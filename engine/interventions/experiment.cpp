@@ -376,7 +376,8 @@ void World::intervene() {
   while (e.next < e.interventions.size() && e.interventions[e.next].tick <= state_.now.tick) {
     Experiment::Intervention& due = e.interventions[e.next++];
     is_other_crowd = carry_out(due) || is_other_crowd;
-    has_moved = has_moved || state_.spec.experiment.at[due.spec].action == Action::move;
+    const Action action = state_.spec.experiment.at[due.spec].action;
+    has_moved = has_moved || action == Action::move || action == Action::add;
   }
   while (!e.fault_events.empty() && e.fault_events.front().tick <= state_.now.tick)
     apply_fault_event(take_fault_event());
@@ -403,7 +404,8 @@ bool World::carry_out(Experiment::Intervention& intervention) {
     return false;
   }
   const auto is_disabled = [&](Row row) { return (state_.condition(row).out & Condition::k_disabled) != 0; };
-  // What happens to a body may depend on bodies that only other ranks have. Every rank counts all deaths.
+  // What happens to a body may depend on bodies that only other ranks have. Every rank knows of all deaths,
+  // because it lists the bodies that were born in this tick, which may be among them.
   const bool needs_all = spec.whom.count || spec.whom.share || spec.action == Action::remove;
   experiment_.candidates.clear();
   for (const BodyId id : intervention.whom) {
@@ -420,8 +422,8 @@ bool World::carry_out(Experiment::Intervention& intervention) {
   const std::span<const Experiment::Candidate> chosen = choose(spec.whom);
   for (const Experiment::Candidate& candidate : chosen) {
     if (location(candidate.body) != RowLocation::here) {
-      const BodyType& type = state_.types[state_.spec.bodies[candidate.body.index()].type.index()];
-      if (spec.action == Action::remove) robots_ -= type.drive.has_value();
+      if (spec.action == Action::remove)
+        std::erase_if(newborn_, [&](const Newborn& each) { return each.body == candidate.body; });
       continue;
     }
     if (spec.action == Action::remove) {
@@ -477,11 +479,12 @@ bool World::add(const Experiment::Intervention& intervention) {
   const std::int64_t left = static_cast<std::int64_t>(unborn(intervention.reserve));
   const auto count = static_cast<std::uint32_t>(std::min(spec.whom.count.value_or(left), left));
   for (std::uint32_t i = 0; i < count; ++i) {
-    Birth birth;
-    for (std::uint32_t trial = 0; trial < trials && birth.status != BirthStatus::born; ++trial)
-      birth = give_birth(intervention.reserve, place_to_add(intervention, i, trial));
+    const Birth birth = give_birth(intervention.reserve, trials,
+                                   [&](std::uint32_t trial) { return place_to_add(intervention, i, trial); });
     if (birth.status != BirthStatus::born) return i > 0;
-    if (newborn_.size() >= k_most_newborn) index_bodies();
+    if (newborn_.size() < k_most_newborn) continue;
+    if (replica_) replica_->follow_jumps();
+    index_bodies();
   }
   return count > 0;
 }

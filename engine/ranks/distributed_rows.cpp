@@ -57,9 +57,10 @@ bool DistributedRows::take_all() {
   return leads();
 }
 
-/// Appends the tick only: redistribute() sends the rows.
+/// Appends what has no row: redistribute() sends the rows.
 void DistributedRows::put_all(MessageWriter& message) {
   message.put(world_.tick());
+  message.put_bytes(std::as_bytes(world_.births()));
   halo_.own_all();
   is_on_rank_0_ = true;
 }
@@ -68,6 +69,9 @@ void DistributedRows::adopt_all(MessageReader message, bool is_in_tick) {
   halo_.own_none();
   world_.adopt(
       message.get<std::uint64_t>(), [](std::span<StateTable>) {}, is_in_tick);
+  std::vector<std::uint32_t> births(world_.births().size());
+  message.get_bytes(std::as_writable_bytes(std::span(births)));
+  world_.set_births(births);
   is_on_rank_0_ = true;
 }
 
@@ -76,7 +80,8 @@ void DistributedRows::adopt_all(MessageReader message, bool is_in_tick) {
 /// Leaves on each rank only its own rows and its ghosts. The ghosts must also suffice after World::set() has
 /// made the reach of a device longer.
 void DistributedRows::redistribute(bool have_jumped) {
-  const bool must_distribute = std::exchange(is_on_rank_0_, false) || have_jumped;
+  const bool have_come = std::exchange(are_born_, false);
+  const bool must_distribute = std::exchange(is_on_rank_0_, false) || have_come || have_jumped;
   if (!must_distribute && leads() && halo_.is_complete()) halo_.forget_completion();
   if (must_distribute || world_.longest_reach() > halo_.reach()) halo_.distribute(0);
 }
@@ -129,6 +134,28 @@ bool DistributedRows::prepare_motions(std::span<const std::uint64_t> times) {
   halo_.prepare_motions(longest_, !times.empty());
   effects_.begin(halo_.counts().distributions != distributions);
   return !times.empty();
+}
+
+// ---- Births
+
+std::uint32_t DistributedRows::lowest_trial(std::uint32_t own, std::uint32_t trials) {
+  MessageWriter message = post_.begin(Order::births);
+  message.put(own);
+  post_.send_to_all(std::move(message));
+  std::uint32_t lowest = own;
+  for (unsigned from = 0; from < post_.ranks; ++from)
+    if (from != post_.rank)
+      lowest = std::min(lowest, post_.receive(Order::births, from).rest.get<std::uint32_t>());
+  are_born_ = are_born_ || lowest < trials;
+  return lowest;
+}
+
+/// All ranks call this for the same parts of the same births, so these have the same numbers.
+void DistributedRows::attempt(const std::function<void()>& work) { error_.attempt(attempts_++, work); }
+
+void DistributedRows::end_attempts() {
+  attempts_ = 0;
+  error_.agree(post_);
 }
 
 // ---- Verification

@@ -3,6 +3,7 @@
 #include "engine/ranks/halo.hpp"
 #include "engine/ranks/rank_rows.hpp"
 #include "engine/ranks/shared_effects.hpp"
+#include "engine/ranks/shared_error.hpp"
 #include "engine/ranks/sharing.hpp"
 
 #include <cstdint>
@@ -48,6 +49,11 @@ class DistributedRows final : public RankRows {
     effects_.apply(effects, apply);
   }
 
+  bool tests_places_at(const Vec2& point) const override { return halo_.owner_at(point) == post_.rank; }
+  std::uint32_t lowest_trial(std::uint32_t own, std::uint32_t trials) override;
+  void attempt(const std::function<void()>& work) override;
+  void end_attempts() override;
+
   std::vector<std::uint64_t> sums() const override;
   void verify(std::span<const std::vector<std::uint64_t>> sums) const override;
 
@@ -59,7 +65,10 @@ class DistributedRows final : public RankRows {
   std::vector<std::uint8_t> is_known_;  // of each table: 1 if the ghosts have its present values, otherwise 0
   Halo halo_;
   SharedEffects effects_;
-  bool is_on_rank_0_ = false;  // until redistribute(): rank 0 has all rows, and the other ranks have none
+  SharedError error_;           // of births
+  std::uint64_t attempts_ = 0;  // in this tick
+  bool are_born_ = false;       // until redistribute(): bodies were born, and their rows are on any rank
+  bool is_on_rank_0_ = false;   // until redistribute(): rank 0 has all rows, and the other ranks have none
   double longest_ = 0;  // longest motion of a body in this tick, of the ranks whose messages are read, m
 };
 

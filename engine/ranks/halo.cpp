@@ -51,7 +51,6 @@ double least_coverage(const Extent& extent, double longest) {
 
 std::string why_replicated(const World& world) {
   const WorldSpec& spec = world.spec();
-  if (!spec.reserves.empty() || spec.mortal) return "bodies can be born or die";
   if (spec.ranging == RangingEngine::grid) return "the world uses the grid ray engine";
   for (std::size_t t = 0; t < spec.types.size(); ++t) {
     const BodyType& type = world.types()[t];
@@ -67,9 +66,7 @@ std::string why_replicated(const World& world) {
                                    controller.kind->name));
     for (const BodyType::Device& device : type.devices) {
       const DeviceKind& kind = *device.kind;
-      const bool acts = kind.apply != nullptr || device.prepared.most_effects > 0;
-      if (device.prepared.ends_lives || kind.born != nullptr || kind.joints_moved != nullptr ||
-          (acts && kind.scope != ApplyScope::trees))
+      if (kind.joints_moved != nullptr || (kind.apply != nullptr && kind.scope != ApplyScope::trees))
         return of_type(fmt::format("have the device \"{}\" of the kind \"{}\", which acts on other bodies",
                                    device.name, kind.name));
       if (!std::isfinite(device.prepared.reach_m))
@@ -108,7 +105,8 @@ HaloPlan plan_halo(const World& world, unsigned ranks, double longest_motion) {
       .ranks = std::vector<HaloPlan::Rank>(ranks)};
   std::vector<TileOwners::Key> keys;
   for (std::size_t r = 0; r < world.rows(); ++r)
-    keys.push_back(TileOwners::key(world.geometry(), world.transform(Row(r)).position));
+    if (world.is_there(Row(r)))
+      keys.push_back(TileOwners::key(world.geometry(), world.transform(Row(r)).position));
   std::ranges::sort(keys);
   const TileOwners owners(world.geometry(), TileOwners::equal_cut(keys, ranks));
   std::vector<std::set<unsigned>> neighbours(ranks);
@@ -118,7 +116,7 @@ HaloPlan plan_halo(const World& world, unsigned ranks, double longest_motion) {
     const unsigned owner = owners.owner(at);
     ++plan.ranks[owner].own;
     near.clear();
-    owners.find_near(at, plan.coverage_m, near);
+    if (world.is_there(Row(r))) owners.find_near(at, plan.coverage_m, near);
     for (const unsigned rank : near) {
       ++plan.ranks[rank].ghosts;
       neighbours[rank].insert(owner);
@@ -147,7 +145,7 @@ void Halo::choose_coverage(double longest) {
 void Halo::divide() {
   keys_.clear();
   for (std::size_t r = 0; r < world_.rows(); ++r)
-    keys_.push_back(TileOwners::key(world_.geometry(), position(Row(r))));
+    if (world_.is_there(Row(r))) keys_.push_back(TileOwners::key(world_.geometry(), position(Row(r))));
   std::ranges::sort(keys_);
   owners_ = TileOwners(world_.geometry(), TileOwners::equal_cut(keys_, post_.ranks));
   if (cut_seed_)
@@ -162,8 +160,7 @@ void Halo::divide() {
     const Vec2 at = position(Row(r));
     if (owners_.owner(at) == post_.rank) continue;
     leaving.push_back(world_.body(Row(r)));
-    near.clear();
-    owners_.find_near(at, coverage_, near);
+    find_ranks_near(Row(r), near);
     if (std::ranges::binary_search(near, post_.rank))
       ghosts.push_back({leaving.back(), world_.row_bytes(Row(r))});
   }
@@ -171,6 +168,12 @@ void Halo::divide() {
   world_.exchange_rows(leaving, ghosts, own_);
   is_complete_ = false;
   note_neighbours();
+}
+
+/// Sets `near` to the ranks that must have a row as a ghost: none if its body is unborn or dead.
+void Halo::find_ranks_near(Row row, std::vector<unsigned>& near) const {
+  near.clear();
+  if (world_.is_there(row)) owners_.find_near(position(row), coverage_, near);
 }
 
 /// Gives the ranks random ground. All ranks compute the same.
@@ -183,7 +186,8 @@ void Halo::balance(std::span<const std::uint64_t> times) {
   // Each rank sends the keys of some of its rows, evenly spaced in the order of keys.
   constexpr std::size_t k_most_keys = 512;
   std::vector<TileOwners::Key> keys;
-  for (std::size_t r = 0; r < own_; ++r) keys.push_back(TileOwners::key(world_.geometry(), position(Row(r))));
+  for (std::size_t r = 0; r < own_; ++r)
+    if (world_.is_there(Row(r))) keys.push_back(TileOwners::key(world_.geometry(), position(Row(r))));
   std::ranges::sort(keys);
   const std::size_t sent = std::min(keys.size(), k_most_keys);
   MessageWriter own = post_.begin(Order::rows);
@@ -259,8 +263,7 @@ void Halo::distribute(double longest) {
       leaving.push_back(world_.body(row));
       continue;
     }
-    near.clear();
-    owners_.find_near(position(row), coverage_, near);
+    find_ranks_near(row, near);
     const unsigned owner = owners_.owner(position(row));
     if (owner != self) {
       ++counts_.migrated;
@@ -311,8 +314,7 @@ void Halo::note_neighbours() {
       seen_[owners_.owner(position(Row(r)))].push_back(body);
       continue;
     }
-    near.clear();
-    owners_.find_near(position(Row(r)), coverage_, near);
+    find_ranks_near(Row(r), near);
     for (const unsigned to : near) shown_[to].push_back(body);
   }
   for (std::vector<std::vector<BodyId>>* lists : {&shown_, &seen_})

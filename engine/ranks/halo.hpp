@@ -51,6 +51,10 @@ HaloPlan plan_halo(const World& world, unsigned ranks, double longest_motion);
 ///         distributed, so that the ghosts remain valid for some ticks. When twice the sum of the longest
 ///         motions of these ticks exceeds that margin (the skin), all ranks distribute the rows again. All
 ///         ranks know the longest motion of the tick before any body moves, so they decide alike.
+/// lives   Unborn and dead bodies have no ghosts. The row of an unborn body belongs to the rank that owns the
+///         origin of the world, and that of a dead body to the rank that owns the place where it died. A
+///         birth is a jump of an unborn body: all ranks know of it, and distribute the rows before the next
+///         sensing.
 /// moves   Each rank resolves the motions of its own rows. A motion that depends on a ghost waits for the
 ///         outcome, which the owner sends when it is known (Conflicts::Border).
 ///
@@ -141,6 +145,7 @@ class Halo : public Conflicts::Border {
   void put_row(partition::MessageWriter& message, Row row) const;
   Arrival get_row(partition::MessageReader& message) const;
   void choose_coverage(double longest);
+  void find_ranks_near(Row row, std::vector<unsigned>& near) const;
   void cut_again();
   void note_neighbours();
   void find_rows();

@@ -29,7 +29,9 @@ enum class Order : std::uint8_t {
   rows,        ///< in a tick: rows that go to another rank, and ghosts (Halo::distribute())
   outcomes,    ///< in a tick: outcomes of motions of own rows that are ghosts of the receiver
   candidates,  ///< in a tick: own rows among which an intervention chooses at random
-  effects,     ///< in a tick: rows that effects change (SharedEffects), and how applying them ended
+  effects,     ///< in a tick: rows that effects change (SharedEffects)
+  births,      ///< in a tick: whether places on the ground of the sender are free (RankRows::lowest_trial())
+  ended,       ///< in a tick: whether a step on the sender has failed (SharedError::agree())
   /// The sender could not make the replica or compute its rows of the tick, or the callback of
   /// World::before_tick() threw an exception on rank 0.
   failed,

@@ -1,5 +1,6 @@
 #pragma once
 
+#include "base/geometry.hpp"
 #include "engine/fields/state_table.hpp"
 #include "engine/interventions/experiment.hpp"
 #include "engine/ranks/orders.hpp"
@@ -99,6 +100,12 @@ class RankRows {
   /// Applies the effects of all ranks, in their order. `apply` applies one. See Replica::apply_effects().
   virtual void apply_effects(std::span<const Effect> effects,
                              const std::function<void(const Effect&)>& apply) = 0;
+
+  // ---- Births: see the functions of Replica with these names
+  virtual bool tests_places_at(const Vec2& point) const = 0;
+  virtual std::uint32_t lowest_trial(std::uint32_t own, std::uint32_t trials) = 0;
+  virtual void attempt(const std::function<void()>& work) = 0;
+  virtual void end_attempts() = 0;
 
   // ---- Verification (ReplicaOptions::verify)
   /// Sums from which verify() finds whether the rows that several ranks have are equal on them.

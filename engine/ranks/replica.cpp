@@ -70,7 +70,8 @@ MessageWriter Replica::message_of(Order order) const { return begin_message(orde
 ReceivedOrder Replica::expect(Order wanted, unsigned from) {
   const bool is_sent_by_owner = wanted == Order::together || wanted == Order::exchange ||
                                 wanted == Order::rows || wanted == Order::outcomes ||
-                                wanted == Order::candidates || wanted == Order::effects;
+                                wanted == Order::candidates || wanted == Order::effects ||
+                                wanted == Order::births || wanted == Order::ended;
   if (is_sent_by_owner && failed_[from]) return *failed_[from];
   while (true) {
     ReceivedOrder received = receive_order(transport_, from);
@@ -79,7 +80,8 @@ ReceivedOrder Replica::expect(Order wanted, unsigned from) {
     if (is_of_this_world && order == Order::failed) failed_[from] = received;
     if (is_of_this_world && (order == wanted || order == Order::failed)) return received;
     // The other rank sent its rows before it knew that this rank has failed.
-    const bool is_of_rows = order == Order::together || order == Order::candidates || order == Order::rows;
+    const bool is_of_rows = order == Order::together || order == Order::candidates || order == Order::rows ||
+                            order == Order::births;
     if (is_of_this_world && wanted == Order::exchange && is_of_rows) continue;
     if (!is_of_this_world || from != 0 || wanted != Order::agree)
       throw std::logic_error(
@@ -140,6 +142,23 @@ void Replica::apply_effects(std::span<const Effect> effects,
                             const std::function<void(const Effect&)>& apply) {
   rows_->apply_effects(effects, apply);
 }
+
+bool Replica::tests_places_at(const Vec2& point) const {
+  return !is_in_tick_ || rows_->tests_places_at(point);
+}
+
+std::uint32_t Replica::lowest_trial(std::uint32_t own, std::uint32_t trials) {
+  return is_in_tick_ ? rows_->lowest_trial(own, trials) : own;
+}
+
+void Replica::attempt(const std::function<void()>& work) {
+  if (is_in_tick_ && is_exchanged_)
+    rows_->attempt(work);
+  else
+    work();  // before exchange(), a rank that fails tells the others: fail()
+}
+
+void Replica::end_attempts() { rows_->end_attempts(); }
 
 void Replica::begin(Phase phase) {
   phase_ = phase;

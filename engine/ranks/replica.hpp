@@ -117,6 +117,22 @@ class Replica {
   /// that owns its source, if the world is distributed (class SharedEffects); else on every rank. `apply`
   /// applies one.
   void apply_effects(std::span<const Effect> effects, const std::function<void(const Effect&)>& apply);
+  /// For births, which every rank computes for the same requests in the same order: whether this rank tests
+  /// whether places at a point (m, world frame) are free. In a distributed world, the rank does so that owns
+  /// the ground there; otherwise every rank, as does rank 0 between two ticks.
+  bool tests_places_at(const Vec2& point) const;
+  /// For a birth: returns the lowest trial of all ranks. Every rank must call this for the same birth.
+  ///
+  /// own: the first trial whose place this rank has found free; `trials` if there is none
+  /// trials: number of trials
+  std::uint32_t lowest_trial(std::uint32_t own, std::uint32_t trials);
+  /// Called in the phase move, for a part of a birth that only ranks with the rows concerned carry out: calls
+  /// work(). In a distributed world, an exception of `work` is thrown by end_attempts() instead, on all
+  /// ranks. Every rank must call both for the same births.
+  ///@{
+  void attempt(const std::function<void()>& work);
+  void end_attempts();
+  ///@}
   void begin(Phase phase);  ///< called when a phase begins: stores the phase for errors, and the time
 
   /// The rows that this rank owns.

@@ -51,6 +51,11 @@ class ReplicatedRows final : public RankRows {
   void apply_effects(std::span<const Effect> effects,
                      const std::function<void(const Effect&)>& apply) override;
 
+  bool tests_places_at(const Vec2&) const override { return true; }
+  std::uint32_t lowest_trial(std::uint32_t own, std::uint32_t) override { return own; }
+  void attempt(const std::function<void()>& work) override { work(); }
+  void end_attempts() override {}
+
   std::vector<std::uint64_t> sums() const override;
   void verify(std::span<const std::vector<std::uint64_t>> sums) const override;
 

@@ -6,11 +6,8 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <exception>
-#include <limits>
 #include <memory>
 #include <optional>
-#include <string>
 #include <utility>
 
 namespace troupe::engine {
@@ -29,10 +26,10 @@ void SharedEffects::note() {
   affected_.clear();
   own_ = effects_.emitted().size();
   for (const Effect& effect : effects_.emitted()) {
-    note(effect.source);
+    if (!effect.is_of_life()) note(effect.source);
     if (effect.target.index() >= world_.spec().bodies.size()) continue;  // not valid
     const RowLocation location = world_.location(effect.target);
-    if (location == RowLocation::here) note(effect.target);
+    if (location == RowLocation::here && !effect.is_of_life()) note(effect.target);
     if (location == RowLocation::elsewhere)
       throw StepError(fmt::format(
           "tick {}: the device \"{}\" of \"{}\" acts on \"{}\", which is beyond the reach of the device "
@@ -86,42 +83,16 @@ SharedEffects::Affected* SharedEffects::find(BodyId body) {
 }
 
 void SharedEffects::apply(std::span<const Effect> effects, const std::function<void(const Effect&)>& apply) {
-  constexpr std::uint64_t k_none = std::numeric_limits<std::uint64_t>::max();
-  std::uint64_t failed = k_none;  // number of the effect that threw
-  std::string text;
-  std::exception_ptr error;
   for (std::size_t i = 0; i < effects.size(); ++i) {
+    if (effects[i].is_of_life()) continue;  // World::resolve_lives()
     Affected& source = *find(effects[i].source);
     bring(source, source.owner);
     if (Affected* const target = find(effects[i].target)) bring(*target, source.owner);
-    if (source.owner != post_.rank || error) continue;
-    try {
-      apply(effects[i]);
-    } catch (const std::exception& thrown) {  // the other ranks wait for the messages of this one
-      error = std::current_exception();
-      failed = i;
-      text = thrown.what();
-    }
+    if (source.owner == post_.rank) error_.attempt(i, [&] { apply(effects[i]); });
   }
   for (Affected& each : affected_) bring(each, each.owner);
   show();
-  MessageWriter own = post_.begin(Order::effects);
-  own.put(failed);
-  own.put_text(text);
-  post_.send_to_all(std::move(own));
-  // The error of the first effect that failed is the one that a single rank would have met. What was thrown
-  // after it, on any rank, may be its consequence.
-  for (unsigned from = 0; from < post_.ranks; ++from) {
-    if (from == post_.rank) continue;
-    ReceivedOrder received = post_.receive(Order::effects, from);
-    const auto number = received.rest.get<std::uint64_t>();
-    if (number >= failed) continue;
-    failed = number;
-    text = received.rest.get_text();
-    error = nullptr;
-  }
-  if (error) std::rethrow_exception(error);
-  if (failed != k_none) throw StepError(text);
+  error_.agree(post_);
 }
 
 /// Sends the state of a body from the rank that has changed it last to rank `to`, unless that is the same.

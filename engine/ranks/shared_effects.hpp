@@ -5,6 +5,7 @@
 #include "engine/kinds/effects.hpp"
 #include "engine/ranks/halo.hpp"
 #include "engine/ranks/orders.hpp"
+#include "engine/ranks/shared_error.hpp"
 #include "partition/message.hpp"
 
 #include <cstddef>
@@ -20,6 +21,9 @@ namespace troupe::engine {
 /// before, so the ranks take turns: the rank that owns the source of an effect applies it. If the last change
 /// of the source or of the target was made on another rank, that rank sends the state of the body first. At
 /// the end the owners get the states of their bodies, and the other ranks those of their ghosts.
+///
+/// Births and deaths are effects too. They change no other state, so the ranks only learn of them here: every
+/// rank then carries them out (World::resolve_lives()).
 ///
 /// All ranks know all effects of the tick, and who owns the bodies that these concern. They therefore agree
 /// on all messages without asking. Worlds in which devices act on bodies beyond their reach are not
@@ -41,8 +45,9 @@ class SharedEffects {
   /// Called when the effects of all ranks are known, before any body moves. is_new: whether the rows were
   /// distributed since note()
   void begin(bool is_new);
-  /// Applies `effects`, those of all ranks in their order; `apply` applies one of them. Throws on all ranks
-  /// if `apply` throws on any rank: StepError, or the exception itself on the rank where it was thrown.
+  /// Applies `effects`, those of all ranks in their order, except births and deaths; `apply` applies one of
+  /// them. Throws on all ranks if `apply` throws on any rank: StepError, or the exception itself on the rank
+  /// where it was thrown.
   void apply(std::span<const Effect> effects, const std::function<void(const Effect&)>& apply);
 
  private:
@@ -61,8 +66,9 @@ class SharedEffects {
   Halo& halo_;
   Effects& effects_;
   RankPost post_;
-  std::size_t own_ = 0;             // number of the noted effects, which come first in effects_
-  std::size_t noted_ = 0;           // number of elements of affected_ after note()
+  std::size_t own_ = 0;    // number of the noted effects, which come first in effects_
+  std::size_t noted_ = 0;  // number of elements of affected_ after note()
+  SharedError error_;
   std::vector<Affected> affected_;  // after note(): by own effects; after begin(): by all, in order of ids
 };
 

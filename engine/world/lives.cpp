@@ -1,5 +1,6 @@
 #include "base/fp_environment.hpp"
 #include "engine/kinds/finite.hpp"
+#include "engine/ranks/replica.hpp"
 #include "engine/world/kind_errors.hpp"
 #include "engine/world/world.hpp"
 
@@ -73,23 +74,40 @@ bool World::lives_hold(std::uint64_t tick) const {
 }
 
 void World::derive_lives() {
-  robots_ = robots_at_start_;
-  state_.now.absent = 0;
   newborn_.clear();
+  count_present();
+  for (std::size_t i = 0; i < state_.spec.reserves.size(); ++i) {
+    const ReserveSpec& reserve = state_.spec.reserves[i];
+    const auto is_born = [&](std::uint32_t number) {
+      const BodyId id(reserve.first.index() + number);
+      return location(id) == RowLocation::here && presence(row(id)) != Presence::unborn;
+    };
+    std::uint32_t& next = next_born_[i];
+    next = 0;
+    while (next < reserve.count && is_born(next)) ++next;
+  }
+}
+
+/// Counts the bodies that are absent, and the robots of own rows that are present.
+void World::count_present() {
+  state_.now.absent = 0;
+  robots_ = robots_at_start_;
   if (!state_.life_table) return;
   robots_ = 0;
   for (std::size_t r = 0; r < rows(); ++r) {
     const bool there = presence(Row(r)) == Presence::there;
     state_.now.absent += !there;
-    robots_ += there && type(Row(r)).drive;
+    robots_ += there && r < state_.own_rows && type(Row(r)).drive;
   }
-  for (std::size_t i = 0; i < state_.spec.reserves.size(); ++i) {
-    const ReserveSpec& reserve = state_.spec.reserves[i];
-    std::uint32_t& next = next_born_[i];
-    next = 0;
-    while (next < reserve.count && presence(row(BodyId(reserve.first.index() + next))) != Presence::unborn)
-      ++next;
-  }
+}
+
+void World::set_births(std::span<const std::uint32_t> births) {
+  std::ranges::copy(births, next_born_.begin());
+}
+
+std::size_t World::robots() const {
+  gather_distributed();
+  return robots_;
 }
 
 Vec2 World::origin(Row row) const {
@@ -105,13 +123,55 @@ std::optional<std::size_t> World::reserve(std::string_view population) const {
   return static_cast<std::size_t>(found - state_.spec.reserves.begin());
 }
 
-/// Spawns the next body of a reserve, if there is one and `pose` is free. The spatial index must contain the
-/// present poses of all bodies in the world, except those that were born since it was built; newborn_ lists
-/// these.
-Birth World::give_birth(std::size_t reserve, const Pose& pose) {
+/// Spawns the next body of a reserve, if there is one, at the first free pose of place(0), place(1), ...,
+/// place(trials - 1). Between two births, the spatial index must contain the present poses of all bodies in
+/// the world, except those of newborn_, which have been born since it was built.
+///
+/// If the rows are distributed among ranks, all ranks call this in the same order. The row of the new body
+/// stays on the rank that had the row of the unborn body, until the ranks distribute the rows again.
+Birth World::give_birth(std::size_t reserve, std::uint32_t trials,
+                        const std::function<Pose(std::uint32_t)>& place) {
   if (unborn(reserve) == 0) return {BirthStatus::used_up, {}};
   const BodyId id(state_.spec.reserves[reserve].first.index() + next_born_[reserve]);
-  const Row row = this->row(id);
+  const BodyType& type = state_.types[state_.spec.bodies[id.index()].type.index()];
+  // A row can be elsewhere only in worlds without joints (why_replicated()). The shape of a body with joints
+  // depends on where they are when the body is born.
+  const Row row = location(id) == RowLocation::here ? this->row(id) : Row();
+  if (!type.joints.empty()) enter(row, {});
+  const partition::ObstacleShape& shape = type.joints.empty() ? type.obstacle : *state_.shapes[row.index()];
+  const std::uint32_t trial = first_free(id, shape, trials, place);
+  if (!type.joints.empty()) leave(row);
+  if (trial == trials) return {BirthStatus::occupied, {}};
+  const Pose pose = at_start(place(trial));
+  attempt([&] {
+    if (!row.valid()) return;
+    enter(row, pose);
+    Life& life = state_.life(row);
+    life.birth = state_.now.tick;
+    life.x = pose.x;
+    life.y = pose.y;
+    if (row.index() < state_.own_rows) robots_ += type.drive.has_value();
+  });
+  newborn_.push_back({id, pose});
+  ++next_born_[reserve];
+  return {BirthStatus::born, id};
+}
+
+/// Returns the lowest trial whose pose place(trial) is free for an unborn body with this shape; `trials` if
+/// there is none. If the rows are distributed among ranks, each rank tests the poses on its own ground.
+std::uint32_t World::first_free(BodyId id, const partition::ObstacleShape& shape, std::uint32_t trials,
+                                const std::function<Pose(std::uint32_t)>& place) const {
+  std::uint32_t first = trials;
+  for (std::uint32_t trial = 0; trial < trials && first == trials; ++trial) {
+    const Pose pose = place(trial);
+    const bool is_tested = is_finite(pose) && (!replica_ || replica_->tests_places_at(pose.position()));
+    if (is_tested && is_free(id, shape, at_start(pose))) first = trial;
+  }
+  return replica_ ? replica_->lowest_trial(first, trials) : first;
+}
+
+/// Gives an unborn body the state of a body at tick 0, at this pose.
+void World::enter(Row row, const Pose& pose) {
   for (const BodyType::Device& device : type(row).devices)
     if (device.command_table)  // a program may have kept a reference to this command, and written to it
       state_.tables[*device.command_table].clear_row(slot(row));
@@ -119,22 +179,14 @@ Birth World::give_birth(std::size_t reserve, const Pose& pose) {
   --state_.now.absent;
   start(row, pose);
   derive(row);
-  if (!is_free(row, poses()[row.index()])) {
-    state_.clear(row);
-    state_.life(row).presence = static_cast<std::uint8_t>(Presence::unborn);
-    ++state_.now.absent;
-    derive(row);
-    return {BirthStatus::occupied, {}};
-  }
-  const Pose& at = poses()[row.index()];
-  Life& life = state_.life(row);
-  life.birth = state_.now.tick;
-  life.x = at.x;
-  life.y = at.y;
-  robots_ += type(row).drive.has_value();
-  newborn_.push_back(row);
-  ++next_born_[reserve];
-  return {BirthStatus::born, id};
+}
+
+/// Undoes enter().
+void World::leave(Row row) {
+  state_.clear(row);
+  state_.life(row).presence = static_cast<std::uint8_t>(Presence::unborn);
+  ++state_.now.absent;
+  derive(row);
 }
 
 /// Removes a body from the world, if it is there. Its carrier releases it, and it releases its cargo. Its row
@@ -153,36 +205,55 @@ void World::die(Row row) {
   state_.life(row) = life;
   state_.life(row).presence = static_cast<std::uint8_t>(Presence::dead);
   ++state_.now.absent;
-  robots_ -= type(row).drive.has_value();
+  if (row.index() < state_.own_rows) robots_ -= type(row).drive.has_value();
   derive(row);
 }
 
 /// Carries out the deaths and births that devices requested in this tick. Deaths come first, so that a body
 /// can be born where another body died in the same tick. Throws std::logic_error if the world has neither
-/// reserves nor deaths.
+/// reserves nor deaths. If the rows are distributed among ranks, `effects` has those of all ranks.
 void World::resolve_lives(std::span<const Effect> effects) {
   if (!state_.life_table)
     throw std::logic_error(
         "a device requested a birth, but no population of the world has a \"reserve\"; or it requested a "
         "death, "
         "but its kind does not set DeviceKind::Prepared::ends_lives in prepare()");
+  const auto is_here = [&](BodyId body) { return location(body) == RowLocation::here; };
   for (const Effect& effect : effects)
-    if (effect.verb == k_death && effect.target.index() < state_.rows.size() && row(effect.target).valid())
+    if (effect.verb == k_death && effect.target.index() < state_.rows.size() && is_here(effect.target))
       die(row(effect.target));
+  const auto has_died = [&](BodyId source) {
+    if (is_here(source)) return !is_there(row(source));
+    return std::ranges::any_of(
+        effects, [&](const Effect& effect) { return effect.verb == k_death && effect.target == source; });
+  };
   bool is_indexed = false;
   for (const Effect& effect : effects) {
-    if (effect.verb != k_birth || !is_there(row(effect.source))) continue;
+    if (effect.verb != k_birth || has_died(effect.source)) continue;
     // Until it is rebuilt, the index has the poses before this tick.
     if (!is_indexed) state_.index.rebuild(state_.transforms, state_.radii, parallel_);
     is_indexed = true;
-    const BodyType::Device& device = type(row(effect.source)).devices[effect.device];
     const auto [x, y, z, heading] = effect.payload;
-    const Birth birth = give_birth(effect.reserve, {x, y, z, heading});
-    if (const Row source = row(effect.source); device.kind->born)
+    const Birth birth = give_birth(effect.reserve, 1, [&](std::uint32_t) { return Pose{x, y, z, heading}; });
+    attempt([&] {
+      if (!is_here(effect.source)) return;
+      const Row source = row(effect.source);
+      const BodyType::Device& device = type(source).devices[effect.device];
+      if (!device.kind->born) return;
       call_kind(*this, {&source, 1}, device,
                 [&] { device.kind->born(*this, device.prepared.data, effect, birth); });
+    });
   }
+  if (replica_) replica_->end_attempts();
   movement_.count_stalls();
+}
+
+/// Calls work(). If it throws, a rank of a distributed world throws only when the other ranks do as well.
+void World::attempt(const std::function<void()>& work) {
+  if (replica_)
+    replica_->attempt(work);
+  else
+    work();
 }
 
 Birth World::spawn(std::size_t reserve, const Pose& pose) {
@@ -195,7 +266,7 @@ Birth World::spawn(std::size_t reserve, const Pose& pose) {
                     state_.spec.reserves[reserve].population, pose.x, pose.y, pose.z, pose.heading));
   touch();
   const Completion completion(*this);
-  const Birth birth = give_birth(reserve, pose);
+  const Birth birth = give_birth(reserve, 1, [&](std::uint32_t) { return pose; });
   if (birth.status == BirthStatus::born) index_bodies();
   return birth;
 }

@@ -116,9 +116,7 @@ void World::derive_rows() {
   links_.build();
   state_.bind_view();
   movement_.draw_odometry_errors();
-  state_.now.absent = 0;
-  for (std::size_t r = 0; state_.life_table && r < rows(); ++r)
-    state_.now.absent += presence(Row(r)) != Presence::there;
+  count_present();
   count_impaired();
   movement_.count_stalls();
   links_.derive();

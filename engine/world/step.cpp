@@ -318,9 +318,7 @@ void World::move() {
 void World::apply_effects() {
   if (effects_.empty()) return;
   const std::span<const Effect> effects = effects_.sorted();
-  bool any_of_life = false;
   const auto apply = [&](const Effect& effect) {
-    any_of_life = any_of_life || effect.is_of_life();
     if (effect.is_of_life()) return;
     const BodyType::Device& device = type(row(effect.source)).devices[effect.device];
     const Row source = row(effect.source);
@@ -334,7 +332,7 @@ void World::apply_effects() {
     replica_->apply_effects(effects, apply);
   else
     std::ranges::for_each(effects, apply);
-  if (any_of_life) resolve_lives(effects);
+  if (std::ranges::any_of(effects, &Effect::is_of_life)) resolve_lives(effects);
   effects_.clear();
 }
 

@@ -44,6 +44,9 @@ void World::start() {
   derive();
 }
 
+/// The pose of a body that starts at `p`.
+Pose World::at_start(const Pose& p) { return {p.x + 0.0, p.y + 0.0, p.z + 0.0, wrap_angle(p.heading) + 0.0}; }
+
 void World::start(Row row, const Pose& p) {
   const BodyType& type = this->type(row);
   for (const BodyType::Device& device : type.devices)
@@ -61,7 +64,7 @@ void World::start(Row row, const Pose& p) {
     if (controller.table)
       call_kind(*this, {&row, 1}, controller,
                 [&] { controller.kind->start(state_.tables[*controller.table].row(slot(row))); });
-  state_.poses()[row.index()] = {p.x + 0.0, p.y + 0.0, p.z + 0.0, wrap_angle(p.heading) + 0.0};
+  state_.poses()[row.index()] = at_start(p);
   if (type.drive) start(row, *type.drive);
 }
 
@@ -244,20 +247,33 @@ void World::begin_placing() {
 
 bool World::is_free(Row row, const Pose& pose) const {
   require_whole();
-  if (!is_finite(pose) || !state_.bounds().contains(pose.position())) return false;
-  const partition::ObstacleShape& shape = is_there(row) ? *state_.shapes[row.index()] : type(row).obstacle;
+  if (!is_finite(pose)) return false;
+  return is_free(body(row), is_there(row) ? *state_.shapes[row.index()] : type(row).obstacle, pose);
+}
+
+/// Whether a body with this shape would be within the bounds at a finite pose, and would overlap no other
+/// body that is an obstacle.
+bool World::is_free(BodyId id, const partition::ObstacleShape& shape, const Pose& pose) const {
+  if (!state_.bounds().contains(pose.position())) return false;
   if (shape.empty()) return true;
   if (state_.scene.has_obstacles() && state_.scene.blocked(shape, pose)) return false;
   bool free = true;
-  const auto look_at = [&](std::uint32_t r) {
-    if (!free || r == row.index() || state_.shapes[r]->empty()) return;
+  const auto look_at = [&](BodyId other, const partition::ObstacleShape& its_shape, const Pose& its_pose) {
+    if (!free || other == id || its_shape.empty()) return;
     // The body with the lower id is the first argument, as in conflict resolution, so that both agree.
-    free = state_.ids[row.index()] < state_.ids[r] ? !overlap(shape, pose, *state_.shapes[r], poses()[r])
-                                                   : !overlap(*state_.shapes[r], poses()[r], shape, pose);
+    free =
+        id < other ? !overlap(shape, pose, its_shape, its_pose) : !overlap(its_shape, its_pose, shape, pose);
   };
+  const auto look_at_row = [&](std::uint32_t r) { look_at(state_.bodies[r], *state_.shapes[r], poses()[r]); };
   state_.index.for_each_near(Box::around(pose.position(), shape.radius),
-                             [&](const partition::BodyCircle& other) { look_at(other.row); });
-  for (const Row other : newborn_) look_at(other.value);
+                             [&](const partition::BodyCircle& other) { look_at_row(other.row); });
+  for (const Newborn& other : newborn_) {
+    if (location(other.body) == RowLocation::here)
+      look_at_row(row(other.body).value);
+    else  // its row will come when the ranks distribute the rows
+      look_at(other.body, state_.types[state_.spec.bodies[other.body.index()].type.index()].obstacle,
+              other.pose);
+  }
   return free;
 }
 

@@ -227,6 +227,11 @@ class World {
   void exchange_rows(std::span<const BodyId> leaving, std::span<const RowState> coming, std::size_t own);
   /// RowState::bytes of a row.
   std::vector<std::byte> row_bytes(Row row);
+  /// Number of bodies of each reserve that have been born, one element per element of WorldSpec::reserves.
+  /// All ranks have the same numbers.
+  std::span<const std::uint32_t> births() const { return next_born_; }
+  /// Called after adopt() if rows are elsewhere: `births` are the numbers of rank 0.
+  void set_births(std::span<const std::uint32_t> births);
 
   // ---- constants and indices
   /// The spec that the world was made from, with the seed and the bodies of the last restart() and the
@@ -254,7 +259,7 @@ class World {
   /// Number of robots (rows whose type has a drive) that are in the world at tick 0.
   std::size_t robots_at_start() const { return robots_at_start_; }
   /// Number of robots that are in the world now.
-  std::size_t robots() const { return robots_; }
+  std::size_t robots() const;
   BodyId body(Row row) const { return state_.view.body(row); }  ///< body of a row
   /// Where the row of a body is.
   RowLocation location(BodyId body) const { return state_.view.location(body); }
@@ -541,6 +546,7 @@ class World {
   void start();
   /// Gives a row the state that its body has at tick 0 or at its birth, with this pose (world frame). All
   /// bytes of the row must be 0 before.
+  static Pose at_start(const Pose& pose);
   void start(Row row, const Pose& pose);
   void start(Row row, const BodyType::Drive& drive);
   /// Computes all derived data: those that are neither constant, nor state, nor set by the program. It reads
@@ -577,7 +583,15 @@ class World {
   // engine/world/lives.cpp
   void derive_lives();
   bool lives_hold(std::uint64_t tick) const;
-  Birth give_birth(std::size_t reserve, const Pose& pose);
+  void count_present();
+  Birth give_birth(std::size_t reserve, std::uint32_t trials,
+                   const std::function<Pose(std::uint32_t)>& place);
+  std::uint32_t first_free(BodyId id, const partition::ObstacleShape& shape, std::uint32_t trials,
+                           const std::function<Pose(std::uint32_t)>& place) const;
+  bool is_free(BodyId id, const partition::ObstacleShape& shape, const Pose& pose) const;
+  void enter(Row row, const Pose& pose);
+  void leave(Row row);
+  void attempt(const std::function<void()>& work);
   void die(Row row);
   void resolve_lives(std::span<const Effect> effects);
 
@@ -671,8 +685,12 @@ class World {
 
   // Derived: computed by derive(), kept up to date by each tick.
   std::vector<std::uint32_t> next_born_;  // one per reserve: index of its first unborn body in the reserve
-  std::vector<Row> newborn_;              // rows of bodies that the index does not contain yet
-  std::size_t robots_ = 0;
+  struct Newborn {
+    BodyId body;
+    Pose pose;  // at birth, world frame
+  };
+  std::vector<Newborn> newborn_;  // bodies that the index does not contain yet
+  std::size_t robots_ = 0;        // among the own rows
   Experiment experiment_;  // except its lists of interventions, which only set() extends, and faults, which
                            // are constant
   std::vector<double> grid_lifts_;  // height offset of each outline that the grid ray engine draws, m

@@ -1,0 +1,43 @@
+#include "engine/ranks/shared_error.hpp"
+
+#include "engine/kinds/step_error.hpp"
+
+#include <utility>
+
+namespace troupe::engine {
+
+void SharedError::attempt(std::uint64_t number, const std::function<void()>& step) {
+  if (error_) return;
+  try {
+    step();
+  } catch (const std::exception& thrown) {
+    error_ = std::current_exception();
+    failed_ = number;
+    text_ = thrown.what();
+  }
+}
+
+/// The error of the first step that failed is the one that a single rank would have met. What was thrown
+/// after it, on any rank, may be its consequence.
+void SharedError::agree(const RankPost& post) {
+  partition::MessageWriter own = post.begin(Order::ended);
+  own.put(failed_);
+  own.put_text(text_);
+  post.send_to_all(std::move(own));
+  std::uint64_t first = std::exchange(failed_, k_none);
+  std::string text = std::exchange(text_, {});
+  std::exception_ptr error = std::exchange(error_, nullptr);
+  for (unsigned from = 0; from < post.ranks; ++from) {
+    if (from == post.rank) continue;
+    ReceivedOrder received = post.receive(Order::ended, from);
+    const auto number = received.rest.get<std::uint64_t>();
+    if (number >= first) continue;
+    first = number;
+    text = received.rest.get_text();
+    error = nullptr;
+  }
+  if (error) std::rethrow_exception(error);
+  if (first != k_none) throw StepError(text);
+}
+
+}  // namespace troupe::engine

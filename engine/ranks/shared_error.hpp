@@ -1,0 +1,35 @@
+#pragma once
+
+#include "engine/ranks/orders.hpp"
+
+#include <cstdint>
+#include <exception>
+#include <functional>
+#include <limits>
+#include <string>
+
+namespace troupe::engine {
+
+/// The error of a sequence of steps that ranks carry out in turn, or each for its own rows. A rank cannot end
+/// the sequence when one of its steps throws, because the other ranks wait for its messages. Instead, the
+/// rank leaves out its later steps, and at the end of the sequence all ranks throw the error of the first
+/// step that failed.
+class SharedError {
+ public:
+  /// Calls step(), unless an earlier step has failed on this rank. Catches any std::exception. Each call on a
+  /// rank must have a higher `number` than the call before; equal numbers on several ranks are one step.
+  void attempt(std::uint64_t number, const std::function<void()>& step);
+  /// Called on all ranks at the end of the sequence. If a step has failed, throws the error of the one with
+  /// the lowest number: the exception itself on a rank where it was thrown, otherwise a StepError with its
+  /// text. The next sequence can then begin.
+  void agree(const RankPost& post);
+
+ private:
+  static constexpr std::uint64_t k_none = std::numeric_limits<std::uint64_t>::max();
+
+  std::uint64_t failed_ = k_none;  // number of the step that failed on this rank
+  std::string text_;
+  std::exception_ptr error_;
+};
+
+}  // namespace troupe::engine
