@@ -21,7 +21,7 @@ enum class Order : std::uint8_t {
   restart,     ///< call World::restart()
   set,         ///< call World::set()
   hash,        ///< send rank 0 the sums of the hashes of the rows that the receiver owns
-  gather,      ///< send rank 0 those rows of tables with Sharing::kept that the receiver owns
+  gather,      ///< send rank 0 the own rows that it lacks (RankRows::put_missing())
   counts,      ///< send rank 0 what the receiver has counted (Replica::all_counts())
   agree,       ///< in a tick: the callback of World::before_tick() has returned on rank 0
   together,    ///< in a tick: the rows for Replica::on_rank_0(), to rank 0 and back
@@ -29,7 +29,7 @@ enum class Order : std::uint8_t {
   rows,        ///< in a tick: rows that go to another rank, and ghosts (Halo::distribute())
   outcomes,    ///< in a tick: outcomes of motions of own rows that are ghosts of the receiver
   candidates,  ///< in a tick: own rows among which an intervention chooses at random
-  effects,     ///< in a tick: rows that effects change (SharedEffects), and how applying them ended
+  effects,     ///< in a tick: rows that effects change (SharedEffects), and the first error
   /// The sender could not make the replica or compute its rows of the tick, or the callback of
   /// World::before_tick() threw an exception on rank 0.
   failed,
