@@ -48,7 +48,8 @@ void check(const ConvertOptions& options) {
     throw OutputError(fmt::format("{}: error: the file exists; --force replaces it", options.out.string()));
 }
 
-/// Throws OutputError if OUT exists and is one of the files that IN was read from. world: that of IN
+/// Throws OutputError if OUT exists and is one of the files that IN was read from. world: the world that IN
+/// describes
 void check_inputs(const ConvertOptions& options, const engine::WorldSpec& world) {
   std::error_code ignored;
   if (!std::filesystem::exists(options.out, ignored)) return;

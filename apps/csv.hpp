@@ -42,8 +42,8 @@ class CsvFile {
   /// Writes the finished lines to the file. Call it only after end_line(), not within a line. tick: the
   /// current tick of the run, for the error. Throws std::runtime_error if writing fails.
   void flush(std::uint64_t tick);
-  /// The lines that were flushed before the tick `tick`. This tick must not be earlier than that of the last
-  /// flush.
+  /// Returns the lines that were flushed before the tick `tick`, which must not be earlier than the tick of
+  /// the last flush.
   Start before(std::uint64_t tick) const { return last_tick_ && *last_tick_ >= tick ? before_ : written_; }
 
  private:
@@ -54,9 +54,9 @@ class CsvFile {
   std::ofstream stream_;
   std::string pending_;
   bool line_begun_ = false;
-  HashStream hash_;  // of the lines in the file
+  HashStream hash_;  // hash of the lines in the file
   Start written_;    // the lines in the file
-  Start before_;     // without those of the last tick
+  Start before_;     // the lines in the file, without those of last_tick_
   std::optional<std::uint64_t> last_tick_;
 };
 

@@ -28,7 +28,8 @@ using engine::FieldType;
 using engine::Registry;
 using engine::Value;
 
-/// Returns a heading and one line with name and description for each kind; empty if there are no kinds.
+/// Returns a heading and, below it, one line with name and description for each kind. The text is empty if
+/// there are no kinds.
 template <class Kinds>
 std::string listed(std::string_view heading, const Kinds& kinds) {
   if (kinds.empty()) return {};
@@ -59,7 +60,7 @@ std::string value_text(const Value& value) {
   return std::visit(Visitor{}, value.v);
 }
 
-/// Returns the allowed values of a parameter as text: "0 .. 1 m", "> 0 s", "car, diff, omni".
+/// Returns the allowed values of a parameter as text: "number 0 .. 1 m", "number > 0 s", "car, diff, omni".
 std::string range_text(const Field& field) {
   const std::string unit{engine::unit_suffixes(field.unit).front().symbol};
   const bool low = std::isfinite(field.min);

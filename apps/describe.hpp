@@ -26,9 +26,9 @@ void add_describe_options(CLI::App& command, DescribeOptions& options);
 /// worlds. Throws InputError for an unknown kind.
 ExitCode describe(const DescribeOptions& options);
 
-/// Returns one line with name and description for every kind of model, sensor, device, drive, controller,
-/// measure, fault and event, and for every preset (a named controller with its own default parameters), under
-/// a heading for each of these groups.
+/// Returns a list of all kinds as text: one line with name and description per kind, under a heading per
+/// group. The groups are models, sensors, devices, drives, controllers, presets (named controllers with
+/// default parameters of their own), measures, faults and events.
 std::string list_kinds(const engine::Registry& registry);
 
 /// Returns the names of all kinds that list_kinds() lists, except events, sorted, without duplicates.

@@ -3,8 +3,8 @@
 #include <cstdint>
 #include <string>
 
-/// Functions that format numbers for the summaries that users read. Output files contain all digits of
-/// numbers.
+/// Functions that format numbers for the summaries that users read. They are not used for output files, which
+/// contain all digits of numbers.
 namespace troupe::apps {
 
 /// Returns an integer as text, in groups of three digits: `12,345,678`.

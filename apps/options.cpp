@@ -19,7 +19,7 @@
 namespace troupe::apps {
 namespace {
 
-// Largest time that --for accepts, s: 32,000 years. In microseconds it still fits into 64 bits.
+// Largest time that --for accepts, s: 32,000 years. This time, in microseconds, still fits into 64 bits.
 constexpr double k_max_seconds = 1e12;
 
 /// Converts a value of --robots to the name of a population (empty: the only one) and its size.

@@ -45,9 +45,10 @@ double seconds_from_zero(const char* option, const std::string& text);
 /// CLI::ValidationError for other texts. what: name of the time in the error, such as "a real time".
 double positive_seconds(const char* option, const std::string& text, std::string_view what);
 
-/// Converts a value of --threads (1 to partition::Parallel::k_most_threads), of --tile-size (m, above 0) or
-/// of --ranks (1 to k_most_ranks), which have the same form in every command. Throws CLI::ValidationError for
-/// other values.
+/// Convert the text of an option value: thread_count() for --threads (1 to
+/// partition::Parallel::k_most_threads), tile_size_m() for --tile-size (m, above 0), and rank_count() for
+/// --ranks (1 to k_most_ranks). These values have the same form in every command. Throw CLI::ValidationError
+/// for other values.
 unsigned thread_count(std::string_view text);
 double tile_size_m(std::string_view text);
 unsigned rank_count(std::string_view text);
@@ -62,7 +63,8 @@ CLI::Option* add_value(CLI::App& app, const char* name, const char* value, const
 CLI::Option* add_values(CLI::App& app, const char* name, const char* value, const char* help,
                         const std::function<void(const std::string&)>& add);
 
-/// Options of the commands that load a world: the world file, the settings of its simulation, and its end.
+/// Options of the commands that load a world: the world file, the settings of its simulation, and the end of
+/// the run.
 struct WorldOptions {
   std::filesystem::path world;  ///< file of the world, or of the checkpoint
   bool is_checkpoint = false;   ///< `world` is a checkpoint
@@ -104,8 +106,8 @@ void add_plugin_path_option(CLI::App& app, std::vector<std::filesystem::path>& p
 /// Returns the folders in which plug-ins are searched, in this order: those in `given`, those in the
 /// environment variable TROUPE_PLUGIN_PATH, and those in STAGEPATH, where users of Stage keep their plug-ins.
 std::vector<std::filesystem::path> plugin_path(std::vector<std::filesystem::path> given);
-/// Returns the options with the folders that environment variables list: search_path also contains those of
-/// STAGEPATH, as in Stage, and the member plugin_path is the result of the function plugin_path().
+/// Returns the options with the folders that environment variables list: search_path also contains the
+/// folders of STAGEPATH, as in Stage, and the member plugin_path is the result of the function plugin_path().
 SimulationOptions with_environment(SimulationOptions options);
 
 }  // namespace troupe::apps

@@ -38,9 +38,10 @@ struct Input {
 /// neither a folder, nor one of `inputs`, nor another output. Empty paths are skipped. The function creates
 /// nothing, so that an invalid world leaves no files.
 void check_outputs(const std::vector<Input>& inputs, const std::vector<std::filesystem::path>& outputs);
-/// Appends the files that the world of a simulation was read from. A resumed simulation has none.
+/// Appends to `inputs` the files that the world of a simulation was read from. Appends nothing for a
+/// simulation that was resumed from a checkpoint.
 void add_inputs(const Simulation& simulation, std::vector<Input>& inputs);
-/// Appends the files of scripts.
+/// Appends the files of scripts to `inputs`.
 void add_inputs(std::span<const std::shared_ptr<const Script>> scripts, std::vector<Input>& inputs);
 /// Checks that files can be written into a folder. If the folder does not exist yet, checks that its parent
 /// folder exists and is writable. Ignores an empty path. Creates nothing. Throws OutputError.
@@ -50,9 +51,10 @@ void check_folder(const std::filesystem::path& folder);
 class HashLog : public Observer {
  public:
   /// Opens the file and writes the header. If the simulation was resumed from a checkpoint and the file
-  /// exists, the log is continued: its header must have the same options as this run, apart from those that a
-  /// resumed run may change, it must contain the tick of the checkpoint with the same hashes, and the lines
-  /// after this tick are removed. Throws OutputError, or InputError if the file is not a hash log.
+  /// exists, the log is continued, and its lines after the tick of the checkpoint are removed. To be
+  /// continued, the log must contain this tick with the same hashes, and its header must have the same
+  /// options as this run, apart from options that a resumed run may change. Throws OutputError if the file
+  /// cannot be written or continued, and InputError if the existing file is not a hash log.
   HashLog(const std::filesystem::path& file, const Simulation& simulation);
 
   /// Writes the line of the current tick, unless a continued log already ends with it. Throws

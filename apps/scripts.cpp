@@ -24,8 +24,8 @@ ReadScript g_read_script;     // NOLINT: one interpreter per process
 bool g_wants_python = false;  // NOLINT: an option of the process
 
 /// What Python executes. `-m troupe` would search the working folder first, where a json.py would hide the
-/// module json of Python. `-c` puts the working folder first, too, as ""; it becomes the last folder, so that
-/// a script can still import modules from it.
+/// module json of Python. With `-c`, Python also searches the working folder first, under the name "". This
+/// code makes the working folder the last one, so that a script can still import modules from it.
 constexpr const char* k_run_package =
     "import sys\n"
     "if sys.path[:1] == ['']: sys.path.append(sys.path.pop(0))\n"
@@ -37,8 +37,8 @@ std::string environment(const char* name) {
   return value ? value : "";
 }
 
-/// Returns the Python interpreter to execute: that of the environment variable TROUPE_PYTHON, else the one
-/// for which the package was built, else the first python3 on PATH.
+/// Returns the Python interpreter to execute: the one that the environment variable TROUPE_PYTHON names, else
+/// the one for which the package was built, if it exists, else the first python3 on PATH.
 std::string interpreter() {
   if (std::string chosen = environment("TROUPE_PYTHON"); !chosen.empty()) return chosen;
   const std::string built_for = TROUPE_PYTHON_INTERPRETER;

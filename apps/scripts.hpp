@@ -29,10 +29,10 @@ void add_controller_option(CLI::App& app, std::vector<std::shared_ptr<const Scri
 /// Whether a parsed command line has --controller, and this process has no script reader.
 bool python_is_wanted();
 /// Replaces this process by the program in the Python package `troupe`, with the arguments argv[1] to
-/// argv[argc - 1]. Python searches modules in the working folder last. The interpreter
-/// is that of the environment variable TROUPE_PYTHON, or else the one for which the Python package was built,
-/// or, if that does not exist, the first python3 on PATH. Throws InputError if the interpreter cannot be
-/// executed, or if a launcher such as mpirun started several processes.
+/// argv[argc - 1]. Python searches modules in the working folder last. The interpreter is the one that the
+/// environment variable TROUPE_PYTHON names, or else the one for which the Python package was built, or, if
+/// that does not exist, the first python3 on PATH. Throws InputError if the interpreter cannot be executed,
+/// or if a launcher such as mpirun started several processes.
 [[noreturn]] void run_in_python(int argc, const char* const* argv);
 
 }  // namespace troupe::apps

@@ -65,8 +65,8 @@ fs::path temporary_folder() {
 }
 
 /// A temporary HTML file, which only this user can read and which redirects a browser to the address of the
-/// view. The address contains the token. It must not be an argument of a command, because all users of this
-/// machine can see the arguments of running commands.
+/// view. The address contains the token. The address must not be an argument of a command, because all users
+/// of this machine can see the arguments of running commands.
 class Redirect {
  public:
   explicit Redirect(const std::string& address) {
@@ -95,7 +95,7 @@ class Redirect {
   Redirect(const Redirect&) = delete;
   Redirect& operator=(const Redirect&) = delete;
 
-  /// Opens the page with xdg-open; prints a warning if that is not installed.
+  /// Opens the page with xdg-open; prints a warning if xdg-open is not installed.
   void open() const {
     std::string program = "xdg-open";
     std::string file = file_.string();
@@ -115,8 +115,9 @@ class Redirect {
   fs::path file_;
 };
 
-/// Loads the world, all of whose robots users can then remove, or resumes the checkpoint, in which users can
-/// remove or add only the bodies that could be removed or added in its run. Throws InputError.
+/// Loads a world, or resumes a checkpoint. Users can remove all robots of a world. In a resumed run, users
+/// can remove or add only the bodies that could be removed or added in the run that wrote the checkpoint.
+/// Throws InputError if the world or the checkpoint is invalid.
 Simulation load(const ViewOptions& options) {
   const SimulationOptions& simulation = options.simulation;
   const bool is_checkpoint = worldio::is_checkpoint(options.world);

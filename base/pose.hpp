@@ -46,7 +46,7 @@ struct Transform {
   /// Creates the transform of a pose. Its z is ignored.
   explicit Transform(const Pose& pose) : position(pose.x, pose.y), rotation(pose.heading) {}
   Transform(const Vec2& p, const Rotation& r)
-      : position(p), rotation(r) {}  ///< from a position and a rotation
+      : position(p), rotation(r) {}  ///< the transform with this position and rotation
   /// Transforms a point from the frame to its parent frame.
   Vec2 operator*(const Vec2& point) const {
     const Vec2 turned = rotation * point;

@@ -33,7 +33,7 @@ void append_signed(std::string& out, std::int64_t value) {
   append(out, (static_cast<std::uint64_t>(value) << 1) ^ static_cast<std::uint64_t>(value >> 63));
 }
 
-/// Appends the poses that differ from `sent`, and sets `sent` to them.
+/// Appends the poses of the robots whose poses differ from those in `sent`, and sets `sent` to `poses`.
 void append_poses(std::string& out, const std::vector<std::int32_t>& poses, std::size_t robots,
                   std::vector<std::int32_t>& sent) {
   sent.resize(poses.size(), 0);
@@ -58,7 +58,8 @@ void append_poses(std::string& out, const std::vector<std::int32_t>& poses, std:
   sent = poses;
 }
 
-/// Appends the robots whose bytes differ from `sent`, and sets `sent` to them. each: bytes per robot.
+/// Appends the bytes of the robots (or parts) whose bytes differ from those in `sent`, and sets `sent` to
+/// `bytes`. each: bytes per robot.
 void append_bytes(std::string& out, const std::vector<std::uint8_t>& bytes, std::size_t each,
                   std::vector<std::uint8_t>& sent) {
   sent.resize(bytes.size(), 0);

@@ -99,8 +99,8 @@ struct ViewServer::Impl {
   void accept(tcp::acceptor& acceptor);
   void make_room();
   /// Whether a Host header names this machine: as a loopback name, as the address that the client has
-  /// connected to, or with a name that Options::hosts lists. No other name is accepted, because the page of
-  /// another site can give a name of its own the address of this machine (DNS rebinding).
+  /// connected to, or with a name that Options::hosts lists. No other name is accepted, because another site
+  /// can make its own host name refer to the address of this machine (DNS rebinding).
   bool is_allowed(std::string_view host, const tcp::socket& socket) const;
   /// Whether a Host header names a proxy, which may serve the page with TLS.
   bool is_proxy(std::string_view host) const {

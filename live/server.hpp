@@ -33,9 +33,10 @@ class ViewBackend {
   /// Returns the newest picture, encoded for this client; nothing if that picture was already sent to the
   /// client, or if there is no picture yet.
   virtual std::optional<ViewFrames> picture(std::uint64_t client) = 0;
-  /// Called when the server has refused a request, a connection or a message because of its Host or Origin
-  /// header, its token, its size or type, or the number of connections. Not called for an HTTP request with
-  /// an unknown path or method. what: a description of what was refused, such as "a binary message".
+  /// Called when the server has refused a request, a connection or a message. The reason may be the Host or
+  /// Origin header, the token, the size or the type of the message, or the number of connections. Not called
+  /// for an HTTP request with an unknown path or method. what: a description of what was refused, such as "a
+  /// binary message".
   virtual void refused(const std::string& what) = 0;
 };
 

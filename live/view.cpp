@@ -44,7 +44,7 @@ constexpr std::array<std::string_view, 5> k_looking{"inspect", "plot", "color", 
                                                     "parameters"};  // requests of read-only viewers
 constexpr int k_most_files = 100000;  // largest number of files of one kind in a folder
 
-/// A value of a request for errors, at most 60 bytes of it.
+/// The JSON text of a value of a request, for error messages, cut after 60 bytes.
 std::string text_of_value(const Json& value) {
   constexpr std::size_t k_most_bytes = 60;
   const std::string text = value.dump(-1, ' ', true);  // ASCII, so it can be cut anywhere
@@ -112,7 +112,8 @@ View::Impl::Impl(Simulation& simulation, const Options& options)
   server_ = std::make_unique<ViewServer>(ViewServer::Options{options.port, options.bind, options.hosts,
                                                              std::string(k_view_page), token_, look_token_},
                                          static_cast<ViewBackend&>(*this));
-  // After the server, so that no file is left if the address or the port is not available.
+  // The session file is created after the server, so that no file is left if the address or the port is not
+  // available.
   session_ = std::make_unique<SessionLog>(folder_, simulation);
   simulation_.before_tick([this](Simulation&) { before_tick(); });
   self_ = std::make_shared<Impl*>(this);
@@ -131,8 +132,8 @@ View::Impl::~Impl() {
   }
 }
 
-/// Returns the members of the first text to a client, except those that depend on the client. header: that of
-/// worldio::LivePage.
+/// Returns the members of the first text to a client, except those that depend on the client. header: the
+/// member `header` of worldio::LivePage.
 std::string View::Impl::make_greeting(const std::string& header) const {
   const engine::World& world = simulation_.world();
   Json populations = Json::array();  // populations to which bodies can be added
@@ -264,10 +265,10 @@ void View::Impl::before_tick() {
   due_ = due_ + k_most_behind < now ? now + tick : due_ + tick;
 }
 
-/// Waits until the next tick is due, or, if the world is paused, until a viewer continues it. Meanwhile it
-/// executes the messages of viewers. Between two ticks it returns at once if the world is not paused, and as
-/// soon as a viewer sends an act: acts are applied in before_tick(), after the changes that the world
-/// schedules.
+/// Waits until the next tick is due, or, if the world is paused, until a viewer continues the run. Meanwhile
+/// the function executes the messages of viewers. Between two ticks it returns at once if the world is not
+/// paused, and also as soon as a viewer sends an act (a command that changes the world). Acts are applied in
+/// before_tick(), after the changes that the world schedules.
 void View::Impl::wait() {
   for (;;) {
     if (!take_messages()) return;
@@ -305,8 +306,8 @@ void View::Impl::after_tick() {
   limit_recording();
 }
 
-/// Executes the messages that have arrived. Between two ticks, it returns false at the first act, and leaves
-/// this and later messages for before_tick().
+/// Executes the messages that have arrived. Between two ticks, it returns false at the first act (a command
+/// that changes the world), and leaves this and later messages for before_tick().
 bool View::Impl::take_messages() {
   std::vector<Message> messages;
   std::map<std::uint64_t, bool> arrived;
@@ -382,7 +383,7 @@ class View::Impl::Request {
                                    text_of_value(value)));
     return value.get<std::uint64_t>();
   }
-  /// A name; empty for null and for a missing key.
+  /// The value of `key`, which must be a name; empty if it is null or missing.
   std::string name(const char* key) const {
     const Json value = json_.value(key, Json());
     if (value.is_null()) return {};
@@ -390,7 +391,7 @@ class View::Impl::Request {
       throw ActRefused(fmt::format("\"{}\" must be a name, found {}", key, text_of_value(value)));
     return value.get<std::string>();
   }
-  /// A list of names, each of which must be one of `known`.
+  /// The value of `key`, which must be a list of names that are all in `known`.
   std::vector<std::string> names(const char* key, std::span<const std::string_view> known) const {
     const Json list = json_.value(key, Json());
     std::vector<std::string> names;

@@ -44,13 +44,15 @@ nlohmann::ordered_json color_values(const engine::World& world);
 bool has_value(const engine::World& world, const ColorValue& color);
 /// Updates `least` and `most` of `color` with the present values, and then fills `shades` with one byte per
 /// robot of the page: 1 for a value of `least`, 255 for a value of `most`, linear in between (1 for all if
-/// `least` equals `most`), and 0 for robots that do not have the value, whose value is not finite, or that
-/// are not in the world. places: for each body id the index of the robot on the page, or an index of at least
+/// `least` equals `most`), and 0 for a robot that does not have the value, has a value that is not finite, or
+/// is not in the world. places: for each body id the index of the robot on the page, or an index of at least
 /// `robots` if the page does not show the body.
 void take_shades(const engine::World& world, std::span<const std::uint32_t> places, std::size_t robots,
                  ColorValue& color, std::vector<std::uint8_t>& shades);
 
-/// Returns the names of the layers of lines that this world can have: "radio", "sights", "grips", "carries".
+/// Returns the names of the layers of lines that this world can have: "radio" (messages heard), "sights"
+/// (bodies that fiducial finders detect), "grips" (bodies that grippers hold) and "carries" (from carriers to
+/// carried bodies).
 std::vector<std::string_view> layers_of(const engine::World& world);
 /// Returns the lines of some layers as JSON: {layer: [x, y, z, x, y, z, ...]}, two points per line, world
 /// frame, m, rounded to 1 mm; at most 20,000 lines per layer. A line of `radio` goes from a sender to a robot

@@ -207,8 +207,8 @@ void BodyIndex::rebuild(std::span<const Transform> places, std::span<const doubl
   for_each_tile([&](std::size_t slot) { sort_tile(slot); });
 }
 
-/// Computes tiles_, where each tile starts in each array, from counts_, the sizes of the tiles, by a parallel
-/// prefix sum.
+/// Computes tiles_ (where each tile starts in each array) from counts_ (the sizes of the tiles), by a
+/// parallel prefix sum.
 void BodyIndex::place_tiles(Parallel& parallel) {
   const std::size_t slots = counts_.size();
   const std::size_t tasks = (slots + k_summed - 1) / k_summed;

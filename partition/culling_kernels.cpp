@@ -159,7 +159,9 @@ HWY_INLINE std::size_t keep_between(const CircleArrays& circles, std::size_t beg
 
 std::size_t keep_met_by_scan(std::size_t count, const Fan& fan, const float* limits, MetCircles& met) {
   const ScanAngles angles(*fan.scan, fan.count);
-  std::size_t spanning = 0;  // circles that span beams; x and y are overwritten by their first and last beam
+  // Number of circles that span beams. Their x and y are replaced by the numbers of their first and last
+  // beam.
+  std::size_t spanning = 0;
   for (std::size_t i = 0; i < count; i += Lanes(k_f)) {
     const Floats x = LoadU(k_f, &met.x[i]);
     const Floats y = LoadU(k_f, &met.y[i]);

@@ -14,8 +14,8 @@ namespace troupe::partition {
 struct Mailboxes::Impl {
   struct Letter {
     unsigned from = 0;
-    std::uint64_t number = 0;  // among the letters from that rank to this one
-    unsigned delay = 0;        // how many more times the receiver looks for it in vain (tests only)
+    std::uint64_t number = 0;  // of the letters from rank `from` to this mailbox, counted from 0
+    unsigned delay = 0;        // how many more times the receiver ignores the letter (tests only)
     std::shared_ptr<const Message> message;
   };
 

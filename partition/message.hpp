@@ -13,8 +13,8 @@
 
 namespace troupe::partition {
 
-/// The bytes of a message from one rank to another. All ranks have the same processor architecture, so
-/// numbers are copied as they are in memory.
+/// The bytes of a message from one rank to another. Ranks are the threads or processes that compute one world
+/// together. All ranks have the same processor architecture, so numbers are copied as they are in memory.
 using Message = std::vector<std::byte>;
 
 /// Appends values to a message.

@@ -61,8 +61,9 @@ struct MpiTransport::Impl {
   std::string name(unsigned other) const {
     return fmt::format("rank {}{}", other, other < hosts.size() ? " on " + hosts[other] : "");
   }
-  /// Throws RankError, now and at every later use of this transport. A rank that ends because of this error
-  /// must not send an order while another rank waits for its part of a tick, and must not wait once more.
+  /// Throws RankError, and makes later calls of send(), receive() and complete_sending() throw it again. A
+  /// rank that has failed must send no further message, because another rank may wait for its part of a tick
+  /// and would misread the message. It must not wait for another rank either.
   [[noreturn]] void fail(std::string text) {
     failure = std::move(text);
     throw RankError(failure);

@@ -9,10 +9,10 @@
 
 namespace troupe::partition {
 
-/// The transport between the processes that an MPI launcher has started (docs/cluster.md). Troupe itself is
-/// not linked with MPI. It loads a module at run time: a shared library that is linked with MPI
-/// (partition/mpi/mpi_module.h). After send(), receive() or complete_sending() has thrown RankError, later
-/// calls of these functions throw an error with the same text.
+/// The transport between the processes that an MPI launcher has started (docs/cluster.md). Each process is a
+/// rank. Troupe itself is not linked with MPI: this class loads a module at run time, which is a shared
+/// library that is linked with MPI (partition/mpi/mpi_module.h). After send(), receive() or
+/// complete_sending() has thrown RankError, later calls of these functions throw an error with the same text.
 class MpiTransport : public Transport {
  public:
   /// Loads the module and initialises MPI. module: path of the shared library. Throws std::runtime_error if

@@ -305,8 +305,8 @@ HWY_INLINE std::size_t append(const Vec<decltype(k_i)>& beams, const Vec<decltyp
 struct Spans {
   alignas(64) std::int32_t ends[2 * Relative::k_size];  // the first vector, and the last if it is another one
   std::size_t ends_count = 0;
-  // For edges with more vectors between those two: the first of them, and the end (the last vector of the
-  // edge).
+  // For edges that span more than two vectors of beams: the second vector, and the last one, at which the
+  // vectors in between end.
   alignas(64) std::int32_t between[Relative::k_size];
   alignas(64) std::int32_t past[Relative::k_size];
   std::size_t between_count = 0;
@@ -400,7 +400,7 @@ void project_on_scan(const EdgeBlock& edges, const Vec2& reference, const Fan& f
   for (std::size_t j = 0; j < count; j += Lanes(k_f)) {
     const Floats grazing = Load(k_f, relative.grazing + j);
     const auto tiny =
-        AndNot(Eq(grazing, grazing), Eq(Zero(k_f), Zero(k_f)));  // Ne is false of NaN on some targets
+        AndNot(Eq(grazing, grazing), Eq(Zero(k_f), Zero(k_f)));  // on some targets, Ne is false for NaN
     if (HWY_LIKELY(AllFalse(k_f, tiny))) continue;
     for (std::size_t k = j; k < std::min(j + Lanes(k_f), count - 1); ++k)
       if (std::isnan(relative.grazing[k]))

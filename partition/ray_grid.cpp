@@ -61,8 +61,8 @@ std::string too_fine(double resolution, double bytes, double most_bytes) {
 
 }  // namespace
 
-/// Draws outlines into a Drawing. The first cell and the first run are stored at the given places of the
-/// Drawing, later ones after them. Calls file(region, number of the run) as each run is closed.
+/// Draws outlines into a Drawing. Stores the cells from index `cell` of Drawing::cells on, and the runs from
+/// index `run` of Drawing::runs on. Calls file(region, index of the run) whenever a run is complete.
 class RayGrid::Rasterizer {
  public:
   Rasterizer(const GridGeometry& geometry, Drawing& drawing, std::uint32_t cell, std::uint32_t run)
@@ -131,13 +131,14 @@ class RayGrid::Rasterizer {
   Cell region_;
 };
 
-/// A ray on its way. Its position is in cells. Where something is drawn it takes steps from cell to cell:
-/// after i steps along x and j steps along y, both in the direction of the ray, step i + 1 along x crosses a
-/// border between columns of cells, and step j + 1 along y a border between rows. Elsewhere it jumps.
+/// A ray on its way. Its position is in cells. Where something is drawn, the ray takes steps from cell to
+/// cell: a step along x crosses a border between two columns of cells, and a step along y a border between
+/// two rows. i and j count the steps along x and y. Elsewhere the ray jumps.
 ///
-/// `across` and `up` are the extents of the ray along x and y over its whole range, in whole cells. The order
-/// of the steps is that of a line which crosses border i along x at the parameter (2 i - 1) / across and
-/// border j along y at (2 j - 1) / up. Jumps do not change this order.
+/// `across` and `up` are the extents of the ray along x and y over its whole range, in whole cells. They
+/// define the order of the steps: step i along x has the parameter (2 i - 1) / across, step j along y has the
+/// parameter (2 j - 1) / up, and the step with the smaller parameter comes first. Jumps do not change this
+/// order.
 class RayGrid::Line {
  public:
   class Jumps;
@@ -154,9 +155,10 @@ class RayGrid::Line {
         forward_(ray.direction.cwiseAbs()),
         cell_m_(cell_m) {}
 
-  /// False if the ray starts so far away that its cells have no numbers.
+  /// False if the ray starts k_farthest cells or more from the world's origin along x or y, outside the grid.
   bool starts_on_grid() const { return start_.cwiseAbs().maxCoeff() < static_cast<double>(k_farthest); }
-  /// The position after the steps to_i and to_j, in cells. No jump may come between the present one and that.
+  /// The position, in cells, after to_i steps along x and to_j steps along y, counted from the start of the
+  /// ray. There must be no jump between the present position and that one.
   Vec2 after(std::int64_t to_i, std::int64_t to_j) const {
     return {base_.x() + sign_.x() * static_cast<double>(to_i - base_i_),
             base_.y() + sign_.y() * static_cast<double>(to_j - base_j_)};
@@ -165,8 +167,9 @@ class RayGrid::Line {
   static Cell cell_of(const Vec2& at) {
     return {static_cast<std::int32_t>(at.x()), static_cast<std::int32_t>(at.y())};
   }
-  /// True if the position, in this cell, stays in the cells that the ray steps to. Where a ray has crossed an
-  /// axis upwards, positions from -1 to 1 are in cell 0, so its positions fall behind its steps.
+  /// Whether the cells of the following positions are the cells that the ray steps to. This is false for a
+  /// coordinate between -1 and 0 that increases: coordinates from -1 to 1 belong to cell 0 (rounding towards
+  /// zero), so after the next step the position is one cell behind the steps.
   bool keeps_pace(const Vec2& at) const {
     return (step_x < 0 || at.x() >= 0 || at.x() <= -1) && (step_y < 0 || at.y() >= 0 || at.y() <= -1);
   }
@@ -182,15 +185,15 @@ class RayGrid::Line {
   std::int64_t x_to_border(std::int32_t x) const { return step_x > 0 ? k_block - (x & 7) : (x & 7) + 1; }
   std::int64_t y_to_border(std::int32_t y) const { return step_y > 0 ? k_block - (y & 7) : (y & 7) + 1; }
 
-  /// Ends jumps at this position; so many steps may follow.
+  /// Ends a series of jumps at the position `at`. left: largest number of steps that may follow
   void land(const Vec2& at, std::int64_t left) {
     base_ = at;
     base_i_ = i;
     base_j_ = j;
     last = i + j + left;
   }
-  /// The range after the steps to_i and to_j, m: how far the position has moved along x or y, over the
-  /// direction.
+  /// The range after to_i steps along x and to_j steps along y, m: the distance moved along the axis with the
+  /// larger extent, divided by the component of the direction along this axis.
   float range(std::int64_t to_i, std::int64_t to_j) const {
     const Vec2 moved = (after(to_i, to_j) - start_).cwiseAbs();
     return static_cast<float>((across > up ? moved.x() / forward_.x() : moved.y() / forward_.y()) * cell_m_);
@@ -203,7 +206,8 @@ class RayGrid::Line {
   std::int64_t last;  // the number of steps, i + j, after which the ray ends
 
  private:
-  /// The limit keeps order() below 2^62: a ray takes at most 2^30 steps.
+  /// The extent of the ray along an axis, in whole cells. component: the ray's direction along this axis. The
+  /// limit k_farthest keeps order() below 2^62: a ray takes at most 2^30 steps.
   static std::int64_t extent(double component, const GridRay& ray, double cell_m) {
     return static_cast<std::int64_t>(
         std::abs(component) *
@@ -219,12 +223,12 @@ class RayGrid::Line {
   double cell_m_;
 };
 
-/// The jumps of a ray over empty squares, all along the line from the position where they begin. Each goes to
-/// the next border of squares: to the border itself where the ray moves upwards, and to one cell beyond it
-/// where the ray moves downwards.
+/// The jumps of a ray over empty squares, all along the line from the position where they begin. Each jump
+/// ends at the next border of a square: at the border itself if the coordinate increases, and one cell beyond
+/// the border if the coordinate decreases.
 class RayGrid::Line::Jumps {
  public:
-  /// from: position, cells; cell: its cell.
+  /// from: the position where the jumps begin, in cells; cell: the cell of this position
   Jumps(const Line& line, const Vec2& from, Cell cell)
       : from_x_(from.x()),
         from_y_(from.y()),
@@ -237,8 +241,8 @@ class RayGrid::Line::Jumps {
         border_x_(line.step_x > 0 ? (cell.x | (k_square - 1)) + 1 : (cell.x & -k_square) - 1),
         border_y_(line.step_y > 0 ? (cell.y | (k_square - 1)) + 1 : (cell.y & -k_square) - 1) {}
 
-  /// Jumps; returns the number of steps that the jump replaces. No branch: which border is nearer is
-  /// unpredictable.
+  /// Makes the next jump and returns the number of steps that this jump replaces. The code has no branch,
+  /// because it is unpredictable which border is nearer.
   double next() {
     const double to_x = std::abs(border_x_ - from_x_);
     const double to_y = std::abs(border_y_ - from_y_);

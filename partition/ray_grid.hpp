@@ -30,10 +30,11 @@ namespace troupe::partition {
 /// the cell of its end, which the next edge draws. An outline within one cell draws that cell. The inside of
 /// an outline is not drawn.
 ///
-/// A ray moves as in Stage: through squares of 32 x 32 cells in which anything is drawn it follows the same
-/// kind of staircase, and it jumps over empty squares. It ends in the first cell with a surface that it can
-/// hit; the cell of the origin counts. Empty blocks are skipped as a whole; this does not change which cells
-/// the ray passes, because the staircase is computed in integers. docs/sensing.md gives all rules.
+/// A ray moves as in Stage. In squares of 32 x 32 cells in which anything is drawn, the ray follows the same
+/// kind of staircase as an edge; it jumps over empty squares. The ray ends in the first cell that has a
+/// surface that it can hit, which may be the cell of its origin. Empty blocks are skipped as a whole. This
+/// does not change which cells the ray passes, because the staircase is computed in integers. docs/sensing.md
+/// gives all rules.
 
 /// An outline of a mobile body.
 struct MovingOutline {
@@ -79,8 +80,8 @@ class RayGrid {
     /// Per outline that the constructor did not drop: the height by which it is raised above its
     /// MovingOutline::z, m. Empty: no outline is raised.
     std::span<const double> lifts;
-    /// Per body: the number of its group; rays of the body ignore the whole group. Empty: each body is its
-    /// own group. Must stay valid until the next redraw().
+    /// Per body: the number of its group; rays of the body ignore the outlines of the whole group. Empty:
+    /// each body is its own group. Must stay valid until the next redraw().
     std::span<const std::uint32_t> groups;
     std::span<const std::uint8_t> absent;  ///< per body: not 0 if it is not drawn; empty: all are drawn
   };
@@ -176,7 +177,8 @@ class RayGrid {
   void assemble(Region& region, const Region& base, const Drawing& drawing, Slot& slot);
   void mark(std::uint32_t& mark, std::uint32_t surface);
   void forget_empty_regions(std::size_t used);
-  /// The largest ranger_return of the surfaces of a mark that the ray hits; negative if it hits none.
+  /// A mark stands for one or more surfaces. Returns the largest ranger_return of those surfaces that the ray
+  /// hits; negative if the ray hits none of them.
   float met(std::uint32_t mark, const GridRay& ray) const;
   bool met_in_block(const Region& region, std::uint32_t block, const GridRay& ray, const Line& line, Cell at,
                     std::int64_t i, std::int64_t j, GridHit& hit) const;

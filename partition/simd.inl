@@ -82,7 +82,7 @@ using hn::MaxOfLanes;
 
 // On targets without a compress instruction, Highway 1.0.3 keeps the permutations of its Compress in an array
 // inside the function. gcc 12 copies this array, up to a kilobyte, to the stack at every call, which took
-// three quarters of the time of a cull. Highway's CountTrue is a function call on SSSE3, the one target
+// three quarters of the time of may_meet(). Highway's CountTrue is a function call on SSSE3, the one target
 // without popcnt.
 #if HWY_TARGET == HWY_SSSE3 || HWY_TARGET == HWY_SSE4 || HWY_TARGET == HWY_AVX2 || HWY_TARGET == HWY_NEON
 

@@ -41,8 +41,8 @@ std::string name_of(std::int64_t target) {
   return name.starts_with("avx3") ? "avx512" + name.substr(4) : name;
 }
 
-/// Splits a set of targets, one bit each, into single targets. They are in the order of the bits, lowest
-/// first, which is the best target.
+/// Splits a set of targets, one bit each, into single targets. The list begins with the target of the lowest
+/// bit, which is the best target.
 std::vector<std::int64_t> each_of(std::int64_t targets) {
   std::vector<std::int64_t> list;
   for (; targets != 0; targets &= targets - 1) list.push_back(targets & -targets);

@@ -59,8 +59,8 @@ class EdgeGrid {
 class StaticScene {
  public:
   StaticScene() = default;
-  /// solids: in the world frame. cell_m: edge length of the grid cells of the spatial indices, metres, above
-  /// 0; it affects only the speed
+  /// solids: in the world frame. cell_m: edge length of the cells of the index of edges, metres, above 0; the
+  /// cell sizes of other indices follow from it. It affects only the speed.
   StaticScene(std::vector<FixedSolid> solids, double cell_m);
 
   std::span<const FixedSolid> solids() const { return solids_; }  ///< all solids, in the order given

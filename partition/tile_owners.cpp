@@ -55,7 +55,7 @@ std::vector<TileOwners::Key> TileOwners::random_cut(std::span<const Key> keys, u
     const Key key = keys.empty() ? 0 : keys[random.below(static_cast<std::uint32_t>(keys.size()))];
     cut.push_back(key);
     if (cut.size() + 1 == ranks) break;
-    // The next rank: any tiles, the tile of `key` alone, or none.
+    // The rank that begins at `key` owns no tile (next 0), only the tile of `key` (1), or any tiles (2, 3).
     if (const std::uint32_t next = random.below(4); next < 2) cut.push_back(key + next);
   }
   std::ranges::sort(cut);

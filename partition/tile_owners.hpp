@@ -30,22 +30,22 @@ class TileOwners {
   static Key key(const GridGeometry& geometry, const Vec2& point) {
     return key(geometry.tile(geometry.cell(point)));
   }
-  /// Returns the cut that gives each of `ranks` ranks about the same number of points. keys: the key of each
-  /// point's tile, in ascending order. Points with equal keys have one owner.
+  /// Returns the cut (see the constructor) that gives each of `ranks` ranks about the same number of points.
+  /// keys: the key of each point's tile, in ascending order. Points with equal keys have one owner.
   static std::vector<Key> equal_cut(std::span<const Key> keys, unsigned ranks);
 
-  /// For tests: returns a random cut among these keys, which must be in ascending order. Some ranks own one
-  /// tile only, and some own nothing.
+  /// For tests: returns a random cut (see the constructor). Each of its keys is a key of the ascending list
+  /// `keys`, or such a key plus 1. With this cut, some ranks own only one tile, and some own nothing.
   static std::vector<Key> random_cut(std::span<const Key> keys, unsigned ranks, Random& random);
 
   unsigned ranks() const { return static_cast<unsigned>(cut_.size()) + 1; }  ///< number of ranks
   /// The rank that owns the tile with a point (m, world frame).
   unsigned owner(const Vec2& point) const { return owner(key(geometry_, point)); }
 
-  /// Appends to `near` those ranks, except the owner of the point, that own a tile within `distance` (m) of a
-  /// point (m, world frame), in ascending order. May also append ranks whose tiles are slightly farther away;
-  /// if the distance is larger than some hundred tiles, appends all ranks. The result depends on the
-  /// arguments of the constructor and of this function only, so that it is the same on all ranks. Not
+  /// Appends to `near` the ranks that own a tile within `distance` (m) of a point (m, world frame), in
+  /// ascending order, without the owner of the point. May also append ranks whose tiles are slightly farther
+  /// away. If the distance is 128 tile edges or more, appends all ranks but the owner. The result depends
+  /// only on the arguments of the constructor and of this function, so that it is the same on all ranks. Not
   /// thread-safe.
   void find_near(const Vec2& point, double distance, std::vector<unsigned>& near) const;
 

@@ -57,7 +57,7 @@ class Transport {
   const Traffic& traffic() const { return traffic_; }  ///< what this rank has sent so far
   /// A clock that measures intervals, s; always 0 if the transport has none.
   virtual double seconds() const { return 0; }
-  virtual double waited_s() const { return 0; }  ///< total time spent waiting, s; 0 without a clock
+  virtual double waited_s() const { return 0; }  ///< total wait for other ranks, s; 0 without a clock
 
  private:
   virtual void post(unsigned to, std::shared_ptr<const Message> message) = 0;

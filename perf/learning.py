@@ -92,7 +92,7 @@ def rate(step, least_s=0.5):
 
 
 class Batched:
-    """Steps of a BatchEnv."""
+    """A BatchEnv, and its steps with random actions."""
 
     def __init__(self, alone, copies):
         self.copies = copies
@@ -107,7 +107,7 @@ class Batched:
 
 
 class Vectorised:
-    """Steps of a VectorEnv."""
+    """A VectorEnv, and its steps with random actions."""
 
     def __init__(self, copies):
         self.copies = copies
@@ -130,7 +130,7 @@ def main(*sizes):
         batches["VectorEnv"] = [Vectorised(size) for size in sizes]
 
     def ticks(made):
-        """Computes 64 ticks: so few calls from Python cost little time."""
+        """Computes ACTIONS_KEPT ticks in one call of step(), so that the calls from Python take little time."""
         if made % 10 == 0:
             alone.reset(made)
         actions = table[made % len(table)]

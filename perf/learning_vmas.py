@@ -90,7 +90,7 @@ class Room(BaseScenario):
 
 
 class OfVmas:
-    """Steps of VMAS."""
+    """An environment of VMAS, and its steps with the random actions of perf/learning.py."""
 
     def __init__(self, copies):
         self.copies = copies

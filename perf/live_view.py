@@ -62,7 +62,7 @@ def pictures_per_second(troupe, folder, seconds=10):
 
 
 def speed(troupe, folder, world_s, watch):
-    """Ticks per second, from the arrival of the viewer to the end of the run."""
+    """Returns the ticks per second, from the arrival of the viewer to the end of the run, and the result of watch(viewer)."""
     view = View(troupe, folder, 100000, "--rate", 0, "--for", world_s)
     viewer = view.open()
     begin = time.monotonic()

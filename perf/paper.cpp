@@ -90,7 +90,8 @@ class Progress {
   bool visible_ = isatty(STDERR_FILENO) != 0;
 };
 
-/// Whether a run can be made here. draws: can_draw().
+/// Returns an error if a run is not possible here, because its world file is missing or because this build
+/// cannot draw pictures or write recordings. draws: the result of can_draw().
 Result<> can_run(const Run& run, const Result<>& draws) {
   if (const Result<> found = has_world(run.scene); !found)
     return Error{fmt::format("{}: {}", run.scene.name, found.error().text)};
@@ -101,8 +102,9 @@ Result<> can_run(const Run& run, const Result<>& draws) {
 }
 
 /// Removes from the plan the rows that the regular expression `only` does not select and the rows that cannot
-/// run here. If a row about loading is kept, the row of the world without robots is kept too, because its
-/// memory is compared with that of the other rows. Adds the reasons why rows cannot run to `skipped`.
+/// run here. If a row about loading is kept, the row of the world without robots is kept too, because the
+/// memory of the other rows is compared with the memory of this row. Adds the reasons why rows cannot run to
+/// `skipped`.
 void reduce(Plan& plan, const std::string& only, std::vector<std::string>& skipped) {
   const std::regex wanted(only);
   std::erase_if(plan.cases, [&](const Case& one) { return !std::regex_search(row_name(one), wanted); });

@@ -43,7 +43,7 @@ struct Case {
 struct Child {
   Scene scene;
   bool as_text = false;  ///< load the robots of the scene from .world text instead of JSON
-  bool empty = false;    ///< the world without robots, with which the memory of the others is compared
+  bool empty = false;    ///< the world without robots, the baseline for the memory of the others
 };
 
 /// A table of the report.
@@ -62,7 +62,7 @@ struct Plan {
 
 /// Plans the measurements that worlds/scenes.json lists. Throws std::runtime_error if that file names an
 /// unknown table.
-/// quick: plan rows of the same kinds, but with few robots and short times
+/// quick: plan the same sorts of rows, but with few robots and short times
 /// threads: the numbers of threads for rows without pictures; rows with pictures use the first of them
 /// simd: the instruction sets to compare, named as in partition::simd_targets()
 Plan make_plan(bool quick, const std::vector<unsigned>& threads, const std::vector<std::string>& simd);
@@ -70,7 +70,7 @@ Plan make_plan(bool quick, const std::vector<unsigned>& threads, const std::vect
 /// The folder with Stage's own worlds, next to the source tree.
 std::filesystem::path stage_worlds();
 
-/// Whether a scene can run here: whether its world file exists.
+/// Returns an error if the world file of the scene does not exist.
 Result<> has_world(const Scene& scene);
 
 }  // namespace troupe::perf

@@ -36,9 +36,9 @@ void report_child(const Scene& scene, const engine::Registry& registry);
 /// `--child INDEX`, and reads the reports of the children. Throws std::runtime_error if a child fails.
 ChildTiming time_child(const Child& child, const std::vector<std::string>& arguments, std::size_t repeat);
 
-/// Writes a hospital with robots to `file` as .world text, one line per model. For each robot of the JSON
-/// world of the scene it writes a minibot at the same pose. Throws InputError if the JSON world cannot be
-/// loaded, and std::runtime_error if the file cannot be written.
+/// Writes a hospital with robots to `file` as .world text, one line per model. For each robot in the JSON
+/// world of the scene, the file has a model of the type `minibot` at the same pose. Throws InputError if the
+/// JSON world cannot be loaded, and std::runtime_error if the file cannot be written.
 void write_as_text(const Scene& scene, const std::filesystem::path& file, const engine::Registry& registry);
 
 }  // namespace troupe::perf

@@ -62,12 +62,12 @@ CaseTiming time_case(const Case& one, std::size_t repeat, const engine::Registry
 /// (`, avx2`). Empty for a plain run.
 std::string with_text(const Run& run);
 
-/// Returns the additional wall time of a run with an observer, as a fraction of the wall time of the run of
-/// the same case that has as many threads but no observer. It is the median over the repetitions. Empty if
-/// `watched` has no observer or the case has no such run.
+/// Returns the cost of an observer: the additional wall time of the run `watched`, as a fraction of the wall
+/// time without the observer. The run without an observer is that of the same case with as many threads. The
+/// cost is the median over the repetitions. Empty if `watched` has no observer or the case has no such run.
 std::optional<double> watching_cost(const CaseTiming& one, const Timing& watched);
 
-/// Whether pictures can be drawn here.
+/// Returns an error, with the reason, if pictures cannot be drawn.
 Result<> can_draw();
 
 double minimum(const std::vector<double>& values);

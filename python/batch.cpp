@@ -22,8 +22,7 @@ namespace troupe::python {
 namespace {
 
 /// A batch owned by Python. Arrays that refer to its memory keep it alive. The batch steps without the
-/// interpreter's lock, so that other Python threads can run. use() throws if one of them calls it during a
-/// step.
+/// interpreter's lock, so that other Python threads can run. During a step, use() throws.
 class HeldBatch {
  public:
   explicit HeldBatch(BatchEnv&& batch) : batch_(std::move(batch)) {}
@@ -54,7 +53,8 @@ class HeldBatch {
 };
 using BatchHolder = std::shared_ptr<HeldBatch>;
 
-/// A view of a copy of a batch that Python owns; it keeps the batch alive.
+/// The live view of one of the copies of a world in a batch. Python owns the view, which keeps the batch
+/// alive.
 class HeldBatchView {
  public:
   HeldBatchView(BatchHolder held, std::size_t copy, live::View::Options options) : held_(std::move(held)) {
@@ -81,7 +81,7 @@ class HeldBatchView {
   std::unique_ptr<live::View> view_;
 };
 
-/// What a member of type T must be, for errors.
+/// Describes, for error messages, what a member of type T must be, such as "a list".
 template <class T>
 constexpr std::string_view expected() {
   if constexpr (std::is_same_v<T, py::list>)
@@ -312,7 +312,7 @@ void bind_batch(py::module_& module) {
       .def(
           "robots", [](const BatchHolder& b, std::size_t team) { return b->use().robots(team); },
           py::arg("team") = 0,
-          "Number of robots of a team in each copy, also those that are not in the world.")
+          "Number of robots of a team in each copy, including robots that are not in the world.")
       .def(
           "names", [](const BatchHolder& b, std::size_t team) { return b->use().names(team); },
           py::arg("team") = 0, "Names of the robots of a team, in the order of their ids.")
@@ -385,8 +385,9 @@ void bind_batch(py::module_& module) {
             BatchEnv& batch = b->use();
             return shown(py::dtype::of<bool>(), {extent(batch.copies())}, batch.over(), b, false);
           },
-          "One bool per copy: whether its episode is over, that is, truncated, or at least one robot of the "
-          "teams is finished and\nno robot of the teams that is in the world is unfinished.")
+          "One bool per copy: whether its episode is over. An episode is over if it is truncated, or if at "
+          "least one robot of the\nteams is finished and all robots of the teams that are in the world are "
+          "finished.")
       .def_property_readonly(
           "measure_columns", [](const BatchHolder& b) { return b->use().measure_columns(); },
           "Names of the columns of the array `measures`, with their units.")

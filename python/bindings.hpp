@@ -46,7 +46,7 @@ class Unlocked {
 bool is_interrupted();
 
 /// Calls the Python function `function` with one argument. If the interpreter exits during the call, a daemon
-/// thread blocks in it until the process ends, for the reason that Unlocked explains.
+/// thread blocks in this function until the process ends. Unlocked explains why.
 py::object call(py::handle function, py::handle argument);
 
 /// A simulation owned by Python. Arrays and handles that refer to it keep it alive.
@@ -93,8 +93,9 @@ class Held {
 };
 using Holder = std::shared_ptr<Held>;
 
-/// Returns a parameter that is a length or a time, 0 for the default. Throws std::invalid_argument for a
-/// value that is negative, NaN or above `most`. what: the parameter and its unit, as in "every_s (s)".
+/// Returns `value`, a parameter that is a length or a time, where 0 selects the default. Throws
+/// std::invalid_argument if the value is negative, NaN or above `most`. what: the parameter and its unit, as
+/// in "every_s (s)".
 double from_zero(std::string_view what, double value, double most);
 
 /// Two numbers, or None.

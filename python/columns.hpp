@@ -9,8 +9,8 @@
 #include <string_view>
 #include <vector>
 
-/// Conversions between NumPy arrays and the data of a group of robots, one row per robot, which swarms and
-/// controllers share.
+/// Conversions between NumPy arrays and the data of a group of robots, one row per robot. Both swarms and
+/// controllers use them.
 namespace troupe::python {
 
 using Numbers = py::array_t<double, py::array::c_style | py::array::forcecast>;

@@ -21,7 +21,7 @@ namespace {
 
 namespace fs = std::filesystem;
 
-/// A view of a simulation that Python owns; it keeps the simulation alive.
+/// The live view of a simulation. Python owns the view, which keeps the simulation alive.
 class HeldView {
  public:
   HeldView(Holder held, live::View::Options options) : held_(std::move(held)) {

@@ -112,7 +112,7 @@ struct Film {
   std::unique_ptr<apps::Filming> filming;
 };
 
-/// Throws OutputError if a file cannot be written, or if the simulation was read from it.
+/// Throws OutputError if `file` cannot be written, or if the simulation was loaded from this file.
 void check_output(const Holder& held, const std::filesystem::path& file) {
   std::vector<apps::Input> inputs;
   apps::add_inputs(held->use(), inputs);
@@ -505,9 +505,9 @@ void bind_script(py::module_& module) {
   py::class_<RobotBatch, std::shared_ptr<RobotBatch>>(
       module, "Robots",
       "The n robots for which a controller decides, in ascending order of their ids: the argument of "
-      "decide(). Functions with\nthe name of a function of Swarm work as that function does, but only with "
-      "the devices that the controller uses\n(Controller.uses). The object can be used only during the call "
-      "of decide(); later calls raise RuntimeError.")
+      "decide(). Functions that\nhave the name of a function of Swarm work as in Swarm, but only with the "
+      "devices that the controller uses\n(Controller.uses). The object can be used only during the call of "
+      "decide(); later calls raise RuntimeError.")
       .def("__len__", [](const RobotBatch& robots) { return robots.size(); })
       .def_property_readonly("ids", &RobotBatch::ids)
       .def_property_readonly("tick", [](const RobotBatch& robots) { return robots.batch().tick; })
@@ -566,14 +566,14 @@ void bind_script(py::module_& module) {
           [](RobotBatch& robots) {
             return robots.drawn<double>([](Random& random) { return random.normal(); });
           },
-          "One normally distributed number with mean 0 and standard deviation 1 per robot, from the streams "
-          "of uniform().")
+          "One normally distributed number with mean 0 and standard deviation 1 per robot, from the same "
+          "streams as uniform().")
       .def(
           "exponential",
           [](RobotBatch& robots) {
             return robots.drawn<double>([](Random& random) { return random.exponential(); });
           },
-          "One exponentially distributed number with mean 1 per robot, from the streams of uniform().")
+          "One exponentially distributed number with mean 1 per robot, from the same streams as uniform().")
       .def(
           "below",
           [](RobotBatch& robots, std::uint32_t n) {
@@ -581,8 +581,8 @@ void bind_script(py::module_& module) {
             return robots.drawn<std::uint32_t>([n](Random& random) { return random.below(n); });
           },
           py::arg("n"),
-          "One uniformly distributed integer from 0 to n - 1 per robot, from the streams of uniform(). "
-          "Raises ValueError if n is 0.");
+          "One uniformly distributed integer from 0 to n - 1 per robot, from the same streams as uniform(). "
+          "Raises ValueError if n\nis 0.");
 
   py::class_<Film>(
       module, "_Film",
@@ -622,8 +622,8 @@ void bind_script(py::module_& module) {
       });
 
   module.def("_check_output", &check_output, py::arg("simulation"), py::arg("file"),
-             "Raises RuntimeError if a file of this name cannot be written, or if the simulation was read "
-             "from it.");
+             "Raises RuntimeError if a file of this name cannot be written, or if the simulation was loaded "
+             "from this file.");
   module.def(
       "_write_replay_page",
       [](const std::filesystem::path& recording, const std::filesystem::path& page, bool replace) {

@@ -476,8 +476,8 @@ SimulationClass bind_simulation(py::module_& module) {
            "Adds a callback: callback(simulation) is called at the end of every step, after the recording of "
            "record() has received\nthe tick. None removes all callbacks. A callback may do everything that a "
            "program may do between two steps, except calls\nof step(), run_for(), run_until(), reset() and "
-           "on_tick(), which raise RuntimeError. An exception of a callback passes on\nto the caller of the "
-           "step, and ends it. on_tick() returns the callback, so it can be used as a "
+           "on_tick(), which raise RuntimeError. An exception of a callback ends the\nstep and passes on to "
+           "the caller of the step. on_tick() returns the callback, so it can be used as a "
            "decorator:\n@simulation.on_tick.")
       .def(
           "reset",
@@ -490,9 +490,9 @@ SimulationClass bind_simulation(py::module_& module) {
           },
           py::arg("seed") = py::none(),
           "Resets the simulation to tick 0 and to its state after loading, bit for bit. If `seed` is given, "
-          "this is the state that\nthe world has when it is loaded with that seed; a run that was resumed "
-          "from a checkpoint then raises RuntimeError.\nModels, swarms, callbacks and subscriptions stay "
-          "valid; a recording of record() is closed.")
+          "the new state is that\nof the world loaded with this seed. With a seed, the function raises "
+          "RuntimeError if the run was resumed from a\ncheckpoint. Models, swarms, callbacks and "
+          "subscriptions stay valid; a recording of record() is closed.")
       .def(
           "save", [](const Holder& held, const fs::path& checkpoint) { held->use().save(checkpoint); },
           py::arg("checkpoint"),
@@ -532,10 +532,10 @@ SimulationClass bind_simulation(py::module_& module) {
            py::arg("without") = py::none(),
            "Casts a ray and returns the first surface that it meets, computed by exact intersection. start: "
            "start and direction of\nthe ray, m and rad, in the world frame; the ray stays at the height "
-           "start.z. range_max: length of the ray, m. without: a\nmodel whose body the ray passes through, "
-           "as well as all bodies that move with this body because one carries the other or\nthe same body "
-           "carries both. The ray meets surfaces that rangers detect, nearer than range_max. Raises "
-           "ValueError if a\nnumber is not finite, or if range_max is negative or above 300 km.")
+           "start.z. range_max: length of the ray, m. without: a\nmodel; the ray passes through its body and "
+           "through all bodies that move with this body (one carries the other, or a\nthird body carries "
+           "both). The ray meets surfaces that rangers detect, nearer than range_max. Raises ValueError if "
+           "a\nnumber is not finite, or if range_max is negative or above 300 km.")
       .def("cast_many", &cast_many, py::arg("starts").none(false), py::arg("range_max"), py::kw_only(),
            py::arg("without") = py::none(),
            "Casts n rays. starts: n x 4, x, y, z (m) and heading (rad) of each ray in the world frame; "

@@ -86,7 +86,8 @@ std::vector<Table> tables_of(const Holder& held) {
   return tables;
 }
 
-/// The table of one component. component: the name that the world gives it, or the name in the state.
+/// The table of one component. component: the name that the world gives to the component, or its name in the
+/// state.
 Table table_of(const Holder& held, const std::string& component, const std::string& type) {
   std::vector<Table> found;
   std::vector<std::string> names;

@@ -548,7 +548,7 @@ struct Canvas::Impl {
     gl.glReadPixels(0, 0, columns, rows, GL_RGBA, GL_UNSIGNED_BYTE, into);
   }
 
-  /// Does the same, but draws the tile once for each sample.
+  /// Does the same as draw_once(), but draws the tile once for each sample.
   void draw_per_sample(const Projection& projection, std::span<const AnyLayer> layers,
                        const std::vector<std::unique_ptr<Uploaded>>& uploaded, int columns, int rows,
                        std::uint8_t* into) {

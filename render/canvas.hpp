@@ -66,7 +66,7 @@ enum class Corner : std::uint32_t {
 /// A corner of a triangle in a solid layer.
 struct SolidVertex {
   float x, y, z;     ///< position, frame of the instance, mesh units (SolidInstance::scale m per unit)
-  float ax, ay, az;  ///< the vector a of Corner, in the same frame; a position is in the same units
+  float ax, ay, az;  ///< the vector a of Corner, frame of the instance; if a position, in mesh units
   /// For strokes and rims: half the width of the line, pixels; positive for a corner to the left of the
   /// direction to the other end, negative for a corner to the right. Otherwise not used.
   float side;

@@ -20,8 +20,8 @@ using engine::FrameType;
 constexpr double k_smallest_prism = 10;
 /// Sides shorter than this, in strokes, are taken for the steps of a bitmap and have no edge lines.
 constexpr double k_shortest_side = 8;
-/// Shapes narrower than this, in strokes, have no lines along their edges, because these would hide their
-/// colour.
+/// Shapes narrower than this, in strokes, have no lines along their edges, because lines would hide the
+/// colour of the shape.
 constexpr double k_smallest_edged = 9;
 
 /// Visible bodies of one type, by level of detail.

@@ -6,7 +6,7 @@ namespace {
 /// A letter: its polylines, and the distance from its left end to the next letter, in units of add_text().
 struct Glyph {
   /// Polylines, separated by commas. A point has two characters, x from 0 to 4 and y from 0 (baseline) to 6.
-  /// The y "a" and "b" are 1 and 2 below the baseline.
+  /// The letters "a" and "b" for y mean 1 and 2 below the baseline.
   std::string_view points;
   double advance = 6;
 };

@@ -13,9 +13,9 @@ struct RoundLength {
   double metres = 1;
   int exponent = 0;  ///< exponent of the power of ten
 
-  /// The largest round length that is at most `metres`, which must be positive and finite. Because of
-  /// rounding errors, if `metres` is a power of ten, the result may be half of that power, and if `metres` is
-  /// within rounding errors below a power of ten, the result may be that power.
+  /// The largest round length that is at most `metres`, which must be positive and finite. Rounding errors
+  /// have two effects. If `metres` is a power of ten, the result may be half of this power. If `metres` is
+  /// slightly less than a power of ten, by a rounding error, the result may be this power.
   static RoundLength at_most(double metres);
   /// The length as text, such as "50 m", "0.2 m", "2 km" or "5 mm".
   std::string text() const;

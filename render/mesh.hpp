@@ -19,8 +19,8 @@ Rgba darker(Rgba fill);
 /// A colour that is readable on `fill`: white if `fill` is dark, near black if it is light.
 Rgba contrasting(Rgba fill);
 
-/// The convex pieces of each shape of a type, in the order of the shapes. Callers compute them once per type
-/// and keep them, because this takes long for large floor plans.
+/// The convex pieces of each shape of a type, in the order of the shapes. Callers compute the pieces once per
+/// type and keep them, because the computation takes long for large floor plans.
 using Pieces = std::vector<std::vector<ConvexPrism>>;
 Pieces pieces_of(const engine::FrameType& type);
 

@@ -34,8 +34,8 @@ class Projection {
   double stroke() const { return stroke_; }
 
   /// Moves the viewer, and sets the scale of a parallel view, so that all points are in the picture and fill
-  /// its width or its height, except for a margin on all sides and a band below, both in pixels. `points` (m,
-  /// world frame) must not be empty.
+  /// its width or its height. A margin on all sides and a band below the points (both in pixels) stay free.
+  /// `points` (m, world frame) must not be empty.
   void fit(std::span<const Vec3> points, double margin, double band_below);
   /// Moves the viewer, and sets the scale of a parallel view, so that the world point `center` is in the
   /// picture's centre, where the picture is `across` metres wide. `across` must be above 0.
@@ -51,8 +51,8 @@ class Projection {
   /// Scale of the picture at a world point, pixels per metre. In a perspective view, the scale is 0 for
   /// points that are behind the viewer or nearer than the near plane.
   double pixels_per_metre(const Vec3& point) const;
-  /// Place of a world point in the picture: pixels right of and above its centre. Empty if pixels_per_metre()
-  /// is 0 there.
+  /// Position of a world point in the picture: pixels right of and above its centre. Empty if
+  /// pixels_per_metre() is 0 there.
   std::optional<Vec2> to_pixels(const Vec3& point) const;
   /// Whether a ball around a world point may be visible; `radius` is in m. The result may be true for a ball
   /// just outside the picture.
@@ -67,8 +67,8 @@ class Projection {
   const Vec3& origin() const { return origin_; }
   /// Column-major matrix that converts points relative to origin() to OpenGL's clip coordinates, with y up.
   std::array<float, 16> clip_matrix() const;
-  /// Offset to add to the third clip coordinate of a point, so that the point is drawn nearer to the viewer,
-  /// by a depth that is about two strokes long in the picture.
+  /// Offset to add to the third clip coordinate of a point, so that the point is drawn nearer to the viewer.
+  /// The point moves by a depth of about two strokes (Framing::stroke) in the picture.
   float clip_bias() const;
   /// Distance of the near plane of a perspective view, m; 0 in a parallel view.
   double nearest() const { return perspective() ? near_ : 0; }

@@ -44,14 +44,14 @@ struct VectorDrawing {
 /// The layers and the lettering of a map as a drawing. The projection must be from above (is_from_above()).
 /// Consecutive triangles of a triangle fan are joined to a polygon, and consecutive strokes to a line, if
 /// they have the same colour and height. A drawing has no depth buffer: the paths of consecutive layers are
-/// sorted by height and drawn in that order. A layer with `on_top` begins a new group, which is sorted by
-/// itself and drawn after all earlier paths. A SolidLayer is a group whose paths are drawn in the order that
-/// they have. Texts are passed through printable_utf8().
+/// sorted by height and drawn in that order. A layer with `on_top` begins a new group of paths, which is
+/// sorted separately and drawn after all earlier paths. The paths of a SolidLayer form a group that is not
+/// sorted. Texts are passed through printable_utf8().
 VectorDrawing vector_drawing(const Projection& projection, std::span<const AnyLayer> layers,
                              const Writing& writing, const Theme& theme);
 
-/// Replaces bytes that are not valid UTF-8, control characters of ASCII (U+0000 to U+001F, U+007F) and
-/// Unicode noncharacters by question marks, one per byte, because SVG or PDF does not allow them.
+/// Replaces characters that SVG or PDF does not allow by question marks, one per byte: bytes that are not
+/// valid UTF-8, control characters of ASCII (U+0000 to U+001F, U+007F) and Unicode noncharacters.
 std::string printable_utf8(std::string_view text);
 
 /// The drawing as the content of an SVG 1.1 file with the metadata `texts`. The metadata and the texts of the

@@ -134,8 +134,8 @@ class Writer {
   std::size_t count_ = 0;
 };
 
-/// Finds the blobs that the finder of the row `own` sees, and passes them to the writer. body: from the frame
-/// in which the finder's pose is given to the world frame.
+/// Finds the blobs that the finder of the row `own` sees, and passes them to the writer. body: the transform
+/// from the frame in which the finder's pose is given to the world frame.
 void find_blobs(const CommittedView& view, const Finder& finder, Row own, const Transform& body,
                 Writer& writer) {
   const Vec2 origin = body * finder.pose_body_sensor.position();

@@ -72,10 +72,11 @@ struct Lens {
   Result<> bind_part(const engine::TypeSpec& type, std::uint32_t part);
   std::uint64_t sense(const SenseBatch& batch) const;
 
-  /// In the image plane at distance 1 from the camera: the distance of the middle of a column of pixels from
-  /// the middle of the picture, positive to the right.
+  /// Distance of the middle of a column of pixels from the middle of the picture, positive to the right, in
+  /// the image plane at depth 1.
   double right(double column) const { return half_width * ((column + 0.5) / params.width * 2 - 1); }
-  /// The same for a row of pixels, positive upwards.
+  /// Distance of the middle of a row of pixels from the middle of the picture, positive upwards, in the image
+  /// plane at depth 1.
   double up(double row) const { return half_height * (1 - (row + 0.5) / params.height * 2); }
   bool is_level() const { return tilt.sin == 0; }
 };
@@ -106,8 +107,8 @@ struct Crossing {
   friend auto operator<=>(const Crossing&, const Crossing&) = default;
 };
 
-/// Renders the images of cameras. Each thread keeps one object of this class with its memory, so that images
-/// after the first ones allocate nothing.
+/// Renders the images of cameras. Each thread keeps one object of this class, which keeps its buffers, so
+/// that only the first images allocate memory.
 class Painter {
  public:
   /// Renders the image of the camera of the row `own` into its readings. mount: the frame in which the lens's
@@ -168,9 +169,9 @@ class Painter {
     for (std::size_t i = 0; i < chains_.size(); ++i) find_around(chains_[i], regions_[region_of_[i]]);
   }
 
-  /// Updates region.around for one of the chains of the region. For a body, the crossings of all its chains
-  /// are counted, one chain per call. For static geometry, of which only some chains have been collected, the
-  /// solid itself is tested, once.
+  /// Updates region.around for one of the chains (connected edges of the outline) of the region. For a body,
+  /// the crossings of all its chains are counted, one chain per call. For static geometry, of which only some
+  /// chains have been collected, the solid itself is tested, once.
   void find_around(const OutlineChain& chain, Region& region) {
     if (region.z.contains(0)) return;  // its top and underside are not visible
     if (chain.closed) {

@@ -20,8 +20,9 @@ enum CameraField : std::size_t {
 ///         third body carries both). There is no light or shadow: each body has its own colour. Surfaces
 ///         nearer than range_near are not drawn; beyond range_far the picture shows sky.
 /// pixels  The camera is a pinhole camera: each pixel shows the colour along one ray through its middle.
-/// ties    Of two surfaces at the same depth, the one of the body with the lower id is drawn, and within one
-///         body the one of the solid with the lower number. A body at the depth of the floor hides the floor.
+/// ties    Of two surfaces at the same depth, the surface of the body with the lower id is drawn; within one
+///         body, the surface of the solid with the lower number. A body at the depth of the floor hides the
+///         floor.
 /// limits  A top or an underside is not drawn if its whole outline is outside the field of view, for example
 ///         that of a large plate straight below the camera.
 /// cost    A level camera tests an edge only for the columns that the edge spans, a tilted camera for every

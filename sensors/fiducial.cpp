@@ -81,8 +81,8 @@ struct Target {
   Pose pose_world_part;
 };
 
-/// Finds the targets of finders. Each thread keeps one object of this class with its memory, so that searches
-/// after the first ones allocate nothing.
+/// Finds the targets of finders. Each thread keeps one object of this class, which keeps its buffers, so that
+/// only the first searches allocate memory.
 class Search {
  public:
   /// Returns the targets that the finder of the row `own` finds, the nearest first; valid until the next

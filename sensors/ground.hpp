@@ -18,12 +18,12 @@ enum GroundField : std::size_t {
   k_ground_body,   ///< u32 per point: BodyId of the body with this colour; 0: the floor
 };
 
-/// Returns the sensor kind `ground`, which reads the colours of the ground below given points of its robot.
-/// The ground at a point is a part of another body that contains the point, seen from above, and whose top is
-/// not above `height`. If there are several, the one with the highest top counts; at equal tops, the part of
-/// the body with the lower id, and within one body the part with the lower number. If there is no such part,
-/// the ground is the floor, whose colour is the parameter `floor`. The robot itself and all bodies that move
-/// with it (one carries the other, or a third body carries both) are ignored.
+/// Returns the sensor kind `ground`, which reads the colours of the ground below given points of its robot. A
+/// part of another body is the ground at a point if the part contains the point, seen from above, and if its
+/// top is not above `height`. Of several such parts, the part with the highest top counts; at equal tops, the
+/// part of the body with the lower id, and within one body the part with the lower number. If there is no
+/// such part, the ground is the floor, whose colour is the parameter `floor`. The robot itself and all bodies
+/// that move with it (one carries the other, or a third body carries both) are ignored.
 ///
 /// zones  Coloured zones on the ground are models with `"obstacle": false`, `"ranger_return": -1` and a size
 ///        of some millimetres in z. A zone with an LED has the colour of the LED.
@@ -58,8 +58,8 @@ class Ground {
     bool is_above(const Zone& other) const;
   };
 
-  /// params: up to which height parts are ground. floor: the colour of the floor, which is the ground where
-  /// no part of a body covers it.
+  /// params: the greatest height of the tops of parts that are ground. floor: the colour of the floor, which
+  /// is the ground where no part of a body covers it.
   explicit Ground(const GroundParams& params, const Color& floor = {})
       : height_(params.height), floor_(floor) {}
 

@@ -58,8 +58,8 @@ struct Seen {
   double intensity = 0;
 };
 
-/// Finds the lights in sight. Each thread keeps one object of this class with its memory, so that searches
-/// after the first ones allocate nothing.
+/// Finds the lights in sight. Each thread keeps one object of this class, which keeps its buffers, so that
+/// only the first searches allocate memory.
 class Eyes {
  public:
   Eyes() {

@@ -159,8 +159,8 @@ struct Link {
 };
 
 /// Finds the messages that the radios of a batch hear. Radios near one another share the search for speakers
-/// and the sorting of the speakers in the order of readings. Each thread keeps one object of this class with
-/// its memory, so that searches after the first ones allocate nothing.
+/// and the sorting of the speakers in the order of readings. Each thread keeps one object of this class,
+/// which keeps its buffers, so that only the first searches allocate memory.
 class Listener {
  public:
   Listener() {
@@ -293,7 +293,8 @@ std::span<const Sender> Listener::senders(const BodyType& type) {
     if (device.kind != kind_) continue;
     const Radio& radio = *std::any_cast<Radio>(&device.prepared.data);
     if (radio.params.channel != radio_->params.channel) continue;
-    // Too weak for the listener even at distance 0. listen() may skip the test of single links.
+    // Such a radio is too weak for the listener even at distance 0. It is tested here because weaken_links()
+    // may skip the tests of single links.
     if (radio.params.power < radio_->params.sensitivity) continue;
     const bool always_runs = device.active && !device.supply && device.switch_bit == 0;
     known.senders.push_back({&radio, &device, &view_->commands(device), always_runs,

@@ -13,8 +13,8 @@
 namespace troupe::sensors {
 
 /// The fields of a radio's readings, in order. Arrays have `most_heard` entries, one for each message heard
-/// in the tick. The messages are sorted by the id of the sending body; those of several radios of one body
-/// are in the order of these radios. Entries after the last message are 0.
+/// in the tick. The messages are sorted by the id of the sending body; messages of several radios of one
+/// body, by the order of these radios. Entries after the last message are 0.
 enum RadioField : std::size_t {
   k_radio_count,     ///< u32: number of messages heard
   k_radio_lost,      ///< u32: number of messages that arrived but were too many or too long to be heard
@@ -144,13 +144,13 @@ class RadioPort {
 ///           strength is at least the listener's `sensitivity_dBm`. Nothing hides the sender. The sender's
 ///           body is neither the listener's body nor a body that moves with it (one carries the other, or a
 ///           third body carries both).
-/// hides     An outline hides the sender if rangers detect it (ranger_return >= 0) and if the straight line
-///           between the two radios crosses it at a height within its z interval. The listener's `walls` says
-///           whether static geometry hides senders, its `bodies` whether other bodies do. The bodies of the
-///           two radios, and bodies that move with one of these two, never hide the sender. An outline that
-///           the line only touches hides the sender if the outline is to the right of the line, seen from the
-///           radio on the body with the lower id. Therefore an outline hides either both radios from each
-///           other or neither of them.
+/// hides     An outline hides the sender if rangers detect the outline (ranger_return >= 0) and the straight
+///           line between the two radios crosses the outline at a height within its z interval. The
+///           listener's `walls` says whether static geometry hides senders, its `bodies` whether other bodies
+///           do. The bodies of the two radios, and bodies that move with one of these two, never hide the
+///           sender. An outline that the line only touches hides the sender if the outline is to the right of
+///           the line. The direction of the line is from the radio on the body with the lower id to the other
+///           radio. Therefore an outline hides either both radios from each other or neither of them.
 /// chance    Each message that arrives is dropped with probability `drop_rate` of the listener. The random
 ///           number depends only on the seed, the name of the listener's radio, the tick, the sender's body
 ///           and the listener's body.

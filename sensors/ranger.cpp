@@ -53,8 +53,9 @@ void add_beam(BeamGroup& group, const Transducer& transducer, std::size_t i, con
 }
 
 /// Adds the beams of one transducer to the groups. A transducer with more than k_most_beams beams becomes a
-/// group of its own, a scan, if all transducers start at one point and its beams have no angular noise. Other
-/// beams are added to the last group if that has the same height and is not full.
+/// group of its own (a scan), if all transducers start at one point and the beams of the transducer have no
+/// angular noise. Other beams are added to the last group if this group has the same height and is not full,
+/// and else to a new group.
 void group_beams(RangerBeams& ranger, const Transducer& transducer) {
   const TransducerParams& params = transducer.params;
   const bool scan =

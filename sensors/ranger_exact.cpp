@@ -15,8 +15,8 @@ namespace {
 
 using partition::NearbyOutlines;
 
-/// Casts the beams of rangers. Each thread keeps one object of this class with its memory, so that casts
-/// after the first ones allocate nothing.
+/// Casts the beams of rangers. Each thread keeps one object of this class, which keeps its buffers, so that
+/// only the first casts allocate memory.
 class Caster {
  public:
   void cast(const engine::DeviceBatch& batch, const RangerBeams& ranger) {
@@ -79,8 +79,8 @@ class Caster {
     }
   }
 
-  /// Rotates the group's beams into the world frame and resets their inverse ranges and limits. pose: of the
-  /// frame in which the beams are given, world frame.
+  /// Rotates the group's beams into the world frame and resets their inverse ranges and limits. pose: the
+  /// pose, in the world frame, of the frame in which the beams are given.
   void aim(const BeamGroup& group, const Transform& pose) {
     reference_ = pose * ranger_->reference;
     const auto [dx, dy] = group.angular_noise.empty() ? std::pair(group.dx.data(), group.dy.data())
@@ -102,8 +102,8 @@ class Caster {
             group.mirrored, group.scan ? &scan_ : nullptr};
   }
 
-  /// Updates limits_now_, how far each beam may still hit a surface, and farthest_, the distance from the
-  /// reference up to which any beam may.
+  /// Updates limits_now_, the distance up to which each beam may still hit a surface, and farthest_, the
+  /// distance from the reference up to which any beam may still hit one.
   void limit() {
     farthest_ = partition::limits_of(fan_, inverse_.data(), range_max_, limits_.data()) + slack_spread_;
     limits_now_ = limits_.data();

@@ -22,7 +22,8 @@ constexpr double k_most_speed = 1e6;  // m/s and rad/s: larger commands are mist
 
 [[noreturn]] void refuse_act(const std::string& reason) { throw ActRefused(reason); }
 
-/// Returns the body that the act names. Throws ActRefused if it is not in the world.
+/// Returns the body that the act names. Throws ActRefused if there is no such body, or if the body is not in
+/// the world.
 Model body_of(Simulation& simulation, const Act& act) {
   const BodyId id = simulation.world().find(act.whom);
   if (!id.valid()) refuse_act(fmt::format("there is no body \"{}\"", act.whom));

@@ -22,8 +22,8 @@
 namespace troupe {
 namespace {
 
-/// Returns the seed of an episode: derived from the seed of the copy's first episode and the number of the
-/// episode.
+/// Returns the seed of an episode, which is derived from the seed of the first episode of the copy, `first`,
+/// and the number of the episode.
 std::uint64_t episode_seed(std::uint64_t first, std::uint64_t episode) {
   return episode == 0 ? first : mix(first, hash_text("episode"), episode);
 }

@@ -33,8 +33,8 @@ struct BatchPart {
   static constexpr std::size_t k_neighbour = 5;  ///< number of columns per nearest robot
 
   Of of = Of::reading;  ///< source of the columns
-  std::string device;   ///< reading: name of the device; empty: the first device that has this field
-  std::string field;    ///< reading: name of the field
+  std::string device;   ///< `reading`: name of the device; empty: the first device with this field
+  std::string field;    ///< `reading`: name of the field
   /// With `nearest`: the robots among which the nearest ones are searched, given as the name of a type, of a
   /// population or of one robot; empty: all robots. The observing robot itself and robots that are not in
   /// the world are skipped. Distances are between the origins of the robots, in the plane. Each robot that
@@ -47,8 +47,8 @@ struct BatchPart {
   /// constructor of BatchEnv throws std::out_of_range. The columns are 0 while the target is not in the
   /// world.
   std::string name;
-  std::size_t count = 1;  ///< nearest: number of robots to find, 1 to 1000
-  /// nearest: farther robots are not found, m; above 0
+  std::size_t count = 1;  ///< `nearest`: number of robots to find, 1 to 1000
+  /// `nearest`: the largest distance at which robots are found, m; above 0
   double range_m = std::numeric_limits<double>::infinity();
   /// Factor by which lengths, speeds, turn rates and readings are multiplied; finite. Cosines, sines,
   /// `time_left`, `stalled` and the 1 of `nearest` are not scaled.
@@ -125,8 +125,8 @@ struct BatchSpec {
   unsigned threads = 0;    ///< number of threads, as in SimulationOptions; changes no result
   std::size_t ticks = 1;   ///< number of ticks by which a step advances the world, 1 or more
   /// World time after which an episode is truncated, s: above 0 and at most 1e12, rounded up to whole ticks.
-  /// It counts from the end of the first tick of the episode, in which the policies give no commands, and is
-  /// tested after each step.
+  /// The time counts from the end of the first tick of the episode, in which the policies give no commands,
+  /// and is tested after each step.
   double seconds = 60;
   std::vector<BatchTeam> teams;  ///< one or more teams; no robot may be in two teams
   /// Measures that are computed for each copy, named as for the constructor of Measures. Empty: no measures.
@@ -143,7 +143,8 @@ struct BatchSpec {
 ///       batch.step(batch.over());  // copies that were over begin their next episode
 ///     }
 ///
-/// arrays   row-major. The spans stay valid, and their content changes with each step() and reset()
+/// arrays   row-major. The spans that array(), actions() and the other functions return stay valid, and their
+///          content changes with each step() and reset()
 /// copies   each copy is a Simulation of the world with its own seed, which runs on one thread. Its results
 ///          have the same bits for any number of threads and copies
 /// robots   the policies drive the robots of teams, which do not run the controllers of the world file. Other
@@ -209,9 +210,10 @@ class BatchEnv {
   std::span<const std::uint8_t> alive(std::size_t team) const;
   /// One per copy: 1 if the episode has reached BatchSpec::seconds, else 0.
   std::span<const std::uint8_t> truncated() const;
-  /// One per copy: 1 if the copy is over, else 0. A copy is over if its episode is truncated, or if at least
-  /// one robot of its teams is finished and no robot of its teams that is in the world is unfinished. Each
-  /// call takes into account what the caller has written to terminated().
+  /// One per copy: 1 if the copy is over, else 0. A copy is over if its episode is truncated, or if all
+  /// robots of its teams that are in the world are finished. In the second case, at least one robot of its
+  /// teams, in the world or dead, must be finished. Each call takes into account what the caller has written
+  /// to terminated().
   std::span<const std::uint8_t> over();
   /// Names of the columns of measures(), as in Measures::columns(); empty if BatchSpec::measures is empty.
   std::vector<std::string> measure_columns() const;
@@ -222,7 +224,7 @@ class BatchEnv {
   /// which  one byte per copy: 0 does not change the copy, another value begins an episode; empty: all copies
   /// seeds  one element per copy: the seed of the episode, from which the seeds of later episodes are
   ///        derived. If the element has no value, or if `seeds` is empty, the copy begins its next episode,
-  ///        with the seed that follows from the earlier ones
+  ///        whose seed is derived from the seed that the copy was last given
   /// Throws std::invalid_argument for spans of other sizes, std::logic_error if `which` is 0 for a copy that
   /// has not yet begun its first episode, InputError if the placement rules find no place for a robot, and
   /// engine::StepError if the first tick of an episode throws.
@@ -232,8 +234,9 @@ class BatchEnv {
   /// episode instead of making a step, and its rewards are 0; empty: all copies make a step. Throws
   /// std::logic_error before the first reset(). Throws std::invalid_argument, before any copy makes its step,
   /// if `begins` has another size or an action of a copy that makes a step is not finite. Throws
-  /// engine::StepError if the step of a copy throws, and as reset() does if a copy cannot begin its episode:
-  /// the other copies have then made their step, and the failed copy must be reset before it can step again.
+  /// engine::StepError if the step of a copy throws, and as reset() does if a copy cannot begin its episode.
+  /// In both cases the other copies have made their step, and the failed copy must be reset before it can
+  /// step again.
   void step(std::span<const std::uint8_t> begins = {});
 
  private:

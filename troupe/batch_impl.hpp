@@ -23,12 +23,12 @@ struct BatchEnv::Impl {
   /// Number of commands of a drive: forward, left, turn.
   static constexpr std::size_t k_drive = 3;
 
-  /// How the columns of one part of an array are computed. plan() creates this object in the constructor, so
-  /// that no step has to look up names.
+  /// How the columns of one part (BatchPart) of an array are computed. plan() creates this object in the
+  /// constructor, so that no step has to look up names.
   struct Part {
     const BatchPart* spec = nullptr;
     std::size_t columns = 0;
-    engine::Element element = engine::Element::f32;  // of a reading
+    engine::Element element = engine::Element::f32;  // of the field of a part `reading`
     std::size_t of_kind = 0;  // index among the readings, the groups or the targets of TeamCopy
   };
   struct ArrayData {
@@ -108,7 +108,7 @@ struct BatchEnv::Impl {
   bool was_reset = false;
 
   Impl(const Simulation& world, const BatchSpec& wanted);
-  /// Throws std::invalid_argument with this text.
+  /// Throws std::invalid_argument with the text `text`.
   [[noreturn]] static void refuse(const std::string& text);
 
   // troupe/batch_plan.cpp: what the names in the spec refer to

@@ -161,7 +161,8 @@ void BatchEnv::Impl::plan_drive_action(const BatchAction& action, bool has_drive
                                .span = action.high - action.low});
 }
 
-/// `fields`: the fields of the command of the device.
+/// Appends to TeamData::actions_plan an action that sets a field of the command of a device. fields: the
+/// fields of this command.
 void BatchEnv::Impl::plan_device_action(const BatchAction& action, std::span<const engine::StateField> fields,
                                         TeamData& team) {
   const auto field = std::ranges::find(fields, action.command, &engine::StateField::name);
@@ -206,9 +207,9 @@ std::size_t BatchEnv::Impl::array_index(const TeamData& team, std::string_view n
   return static_cast<std::size_t>(found - team.arrays.begin());
 }
 
-/// Looks up, in one copy of the world, what the columns and actions of a team refer to, and stores it in
-/// `bound`: the fields of readings and commands, and the ids of possible neighbours and targets. Throws if a
-/// name is unknown, if a robot cannot carry out an action, or if a field differs from robot to robot.
+/// Looks up what the columns and actions of a team refer to in one copy of the world, and stores the result
+/// in `bound`: the fields of readings and commands, and the ids of possible neighbours and targets. Throws if
+/// a name is unknown, if a robot cannot carry out an action, or if a field differs from robot to robot.
 void BatchEnv::Impl::bind(const TeamData& team, Copy& copy, TeamCopy& bound) {
   engine::World& world = copy.simulation.world();
   std::vector<Model> robots;
@@ -254,8 +255,8 @@ void BatchEnv::Impl::bind_readings(const TeamData& team, const Part& part, const
   }
 }
 
-/// The targets of a part `target`: the model of this name for all robots or, if there is none, the model with
-/// the number of the robot after the name, for each robot.
+/// Returns the targets of a part `target` (BatchPart::name): the body of this name, as the only element, or,
+/// if there is no such body, one body per robot, whose name ends in the number of the robot.
 std::vector<BodyId> BatchEnv::Impl::targets_of(const TeamData& team, const BatchPart& part,
                                                const std::vector<Model>& robots, const engine::World& world) {
   if (const BodyId one = world.find(part.name); one.valid()) return {one};
@@ -289,7 +290,7 @@ void BatchEnv::Impl::bind_commands(const TeamData& team, std::vector<Model>& rob
             fmt::format("robots of team \"{}\" differ: not all have command \"{}\" of device \"{}\" with the "
                         "same type of number; make two teams",
                         team.spec->name, action.command, action.device));
-      // The device is the one that has these fields of commands.
+      // Find the device to whose command `fields` belongs.
       for (const engine::BodyType::Device& device : world.type(world.row(robot.id())).devices)
         if (device.prepared.commands.data() == fields.data())
           bound.commands.push_back({&device, field->offset});

@@ -30,8 +30,8 @@ void BatchEnv::Impl::judge(std::size_t c, bool has_stepped) {
   truncated[c] = copy.simulation.tick() >= copy.last_tick;
 }
 
-/// The sum of the reward terms of a team for its robot i in copy c. Stores the rewarded numbers, whose
-/// changes the next step may reward.
+/// Returns the sum of the reward terms of a team for its robot i in copy c. Stores the rewarded numbers,
+/// because the next step may reward their changes.
 double BatchEnv::Impl::take_reward(const TeamData& team, TeamCopy& bound, std::size_t c,
                                    std::size_t i) const {
   double reward = 0;
@@ -46,8 +46,8 @@ double BatchEnv::Impl::take_reward(const TeamData& team, TeamCopy& bound, std::s
   return reward;
 }
 
-/// If robot i of a team in copy c has reached an end: its reward, increased by those of all ends that it has
-/// reached.
+/// Returns `reward` plus the rewards of all ends (BatchEnd) that hold for robot i of a team in copy c;
+/// std::nullopt if no end holds.
 std::optional<double> BatchEnv::Impl::end_reward(const TeamData& team, double reward, std::size_t c,
                                                  std::size_t i) const {
   bool has_ended = false;

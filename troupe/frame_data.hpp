@@ -28,8 +28,8 @@ std::vector<engine::FrameRanger> frame_rangers(const engine::World& world);
 /// Frame::ranges. At tick 0, before any sensor has run, it appends nothing.
 void add_scans(const engine::World& world, engine::Frame& frame);
 /// Appends to Frame::sights, Frame::blobs or Frame::grips, depending on `layer`: calls DeviceKind::draw for
-/// each device whose kind belongs to this layer. Sensors that do not run are skipped, and all sensors at tick
-/// 0, before they have run.
+/// each device whose kind belongs to this layer. Skips sensors that do not run. At tick 0, before any sensor
+/// has run, it skips all sensors.
 void add_layer(const engine::World& world, engine::FrameLayer layer, engine::Frame& frame);
 /// Appends to Frame::links a line from each body that carries others to each body that it carries directly,
 /// m, world frame.

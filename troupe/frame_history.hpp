@@ -12,10 +12,10 @@ namespace troupe {
 
 /// Past positions of bodies, for the picture layer `trails`. A position is stored every k_seconds / 50
 /// seconds, rounded up to whole ticks, and the last 50 positions are kept. Pass frames to see() in the order
-/// of their ticks; a frame with an earlier tick than the last stored one clears the history.
+/// of their ticks; a frame with an earlier tick than the last stored frame clears the history.
 class Trails {
  public:
-  static constexpr double k_seconds = 20;  ///< length of the trails, s; longer if the rounding adds to it
+  static constexpr double k_seconds = 20;  ///< length of the trails, s, before rounding to whole ticks
 
   /// tick_s: length of a tick, s.
   explicit Trails(double tick_s);
@@ -45,8 +45,8 @@ class Covered {
   static constexpr double k_square_m = 1;  ///< edge length of the squares, m
 
   /// Stores the squares of all robots of a frame. Pass frames in the order of their ticks; a frame with an
-  /// earlier tick than the last one clears the history. scene: the scene to which the types of the bodies in
-  /// `frame` refer.
+  /// earlier tick than the previous frame clears the history. scene: the scene to which the types of the
+  /// bodies in `frame` refer.
   void see(const engine::FrameScene& scene, const engine::Frame& frame);
   /// Replaces Frame::covered by the visited squares, sorted by x and then by y, and sets Frame::covered_m to
   /// k_square_m. Each square has the time of its last visit as a number from 0 (first stored tick) to 1 (last

@@ -13,7 +13,7 @@ namespace fs = std::filesystem;
 std::vector<fs::path> input_files(const engine::WorldSpec& world) {
   std::vector<fs::path> files;
   const auto add = [&](fs::path file) {
-    std::error_code ignored;  // the sources of a world also name its --set options
+    std::error_code ignored;  // the list of sources also contains --set options, which are no files
     if (fs::is_regular_file(file, ignored)) files.push_back(std::move(file));
   };
   for (std::uint32_t i = 0; world.files && i < world.files->size(); ++i) add(world.files->name(i));
@@ -21,7 +21,7 @@ std::vector<fs::path> input_files(const engine::WorldSpec& world) {
     for (const engine::PartSpec& part : type.parts) {
       if (!part.image) continue;
       add(part.image->file);
-      Diagnostics ignored;  // a map that was changed since it was read
+      Diagnostics ignored;  // errors of a map that was changed after the world was read
       if (!worldio::is_ros_map(part.image->file)) continue;
       if (const auto map = worldio::read_ros_map(part.image->file, {}, ignored)) add(map->image);
     }

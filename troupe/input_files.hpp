@@ -7,10 +7,10 @@
 
 namespace troupe {
 
-/// The files that a world was read from, as far as they exist: the world file, the files that it includes,
-/// its images and ROS maps, and the scripts that gave it controllers. A world that a program built has only
-/// images, ROS maps and scripts, and, if WorldBuilder built it, a file with the builder's name if there is
-/// one.
+/// Returns the files that a world was read from and that exist: the world file, the files that the world file
+/// includes, images, ROS maps, and the scripts that gave the world controllers. A world that a program built
+/// has only images, ROS maps and scripts. If WorldBuilder built the world and a file with the name
+/// WorldBuilder::name() exists, this file is also in the list.
 std::vector<std::filesystem::path> input_files(const engine::WorldSpec& world);
 
 /// Whether two paths name the same file, which need not exist yet; also true if one path is a link, hard or

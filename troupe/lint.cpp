@@ -39,7 +39,7 @@ class Heights {
     ends_.push_back({z.max, count});
     extent_ = united(extent_, z);
   }
-  /// Call it after the last add() and before the first at().
+  /// Sorts the heights. Call it after the last add() and before the first at().
   void sort() {
     for (auto* list : {&begins_, &ends_}) {
       std::ranges::sort(*list, {}, &Step::z);
@@ -158,9 +158,9 @@ std::string heights_text(const ZInterval& z) {
   return z.min == z.max ? fmt::format("{:.4g} m", z.min) : fmt::format("{:.4g} to {:.4g} m", z.min, z.max);
 }
 
-/// Returns the second half of a warning, which states why a sensor that looks at the heights `looks` detects
-/// none of the solids at the heights `there`. nothing, what: how the text names these solids, such as "no
-/// other visible body" and "visible bodies".
+/// Returns the second half of a warning, which states why a sensor at the heights `looks` detects none of the
+/// solids at the heights `there`. nothing, what: how the text names these solids, such as "no other visible
+/// body" and "visible bodies".
 std::string missed_text(const Heights& there, const ZInterval& looks, std::string_view nothing,
                         std::string_view what) {
   if (there.empty() || there.extent().contains(looks.min))
@@ -169,8 +169,9 @@ std::string missed_text(const Heights& there, const ZInterval& looks, std::strin
                      heights_text(there.extent()));
 }
 
-/// Returns the first half of a warning: that this sensor of this type sees nothing. In a Stage world a model
-/// may be only a sensor, whose own name is then empty.
+/// Returns the first half of a warning, which says that a sensor sees nothing. type: name of the type of body
+/// that has the sensor. sensor: name of the sensor; empty if the body is only a sensor, as models of Stage
+/// worlds may be.
 std::string called_text(std::string_view sensor, std::string_view type) {
   return sensor.empty() ? fmt::format("sensor \"{}\" sees nothing: ", type)
                         : fmt::format("sensor \"{}\" of \"{}\" sees nothing: ", sensor, type);
@@ -295,8 +296,8 @@ void Lint::check_floor_plans() {
   if (!open.empty()) check_who_stands_in(open);
 }
 
-/// Warns of robots that start inside the walls of floor plans that are not obstacles (`plans`). For obstacles
-/// engine::World gives this warning.
+/// Warns of robots that start inside the walls of the floor plans `plans`, which are not obstacles.
+/// engine::World gives this warning for floor plans that are obstacles.
 void Lint::check_who_stands_in(const std::vector<BodyId>& plans) {
   std::vector<partition::FixedSolid> solids;
   for (const BodyId plan : plans) {

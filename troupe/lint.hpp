@@ -8,7 +8,8 @@
 
 namespace troupe {
 
-/// Finds probable mistakes in a world that can be loaded. The findings are all warnings of loading it, and
+/// Finds probable mistakes in a world that can be loaded. The findings are the warnings that loading the
+/// world gives, and:
 ///   - bodies that overlap at the start, robots that start in walls;
 ///   - sensors that can never detect anything, floor plans that block no robot;
 ///   - unused definitions, properties without effect.

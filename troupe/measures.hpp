@@ -37,9 +37,9 @@ class Measures {
   Measures& operator=(Measures&&) noexcept;  ///< a moved-from object may only be destroyed or assigned to
 
   /// Updates measures that depend on earlier ticks, such as the covered area, with the current state. Call it
-  /// after every step; the constructor has done it for the current tick. If a tick was left out, and after
-  /// Simulation::reset(), these measures start again from the current state. A second call in a tick has no
-  /// effect.
+  /// after every step; the constructor has already called it for the current tick. If a tick was left out,
+  /// and after Simulation::reset(), these measures start again from the current state. A second call in a
+  /// tick has no effect.
   void see();
   /// Names of the values, in the order of the list `wanted`, with their units appended: `displacement_m`,
   /// `displacement_m:leaders`, `stalls` (no unit).
@@ -57,8 +57,8 @@ class Measures {
   /// Returns the data about earlier ticks that the measures store, as bytes, for a checkpoint.
   std::vector<std::byte> memory() const;
   /// Restores the data that memory() returned. The measures must be the same as those that returned the
-  /// bytes, and the simulation must be in the state that it had then. Returns false, and changes nothing, if
-  /// the number of bytes does not match these measures.
+  /// bytes, and the simulation must be in the state that it had when memory() was called. Returns false, and
+  /// changes nothing, if the number of bytes does not match these measures.
   bool remember(std::span<const std::byte> memory);
 
  private:

@@ -22,7 +22,7 @@ const engine::BodyType::Device* device_on(const engine::BodyType& type, std::siz
   return nullptr;
 }
 
-/// Whether the fields have the same names, in the same order.
+/// Whether two lists of fields have the same names, in the same order.
 bool same_names(std::span<const engine::StateField> a, std::span<const engine::StateField> b) {
   return std::ranges::equal(a, b, {}, &engine::StateField::name, &engine::StateField::name);
 }
@@ -34,7 +34,7 @@ std::string names_of(std::span<const engine::StateField> fields) {
   return fmt::format("{}", fmt::join(names, ", "));
 }
 
-/// The robot that Swarm::for_each() visits on this thread; null outside of it.
+/// The robot that Swarm::for_each() visits on this thread; null if this thread is not in for_each().
 thread_local const Model* visited_robot = nullptr;
 
 }  // namespace
@@ -178,7 +178,7 @@ void Model::go_to(double x, double y, double heading) {
 Model::Speed Model::speed() const {
   if (const auto* wheels = place_->wheels()) {
     if (!place_->world->view().runs(place_->row(), *wheels))
-      return {};  // they keep the state of their last run
+      return {};  // because `wheels` that do not run keep the state of their last run
     const auto& state = place_->world->percepts(*wheels).as<models::WheelsState>(place_->slot());
     return {state.forward, state.left, state.turn};
   }

@@ -313,8 +313,8 @@ struct Pictures::Impl {
     return body.type < known ? scene.types[body.type] : frame.types[body.type - known];
   }
 
-  /// Sets the region of the picture: the robots with a margin, or, if no robot is left in the world, the
-  /// region of the last picture that had robots.
+  /// Sets the region of the picture: the region that contains the robots, with a margin, or, if no robot is
+  /// left in the world, the region of the last picture that had robots.
   void show_robots_in(ShotData& shot) {
     constexpr double k_margin = 0.06;     // fraction of the larger side
     constexpr double k_least_side_m = 1;  // a single robot does not fill the picture
@@ -365,7 +365,7 @@ struct Pictures::Impl {
   }
 
   /// Draws a frame from a view into the file `to`, with `texts` as metadata. name: the name of the file for
-  /// error messages, which differs from `to` if that is a trial file.
+  /// error messages, which differs from `to` if `to` is a trial file.
   void write(const engine::Frame& frame, const render::View& from, const Texts& texts, const fs::path& to,
              const fs::path& name) {
     if (const auto format = vector_format(to)) {

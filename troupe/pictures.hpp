@@ -57,7 +57,7 @@ struct PictureOptions {
 
 /// A layer of a picture.
 struct PictureLayer {
-  std::string_view name;  ///< its name in PictureOptions::layers
+  std::string_view name;  ///< name of the layer in PictureOptions::layers
   bool on;                ///< whether pictures show the layer by default
   std::string_view text;  ///< what the layer shows
 };
@@ -104,7 +104,7 @@ class Pictures {
   /// Without these layers it does nothing. If the current tick is earlier than that of the previous call, for
   /// example after a reset, the data collected before are discarded.
   void see(const Simulation& simulation);
-  void see(const PictureSource& source);  ///< collects the data of the current state of another source
+  void see(const PictureSource& source);  ///< collects the data for `trails` and `coverage` from `source`
   /// Discards the data that see() collected for the layers `trails` and `coverage`, and the position and
   /// region that the camera keeps after the followed robots have left the world.
   void forget();
@@ -119,15 +119,15 @@ class Pictures {
   /// times_real_time: the speed that the layer `speed` shows, simulated time divided by wall time; 0: no
   /// speed is shown.
   Shot take(const Simulation& simulation, double times_real_time = 0);
-  Shot take(const PictureSource& source, double times_real_time = 0);  ///< copies the state of another source
+  Shot take(const PictureSource& source, double times_real_time = 0);  ///< copies the state of `source`
   /// Interpolates between two ticks: the time, the poses of bodies that both shots contain, the ends of their
   /// trails, and the region that the camera shows. All other data are copied from `earlier`, except the state
   /// hash in the metadata, which is left out. Both shots must come from take() of the same Pictures. share:
   /// position between the two ticks, from 0 (`earlier`) to 1 (`later`).
   static Shot between(const Shot& earlier, const Shot& later, double share);
 
-  /// Checks that write() can write a file of this name, by writing a small picture next to it and removing
-  /// it. Throws as write() and draw() do. Call it before a long run, to find errors early.
+  /// Checks that write() can write a file of this name: writes a small picture to a file next to it, and
+  /// removes this file. Throws as write() and draw() do. Call it before a long run, to find errors early.
   void rehearse(const std::filesystem::path& file);
   /// Returns a picture of width() x height() pixels: 8-bit RGBA, four bytes per pixel, row by row from the
   /// top. Throws std::runtime_error if the library OSMesa is missing (the text names the package to install),

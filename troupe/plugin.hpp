@@ -99,14 +99,14 @@ template <class Kind>
 struct Entry {
   using Make = Kind (*)(std::string_view name);  ///< a function that returns a kind and gives it this name
 
-  /// Prepends itself to the list.
+  /// Adds this element to the front of the list of kinds of the type `Kind`.
   Entry(std::string_view its_name, Make its_make) : name(its_name), make(its_make), next(first) {
     first = this;
   }
 
   std::string_view name;                                 ///< name of the kind
   Make make;                                             ///< function that makes the kind
-  const Entry* next;                                     ///< null at the end of the list
+  const Entry* next;                                     ///< next element of the list; null at its end
   static inline constinit const Entry* first = nullptr;  ///< first element of the list; null: empty list
 };
 

@@ -36,9 +36,9 @@
 
 namespace troupe::plugin {
 
-/// Version of the interface: of struct Library, of the functions that it points to, and of the layouts of the
-/// types that plug-in and program exchange (layout()). A test fails if the layouts have changed but the
-/// version has not.
+/// Version of the plug-in interface, which consists of struct Library, the functions that it points to, and
+/// the layouts of the types that plug-in and program exchange (layout()). A test fails if the layouts have
+/// changed but the version has not.
 inline constexpr std::uint32_t k_interface = 9;
 
 /// Build settings that change the layout of types or the bits of results although all headers are equal.

@@ -33,8 +33,8 @@ bool mentions(std::string_view library, std::string_view symbol) {
   return library.find(std::string(symbol) + '\0') != library.npos;
 }
 
-/// Whether a library contains all of its loadable segments. The dynamic loader does not check that: it maps
-/// pages beyond the end of the file, and the process is killed when it reads them.
+/// Whether a library contains all of its loadable segments. The dynamic loader does not check this: of a
+/// truncated file, it maps pages beyond the end, and reading such a page kills the process.
 bool is_whole(std::string_view bytes) {
   const auto read = [&bytes](auto& value, std::size_t offset) {
     if (offset > bytes.size() || bytes.size() - offset < sizeof(value)) return false;
@@ -53,8 +53,8 @@ bool is_whole(std::string_view bytes) {
   return true;
 }
 
-/// Returns success if the bytes of a file look like a plug-in, else an error that continues a sentence about
-/// the file. This is checked before loading, because loading runs code of the file.
+/// Returns success if the bytes of a file look like a plug-in, else an error whose text continues a sentence
+/// that begins with the file name. Call it before loading the file, because loading runs code of the file.
 Result<> check_contents(std::string_view bytes) {
   if (!bytes.starts_with("\177ELF"))
     return Error{"is not a shared library: build it with the CMake target troupe::plugin"};
@@ -130,7 +130,8 @@ struct Plugins::Loaded : Library {
   Group<engine::DeviceKind> devices{"sensor or device"};
   Group<engine::MeasureKind> measures{"measure"};
   std::shared_ptr<const Script> script;  ///< the owner of the kinds, if the library is a script
-  /// Returns, for the error if the library has no kind of one group, the kinds that it has instead.
+  /// Returns a part of the error for a library that has no kind of a group: "no controller, but compass,
+  /// crowding". It lists the kinds that the library has. what: Group::what of the group.
   std::string has_else(std::string_view what) const {
     std::vector<std::string_view> known = controllers.known();
     for (const std::string_view known_name : devices.known()) known.push_back(known_name);

@@ -26,7 +26,7 @@ using partition::MessageReader;
 using partition::MessageWriter;
 using partition::Transport;
 
-/// Calls visit() with each column of the bodies.
+/// Calls visit() with each column of a table of bodies (worldio::BodyColumns).
 template <class Bodies, class Visit>
 void for_columns(Bodies& bodies, Visit&& visit) {
   std::apply([&](auto&... columns) { (visit(columns), ...); },

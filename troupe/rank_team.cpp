@@ -51,7 +51,7 @@ struct RankTeam::Impl {
       : mailboxes(options.ranks, options.seed, options.clock),
         replica_options{.cut_seed = options.seed,
                         .verify = options.seed.has_value(),
-                        .keeps_references = !options.distribute,  // rows change
+                        .keeps_references = !options.distribute,  // distributed rows change
                         .is_distributed = options.distribute,
                         .requests = {}} {
     for (unsigned rank = 1; rank < options.ranks; ++rank) {
@@ -69,7 +69,7 @@ struct RankTeam::Impl {
   void follow(const engine::World& lead, const engine::Registry& registry, const engine::WorldOptions& world,
               unsigned rank) {
     try {
-      Diagnostics diagnostics(lead.spec().files);  // its warnings are those of rank 0
+      Diagnostics diagnostics(lead.spec().files);  // discarded: rank 0 reports the same warnings
       engine::World own(lead.spec(), registry, world, diagnostics);
       Transport& transport = mailboxes.of(rank);
       engine::Replica replica_here(own, registry, transport, k_world, replica_options);

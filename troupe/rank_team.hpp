@@ -15,8 +15,8 @@ struct WorldOptions;
 
 namespace troupe {
 
-/// The options of a RankTeam, which SimulationOptions describes. There, `seed` and `clock` are called
-/// `rank_seed` and `rank_clock`.
+/// The options of a RankTeam. SimulationOptions describes them; its members `rank_seed` and `rank_clock` are
+/// here called `seed` and `clock`.
 struct RankOptions {
   unsigned ranks = 1;
   std::optional<std::uint64_t> seed;

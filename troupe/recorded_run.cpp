@@ -35,7 +35,8 @@ using worldio::RecordingReader;
 using Array = RecordingReader::Array;
 
 constexpr double k_nan = std::numeric_limits<double>::quiet_NaN();
-// Times closer than this are equal: 3 ticks of 0.1 s may be slightly later than 0.3 s.
+// Times that differ by less than this count as equal, s: because of rounding, 3 ticks of 0.1 s may end
+// slightly later than 0.3 s.
 constexpr double k_same_s = 1e-9;
 
 template <class T>
@@ -257,7 +258,7 @@ struct RecordedRun::Impl {
     std::vector<std::size_t> rows_;            // for each recorded row, its row in the arrays of its type
   };
 
-  /// Replaces the type of each body whose joints have moved, or whose parts show colours, by a new type.
+  /// Replaces the type of each body whose joints were recorded, or whose parts show colours, by a new type.
   /// Bodies without joints that show the same colours share a type, as in World::frame().
   void change_parts(Frame& shown) const {
     for (std::uint32_t type = 0; type < world.types.size(); ++type) {

@@ -22,8 +22,8 @@ namespace {
 constexpr double k_every_s = 0.1;
 constexpr const char* k_fields = "pose";
 
-/// Returns the head of a recording. Interval and fields are those of the options, or else those of the world
-/// file, or else the defaults.
+/// Returns the head of a recording. Interval and fields are taken from the options, or else from the world
+/// file, or else they are the defaults.
 worldio::RecordingHead head_of(const Simulation& simulation, const RecordingOptions& options) {
   const engine::WorldSpec& spec = simulation.world().spec();
   const engine::RecordSpec record = spec.record.value_or(engine::RecordSpec{});
@@ -55,7 +55,7 @@ std::vector<worldio::RecordedComponent> components_of(const std::filesystem::pat
   }
 }
 
-/// Throws std::runtime_error if the recording belongs to another run than the simulation. It compares the
+/// Throws std::runtime_error if the recording belongs to another run than the simulation. Compares the
 /// options of the two runs, because runs with equal bodies may differ. Options that change no result, or that
 /// a resumed run may change for later ticks, are not compared.
 void check_same_run(const std::filesystem::path& file, const Simulation& simulation) {

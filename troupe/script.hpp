@@ -21,7 +21,7 @@ namespace troupe {
 struct Script {
   /// A controller of the script, and the robots that get it.
   struct Controller {
-    engine::ControllerKind kind;  ///< the controller; its name is that of the class
+    engine::ControllerKind kind;  ///< the controller, with the name of its class
     std::string robots;           ///< name of a type, population or robot; empty: all types with a drive
     std::uint32_t line = 0;       ///< line of the class in the file
   };

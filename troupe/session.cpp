@@ -33,7 +33,8 @@ std::string value_of(const std::vector<std::pair<std::string, std::string>>& opt
   return "not given";
 }
 
-/// Whether session and simulation have the same options. The error lists the options that differ.
+/// Returns success if session and simulation have the same options, else an error that lists the options that
+/// differ.
 Result<> same_options(const worldio::SessionHeader& header, const Simulation& simulation) {
   const std::vector<std::pair<std::string, std::string>> here = simulation.effective_options();
   std::string text;

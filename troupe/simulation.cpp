@@ -337,7 +337,7 @@ void Simulation::subscribe(std::string_view model) {
     throw std::logic_error(fmt::format(
         "subscribe() must be called before the first step, but this simulation is at tick {}", tick()));
   const BodyId body = find(model).place_->body;
-  // A body without drive, sensor and controller has no row, and no sensor to run.
+  // Static geometry has no row in the state tables, and no sensor to run.
   if (impl_->world->location(body) != engine::RowLocation::none) impl_->world->subscribe(body);
 }
 

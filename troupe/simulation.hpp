@@ -173,7 +173,7 @@ struct Statistics {
 struct RankStatistics {
   unsigned ranks = 1;          ///< number of ranks
   unsigned nodes = 1;          ///< number of computers on which the ranks run
-  std::uint64_t messages = 0;  ///< messages sent
+  std::uint64_t messages = 0;  ///< number of messages that rank 0 has sent to other ranks
   std::uint64_t bytes = 0;     ///< total length of these messages, bytes
   double waited_s = 0;         ///< time spent waiting, s; 0 if neither rank_clock nor `processes` is given
   /// How often robots moved to other ranks because the slowest rank took more than 1.1 times the mean time of
@@ -270,13 +270,13 @@ class Model {
   void set_estimate(const Pose& pose);
 
   /// Places the body at a pose in the world frame, m and rad, between two steps. Bodies that it carries move
-  /// with it. This is not a motion: odometry does not measure it, the speed does not change, stalled()
-  /// becomes false, and sensors see the new pose from the next step on. The place may overlap other bodies;
-  /// is_free() tells whether it does. The body can then drive out of an overlap, but not deeper into it.
-  /// Throws std::invalid_argument if the pose is not finite or is outside the bounds of the world, if another
-  /// body carries this one, and if this body is not in the world. Throws std::logic_error for a part of a
-  /// body, for static geometry, and in the function that Swarm::for_each() calls. Simulation::set_poses()
-  /// moves many models faster.
+  /// with it. set_pose() is not a motion: odometry does not measure the change of pose, the speed does not
+  /// change, stalled() becomes false, and sensors see the new pose from the next step on. At the new pose the
+  /// body may overlap other bodies; is_free() tells whether it would. The body can then drive out of an
+  /// overlap, but not deeper into it. Throws std::invalid_argument if the pose is not finite or is outside
+  /// the bounds of the world, if another body carries this one, and if this body is not in the world. Throws
+  /// std::logic_error for a part of a body, for static geometry, and in the function that Swarm::for_each()
+  /// calls. Simulation::set_poses() moves many models faster.
   void set_pose(const Pose& pose);
   /// Whether the body could be placed at this pose in the world frame, m and rad: its origin would be inside
   /// the bounds of the world, and it would not overlap a wall or another body that is an obstacle. False if
@@ -485,8 +485,8 @@ class Simulation {
   /// condition already holds. Throws std::invalid_argument if `seconds` is negative, NaN or more than 1e12.
   void run_for(double seconds);
   /// Steps until the callback `done`, which is called after each step, returns true; then returns true.
-  /// Returns false if `at_most_s` seconds of world time have passed before that, or if a stop condition has
-  /// ended the run (stopped()). If a stop condition already holds, makes no step and returns false. Throws
+  /// Returns false if `at_most_s` seconds of world time pass first, or if a stop condition ends the run first
+  /// (stopped()). If a stop condition already holds, makes no step and returns false. Throws
   /// std::invalid_argument if `at_most_s` is negative, NaN or more than 1e12.
   bool run_until(const std::function<bool(const Simulation&)>& done, double at_most_s);
   /// Adds a callback that is called at the end of every step, also in run_for() and run_until(). Callbacks
@@ -561,8 +561,8 @@ class Simulation {
   std::optional<double> quit_time_s() const;
 
   /// Finds a model by name: a body ("r0"), or a part that is mounted on a body ("r0.ranger:1"). The name is
-  /// that of the world file, or the name that Stage's rule generates. Throws std::out_of_range, with similar
-  /// names, if there is no such model.
+  /// the one in the world file, or the one that Stage's rule generates. Throws std::out_of_range, with
+  /// similar names, if there is no such model.
   Model find(std::string_view name);
   /// The body with this id. Sensors and cast() report such ids. Throws std::out_of_range if there is no such
   /// body.
@@ -579,8 +579,8 @@ class Simulation {
   /// meets      surfaces that rangers detect (ranger_return >= 0) and whose z interval, including both ends,
   ///            contains from.z; both sides of a surface count. The distance is computed in double precision,
   ///            so it may differ from the float32 reading of a ranger in its last bits
-  /// ties       of two surfaces at the same distance, the ray meets that of the body with the lower id, and
-  ///            on one body that of the part with the lower index
+  /// ties       of two surfaces at the same distance, the ray meets the surface of the body with the lower
+  ///            id; on one body, it meets the surface of the part with the lower index
   /// errors     std::invalid_argument if `from` is not finite, or if range_max is below 0 or above 300 km;
   ///            std::logic_error if `without` is a model of another simulation
   /// threads    several threads may cast rays at once, between two steps; nothing is changed
@@ -716,19 +716,20 @@ class Simulation {
   /// is a file that the simulation was read from (world, image, plug-in, ...).
   void snapshot(const std::filesystem::path& png, int width = 1280, int height = 720) const;
   /// Draws the world into a file with the camera, size and layers of `options` (troupe/pictures.hpp); the
-  /// ending of the name selects the format, as above. Throws std::runtime_error as above, and InputError if
-  /// `options` name a camera, layer, background, model or field that does not exist, or for an SVG or PDF
-  /// file of a view that is not from straight above.
+  /// ending of the name selects the format, as in the other snapshot(). Throws std::runtime_error as the
+  /// other snapshot() does, and InputError if `options` name a camera, layer, background, model or field that
+  /// does not exist, or for an SVG or PDF file of a view that is not from straight above.
   void snapshot(const std::filesystem::path& png, const PictureOptions& options) const;
   /// Returns a picture of the world from above: 8-bit RGB, three bytes per pixel, row by row from the top.
   /// width, height: size in pixels. Throws std::runtime_error if the library OSMesa is missing, the size
   /// exceeds its limit, or the build has no renderer, and std::invalid_argument for a width or height
   /// below 1. Do not call picture() or snapshot() from two threads at once: they share a renderer.
   std::vector<std::uint8_t> picture(int width = 1280, int height = 720) const;
-  /// Returns a picture with the camera, size and layers of `options`: 8-bit RGB, as above; a width or height
-  /// of 0 or less means the default of PictureOptions. Throws std::runtime_error as above, InputError if
-  /// `options` name a camera, layer, background, model or field that does not exist, and
-  /// std::invalid_argument for the background `transparent`, which RGB cannot represent.
+  /// Returns a picture with the camera, size and layers of `options`: 8-bit RGB, three bytes per pixel, row
+  /// by row from the top. A width or height of 0 or less means the default of PictureOptions. Throws
+  /// std::runtime_error as the other picture() does, InputError if `options` name a camera, layer,
+  /// background, model or field that does not exist, and std::invalid_argument for the background
+  /// `transparent`, which RGB cannot represent.
   std::vector<std::uint8_t> picture(const PictureOptions& options) const;
 
  private:

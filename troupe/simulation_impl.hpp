@@ -32,10 +32,10 @@ struct Simulation::Impl {
   std::unique_ptr<engine::World> world;
   /// The ranks that compute `world` together with this thread; null if it is computed by one rank.
   std::unique_ptr<RankGroup> ranks;
-  std::string why_replicated;  ///< RankStatistics::why_replicated
+  std::string why_replicated;  ///< value of RankStatistics::why_replicated
   std::vector<std::string> warnings;
   std::filesystem::path file;       ///< path of the world file
-  double tile_size_m = 0;           ///< SimulationOptions::tile_size_m
+  double tile_size_m = 0;           ///< value of SimulationOptions::tile_size_m
   worldio::PlaceAgain place_again;  ///< places bodies for another seed; empty if no pose depends on seeds
   /// Changes to the world, as pairs of key and value for effective_options(): the values of the option `set`
   /// (if a run was resumed with a value, the key contains the tick), and the option `spare`.
@@ -57,27 +57,31 @@ struct Simulation::Impl {
   PictureOptions picture_options;
 
   std::function<void(Simulation&)> before_tick;
-  /// Robots held by act().
+  /// Robots that acts hold, see Holds and Simulation::act().
   Holds holds;
 
-  /// Throws std::logic_error in a callback of on_tick(). `what`: the call that is not allowed there.
+  /// Throws std::logic_error if a callback of on_tick() is running. `what`: the call that is not allowed in
+  /// these callbacks, for the error.
   void refuse_in_callbacks(std::string_view what) const;
   /// Throws std::logic_error for a model of another simulation.
   void require_own(const Model& model) const;
   /// Throws std::runtime_error if an output would replace a file that the simulation was read from.
   void refuse_to_replace_inputs(const std::filesystem::path& output) const;
-  /// Returns `pictures`, which it makes again if the last call had other options.
+  /// Returns `pictures`. Makes `pictures` again if the last call had other options.
   Pictures& pictures_of(const Simulation& simulation, const PictureOptions& options);
 
   // troupe/simulation_files.cpp
-  /// Makes the world of a valid spec, and collects warnings about it and about plug-ins in `warnings`.
+  /// Makes the world of a valid spec, and collects the warnings about this world and about plug-ins in
+  /// `warnings`.
   void start(engine::WorldSpec spec, const SimulationOptions& options, Diagnostics& diagnostics);
-  /// Makes `world`, and its replicas on the other ranks. options: SimulationOptions or ResumeOptions.
+  /// Sets `world`, and makes its replicas (copies of the world) on the other ranks. options:
+  /// SimulationOptions or ResumeOptions.
   template <class Options>
   void make_world(engine::WorldSpec spec, const Options& options, Diagnostics& diagnostics);
   /// Sets up the stop conditions (`stop_when`). `world` must already be set.
   void watch_for_the_end(Diagnostics& diagnostics);
-  /// Restores the world, the stop conditions and the held robots. `world` must already be made.
+  /// Restores the state of `world`, the stop conditions and the held robots from a checkpoint. `world` must
+  /// already be made.
   void restore(const worldio::Checkpoint& checkpoint, Diagnostics& diagnostics);
 };
 

@@ -73,7 +73,8 @@ void Swarm::read(std::size_t room, Read&& one) const {
 }
 
 /// Calls one(row, i) for each robot that `where` selects and that is in the world. given: number of elements
-/// of the caller's span. Throws std::invalid_argument if `given` is not size().
+/// of the caller's span. Throws std::invalid_argument if `given`, or the size of `where` if `where` is not
+/// empty, is not size().
 template <class Write>
 void Swarm::write(std::size_t given, std::span<const std::uint8_t> where, Write&& one) const {
   Model::refuse_in_for_each(*world_, "a command for a swarm");
@@ -179,7 +180,7 @@ double Swarm::range_bound(std::string_view sensor) const {
 struct Swarm::Cells {
   const engine::BodyType::Device* device = nullptr;
   const engine::StateField* field = nullptr;
-  std::size_t index = 0;                         ///< of the field in `readings`
+  std::size_t index = 0;                         ///< index of the field in `readings`
   const engine::StateTable* readings = nullptr;  ///< null: the field belongs to a command
 
   std::size_t bytes() const { return field->columns * engine::element_size(field->element); }
@@ -245,7 +246,8 @@ Swarm::Cells Swarm::commands_of(Row row, std::string_view field, std::string_vie
 }
 
 /// Calls visit(cells, row, i) for each robot i. bytes: size of the caller's span. Throws
-/// std::invalid_argument before the first call if it does not fit, or if the fields of the robots differ.
+/// std::invalid_argument, before the first call, if this size is not that of the fields of all robots, or if
+/// the types or numbers of columns of the fields differ between robots.
 template <class Visit>
 void Swarm::for_cells(FindCells find, std::size_t bytes, std::string_view field, std::string_view device,
                       Visit&& visit) const {

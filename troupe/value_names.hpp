@@ -9,10 +9,10 @@
 
 namespace troupe {
 
-/// Returns all values that a name of a value (COMPONENT.FIELD or COMPONENT.FIELD.COLUMN) can mean, without
-/// checking that these values exist; their `text` is empty. Because names of components may contain dots,
-/// `a.b.3` is column 3 of the field b of component a, or the field 3 of the component a.b. The result is
-/// empty if the name has no dot.
+/// Splits the name of a state value, COMPONENT.FIELD or COMPONENT.FIELD.COLUMN, into its parts, and returns
+/// all possible results. Because names of components may contain dots, `a.b.3` is column 3 of the field b of
+/// the component a, or the field 3 of the component a.b. Does not check that the values exist, and leaves
+/// their `text` empty. The result is empty if the name has no dot.
 std::vector<ChosenValue> readings_of(const std::string& name);
 
 /// Appends the unit to a name: "velocity.x (m/s)". Returns the name alone if the unit is empty.

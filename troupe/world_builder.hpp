@@ -73,7 +73,7 @@ class Settings {
   Settings(std::initializer_list<Entry> entries);
   /// Sets the value of a key; replaces an earlier value of the same key.
   Settings& set(std::string_view key, const Setting& value);
-  Settings& set(const Settings& values);  ///< sets each key of `values` to its value there
+  Settings& set(const Settings& values);  ///< sets each key of `values` to its value in `values`
   /// Keys and values, in the order in which the keys were set for the first time.
   const std::vector<std::pair<std::string, Setting>>& entries() const { return entries_; }
 
@@ -119,8 +119,8 @@ class WorldBuilder {
     Type& size(double x, double y, double z);
     /// Sets the colour: a name, "SteelBlue", or {red, green, blue}, each from 0 to 1.
     Type& color(const Setting& color);
-    /// Sets the drive, in place of an earlier one. kind: "diff", "omni", "car", ...; parameters: the
-    /// parameters of this kind of drive.
+    /// Sets the drive, which replaces an earlier drive of the type. kind: "diff", "omni", "car", ...;
+    /// parameters: the parameters of this kind of drive.
     Type& drive(std::string_view kind, const Settings& parameters = {});
     /// Adds a sensor. name: name of the sensor, unique in the type; kind: "ranger", "bumper", ...;
     /// parameters: the parameters of this kind of sensor; pose: pose of the sensor in the body frame, m and
@@ -131,9 +131,9 @@ class WorldBuilder {
     /// sensor().
     Type& device(std::string_view name, std::string_view kind, const Settings& parameters = {},
                  const Pose& pose = {});
-    /// Sets the controller that runs on each robot of the type, in place of an earlier one. kind: "wander",
-    /// ...; parameters: those of this kind of controller. Robots without a controller do only what the
-    /// program commands.
+    /// Sets the controller that runs on each robot of the type. It replaces an earlier controller. kind:
+    /// "wander", ...; parameters: those of this kind of controller. Robots without a controller do only what
+    /// the program commands.
     Type& controller(std::string_view kind, const Settings& parameters = {});
     /// Sets any key that a type can have in the world file, in place of an earlier value of the key. Do not
     /// set "sensors" of a type that also gets sensors from sensor(), nor "devices" together with device():

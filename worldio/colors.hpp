@@ -10,20 +10,20 @@
 
 namespace troupe::worldio {
 
-/// The opaque colour with an X11 name, such as "red", "DarkSlateGray", "dark slate grey", "SteelBlue3" or
-/// "gray30". Names are case-sensitive: "Red" is unknown; only in a name with blanks, each word may begin with
-/// either case. The spellings "grey" and "gray" mean the same.
+/// Returns the opaque colour of an X11 colour name, such as "red", "DarkSlateGray", "dark slate grey",
+/// "SteelBlue3" or "gray30". Names are case-sensitive: "Red" is unknown. In a name with blanks, however, each
+/// word may begin with an upper-case or a lower-case letter. The spellings "grey" and "gray" mean the same.
 /// Returns nothing for an unknown name.
 std::optional<Color> color_by_name(std::string_view name);
 
-/// The names of all colours, without numbered shades ("SteelBlue3") and alternative spellings. They are
-/// sorted by their bytes: names that begin with an upper-case letter come first. Error messages suggest these
-/// names.
+/// Returns the names of all colours, without numbered shades ("SteelBlue3") and without alternative
+/// spellings. The names are sorted by their bytes: names that begin with an upper-case letter come first.
+/// Error messages suggest these names.
 std::span<const std::string_view> color_names();
 
-/// The default colours of the types of a JSON world, one per type. Types that have a drive, a device, a
-/// controller, or a part that can be pushed or gripped get a colour of the colour-blind-safe palette of Okabe
-/// and Ito, "Color Universal Design" (2008). In the order of these types, the colours are blue, orange,
+/// Returns the default colours of the types of a JSON world, one per type. Types that have a drive, a device,
+/// a controller, or a part that can be pushed or gripped get a colour of the colour-blind-safe palette of
+/// Okabe and Ito, "Color Universal Design" (2008). In the order of these types, the colours are blue, orange,
 /// green, vermilion, sky blue, purple, yellow, and then blue again. Each of the other types, such as a wall,
 /// is dark grey: red, green and blue are 0.3.
 std::vector<Color> default_colors(std::span<const engine::TypeSpec> types);

@@ -51,7 +51,7 @@ ConvertedWorld convert_world(const std::filesystem::path& from, const std::files
   if (loaded) loaded(spec);
   // The file that load_world() has read.
   const std::filesystem::path file = find_stage_file(from, options.search_path).value_or(from);
-  // A Stage world without a name has its file name as the title, which is replaced by the name of the new
+  // The title of a Stage world without a name is its file name. This title is replaced by the name of the new
   // file.
   if (spec.title == file.string() || spec.title == file.stem().string()) spec.title = to.stem().string();
   ConvertedWorld converted{.bodies = spec.bodies.size() - 1, .types = count_types(spec)};

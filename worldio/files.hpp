@@ -16,8 +16,8 @@ inline constexpr std::uintmax_t k_most_input_bytes = std::uintmax_t{4} << 30;
 
 /// Checks that a file is a readable regular file of at most `most_bytes` bytes, without opening the file. A
 /// link counts as the file that it refers to. The error is a phrase such as "there is no such file", "this is
-/// a folder" or "this is a pipe, not a regular file", without the name of the file. Devices and pipes are
-/// refused because reading them might never end, and opening a pipe can block forever.
+/// a folder, not a file" or "this is a pipe, not a regular file", without the name of the file. Devices and
+/// pipes are refused because reading them might never end, and opening a pipe can block forever.
 Result<> check_readable(const std::filesystem::path& file,
                         std::uintmax_t most_bytes = std::numeric_limits<std::uintmax_t>::max());
 

@@ -36,15 +36,15 @@ struct LoadOptions {
   /// write_json_world() makes of it.
   std::vector<std::pair<std::string, std::string>> set;
   /// Folders in which the loader looks for a world file, or for a file that a `.world` file includes, if
-  /// there is no file at the given path. It looks for the last component of the path, in these folders in
-  /// their order. Files that a JSON world includes are not searched for in these folders.
+  /// there is no file at the given path. It searches these folders in their order, for a file whose name is
+  /// the last component of the path. Files that a JSON world includes are not searched for in these folders.
   std::vector<std::filesystem::path> search_path;
   /// Number of threads that load the world; 0: one per available processor. The number changes no result and
   /// no message.
   unsigned threads = 0;
   /// Greatest number of bodies of a JSON world; more are an error. The ground, floor plans and the reserves
-  /// of populations count. Programs that read untrusted files set it lower. It does not apply to `.world`
-  /// files.
+  /// of populations are included in the number. Programs that read untrusted files set a lower limit. The
+  /// limit does not apply to `.world` files.
   double most_bodies = 10000000;
   /// If not null: the object in which the loader stores a function that places the populations of this world
   /// again. The loader leaves the object unchanged if the world has no populations or has errors.
@@ -54,10 +54,10 @@ struct LoadOptions {
   std::vector<std::string>* base_types = nullptr;
 };
 
-/// Reads a world file. It must have Stage's syntax if its name ends in `.world`, and be Troupe's JSON if its
-/// name ends in `.json`. Any other ending is an error, as is a file that is missing or cannot be read. All
-/// errors and warnings are added to `diagnostics`. Do not use the result if there are errors. `registry` has
-/// the kinds that the world may use.
+/// Reads a world file. The content must have Stage's syntax if the name of the file ends in `.world`, and
+/// must be Troupe's JSON if the name ends in `.json`. Any other ending is an error, as is a file that is
+/// missing or cannot be read. All errors and warnings are added to `diagnostics`. Do not use the result if
+/// there are errors. `registry` has the kinds that the world may use.
 engine::WorldSpec load_world(const std::filesystem::path& file, const engine::Registry& registry,
                              const LoadOptions& options, Diagnostics& diagnostics);
 
@@ -68,9 +68,9 @@ engine::WorldSpec load_world_text(const std::filesystem::path& file, std::string
                                   const engine::Registry& registry, const LoadOptions& options,
                                   Diagnostics& diagnostics);
 
-/// The readers of the two syntaxes, Stage's and JSON, which load_world_text() calls. They do not check the
-/// ending of `file`. `text` is the content of the world file. `file` is the path of this file in messages,
-/// and relative paths in the world are relative to its folder.
+/// The readers of the two syntaxes, Stage's and JSON, which load_world_text() calls. These functions do not
+/// check the ending of `file`. `text` is the content of the world file. `file` is the path of this file in
+/// messages, and relative paths in the world are relative to its folder.
 engine::WorldSpec load_stage_world(const std::filesystem::path& file, std::string text,
                                    const engine::Registry& registry, const LoadOptions& options,
                                    Diagnostics& diagnostics);

@@ -24,15 +24,14 @@ void check(std::int64_t result) {
   if (result < 0) throw std::system_error(errno, std::generic_category());
 }
 
-/// Whether an error of open() (an errno) may be caused by an existing file or folder of the name. Another
-/// name may then work.
+/// Whether an error of open() (an errno) may be caused by an existing file or folder with the tried name.
+/// Another name may then work.
 bool is_of_the_name(int error) {
   return error == EACCES || error == EPERM || error == EISDIR || error == ELOOP || error == ENXIO ||
          error == EEXIST;
 }
 
-/// Whether `name` still refers to the open file. It does not if another writer has renamed or removed the
-/// file.
+/// Whether `name` still refers to the open file. False if another writer has renamed or removed the file.
 bool is_called(int descriptor, const fs::path& name) {
   struct stat opened {};
   struct stat named {};
@@ -92,7 +91,7 @@ PartialFile::Taken PartialFile::take(const fs::path& partial) {
     if (!is_regular(descriptor)) return give_up(Taken::no);
     if (flock(descriptor, LOCK_EX | LOCK_NB) != 0) {
       if (errno == EWOULDBLOCK) return give_up(Taken::no);
-      unlink(partial.c_str());  // this name is only for file systems with locks
+      unlink(partial.c_str());  // without locks, the name must contain the process id
       return give_up(Taken::no_locks);
     }
     if (!is_called(descriptor, partial)) {  // another writer renamed or removed it before flock()
@@ -123,8 +122,8 @@ void PartialFile::write(std::span<const std::byte> bytes) {
 void PartialFile::sync() { check(fsync(descriptor_)); }
 
 void PartialFile::commit() {
-  // Some file systems report a full disk only on close. Closing a duplicate of the descriptor reports it too,
-  // and keeps the lock until the file has its final name.
+  // Some file systems report a full disk only on close. Closing a duplicate of the descriptor also reports
+  // this error, and keeps the lock until the file has its final name.
   check(close(dup(descriptor_)));
   check(std::rename(partial_.c_str(), file_.c_str()));
   close(std::exchange(descriptor_, -1));

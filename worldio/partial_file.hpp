@@ -8,11 +8,11 @@
 namespace troupe::worldio {
 
 /// A file NAME that is written under a temporary name in the same folder and renamed when it is complete. The
-/// temporary name is `NAME.partial`. If another writer uses this name, or the name cannot be used, it is
-/// `NAME.2.partial`, `NAME.3.partial` and so on, at most `NAME.1000.partial`. A writer holds a lock (flock)
-/// on its partial file until it renames or removes the file. A partial file without a lock was left by a
-/// killed writer, and the next writer of NAME overwrites it. On file systems without locks the temporary name
-/// also contains the process id, and the partial file of a killed writer remains.
+/// temporary name is `NAME.partial`. If another writer uses this name, or the name cannot be used, the
+/// temporary name is `NAME.2.partial`, `NAME.3.partial` and so on, at most `NAME.1000.partial`. A writer
+/// holds a lock (flock) on its partial file until it renames or removes the file. A partial file without a
+/// lock was left by a killed writer, and the next writer of NAME overwrites it. On file systems without locks
+/// the temporary name also contains the process id, and the partial file of a killed writer remains.
 ///
 /// The constructor, write(), sync() and commit() throw std::system_error on failure; the error has the
 /// reason, but no path. If NAME exists, it must be a regular file; otherwise the constructor throws.
@@ -39,9 +39,9 @@ class PartialFile {
   void commit();
 
  private:
-  /// The result of take(). yes: the partial file is open under this name, locked and empty. no: another
-  /// writer uses the name, or it belongs to something that cannot be overwritten. no_locks: the file system
-  /// has no locks.
+  /// The result of take(), which tries to use the name `partial`. yes: the partial file is open under this
+  /// name, locked and empty. no: another writer uses the name, or a file or folder of this name cannot be
+  /// overwritten. no_locks: the file system has no locks.
   enum class Taken : char { yes, no, no_locks };
   Taken take(const std::filesystem::path& partial);
 

@@ -12,8 +12,8 @@
 namespace troupe::worldio {
 namespace {
 
-/// Writes the pieces directly into a device or a pipe. Renaming a temporary file would replace the device or
-/// pipe by a regular file, for all programs.
+/// Writes the pieces directly into a device or a pipe. A temporary file that is renamed would replace the
+/// device or pipe by a regular file, for all programs.
 void write_into(const std::filesystem::path& special, std::initializer_list<std::string_view> pieces) {
   const auto failed = [] { return std::system_error(errno, std::generic_category()); };
   std::FILE* const out = std::fopen(special.c_str(), "wb");

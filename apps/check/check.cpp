@@ -26,15 +26,15 @@
 namespace troupe::apps {
 namespace {
 
-// Bytes with which FilledStorage fills new memory, so that results that depend on uninitialised memory
-// differ. Variants are constructed with the two bytes in turn; decisions are repeated with the second byte.
+// Bytes with which FilledStorage fills new memory. Results that depend on uninitialised memory then differ.
+// Variants are constructed with the two bytes in turn; decisions are repeated with the second byte.
 constexpr std::array<std::byte, 2> k_fills{std::byte{0x5a}, std::byte{0xa5}};
 
 /// What a variant does with the data of its world that are not part of the state, such as caches and the
 /// spatial index.
 enum class Memory : std::uint8_t {
-  kept,       ///< keeps them
-  forgotten,  ///< discards them in each tick: World::forget()
+  kept,       ///< keeps these data
+  forgotten,  ///< discards these data in each tick: World::forget()
   remade,     ///< in each tick replaces the world by a new one with the same state:
               ///< engine/observing/remade_world.hpp
   shuffled,   ///< in each tick gives the bodies other rows: World::shuffle_rows()
@@ -73,7 +73,8 @@ std::string variant_name(unsigned ranks, unsigned threads, double tile_size_m) {
                      tile_size_m > 0 ? fmt::format("tiles of {} m", tile_size_m) : "automatic tiles");
 }
 
-/// Returns the seed of the delays between ranks: that of --rank-seed, else 1, because `check` always delays.
+/// Returns the seed of the delays between ranks: the value of --rank-seed, or else 1, because `check` always
+/// delays messages between ranks.
 std::uint64_t rank_seed_of(const CheckOptions& options) { return options.simulation.rank_seed.value_or(1); }
 
 /// Loads the world once for each variant.
@@ -179,11 +180,11 @@ std::vector<std::string> compare(std::vector<Variant>& variants) {
   return lines;
 }
 
-/// Compares whether the step of each variant was completed with whether that of the first variant was.
-/// Returns the differences as lines of text, and marks the variants that differ. If the steps of all variants
-/// ended with an error, it is an error of the world: throws that of the first variant as a StepError. (The
-/// texts may differ: an exception of a kind names the first robot of a batch, and batches depend on the
-/// threads.)
+/// Compares each variant with the first variant only in whether the last step was completed or ended with an
+/// error. Returns the differences as lines of text, and marks the variants that differ. If the steps of all
+/// variants ended with an error, the world causes the error: throws the error of the first variant as a
+/// StepError. (The texts may differ: an exception of a kind names the first robot of a batch, and batches
+/// depend on the threads.)
 std::vector<std::string> compare_errors(std::vector<Variant>& variants) {
   const auto outcome = [](const Variant& variant) {
     return variant.error ? fmt::format("stopped with an error: {}", *variant.error)

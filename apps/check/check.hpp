@@ -10,8 +10,8 @@ namespace troupe::apps {
 /// by tick and compares their states after each tick. Prints the variants and the first difference on
 /// standard output, and warnings and errors on standard error. Returns k_finished if all variants agree,
 /// k_failed if one differs, and k_bad_input after an InputError. Throws engine::StepError if the step of
-/// every variant ends with an error. registry: the kinds that worlds may use, that is, the result of
-/// make_registry(), to which a program may have added kinds.
+/// every variant ends with an error. registry: the kinds that worlds may use: those of make_registry(), and
+/// those that the program adds.
 ExitCode check(const CheckOptions& options, const engine::Registry& registry);
 
 }  // namespace troupe::apps

@@ -94,7 +94,7 @@ void compare(const Pair& pair, std::vector<Difference>& found) {
   }
 }
 
-/// Returns the number of different values.
+/// Returns the number of different values in a list.
 std::size_t distinct(std::vector<std::size_t> values) {
   std::ranges::sort(values);
   return static_cast<std::size_t>(std::unique(values.begin(), values.end()) - values.begin());
@@ -116,8 +116,8 @@ void print_differences(const RecordingReader& first, std::size_t i, const Record
         hex(second.hashes()[j]), hex(first.hashes()[i]));
 }
 
-/// Returns the recording that ends at least one of its recording intervals before the other recording ends;
-/// null if neither does.
+/// Returns the recording that ends earlier than the other recording by at least one of its recording
+/// intervals; null if there is none.
 const RecordingReader* shorter(const RecordingReader& first, const RecordingReader& second) {
   const auto ends_before = [](const RecordingReader& a, const RecordingReader& b) {
     return a.ticks().back() + a.every_ticks() <= b.ticks().back();

@@ -8,8 +8,8 @@
 #include <utility>
 #include <vector>
 
-/// Functions that return the summary that `troupe info` prints, one per type of file. All throw InputError if
-/// the file cannot be read.
+/// Functions that return the summary that `troupe info` prints, one function per type of file. All throw
+/// InputError if the file cannot be read.
 namespace troupe::apps {
 
 /// A summary: names and values, in the order in which they are printed.

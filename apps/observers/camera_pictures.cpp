@@ -37,8 +37,8 @@ struct RobotCamera {
   engine::Camera pictures;
 };
 
-/// Returns the cameras that run in this tick, in the order of body ids, also those of robots that are not in
-/// the world.
+/// Returns the cameras that run in this tick, in the order of body ids. Cameras of robots that are not in the
+/// world are included.
 std::vector<RobotCamera> running_cameras(const Simulation& simulation) {
   const engine::World& world = simulation.world();
   std::vector<RobotCamera> cameras;
@@ -55,7 +55,8 @@ std::vector<RobotCamera> running_cameras(const Simulation& simulation) {
   return cameras;
 }
 
-/// Whether the camera has a reading: its robot is in the world, and has been for a period of the camera.
+/// Whether the camera has a reading: its robot is in the world, and has been in the world for at least one
+/// period of the camera.
 bool has_reading(const engine::World& world, const RobotCamera& camera) {
   return world.is_there(camera.row) && world.tick() - world.birth_tick(camera.row) >= camera.device->period;
 }

@@ -13,8 +13,8 @@ namespace troupe::apps {
 /// Writes camera images into a folder: for each running camera, at each tick above 0 that is a multiple of
 /// `every_ticks`, one PNG with the colours (`r0.eye-000012.300s-color.png`: body, camera, world time) and one
 /// with the depths (`...-depth.png`; docs/sensing.md). The bytes of a file depend only on the readings of the
-/// camera, its name and the tick. A camera that has no reading yet in this run is skipped. The images of a
-/// camera whose robot is not in the world, unborn or dead, are black.
+/// camera, its name and the tick. No image is written for a camera that has no reading yet, or whose robot is
+/// not in the world (unborn or dead).
 class CameraPictures : public Observer {
  public:
   /// Creates the folder if it does not exist; its parent folder must exist. every_ticks: interval of the

@@ -46,8 +46,8 @@ class Snapshots : public Observer {
   void rehearse() { pictures_.rehearse(first_); }
   void observe(const Simulation& simulation) override;
   void finish(const Simulation& simulation) override;
-  /// If --snapshot-at was not given, draws the end of the run and waits until the picture is written. Throws
-  /// if this fails.
+  /// If --snapshot-at was not given, draws the state at the end of the run and waits until the picture is
+  /// written. Throws if drawing or writing fails.
   void after_summary(const Simulation& simulation) override;
 
  private:
@@ -73,8 +73,8 @@ class Filming : public Observer {
 
   void observe(const Simulation& simulation) override;
   /// Adds the frames of the film up to the current time of `source`. A frame between the times of two calls
-  /// is interpolated between their states. next_s: simulated time of the next call, s; infinity if there is
-  /// no next call.
+  /// is interpolated between the states at these times. next_s: simulated time of the next call, s; infinity
+  /// if there is no next call.
   void observe(const PictureSource& source, double next_s);
   void finish(const Simulation& simulation) override;
   /// Waits until the film is complete. Throws if drawing or writing failed.

@@ -8,12 +8,12 @@
 
 namespace troupe::apps {
 
-/// Base class of objects that are notified of the phases and tasks of each tick. A run calls phase() from its
-/// callback of Simulation::on_phase(), and task() from that of Simulation::on_task().
+/// Base class of objects that are notified of the phases and tasks of each tick. A run calls phase() in its
+/// callback of Simulation::on_phase(), and task() in its callback of Simulation::on_task().
 class TickWatcher {
  public:
   virtual ~TickWatcher() = default;
-  /// Called with each phase when it begins, and with std::nullopt when the tick ends.
+  /// Called when a phase of a tick begins, with this phase, and when the tick ends, with std::nullopt.
   virtual void phase(std::optional<Phase> phase) = 0;
   /// Called when a task of a parallel loop begins (`begins` is true) or ends (false), on the thread that runs
   /// the task. Several threads may call it at once. index: index of the task in its loop.

@@ -50,7 +50,7 @@ struct ProfileLimits {
 ///         `busy_us` is the time of all workers together, microseconds. Both are absent if the phase ran no
 ///         task
 /// errors  the constructor throws OutputError if the file cannot be opened; observe() throws
-///         std::runtime_error if it cannot be written
+///         std::runtime_error if writing to the file fails
 class Profile : public Observer, public TickWatcher {
  public:
   Profile(const std::filesystem::path& file, const Simulation& simulation, const ProfileLimits& limits);

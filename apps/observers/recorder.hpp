@@ -12,9 +12,9 @@ namespace troupe::apps {
 
 struct RunOptions;
 
-/// Returns the file to which a run is recorded: that of the command line, or else that of `record` in the
-/// world file; empty if neither names one. Throws InputError if the world names a file outside the working
-/// folder.
+/// Returns the file to which a run is recorded: the file that the command line names, or else the file that
+/// `record` in the world file names; empty if neither names a file. Throws InputError if the world names a
+/// file outside the working folder.
 std::filesystem::path recording_file(const RunOptions& options, const Simulation& simulation);
 
 class Recorder;

@@ -57,7 +57,7 @@ std::optional<Value> saved(const Simulation& simulation, const std::string& name
   return value;
 }
 
-/// Returns a value as the memory of a checkpoint.
+/// Returns the bytes of a value, in the form that the callback of Simulation::on_save() returns.
 template <class Value>
 std::vector<std::byte> memory_of(const Value& value) {
   std::vector<std::byte> memory(sizeof value);
@@ -65,8 +65,8 @@ std::vector<std::byte> memory_of(const Value& value) {
   return memory;
 }
 
-/// Makes checkpoints contain, under the key `name`, the lines of a table that a resumed run keeps: those
-/// before `keep_before` ticks after the tick of the checkpoint.
+/// Makes each checkpoint store, under the key `name`, which lines of a table a resumed run keeps
+/// (CsvFile::Start): the lines before the tick T + `keep_before`, where T is the tick of the checkpoint.
 void save_start(Simulation& simulation, const std::string& name, const CsvFile& csv,
                 std::uint64_t keep_before) {
   simulation.on_save(name, [&simulation, &csv, keep_before] {
@@ -188,8 +188,8 @@ class MeasuresOutput : public ClonedOutput<MeasuresOutput> {
   }
 
  private:
-  /// Returns the interval of the lines, ticks: that of --measure-every, or else that of the table that is
-  /// continued, or else that of the world.
+  /// Returns the interval of the lines, ticks: the value of --measure-every, or else the interval of the
+  /// table that is continued, or else the interval in the world file.
   std::uint64_t interval(const Simulation& simulation) const {
     if (!every_s_ && goes_on(file_, simulation))
       if (const auto every = saved<std::uint64_t>(simulation, k_measures_interval)) return *every;

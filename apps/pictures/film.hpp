@@ -50,8 +50,8 @@ class Ffmpeg {
 /// found.
 std::string find_ffmpeg();
 /// Throws OutputError if the film that `pictures` requests cannot be made, because ffmpeg is missing or the
-/// background is transparent. Does nothing if no film is requested, or a film of single pictures. Writes
-/// nothing.
+/// background is transparent. Does nothing if no film is requested, or if the film is written as one picture
+/// file per frame. Writes no file.
 void check_film(const PictureFiles& pictures);
 
 }  // namespace troupe::apps

@@ -45,8 +45,8 @@ void add_picture_options(CLI::App& app, PictureFiles& pictures);
 void add_look_options(CLI::App& app, PictureOptions& look);
 /// Adds --film, --fps and --film-speed. Parsing fills `pictures`, which must outlive `app`.
 void add_film_options(CLI::App& app, PictureFiles& pictures);
-/// Converts `text`, the value of the option `option`, and stores it as the name (set_snapshot()) or the
-/// times, s, sorted and each once (set_times()), of the snapshots in `pictures`. Throws CLI::ParseError for
+/// Stores `text`, the value of the option `option`, in `pictures`: set_snapshot() as the file name of the
+/// snapshots, set_times() as their times, s, sorted and without duplicates. Throws CLI::ParseError for
 /// invalid values.
 void set_snapshot(PictureFiles& pictures, const char* option, const std::string& text);
 void set_times(PictureFiles& pictures, const char* option, const std::string& text);

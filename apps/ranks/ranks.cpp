@@ -38,17 +38,19 @@ using partition::MessageReader;
 using partition::MessageWriter;
 using partition::MpiTransport;
 
-/// How often, while a rank is at work, it tells the ranks that wait for it.
+/// Number of times per limit (RankDeal, limit_s) that a rank at work calls tell_that_it_works().
 constexpr double k_reports_per_limit = 4;
-/// The first byte of a message of RankDeal::gather(), and the only byte of one of tell_that_it_works().
+/// k_result is the first byte of a message of RankDeal::gather(). k_at_work is the only byte of a message of
+/// RankDeal::tell_that_it_works().
 constexpr std::byte k_result{1};
 constexpr std::byte k_at_work{0};
 
 std::string module_file(const std::string& mpi) { return "libtroupe_mpi_" + mpi + ".so"; }
 
-/// Returns the file of the module, a shared library, that connects Troupe with the MPI of the launcher: the
-/// one that the environment variable TROUPE_MPI names, or else one in the folder of the program or in the
-/// folder where modules are installed. Throws InputError if there is none.
+/// Returns the file of the module (a shared library) that connects Troupe with the MPI of the launcher. The
+/// environment variable TROUPE_MPI may contain the path of the module, or the name of an MPI (`openmpi`,
+/// `mpich`) that replaces Launcher::mpi. Without a path, the module is searched in the folder of the program
+/// and in the folder where modules are installed. Throws InputError if the module is not found there.
 fs::path find_module(const Launcher& launcher) {
   const char* wanted = std::getenv("TROUPE_MPI");
   if (wanted != nullptr && std::string_view(wanted).find('/') != std::string_view::npos) return wanted;
@@ -64,8 +66,8 @@ fs::path find_module(const Launcher& launcher) {
       launcher.name, launcher.ranks, module_file(mpi), folders[0].string(), folders[1].string()));
 }
 
-/// Loads the module of find_module() and connects to MPI. Throws InputError if that is impossible, or if the
-/// module was built with another MPI than that of the launcher.
+/// Loads the module of find_module() and connects to MPI. Throws InputError if the connection fails, or if
+/// the module was built with another MPI than the MPI of the launcher.
 std::unique_ptr<MpiTransport> connect(const Launcher& launcher) {
   const fs::path module = find_module(launcher);
   std::unique_ptr<MpiTransport> transport;
@@ -123,14 +125,16 @@ void print_error(unsigned rank, std::string_view error) {
   _exit(k_failed);
 }
 
-/// How long a rank whose limit, s, has run out lets the other ranks print for whom they wait. Ranks begin to
-/// wait at different times of a tick.
+/// How long a rank waits between printing that its time limit has run out and ending. The other ranks began
+/// to wait at other times of the tick; in this time their limits run out too, and they print for which rank
+/// they wait. limit_s: the time limit, s
 std::chrono::duration<double> grace(double limit_s) {
   return std::chrono::duration<double>(std::clamp(limit_s / 10, 5.0, 60.0));
 }
 
-/// While an object of this class exists, a thread waits for the end of its life. If that takes longer than a
-/// limit, s, the thread prints `error` and ends the process. Limits above k_longest_s count as none.
+/// Ends the process if the object is not destroyed within a time limit after its construction. A thread
+/// watches the limit; when the limit has run out, the thread prints `error` and ends the process. limit_s:
+/// the limit, s; above k_longest_s: no limit.
 class EndsWithin {
  public:
   EndsWithin(double limit_s, unsigned rank, std::string error) {
@@ -164,14 +168,15 @@ class EndsWithin {
 };
 
 /// Ends the connection to the other ranks; all ranks call it.
-/// nodes: number of computers; limit_s: how long MPI_Finalize may take.
+/// nodes: number of computers; limit_s: the longest time that MPI_Finalize may take, s.
 ///
-/// In MPI_Finalize, MPICH with UCX over TCP flushes the connection to each rank, for which that rank must
-/// call a function of MPI, and then waits in a barrier, where it answers no other rank. So a rank hangs if
-/// its flush begins after that of another rank has been answered (seen with MPICH 4.0.2 and UCX 1.13.1). A
-/// last message cannot prevent this, because it must be flushed itself. So rank 0 tells the others to end.
-/// They call MPI_Finalize after a while without MPI, in which rank 0 completes its sends, and wait there for
-/// the answer of rank 0, which comes last, when all of them have begun.
+/// In MPI_Finalize, MPICH with UCX over TCP first flushes the connection to each other rank; the other rank
+/// must call a function of MPI to answer the flush. Then MPI_Finalize waits in a barrier, where it answers no
+/// flush. Therefore a rank hangs if its flush begins after another rank has completed its flushes and waits
+/// in the barrier (seen with MPICH 4.0.2 and UCX 1.13.1). A last message cannot prevent this, because the
+/// message itself must be flushed. Therefore rank 0 tells the other ranks to end, and calls MPI_Finalize
+/// last. The other ranks pause before MPI_Finalize, without calling MPI, while rank 0 completes its sends.
+/// Their flushes then wait for the answer of rank 0, which comes when all of them have begun.
 void finish(MpiTransport& transport, unsigned nodes, double limit_s) {
   constexpr std::chrono::milliseconds k_quiet(500);
   if (transport.rank() == 0)
@@ -188,7 +193,8 @@ void finish(MpiTransport& transport, unsigned nodes, double limit_s) {
 }
 
 /// Compares the program, its version and its arguments on all ranks. Throws InputError on all ranks if they
-/// differ. Returns the host names of the ranks, by rank. limit_s: how long the end of the connection may take
+/// differ. Returns the host names of the ranks, by rank. limit_s: the longest time that ending the connection
+/// may take, s
 std::vector<std::string> meet(MpiTransport& transport, double limit_s) {
   std::vector<std::string> hosts{host()};
   const std::string version = version_line();
@@ -252,7 +258,8 @@ unsigned threads_of_rank(const std::vector<std::string>& hosts, unsigned rank) {
   const unsigned allowed = partition::processors_allowed();
   if (const char* slurm = std::getenv("SLURM_CPUS_PER_TASK"))
     if (const auto cpus = number<unsigned>(slurm); cpus && *cpus > 0) {
-      // srun does not take over the option -c of sbatch, but the variable, which then promises too much.
+      // srun ignores the option -c of sbatch but passes on its variable, which may then exceed the processors
+      // that srun gives the process.
       if (rank == 0 && *cpus > allowed)
         fmt::print(
             stderr,
@@ -347,9 +354,10 @@ ExitCode reported(const Launcher& launcher, double limit_s, const std::function<
     print_common_error(launcher.rank, fmt::format("{}\n", error.what()));
     return k_bad_input;
   } catch (const partition::RankError& error) {
-    // Other ranks may wait for this rank, which itself waits. The launcher ends all processes when this one
-    // ends, so it ends only when the limits of the others have also run out and all of them have printed for
-    // whom they waited: the rank that prints nothing is the one that does not answer.
+    // Other ranks may wait for this rank, which itself waited for a rank. The launcher ends all processes
+    // when this process ends. Therefore this process first waits until the limits of the other ranks have
+    // also run out, and until these ranks have printed for which rank they waited. The rank that prints
+    // nothing is the rank that does not answer.
     print_error(launcher.rank, error.what());
     std::this_thread::sleep_for(grace(limit_s));
     _exit(k_failed);

@@ -22,9 +22,9 @@ namespace troupe::apps {
 ExitCode on_ranks(const WorldOptions& options,
                   const std::function<ExitCode(const SimulationOptions& simulation)>& run);
 
-/// Exchanges messages between the processes (ranks) of a launcher that divide independent runs, such as those
-/// of a sweep: rank 0 shares the list of runs, and gathers the results. All processes must call the functions
-/// in the same order.
+/// Divides independent runs, such as the runs of a sweep, among the processes (ranks) that a launcher has
+/// started. The ranks exchange messages: rank 0 shares the list of runs, and gathers the results. All
+/// processes must call the functions in the same order.
 class RankDeal {
  public:
   /// For a process that is the only one. threads: number of runs that this process makes at the same time
@@ -43,7 +43,7 @@ class RankDeal {
   unsigned threads() const { return threads_; }  ///< number of runs that this process makes at the same time
   /// A rank that is at work must call tell_that_it_works() at intervals of at most this time.
   std::chrono::duration<double> interval() const { return interval_; }
-  /// Tells the ranks that wait for this rank that it is at work, so that they start to count `limit_s` again.
+  /// Tells the ranks that wait for this rank: this rank is at work. They then start to count `limit_s` again.
   /// While rank 0 waits in gather(), it passes such a message of one rank on to all other ranks. Does nothing
   /// with one rank.
   void tell_that_it_works() const;

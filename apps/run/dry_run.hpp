@@ -10,8 +10,9 @@
 namespace troupe::apps {
 
 /// What a run would need (--dry-run): its length, the memory, and how its bodies would be divided among the
-/// ranks. A row is the entry of a body in the state tables, a ghost is a copy of a row of another rank, and
-/// the neighbours of a rank are the ranks with which it has ghosts in common (engine/ranks/halo.hpp).
+/// ranks. A row is the entry of a body in the state tables. The ground of a rank is the part of the world
+/// whose bodies it computes; their rows are its own rows. A ghost is a copy of a row of another rank. The
+/// neighbours of a rank are the ranks with which it has ghosts in common (engine/ranks/halo.hpp).
 struct DryRun {
   std::string world;              ///< name of the world file
   std::size_t robots = 0;         ///< robots in the world
@@ -22,9 +23,9 @@ struct DryRun {
   std::uint64_t state_bytes = 0;  ///< state tables of the whole world
   unsigned ranks = 1;             ///< number of ranks that would compute the world
   bool is_distributed = false;    ///< each rank would have only its own rows and ghosts
-  std::string why_replicated;     ///< RankStatistics::why_replicated
-  double longest_motion_m = 0;    ///< motion of a tick at the highest speed limit of a drive, m
-  double coverage_m = 0;          ///< bodies within this distance of the ground of a rank are its ghosts, m
+  std::string why_replicated;     ///< why not distributed (RankStatistics::why_replicated); else empty
+  double longest_motion_m = 0;    ///< motion in one tick at the highest speed limit of any drive, m
+  double coverage_m = 0;          ///< a rank has ghosts of bodies up to this distance from its ground, m
   /// Numbers of own rows, ghosts and neighbours of a rank. If the world is not distributed: equal numbers of
   /// own rows, and no ghosts and neighbours.
   Report::PerRank own, ghosts, neighbours;

@@ -18,13 +18,13 @@ double ratio(double a, double b) { return b > 0 ? a / b : 0; }
 
 std::string hash_text(std::uint64_t hash) { return fmt::format("{:016x}", hash); }
 
-/// The members of RankCounts.
+/// All members of RankCounts.
 constexpr std::array k_counts{&RankCounts::ticks,      &RankCounts::own,           &RankCounts::ghosts,
                               &RankCounts::neighbours, &RankCounts::distributions, &RankCounts::migrated,
                               &RankCounts::rounds,     &RankCounts::messages,      &RankCounts::bytes};
 static_assert(sizeof(RankCounts) == k_counts.size() * sizeof(std::uint64_t), "a member is missing");
 
-/// "12.5 bytes (at most 20)": the mean and the largest value among the ranks.
+/// Returns the mean and the largest value among the ranks as text: "12.5 bytes (at most 20)". what: "bytes".
 std::string per_rank_text(const Report::PerRank& value, std::string_view what) {
   return fmt::format("{} {} (at most {})", four_digits(value.mean), what, four_digits(value.most));
 }
@@ -184,7 +184,7 @@ std::string summary_json(const Report& report) {
       json["rank_ghosts_per_row"] = report.ghosts_per_own();
       json["rank_distributions"] = report.ranks.distributions;
     }
-    // Of all ranks, per rank and tick.
+    // Counts per tick: their mean and their largest value among the ranks.
     const auto put = [&](std::string_view name, std::uint64_t RankCounts::*count) {
       const Report::PerRank value = report.per_rank(count);
       json[fmt::format("ranks_{}_mean", name)] = value.mean;

@@ -49,7 +49,8 @@ struct Report {
   /// Subtracts `before`, the counts of the ranks at the beginning of this run, from `rank_counts`. before:
   /// one entry per rank
   void subtract_counts(std::span<const RankCounts> before);
-  /// A count per tick: its mean over the ranks, and its value on the rank that has the most; 0 with one rank.
+  /// A number that may differ between ranks, such as a count per tick: its mean over the ranks, and its
+  /// largest value on any rank.
   struct PerRank {
     double mean = 0;
     double most = 0;

@@ -52,8 +52,8 @@ std::vector<RunOptions> one_for_each_world(const RunOptions& options) {
 }
 
 /// Calls check_outputs() for the inputs and outputs of all worlds. It is called before loading, and again
-/// after loading, because a world file may name a recording. read: the files that the worlds were then read
-/// from.
+/// after loading, because a world file may name a recording. read: for the second call, the files that the
+/// worlds were read from.
 void check_files(const std::vector<RunOptions>& each, const std::vector<Input>& read = {}) {
   std::vector<Input> inputs;
   std::vector<fs::path> outputs;

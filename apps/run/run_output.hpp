@@ -17,8 +17,8 @@ namespace troupe::apps {
 struct RunOptions;
 
 using Observers = std::vector<std::unique_ptr<Observer>>;
-/// A function that opens the files of an output. It appends the observers that write these files to the
-/// vector that it is given.
+/// A function that opens the files of an output. The function appends the observers that write these files to
+/// its argument.
 using OpenOutput = std::function<void(Observers&)>;
 
 /// Base class of the kinds of output of a run, such as the hash log, with their command-line options. To add
@@ -33,7 +33,8 @@ class RunOutput {
   /// object and `options`; both must outlive `app`.
   virtual void add_options(CLI::App& app, RunOptions& options) = 0;
   /// Returns pointers to the names of the output's files and folders, so that the caller can replace {world}
-  /// in them. A file with an empty name is not written. options: the object whose `outputs` contain this one.
+  /// in them. A file with an empty name is not written. options: the options whose member `outputs` contains
+  /// this output.
   virtual std::vector<std::filesystem::path*> names(RunOptions& options) = 0;
   /// Returns the files that the output will write. The caller checks that they can be written. Throws
   /// OutputError if the output finds another error, such as an existing checkpoint. Creates nothing.
@@ -49,7 +50,7 @@ class RunOutput {
                              std::uint64_t end_tick) const = 0;
 };
 
-/// Base class that implements clone().
+/// Base class of outputs that implements RunOutput::clone() with the copy constructor of `Output`.
 template <class Output>
 class ClonedOutput : public RunOutput {
  public:

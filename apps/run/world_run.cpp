@@ -72,7 +72,8 @@ bool commands_nothing(const engine::Command& command) {
          command.turn == 0;
 }
 
-/// "the controller \"wander\"", or "the controllers \"avoid\" and \"sing\"".
+/// Returns the controllers of a type as text: "the controller \"wander\"", or "the controllers \"avoid\" and
+/// \"sing\"".
 std::string controllers_text(const engine::TypeSpec& type) {
   std::string names;
   for (std::size_t c = 0; c < type.controllers.size(); ++c)
@@ -84,14 +85,14 @@ std::string controllers_text(const engine::TypeSpec& type) {
   return fmt::format("the controller{} {}", type.controllers.size() == 1 ? "" : "s", names);
 }
 
-/// The robots of one type that can move and are in the world.
+/// Numbers of robots of one type that have a drive and are in the world.
 struct Robots {
   std::size_t all = 0;
   std::size_t still = 0;        ///< robots at the position where they started
-  std::size_t uncommanded = 0;  ///< robots at their start whose command is not to move, and that never turned
+  std::size_t uncommanded = 0;  ///< `still` robots, enabled and never turned, whose command is not to move
 };
 
-/// Returns the robots of each type.
+/// Returns the numbers of robots (Robots) of each type, by TypeId.
 std::vector<Robots> robots_by_type(const engine::World& world) {
   std::vector<Robots> of_type(world.spec().types.size());
   for (std::size_t r = 0; r < world.rows(); ++r) {
@@ -109,9 +110,9 @@ std::vector<Robots> robots_by_type(const engine::World& world) {
   return of_type;
 }
 
-/// Returns warnings about robots that are still at their start after a run. Usually their type lacks a
-/// controller, or the controller never commands the drive. Robots of a type with a controller are reported
-/// only if all of them stand still without a command, because single robots may have to wait.
+/// Returns warnings about robots that are at their start position at the end of a run. Usually their type
+/// lacks a controller, or the controller never commands the drive. Robots of a type with a controller are
+/// reported only if all of them stand still without a command, because single robots may have to wait.
 std::vector<std::string> standstill_warnings(const Simulation& simulation, const std::string& name) {
   const engine::World& world = simulation.world();
   const engine::WorldSpec& spec = world.spec();

@@ -25,9 +25,9 @@ class Pacer;
 /// step() until is_done(), finish(), print_summary(), after_summary().
 class WorldRun {
  public:
-  /// Loads or resumes the world and prints its warnings. options: those of a single world, in whose names of
-  /// outputs {world} is already replaced. Throws InputError if the world, the checkpoint or the session is
-  /// invalid, if the run has no end, or if the end is earlier than the checkpoint.
+  /// Loads or resumes the world and prints its warnings. options: the options of one world; {world} must
+  /// already be replaced in the names of its outputs. Throws InputError if the world, the checkpoint or the
+  /// session is invalid, if the run has no end, or if the end is earlier than the checkpoint.
   explicit WorldRun(RunOptions options);
   ~WorldRun();
   WorldRun(const WorldRun&) = delete;

@@ -170,9 +170,10 @@ std::optional<Made> make(const Study& study, std::size_t index, const SweepOptio
               .series = std::move(series)};
 }
 
-/// Returns a text that identifies the study, and the columns of its measures. The text is a hash of the study
-/// file, of the world with its images, and of the version of the program; it does not depend on the folders
-/// of the files. Loads the world of the first run, so that errors in it are reported before any run.
+/// Returns a text that identifies the study, and the names of the columns of its measures. The text is a hash
+/// of the study file, the world with its images, the scripts (--controller) and the version of the program;
+/// it does not depend on the folders of the files. Loads the world of the first run, so that errors in this
+/// world are reported before any run.
 std::pair<std::string, std::vector<std::string>> identify(const Study& study, const SweepOptions& options,
                                                           bool shows_warnings) {
   Simulation simulation(study.world, options_of(study, study.run(0), options));
@@ -188,8 +189,8 @@ std::pair<std::string, std::vector<std::string>> identify(const Study& study, co
   return {hex(hash_text(text)), {measures.columns().begin(), measures.columns().end()}};
 }
 
-/// Returns the errors of a run, one per line, in which positions in the study replace `--set POINTER`, with
-/// which the run sets the parameters of the study.
+/// Returns the errors of a run, one per line. A run sets each parameter of the study as `--set POINTER` does;
+/// in errors that name this option, the position of the parameter in the study file replaces the option.
 std::string at_parameters(const Study& study, const std::string& errors, const Diagnostics& diagnostics) {
   std::string text;
   std::istringstream lines(errors);
@@ -205,7 +206,7 @@ std::string at_parameters(const Study& study, const std::string& errors, const D
   return text;
 }
 
-/// Prints the number of finished runs on standard error, if that is a terminal.
+/// Prints the number of finished runs on standard error, if standard error is a terminal.
 class Count {
  public:
   Count(std::size_t done, std::size_t all, bool wanted)
@@ -242,8 +243,8 @@ void keep_series(const fs::path& file, const std::string& rows) {
 }
 
 /// Makes the runs with these indices in parallel and writes each to the journal when it finishes. Returns the
-/// errors of failed runs, by index. Throws the error if the result of a run cannot be written. Tells the
-/// other ranks meanwhile that this rank is at work.
+/// errors of failed runs, by index. Throws the error if the result of a run cannot be written. During the
+/// runs, tells the other ranks that this rank is at work.
 std::map<std::size_t, std::string> make_all(const Study& study, const std::vector<std::size_t>& runs,
                                             const SweepOptions& options, SweepJournal& journal,
                                             RankDeal& deal) {
@@ -345,8 +346,9 @@ struct Ended {
   bool was_stopped = false;                   // a signal ended the sweep before its last run
 };
 
-/// Sends how the runs of this rank ended to rank 0. On rank 0, waits until all ranks have finished their
-/// runs, and returns how the runs of all ranks ended; on other ranks, returns nothing.
+/// Sends `here`, which states how the runs of this rank ended, to rank 0. On rank 0, waits until all ranks
+/// have finished their runs, and returns how the runs of all ranks ended; on other ranks, returns an empty
+/// Ended.
 Ended gathered(const Ended& here, const RankDeal& deal) {
   partition::MessageWriter own;
   own.put(std::uint64_t{here.was_stopped});

@@ -25,7 +25,7 @@ using partition::PlacedShape;
 // Largest number of dependencies that are stored for a row. For a row with more dependencies, the geometric
 // tests are repeated in each round.
 inline constexpr std::size_t k_listed = 64;
-inline constexpr std::uint32_t k_unlisted = ~0u;  // Waiting::count of a row with more than k_listed
+inline constexpr std::uint32_t k_unlisted = ~0u;  // Waiting::count if no dependencies are stored
 
 // A motion that is longer than this is called far. Bodies with far motions are not looked up in the spatial
 // index. Instead, each mover is tested against all of them, because a lookup would have to widen the search
@@ -228,7 +228,7 @@ class Conflicts::Resolver {
   }
   /// Number of pushes that the resolved rows have recorded so far: entries in use of Conflicts::pushes_.
   std::size_t push_count() const { return push_count_; }
-  /// Begins the next round. Returns the number of rows that the round before it left waiting; 0: all rows are
+  /// Begins the next round. Returns the number of rows that the previous round left waiting; 0: all rows are
   /// resolved.
   std::size_t next_round() {
     ++round_;

@@ -54,7 +54,7 @@ void Conflicts::resolve(const Crowd& crowd, const partition::StaticScene& scene,
   for (const Push& push : pushes()) pushed_last_[push.row] = 0;
   push_count_ = 0;
   reserve(rows, crowd.pushables);  // there may be fewer rows than in the tick of these pushes
-  constexpr std::uint32_t k_last_round = 1u << 29;  // reached after some years
+  constexpr std::uint32_t k_last_round = 1u << 29;  // Resolution stores a round in 30 bits
   if (base_ + rounds_ > k_last_round) {
     std::ranges::fill(resolutions_, Resolution());
     base_ = 0;

@@ -200,7 +200,8 @@ class Conflicts {
   class Dependency {
    public:
     Dependency() = default;  ///< leaves the members uninitialised
-    /// if_moved: true: `row` blocks the other row only if `row` has moved; false: only if `row` has not moved
+    /// if_moved: true: `row` blocks the dependent row only if `row` has moved; false: only if `row` has not
+    /// moved
     Dependency(std::uint32_t row, bool if_moved) : word_(2 * row + (if_moved ? 1 : 0)) {}
     std::uint32_t row() const { return word_ / 2; }
     bool if_moved() const { return word_ % 2 != 0; }

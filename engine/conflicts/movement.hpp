@@ -36,7 +36,7 @@ class Movement {
   /// Overwrites with junk all data that are neither constant nor state: see World::forget(). The caller must
   /// then derive them again with draw_odometry_errors(), rest() and count_stalls().
   void forget();
-  /// Overwrites the motions of the last tick with junk, which the next tick must not read.
+  /// Overwrites the motions of the last tick with junk. The next tick must not read these motions.
   void forget_motions();
 
   /// Computes the pose that each robot proposes from its velocity. Carried robots, and robots with velocity

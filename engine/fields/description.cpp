@@ -53,7 +53,8 @@ void say(Field& field, const Fact& fact) {
   }
 }
 
-/// Whether each field of a record that has a default (Value::given()) has that value.
+/// Whether `record` has the default value of each field that has a default, that is, whose value in
+/// `defaults` is given().
 bool is_default(const Record& record, const Record& defaults) {
   for (std::size_t i = 0; i < defaults.size(); ++i)
     if (defaults[i].given() && record[i] != defaults[i]) return false;

@@ -173,7 +173,7 @@ struct MemberType {
   /// -infinity for double, for integers of 64 bits, for arrays of floating-point numbers, and for all types
   /// without numbers or with a variable number of them.
   double min = -std::numeric_limits<double>::infinity();
-  /// Largest such value, where `min` is finite; otherwise infinity.
+  /// Largest value that such a number can have, if `min` is finite; otherwise infinity.
   double max = std::numeric_limits<double>::infinity();
   bool optional = false;     ///< whether the member is a std::optional
   bool is_unsigned = false;  ///< true: std::uint64_t; a Value stores its bits in a std::int64_t
@@ -442,8 +442,8 @@ struct TROUPE_OF_TYPE TypeOf {
   static constexpr MemberType value = plain_type<M>();
 };
 
-/// Whether std::vector<M> is a list of lists of numbers: M is a fixed array of numbers, or a std::vector of
-/// such M.
+/// Whether std::vector<M> is a list of lists of numbers: M is a fixed array of numbers, a std::vector of such
+/// arrays, a std::vector of such vectors, and so on.
 template <class M>
 inline constexpr bool k_is_listed = Fixed<M>::size > 0;
 template <class M>

@@ -47,7 +47,7 @@ constexpr Element element_of() {
   }
 }
 
-/// A field of a state component: its name, element type, number of columns, unit and meaning.
+/// A field of a state component (a StateTable): its name, element type, number of columns, unit and meaning.
 struct StateField {
   std::string name;                ///< name, unique in the component
   Element element = Element::f64;  ///< type of each column

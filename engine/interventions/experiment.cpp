@@ -106,8 +106,8 @@ Result<> check_change(const DriveKind& kind, const Record& before, const Record&
   return kind.check(params);
 }
 
-/// Calls a function with diagnostics, and adds its findings to `diagnostics`, each with the JSON pointer
-/// `/KEY/INDEX` of the part of the experiment in front of its message.
+/// Calls build(own), where `own` is a new Diagnostics object. Adds each finding in `own` to `diagnostics` as
+/// an error, with the JSON pointer `/KEY/INDEX` of the part of the experiment in front of the message.
 template <class Build>
 void build_part(std::string_view key, std::size_t index, Diagnostics& diagnostics, Build&& build) {
   Diagnostics own(diagnostics.files());
@@ -368,7 +368,8 @@ double World::speed_scale(Row row) const {
 
 /// Applies the interventions and fault events that are due at the end of the last completed tick.
 /// Interventions come first, in the order of the file; fault events follow. If the rows are distributed among
-/// ranks, each rank applies them to its own rows and to its ghosts.
+/// ranks, each rank applies them to its own rows and to its ghosts (copies of rows of other ranks,
+/// engine/ranks/halo.hpp).
 void World::intervene() {
   Experiment& e = experiment_;
   bool is_other_crowd = false;
@@ -404,15 +405,15 @@ bool World::carry_out(Experiment::Intervention& intervention) {
     return false;
   }
   const auto is_disabled = [&](Row row) { return (state_.condition(row).out & Condition::k_disabled) != 0; };
-  // What happens to a body may depend on bodies that only other ranks have. Every rank knows of all deaths,
-  // because it lists the bodies that were born in this tick, which may be among them.
+  // A selection by count or share depends on all candidates, also on those whose rows only other ranks have.
+  // For `remove`, every rank must know of the deaths of newborn_, whose rows may be elsewhere.
   const bool needs_all = spec.whom.count || spec.whom.share || spec.action == Action::remove;
   experiment_.candidates.clear();
   for (const BodyId id : intervention.whom) {
     if (location(id) != RowLocation::here) continue;
     const Row row = this->row(id);
     if (!is_there(row)) continue;
-    if (needs_all && row.index() >= state_.own_rows) continue;  // its owner sends it to this rank
+    if (needs_all && row.index() >= state_.own_rows) continue;  // the rank that owns the row sends it
     if (spec.action != Action::remove && is_disabled(row) != (spec.action == Action::enable)) continue;
     const Random random(state_.spec.seed, intervention.stream, id.value,
                         static_cast<std::uint32_t>(state_.now.tick));
@@ -528,7 +529,8 @@ double World::longest_reach() const {
   for (const BodyType& type : state_.types)
     for (const BodyType::Device& device : type.devices)
       if (type.runs()) longest = std::max(longest, device.prepared.reach_m);
-  // The data of the parameters before or after the intervention: those that are not in force at present.
+  // An intervention holds the data that are not in force at present: before it is applied, the new data, and
+  // afterwards the old data.
   for (const Experiment::Intervention& each : experiment_.interventions)
     if (is_setting(each)) longest = std::max(longest, each.device.reach_m);
   return longest;
@@ -581,7 +583,8 @@ Result<> World::set(const SettingSpec& setting, const Registry& registry) {
     e.interventions[i].data = std::move(compiled[i].data);
     e.interventions[i].device = std::move(compiled[i].device);
   }
-  // Interventions of this tick that are still due come before the setting: the next step applies both.
+  // If interventions of this tick are still due, the next step applies them and, after them, the setting.
+  // Otherwise the setting is applied now.
   if (place == e.next) ++e.next;
   for (std::size_t i = 0; i < e.next; ++i)
     if (is_setting(e.interventions[i])) swap_setting(e.interventions[i]);
@@ -611,9 +614,9 @@ std::uint64_t World::next_fault_tick(std::uint32_t fault, BodyId body, std::uint
                     1, ticks_until(random.exponential() / f.impairment.per_s, state_.spec.tick_s));
 }
 
-/// Removes the earliest fault event from the heap and returns it. Inserts the event that follows it in the
-/// same body, if there is one: the end of a drop-out, or the next time that the fault occurs. Dead bodies
-/// keep their events, which then have no effect, so that the schedule does not depend on the state.
+/// Removes the earliest fault event from the heap and returns it. If another event of the fault follows in
+/// the same body, inserts this event: the end of a drop-out, or the next time that the fault occurs. Dead
+/// bodies keep their events, which then have no effect, so that the schedule does not depend on the state.
 Experiment::FaultEvent World::take_fault_event() {
   std::vector<FaultEvent>& heap = experiment_.fault_events;
   const FaultEvent now = heap.front();

@@ -16,7 +16,7 @@ namespace troupe::engine {
 /// The compiled interventions and faults of a world, and which of them are applied next. An intervention is a
 /// change of the world at a given time, such as removing robots; a fault is a random failure of a robot.
 /// These data are not part of the state, because they follow from the spec (the description of the world) and
-/// the tick. A *row* is the index of a body in the state tables.
+/// the tick.
 struct Experiment {
   /// The value of `due` if no intervention or fault event follows: larger than the number of any tick.
   static constexpr std::uint64_t k_never = std::numeric_limits<std::uint64_t>::max();
@@ -28,8 +28,8 @@ struct Experiment {
     /// Random stream of the intervention: stream_id("at", INDEX), with `spec` as INDEX; 0 if World::set() has
     /// added the intervention.
     std::uint32_t stream = 0;
-    /// All bodies of the group, in order of ids, whether or not they are in the world. Empty for `add` and
-    /// `set`.
+    /// All bodies of the group InterventionSpec::whom, in order of ids, whether or not they are in the world.
+    /// Empty for `add` and `set`.
     std::vector<BodyId> whom;
     std::size_t reserve = 0;  ///< for `add`: the reserve of the bodies, index into WorldSpec::reserves
     /// For `set` of a drive or controller: the data that its kind prepared from the new parameters. Applying
@@ -43,8 +43,8 @@ struct Experiment {
   /// Number of interventions that World::set() has added since construction, World::reset() or
   /// World::restart(). Their specs are the last ones of ExperimentSpec::at.
   std::size_t made = 0;
-  /// The interventions of the world file, all of them not yet applied, which World::reset() and
-  /// World::restart() restore. Empty while World::set() has added nothing.
+  /// A copy of the interventions of the world file, in the state before the first tick. World::reset() and
+  /// World::restart() restore it. Empty while World::set() has added no intervention.
   std::vector<Intervention> declared;
 
   /// One impairment of a FaultSpec, compiled for the bodies of one type.
@@ -64,7 +64,7 @@ struct Experiment {
     BodyId body;              ///< the impaired body
     bool begins = true;       ///< true: the fault begins; false: it ends
   };
-  /// For each fault, and each body that was selected for it, its first event of a run: a heap with the
+  /// The first event of a run of each fault in each body that was selected for the fault: a heap with the
   /// earliest event on top. At tick 0, `fault_events` is a copy of this heap.
   std::vector<FaultEvent> first_fault_events;
   /// The next event of each fault in each body, after those that were applied so far: a heap with the

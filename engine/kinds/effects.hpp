@@ -21,8 +21,8 @@ inline constexpr std::uint32_t k_birth = ~0u;
 /// static body.
 inline constexpr std::uint32_t k_death = ~0u - 1;
 
-/// The outcome of a request for a birth. Devices store the numerical values in their state, and so the values
-/// never change.
+/// The outcome of a request for a birth. Devices store the numerical values in their state, so the values
+/// must never change.
 enum class BirthStatus : std::uint8_t {
   unasked,   ///< no birth was requested
   born,      ///< the body Birth::body was born

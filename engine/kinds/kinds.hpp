@@ -217,7 +217,7 @@ enum class FrameLayer : std::uint8_t {
 enum class ApplyScope : std::uint8_t {
   trees,       ///< the body of the device, the target, and all bodies that move together with either of them;
                ///< the target must be within the reach of the device (DeviceKind::Prepared::reach_m)
-  any_target,  ///< the same bodies, but the target may be anywhere in the world
+  any_target,  ///< the bodies of `trees`, but the target may be anywhere in the world
   anything,    ///< any body
 };
 
@@ -418,7 +418,7 @@ struct DriveKind {
   void (*drive)(const std::any& data, const DriveBatch& batch);
   /// Returns the velocity that a robot has until its drive runs for the first time. Null: 0.
   Velocity (*start)(const std::any& data) = nullptr;
-  /// Hooks that only read parameters, whose effect the engine itself implements.
+  /// Hooks that compute settings from the parameters. The engine itself implements these settings.
   ///@{
   /// Returns how robots with this drive estimate their poses. The error says why the parameters are
   /// inconsistent. Null: the estimates are the true poses, world frame.
@@ -652,8 +652,8 @@ struct ControllerKind {
   Result<> (*bind_world)(std::any& data, const WorldSpec& world, const TypeSpec& type,
                          std::uint32_t part) = nullptr;
   /// Kinds of devices that the controller needs and that Stage files do not declare, such as "flags". The
-  /// loader of Stage files adds a device of each of these kinds, with default parameters, to a model with
-  /// this controller that has none. Other loaders add none.
+  /// loader of Stage files adds a device of each of these kinds, with default parameters, to each model with
+  /// this controller, unless the model has such a device. Other loaders add none.
   std::vector<std::string_view> brings;
   /// Decides for all robots of the batch: sets their commands and memories. make_controller_kind() makes this
   /// hook from a function for one robot.
@@ -661,7 +661,7 @@ struct ControllerKind {
 };
 
 /// All kinds that a world can use. A registry is passed as an argument and is never global.
-/// troupe/registry.cpp assembles the one with all kinds of Troupe.
+/// troupe/registry.cpp assembles the registry with all kinds of Troupe.
 struct Registry {
   std::vector<ModelKind> models;            ///< model kinds of Stage files
   std::vector<DeviceKind> devices;          ///< kinds of sensors and of other devices
@@ -721,7 +721,7 @@ struct Registry {
 
   /// The device kinds of the list `devices` that only sense (DeviceKind::is_sensor()).
   std::vector<DeviceKind> sensors() const;
-  std::vector<DeviceKind> other_devices() const;  ///< the device kinds of that list that do not only sense
+  std::vector<DeviceKind> other_devices() const;  ///< the kinds of `devices` that are not sensors
 };
 
 }  // namespace troupe::engine

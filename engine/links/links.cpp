@@ -55,8 +55,8 @@ Mount moved_by(const BodyType::Joint& joint, const Mount& parent, const Pose& q)
 
 }  // namespace
 
-/// A body of a tree, which is a body and the bodies that it carries, directly or through others. Trees are
-/// visited from the root, the body that is not carried.
+/// A body of a tree. A tree consists of a root, which is a body that is not carried, and of all bodies that
+/// the root carries, directly or through others. Functions visit a tree from its root.
 struct Links::TreeBody {
   Row row;
   Mount place;         // the body's frame, relative to the root's frame
@@ -184,7 +184,7 @@ void Links::rest_joints(Row row) {
   move_to_joints(row);
 }
 
-/// Updates WorldState::joint_mounts of a row from their displacements in the state tables.
+/// Updates WorldState::joint_mounts of a row from the displacements of its joints in the state tables.
 void Links::move_to_joints(Row row) {
   const std::span<Mount> all = state_.mounts(row);
   for (std::size_t j = 0; j < all.size(); ++j) {
@@ -365,7 +365,8 @@ double Links::aim_joints(const TreeBody& body, std::size_t round, double t, doub
       const Mount axis = compose(compose(body.place, parent ? parent->then : Mount()), joint.at_rest);
       way += Vec2(to.x - q.x, to.y - q.y).norm() + std::abs(to.z - q.z) +
              std::abs(to.heading - q.heading) * (radius + way + axis.transform.position.norm());
-      // A turn at the origin of a body without obstacles has no lever, and is a motion all the same.
+      // A turn of a joint at the body's origin moves no point of a body without obstacles. It counts as a
+      // motion all the same.
       if (to != q) way = std::max(way, partition::k_rounding_m);
       q = t < 1 ? between(q, to, t) : to;
     }
@@ -432,8 +433,8 @@ bool Links::refuses_joints(std::size_t c, Row root, std::size_t round, double re
 }
 
 /// Whether the moving pieces of a tree, as placed in `after`, overlap another tree that the whole tree, as
-/// placed in `before`, does not overlap. `reach`: bound on how far a tree lies outside its circle in the
-/// index, m.
+/// placed in `before`, does not overlap. `reach`: upper bound on how far any tree extends beyond its circle
+/// in the index, m.
 bool Links::others_refuse(Row root, const PlacedShape& before, const PlacedShape& after, double reach) const {
   const auto meets = [&](Row other, const PlacedShape& mine, const ObstacleShape& shape) {
     const Transform& at = state_.view.transform(other);

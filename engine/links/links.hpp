@@ -29,7 +29,7 @@ class Links {
   /// The state of a joint's motion in this tick.
   enum class Goal : std::uint8_t {
     none,     ///< the joint has no command to move
-    asked,    ///< the joint has a command that is not yet resolved, or whose goal is its present pose
+    asked,    ///< the joint has a command that is not yet resolved, or whose goal equals the joint's pose
     moved,    ///< the joint is at its goal
     refused,  ///< the motion was blocked: the joint is at its old pose
   };
@@ -42,8 +42,8 @@ class Links {
   /// Allocates the lists. Call this after the rows of the state were made, and again after bodies have
   /// changed their rows. Then call derive(), rest_joints() and reshape(), which compute all other data.
   void build();
-  /// Computes all data that are derived from the state tables, except the shapes of trees, which reshape()
-  /// computes.
+  /// Computes all data that this class derives from the state tables, except the shapes of trees, which
+  /// reshape() computes.
   void derive();
   /// Overwrites all derived data with junk: see World::forget().
   void forget();
@@ -68,8 +68,8 @@ class Links {
   void reshape(std::uint32_t row);
   /// Attaches the body of the row `cargo`, at its present place, to a carrier: to the carrier's joint with
   /// the index `joint` or, if `joint` is k_rigid, to the carrier itself. Returns false and changes nothing if
-  /// the cargo is already carried, if it is the carrier or carries the carrier, directly or through others,
-  /// or if the type of the carrier cannot carry bodies.
+  /// the cargo is already carried, if the cargo is the carrier itself or carries it (directly or through
+  /// others), or if the type of the carrier cannot carry bodies.
   bool attach(Row cargo, Row carrier, std::int32_t joint);
   /// Detaches a body from its carrier, if it has one; its pose stays.
   void release(Row cargo);

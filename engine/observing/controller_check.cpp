@@ -144,9 +144,9 @@ std::vector<ControllerFinding> ControllerCheck::start_twice() const {
   return findings;
 }
 
-/// Settings take effect between two ticks, in the order of their ticks. A setting at the end of a tick
-/// applies to the decisions of the next tick. As in the world itself, only the controller whose parameters a
-/// setting changes is made again.
+/// A setting (an intervention `set`, which changes parameters) takes effect between two ticks. A setting at
+/// the end of a tick applies to the decisions of the next tick. As in the world itself, only the controller
+/// whose parameters a setting changes is made again.
 void ControllerCheck::follow_settings(std::uint64_t tick) {
   const WorldSpec& spec = world_.spec();
   const auto in_force = static_cast<std::size_t>(
@@ -189,8 +189,8 @@ ControllerCheck::Watched ControllerCheck::watch(const BodyType& type,
   return watched;
 }
 
-/// The OnDecide callback, which the worker threads of the world call for each batch. It lets the controller
-/// decide, and stores copies of its inputs and outputs.
+/// The callback World::OnDecide, which the worker threads of the world call for each batch of robots. Calls
+/// the controller, and stores copies of the inputs and outputs of its decisions.
 void ControllerCheck::record(const BodyType& type, const BodyType::Controller& controller,
                              const DecideBatch& batch) {
   Watched& watched = watched_[static_cast<std::size_t>(&type - world_.types().data())]

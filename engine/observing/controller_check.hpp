@@ -23,8 +23,8 @@ struct ControllerFinding {
     again,   ///< a second decision of the same controller
     afresh,  ///< a decision of a newly made controller with the same parameters
   };
-  /// The controller: its kind, and its index among the controllers of its type, such as "wander/0".
-  /// Controllers of several types can have the same name, and then share their findings.
+  /// Name of the controller: its kind and its index among the controllers of the body type, such as
+  /// "wander/0". Controllers of several body types can have the same name, and then share their findings.
   std::string controller;
   /// What differs: "memory turn_left_s" for a field of the memory, "command x" for a field of the command to
   /// the drive. For a field of the command to a device, the component (state table) of these commands
@@ -32,11 +32,11 @@ struct ControllerFinding {
   /// "memory goal[1]".
   std::string field;
   Repeat repeat = Repeat::again;  ///< the repetition that found it
-  /// The lowest id of a body whose value differs. For Repeat::start it is the lowest id of a body of the
-  /// type, and has no other meaning.
+  /// The lowest id of a body whose value differs. For Repeat::start: the lowest id of any body of the type,
+  /// because the call of `start` concerns no particular body.
   BodyId body;
-  StateValue first;   ///< value of that body after the decision in the step, or the first start
-  StateValue second;  ///< value of that body after the repetition
+  StateValue first;   ///< value after the decision in the step; for Repeat::start, after the first call
+  StateValue second;  ///< value after the repetition
   /// Number of decisions in which this field differs in the repetition `repeat`, counted in one call of
   /// ControllerCheck::repeat(). Not used for Repeat::start.
   std::size_t decisions = 1;
@@ -54,8 +54,9 @@ std::string finding_text(const World& world, const ControllerFinding& finding);
 ///     std::thread other([&] { findings = check.repeat(); });  // repeats them twice, without effect
 ///     other.join();                                           // before the next step
 ///
-/// order    The repetitions process the robots in reverse order, in other batches (unless there are so few
-///          robots that one batch holds them all), on the thread that calls repeat(). A collective controller
+/// order    The repetitions run on the thread that calls repeat(). They process the robots in reverse order.
+///          They also divide the robots into other batches, unless one batch holds all robots. (A batch is
+///          the robots that one call of the controller handles.) A collective controller
 ///          (ControllerKind::is_collective) may depend on its whole batch, and so gets the batch of the step
 ///          again, in the same order.
 /// storage  Readings, estimated poses, memories and commands are copied at the decision, because the robot
@@ -88,14 +89,14 @@ class ControllerCheck {
   ControllerCheck& operator=(const ControllerCheck&) = delete;
 
   /// Calls ControllerKind::start twice for each controller that has a memory, on storage with different
-  /// bytes. Returns one finding for each column of the memory that the function leaves unset, or sets to
-  /// different values in the two calls; empty: none. Types without bodies are left out. Does not change the
-  /// memories of the robots. If the function throws an exception, throws a StepError.
+  /// bytes. Returns one finding for each column of the memory that `start` leaves unset, or sets to different
+  /// values in the two calls; an empty list if there is none. Omits types without bodies. Does not change the
+  /// memories of the robots. Throws a StepError if `start` throws an exception.
   std::vector<Finding> start_twice() const;
   /// Repeats each decision of the last step twice. Call this after each step: without a call, the decisions
   /// of several steps accumulate, and the findings of the next call are then wrong. Returns one finding for
-  /// each controller and column that differs; empty: none. If a controller throws an exception, throws a
-  /// StepError.
+  /// each controller and column that differs; an empty list if there is none. Throws a StepError if a
+  /// controller throws an exception.
   std::vector<Finding> repeat();
   /// Number of decisions that repeat() has not yet repeated.
   std::size_t pending() const;

@@ -41,13 +41,13 @@ struct FrameBody {
   std::uint32_t id = 0;  ///< number of the body in the world: the value of its BodyId
 };
 
-/// A fan of beams of a ranger that start at one place.
+/// A fan of beams of one ranger. All beams of the fan start at the same point.
 struct FrameTransducer {
-  Pose pose_body;           ///< origin of the beams and heading of their middle; body frame, joints at rest
+  Pose pose_body;           ///< origin and middle direction of the beams; body frame, joints at rest
   double range_max = 0;     ///< length of the beams, m
-  double fov = 0;           ///< angle from the first beam to the last, rad; width of the beam if it is single
-  std::size_t first = 0;    ///< index of its first reading among those of the ranger
-  std::size_t samples = 1;  ///< number of its readings
+  double fov = 0;           ///< angle from the first beam to the last, rad; for a single beam, its width
+  std::size_t first = 0;    ///< index of the fan's first reading among the readings of the ranger
+  std::size_t samples = 1;  ///< number of readings of the fan
 };
 
 /// A ranger of a body type, whose readings can be drawn.
@@ -68,7 +68,7 @@ struct FrameScene {
   std::string title;                 ///< title of the world
   std::vector<FrameRanger> rangers;  ///< rangers that FrameScan refers to
   double tile_m = 0;                 ///< edge of the tiles of the spatial index, m; 0: unknown
-  double cell_m = 0;                 ///< edge of the cells of those tiles, m; 0: unknown
+  double cell_m = 0;                 ///< edge of the cells that tiles consist of, m; 0: unknown
   /// Box that the origins of bodies cannot leave (WorldSpec::bounds), m, world frame. Not set: the world file
   /// gives none.
   std::optional<Box> limits;
@@ -89,7 +89,7 @@ struct FrameScan {
 struct FrameSight {
   std::uint32_t body = 0;                          ///< the body: index into Frame::mobile
   Eigen::Vector3d from = Eigen::Vector3d::Zero();  ///< position of the sensor
-  Eigen::Vector3d to = Eigen::Vector3d::Zero();    ///< origin of the detected part at the detection
+  Eigen::Vector3d to = Eigen::Vector3d::Zero();    ///< origin of the part when it was detected
 };
 
 /// A blob (a region of one colour in the view of a camera) that a blob finder sees. It is drawn as a triangle
@@ -121,7 +121,8 @@ struct FrameTie {
 struct FrameSquare {
   std::int32_t x = 0;  ///< lower edge in x, in units of Frame::covered_m
   std::int32_t y = 0;  ///< lower edge in y, in units of Frame::covered_m
-  /// Time of the last visit to the square, linear from 0 (first tick that the viewer stored) to 1 (last one).
+  /// Time of the last visit to the square, as a fraction of the time that the viewer stored: 0 for the first
+  /// stored tick, 1 for the last.
   float freshness = 1;
 };
 

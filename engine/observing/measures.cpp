@@ -21,10 +21,10 @@ std::string column_name(const MeasureSpec& spec, const MeasureKind& kind) {
   return fmt::format("{}{}{}{}", kind.name, unit, spec.of.empty() ? "" : ":", spec.of);
 }
 
-/// Calls a function of a measure and returns the result. If it throws, throws a std::runtime_error in its
-/// place whose text names the tick and the measure: the exception of a plug-in does not say where it came
-/// from. Exceptions of another language (MeasureKind::is_foreign) are not replaced: they name the file and
-/// the line, and programs in that language catch them.
+/// Calls `call`, which runs a function of a measure, and returns its result. Replaces an exception of `call`
+/// by a std::runtime_error whose text names the tick and the measure, because the exception of a plug-in does
+/// not name its origin. Exceptions of another language (MeasureKind::is_foreign) propagate unchanged: they
+/// name the file and the line, and programs in that language catch them.
 template <class Call>
 auto call_measure(const World& world, const MeasureKind& kind, const std::string& column, Call&& call) {
   if (kind.is_foreign) return call();

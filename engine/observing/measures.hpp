@@ -26,8 +26,8 @@ class MeasureSet {
   /// something unknown or need too much memory. Of the exceptions that `make` of a foreign measure
   /// (MeasureKind::is_foreign) throws, only std::logic_error is reported; all others propagate unchanged.
   ///
-  /// Then calls Measure::see() of the remaining measures. Throws the exceptions of MeasureSet::see(): if one
-  /// of these calls throws, and if the last step threw. World and registry must outlive the set.
+  /// Then calls Measure::see() of the remaining measures. If one of these calls throws, or if the last step
+  /// of the world threw, throws the exceptions of MeasureSet::see(). World and registry must outlive the set.
   /// paths: for each spec, the path of the measure in its file, such as "/measures/0", with which its errors
   /// begin; empty if the specs come from no file
   MeasureSet(World& world, const Registry& registry, std::span<const MeasureSpec> specs,
@@ -38,10 +38,10 @@ class MeasureSet {
   std::span<const std::string> columns() const { return columns_; }
   /// Updates the measures. Call this after every step. Does nothing if the tick and the seed of the world are
   /// those of the last call (or of the constructor), except at tick 0. The measures begin again with the
-  /// present state if the tick is 0, if the seed has changed, or if the tick is neither that of the last call
-  /// nor the next one, as after a reset or a restore. If a measure throws, throws a std::runtime_error that
-  /// names the tick and the measure; exceptions of foreign measures propagate unchanged. Throws
-  /// std::logic_error if the last step threw (World::require_whole()).
+  /// present state at tick 0, after a change of the seed, and after a jump in time (the tick is neither that
+  /// of the last call nor the next one), as a reset or a restore makes. If a measure throws, throws a
+  /// std::runtime_error that names the tick and the measure; exceptions of foreign measures propagate
+  /// unchanged. Throws std::logic_error if the last step threw (World::require_whole()).
   void see();
   /// Values for the state of the last see(), one per column, in the SI units of the columns; NaN if a
   /// measure has no value. The world must still be in that state. Exceptions are those of see().
@@ -81,11 +81,12 @@ class MeasureSet {
 /// those whose name is `of` followed by digits. Returns all robots if `of` is empty, and no robots if there
 /// is no type, population or robot with this name.
 std::vector<BodyId> robots_of(const World& world, std::string_view of);
-/// Names of all types of robots and of all populations, sorted, each once. The population of a robot is its
-/// name without the digits at the end.
+/// Names of all types of robots and of all populations, sorted, each once. The name of a robot's population
+/// is the name of the robot without the digits at its end.
 std::vector<std::string> names_of_robots(const World& world);
 
-/// Returns how many of the bodies are in the world, that is, neither unborn nor dead. All must have rows.
+/// Returns how many of the bodies are in the world, that is, neither unborn nor dead. Every body must have a
+/// row in the state tables.
 std::size_t count_there(const World& world, std::span<const BodyId> bodies);
 
 /// Returns the exact sum term(0) + ... + term(count - 1), rounded once to double, and 0 if `count` is 0. The

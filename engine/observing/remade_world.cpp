@@ -10,11 +10,11 @@
 namespace troupe::engine {
 namespace {
 
-/// Copies a table of `world` into a table of the same layout, field by field and body by body, as files store
-/// it: the bodies may have other rows there. The bytes between fields are not copied, because they are not
-/// state.
+/// Copies the table `from` of `world` to the table `to` of another world, which has the same layout. Copies
+/// body by body, because the rows of a body in the two tables may differ, and field by field, because the
+/// bytes between fields are not state.
 void copy_fields(const World& world, const StateTable& from, StateTable& to) {
-  std::vector<std::size_t> rows;  // of the bodies of `to`, in `from`
+  std::vector<std::size_t> rows;  // rows in `from`, one for each body of `to`
   for (const BodyId body : to.ids()) rows.push_back(world.row_in(from, world.row(body)));
   for (std::size_t f = 0; f < from.fields().size(); ++f) {
     const std::size_t bytes = from.fields()[f].columns * element_size(from.fields()[f].element);

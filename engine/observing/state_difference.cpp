@@ -99,8 +99,8 @@ ComponentDifference table_difference(const StateTable& a, const StateTable& b) {
 }
 
 /// Adds the difference `other` to `into`. The two are differences in two tables of one component, which has
-/// one table per body type. The result shows the value of the body with the lower id. In it, `bodies` is 0 if
-/// `into` or `other` has 0 there.
+/// one table per body type. The result shows the value of the body with the lower id. Its member `bodies` is
+/// 0 if that of `into` or `other` is 0.
 void merge(ComponentDifference& into, const ComponentDifference& other) {
   if (into.bodies == 0 || other.bodies == 0) {
     into.bodies = 0;
@@ -111,8 +111,9 @@ void merge(ComponentDifference& into, const ComponentDifference& other) {
   into.bodies = bodies;
 }
 
-/// Position of a hash group in the order in which a tick computes the groups. Differences are sorted by this
-/// position, because the first difference is nearest to the cause.
+/// Position of a hash group in the order of cause and effect: readings change memories, memories change
+/// commands and velocities, and these change poses. Differences are sorted by this position, so that the
+/// first difference is nearest to the cause.
 int phase_order(HashGroup group) {
   switch (group) {
     case HashGroup::sensor: return 0;

@@ -28,8 +28,7 @@ class StopConditions {
   /// still be in that state. Throws the exceptions of MeasureSet::see().
   void ask();
   /// Forgets which condition was true, and updates the measures with MeasureSet::see(). Call this after the
-  /// world was reset. The measures then begin again if the tick is 0, if the world has another seed than at
-  /// the last see(), or if the tick is neither that of the last see() nor the next one.
+  /// world was reset. MeasureSet::see() lists the cases in which the measures then begin again.
   void begin();
   /// Index of the first condition that was true at the last evaluation; std::nullopt if none was true or
   /// there was no evaluation since construction or begin(). A condition is false if its measure or its limit

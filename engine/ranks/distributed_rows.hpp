@@ -19,7 +19,7 @@ namespace troupe::engine {
 class DistributedRows final : public RankRows {
  public:
   /// Keeps the own rows and the ghosts of `world`, whose rows must all be here. Throws std::logic_error if
-  /// the world does not meet why_replicated(). The world must outlive this object.
+  /// why_replicated() gives a reason. The world must outlive this object.
   ///
   /// sharing: sharing_of(world)
   /// cut_seed, skin_m: see Halo

@@ -17,8 +17,8 @@
 
 namespace troupe::engine {
 
-/// Why the rows of a world cannot be distributed among ranks (class Halo), as the end of a sentence that
-/// begins with the form: "replicated, because ...". Empty: they can be.
+/// Returns why the rows of a world cannot be distributed among ranks (class Halo), for example `bodies can be
+/// born or die`. An empty text: the rows can be distributed.
 std::string why_replicated(const World& world);
 
 /// How the rows of a world would be divided among ranks (class Halo).
@@ -26,15 +26,15 @@ struct HaloPlan {
   struct Rank {
     std::size_t own = 0;         ///< own rows
     std::size_t ghosts = 0;      ///< copies of rows of other ranks
-    std::size_t neighbours = 0;  ///< ranks with which it has ghosts in common
+    std::size_t neighbours = 0;  ///< ranks that own its ghosts or have ghosts of its rows
   };
   double coverage_m = 0;    ///< the coverage, m (class Halo)
   std::vector<Rank> ranks;  ///< one entry per rank
 };
-/// Returns how a Halo would divide the rows of a world, which must all be here and must meet
-/// why_replicated(), at the places where they are now.
+/// Returns how a Halo would divide the rows of a world among `ranks` ranks, with the bodies at their present
+/// positions. All rows must be in this world, and why_replicated() must return an empty text.
 ///
-/// longest_motion: of a body in a tick, m
+/// longest_motion: longest motion of a body in a tick, m
 HaloPlan plan_halo(const World& world, unsigned ranks, double longest_motion);
 
 /// The *distributed* form of a world that several ranks compute: each rank has only the rows that it owns,
@@ -46,11 +46,12 @@ HaloPlan plan_halo(const World& world, unsigned ranks, double longest_motion);
 ///         Motions are computed for all rows: those of ghosts from the velocities that their owners send.
 /// ghosts  A row is a ghost on each rank that owns ground within the *coverage* of its body. The coverage is
 ///         at least the distance at which two bodies can affect each other in this tick or in the sensing of
-///         the next one: the longest reach of a device plus the largest radius of a body, or two radii and
-///         two motions. It also includes twice the distance that bodies may have moved since the rows were
-///         distributed, so that the ghosts remain valid for some ticks. When twice the sum of the longest
-///         motions of these ticks exceeds that margin (the skin), all ranks distribute the rows again. All
-///         ranks know the longest motion of the tick before any body moves, so they decide alike.
+///         the next one: the larger of two sums (the longest reach of a device plus the largest radius of a
+///         body; two such radii), plus twice the longest motion of a body in a tick. The coverage also
+///         includes twice the distance that bodies may have moved since the rows were distributed, so that
+///         the ghosts remain valid for some ticks. When twice the sum of the longest motions of these ticks
+///         exceeds that margin (the skin), all ranks distribute the rows again. All ranks know the longest
+///         motion of the tick before any body moves, so they decide alike.
 /// lives   Unborn and dead bodies have no ghosts. The row of an unborn body belongs to the rank that owns the
 ///         origin of the world, and that of a dead body to the rank that owns the place where it died. A
 ///         birth is a jump of an unborn body: all ranks know of it, and distribute the rows before the next
@@ -61,8 +62,8 @@ HaloPlan plan_halo(const World& world, unsigned ranks, double longest_motion);
 /// No result depends on which rank owns a row, on the skin, or on how often rows are distributed.
 class Halo : public Conflicts::Border {
  public:
-  /// The world, whose rows must all be here, must meet why_replicated(), and must outlive this object, as
-  /// must `tables`, the state tables of the world. Call divide() next.
+  /// All rows of `world` must be in this World, and why_replicated(world) must be empty. `world` and
+  /// `tables`, its state tables, must outlive this object. Call divide() next.
   ///
   /// sent: indices of the tables whose rows owners send in each tick (Sharing::sent)
   /// cut_seed: for tests: the ranks get random ground, and again in some of the ticks
@@ -72,8 +73,9 @@ class Halo : public Conflicts::Border {
 
   /// Keeps the own rows and the ghosts of a world that is complete on all ranks. Needs no messages.
   void divide();
-  /// Gives each row to the rank that owns its place. The rows of this rank, and no row of another, are those
-  /// in [0, own()) here. longest: upper bound on the motions of all bodies in the next tick, m
+  /// Gives each row to the rank that owns the place of its body, and makes the ghosts again. Before and after
+  /// the call, the own rows are those in [0, own()). longest: upper bound on the motions of all bodies in the
+  /// next tick, m
   void distribute(double longest);
   /// Upper bound on the length of the motions that own rows will propose in this tick, m.
   double longest_motion() const;
@@ -87,12 +89,13 @@ class Halo : public Conflicts::Border {
 
   std::size_t own() const { return own_; }  ///< number of own rows
   double reach() const { return reach_; }   ///< longest reach of a device for which the ghosts suffice, m
-  /// Appends those data of the own rows that rank `to` has as ghosts which change before the phase move.
+  /// Appends the data that rank `to` needs before the phase move of those own rows that it has as ghosts:
+  /// their rows in the tables with Sharing::sent.
   void put_shown(unsigned to, partition::MessageWriter& message) const;
   /// Reads what put_shown() of rank `from` has appended.
   void get_seen(unsigned from, partition::MessageReader& message);
 
-  /// The rank that owns the row of a body that is here.
+  /// The rank that owns the row of a body. The body must have a row on this rank, as own row or ghost.
   unsigned owner(BodyId body) const;
   /// The rank that owns the ground at a point (m, world frame) since the last distribution.
   unsigned owner_at(const Vec2& point) const { return owners_.owner(point); }
@@ -100,19 +103,19 @@ class Halo : public Conflicts::Border {
   std::span<const BodyId> shown(unsigned to) const { return shown_[to]; }
   /// Bodies of ghosts that rank `from` owns, in the order of ids.
   std::span<const BodyId> seen(unsigned from) const { return seen_[from]; }
-  /// Appends the state of a body that is here.
+  /// Appends the state of a body that has a row on this rank.
   void put_state(partition::MessageWriter& message, BodyId body) const;
   /// Reads what put_state() has appended, for a body that is here.
   void get_state(partition::MessageReader& message, BodyId body);
 
   /// Appends all data of the own rows.
   void put_own(partition::MessageWriter& message) const;
-  /// Rank 0 has the rows of all ranks: reads what put_own() of the other ranks has appended, one message
-  /// each. Afterwards, all rows are here, and own() is as before.
+  /// On rank 0: reads what put_own() of the other ranks has appended, one message each. Afterwards, rank 0
+  /// has all rows, and own() is as before.
   void complete(std::span<ReceivedOrder> messages);
   /// Removes the rows that complete() has added.
   void forget_completion();
-  bool is_complete() const { return is_complete_; }  ///< whether complete() or own_all() was called last
+  bool is_complete() const { return is_complete_; }  ///< whether this rank has all rows
   /// Makes all rows of the world own rows here. A row that is elsewhere becomes a row of zeros.
   void own_all();
   /// Removes all rows: another rank has all of them.
@@ -121,8 +124,9 @@ class Halo : public Conflicts::Border {
   /// What was counted on this rank; without `messages` and `bytes`, which are 0.
   const RankCounts& counts() const { return counts_; }
 
-  /// The sum of the hashes of the own rows that a rank has as ghosts, or of the ghosts of rows that the rank
-  /// owns, in the tables t with is_known[t]. The two ranks of a pair have equal sums between two ticks.
+  /// hash_shown(): sum of the hashes of the own rows that rank `to` has as ghosts. hash_seen(): sum of the
+  /// hashes of the ghosts here that rank `from` owns. Only tables t with is_known[t] != 0 count. Between two
+  /// ticks, hash_shown(b) on rank a equals hash_seen(a) on rank b.
   ///@{
   std::uint64_t hash_shown(unsigned to, std::span<const std::uint8_t> is_known) const {
     return hash(shown_rows_[to], is_known);

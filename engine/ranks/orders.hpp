@@ -21,7 +21,7 @@ enum class Order : std::uint8_t {
   restart,     ///< call World::restart()
   set,         ///< call World::set()
   hash,        ///< send rank 0 the sums of the hashes of the rows that the receiver owns
-  gather,      ///< send rank 0 those rows of tables with Sharing::kept that the receiver owns
+  gather,      ///< send rank 0 the own rows that it lacks (RankRows::put_missing())
   counts,      ///< send rank 0 what the receiver has counted (Replica::all_counts())
   agree,       ///< in a tick: the callback of World::before_tick() has returned on rank 0
   together,    ///< in a tick: the rows for Replica::on_rank_0(), to rank 0 and back

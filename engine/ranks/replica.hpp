@@ -33,7 +33,7 @@ class World;
 
 /// Options of a Replica. No option changes the results of a run.
 struct ReplicaOptions {
-  /// For tests. If set, each tick ends with a new random cut, whose random numbers follow from this seed.
+  /// For tests. If set, rows get random owners during the run. The random numbers follow from this seed.
   std::optional<std::uint64_t> cut_seed;
   /// True: hashes() also compares the tables that must be equal on all ranks (Sharing::alike and
   /// Sharing::sent), and throws std::logic_error if a table differs.
@@ -45,7 +45,7 @@ struct ReplicaOptions {
   /// True: the rows are distributed among the ranks (class Halo). The world must allow that
   /// (why_replicated()). False: every rank has all rows.
   bool is_distributed = false;
-  /// The skin of a distributed world, m (class Halo); not set: it is chosen.
+  /// The skin of a distributed world, m (class Halo); not set: Halo chooses it.
   std::optional<double> skin_m = std::nullopt;
   /// On ranks other than 0: returns how often a user has requested a checkpoint from this process, by the
   /// signal SIGUSR1. Null: never.
@@ -58,8 +58,8 @@ struct ReplicaOptions {
 /// ranks, and therefore which data they exchange, depends on the form of the world: see ReplicatedRows and
 /// DistributedRows. Results do not depend on the form, on the number of ranks, nor on which rows a rank owns.
 ///
-/// Rank 0 leads: the program calls its World. The Replica of rank 0 orders the others to do the same, and
-/// returns hashes and tables as if there were one world. The other ranks call follow() for each order.
+/// Rank 0 leads: the program calls its World. The Replica of rank 0 orders the other ranks to do the same,
+/// and returns hashes and tables as if there were one world. The other ranks call follow() for each order.
 class Replica {
  public:
   /// Makes `world` a replica. All ranks construct their replicas at the same point of the program, with equal
@@ -86,9 +86,9 @@ class Replica {
   /// How often users have requested a checkpoint from the other ranks (ReplicaOptions::requests).
   std::uint64_t requests() const;
 
-  /// Obeys an order of rank 0: one from Order::step to Order::gather, or Order::failed, which is ignored.
-  /// Throws std::logic_error for any other order. A StepError of Order::step is not thrown here, because
-  /// rank 0 reports it. message: the rest of the message, after its head (begin_message())
+  /// Obeys an order of rank 0: one from Order::step to Order::counts, or Order::failed, which is ignored.
+  /// Throws std::logic_error for any other order. A StepError of Order::step is not thrown here, because rank
+  /// 0 reports it. message: the rest of the message, after its head (begin_message())
   void follow(Order order, partition::MessageReader message);
 
   // ---- Called by World
@@ -107,15 +107,16 @@ class Replica {
   /// Called after the phase decide: sends the other ranks those data of the own rows that they need in the
   /// phases move and index, and receives theirs.
   void exchange();
-  /// In a distributed world: adds the candidates of the other ranks to those of this rank. Every rank must
-  /// call this for the same interventions, each in the phase intervene. Otherwise does nothing.
+  /// In a distributed world: adds the candidates of the other ranks (bodies among which an intervention
+  /// chooses at random) to those of this rank. Every rank must call this for the same interventions, in the
+  /// phase intervene. In a replicated world, does nothing.
   void add_candidates(std::vector<Experiment::Candidate>& candidates);
   /// In a distributed world: gives the rows to their owners after interventions have moved bodies. Every rank
-  /// must call this in the same ticks, in the phase intervene. Otherwise does nothing.
+  /// must call this in the same ticks, in the phase intervene. In a replicated world, does nothing.
   void follow_jumps();
-  /// Called in the phase move with the effects of all ranks, in their order: applies them, each on the rank
-  /// that owns its source, if the world is distributed (class SharedEffects); else on every rank. `apply`
-  /// applies one.
+  /// Called in the phase move with the effects of all ranks, in their order: applies them. In a distributed
+  /// world, the rank that owns the source of an effect applies it (class SharedEffects); in a replicated
+  /// world, every rank applies all effects. `apply` applies one effect.
   void apply_effects(std::span<const Effect> effects, const std::function<void(const Effect&)>& apply);
   /// For births, which every rank computes for the same requests in the same order: whether this rank tests
   /// whether places at a point (m, world frame) are free. In a distributed world, the rank does so that owns
@@ -139,7 +140,7 @@ class Replica {
   RowRange own() const { return rows_->own(); }
   /// The ranks with which this rank resolves the motions of a distributed world; otherwise null.
   Conflicts::Border* border() { return rows_->halo(); }
-  /// The rows of a distributed world on this rank; otherwise null.
+  /// The rows of a distributed world on this rank; null if the world is replicated.
   const Halo* halo() const { return rows_->halo(); }
   /// Returns those rows of `order` that this rank owns, in that order. Valid until the next call.
   std::span<const std::uint32_t> own_of(std::span<const std::uint32_t> order);

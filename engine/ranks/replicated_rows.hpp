@@ -26,7 +26,7 @@ Cut balanced_cut(const Cut& cut, std::span<const std::uint64_t> times);
 class ReplicatedRows final : public RankRows {
  public:
   /// sharing: sharing_of(world); it and the world must outlive this object
-  /// cut_seed: for tests: each tick ends with a new random cut
+  /// cut_seed: for tests; if set, each tick makes a new random cut before bodies move
   ReplicatedRows(World& world, const ReplicaParts& parts, std::span<const Sharing> sharing, RankPost post,
                  std::optional<std::uint64_t> cut_seed);
 

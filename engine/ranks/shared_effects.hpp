@@ -17,15 +17,16 @@
 namespace troupe::engine {
 
 /// The effects of a tick (actions of devices on other bodies) in a world whose rows are distributed among
-/// ranks (class Halo). All effects of a tick are applied in one order, and each sees the results of those
-/// before, so the ranks take turns: the rank that owns the source of an effect applies it. If the last change
-/// of the source or of the target was made on another rank, that rank sends the state of the body first. At
-/// the end the owners get the states of their bodies, and the other ranks those of their ghosts.
+/// ranks (class Halo). All effects of a tick are applied in one order, and each effect sees the results of
+/// the earlier effects. The ranks therefore take turns: the rank that owns the source of an effect applies
+/// this effect. If the last change of the source or of the target was made on another rank, that rank sends
+/// the state of the body first. At the end the owners get the states of their bodies, and the other ranks
+/// those of their ghosts.
 ///
 /// Births and deaths are effects too. They change no other state, so the ranks only learn of them here: every
 /// rank then carries them out (World::resolve_lives()).
 ///
-/// All ranks know all effects of the tick, and who owns the bodies that these concern. They therefore agree
+/// All ranks know all effects of the tick, and which rank owns each source and target. They therefore agree
 /// on all messages without asking. Worlds in which devices act on bodies beyond their reach are not
 /// distributed (why_replicated()), because the rank that owns the source of an effect must have the row of
 /// the target.
@@ -40,7 +41,7 @@ class SharedEffects {
   void note();
   /// Appends the noted effects.
   void put(partition::MessageWriter& message) const;
-  /// Adds the effects that put() of another rank has appended to those of the world.
+  /// Reads the effects that put() of another rank has appended, and adds them to the effects of the world.
   void get(partition::MessageReader& message);
   /// Called when the effects of all ranks are known, before any body moves. is_new: whether the rows were
   /// distributed since note()

@@ -11,7 +11,7 @@ class World;
 /// that senses, actuates and decides for the row's body.
 enum class Sharing : std::uint8_t {
   alike,  ///< every rank computes every row, in the phases intervene and move; nothing is sent
-  sent,   ///< the owner computes a row and sends it to all ranks in each tick, before the phase move
+  sent,   ///< the owner computes a row and sends it to ranks that have it, in each tick before the phase move
   kept,   ///< the owner computes a row; other ranks have old values, except rank 0 after gather()
 };
 /// Returns how each state table of a world is shared, in the order of World::tables(). This follows from the

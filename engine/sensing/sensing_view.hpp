@@ -30,8 +30,8 @@ inline constexpr Row k_elsewhere{std::size_t{0xfffffffe}};
 
 /// The number of the present tick, and counts of certain rows, so that loops can skip work when a count is 0.
 struct TickCounts {
-  /// Number of completed ticks. Within a step, from the phase `sense` on: number of the tick that the step
-  /// computes.
+  /// Number of completed ticks. Within a step, from the phase `sense` (engine/world/phase.hpp) on: number of
+  /// the tick that the step computes.
   std::uint64_t tick = 0;
   std::size_t absent = 0;    ///< rows whose bodies are unborn or dead
   std::size_t impaired = 0;  ///< rows whose bodies are disabled or have a fault
@@ -72,16 +72,17 @@ struct PublicColumns {
   /// For all joints of all rows: transform of a point on the joint from its place with all joints at rest to
   /// its present place, both in the body frame.
   std::span<const Mount> joint_mounts;
-  /// Row of the body that carries the row's body, directly or through others, and is not carried itself; the
-  /// row itself if its body is not carried. Empty: no body of the world has joints or can carry another.
+  /// One entry per row: the row of the body that carries the row's body, directly or through others, and is
+  /// not carried itself; the row itself if its body is not carried. Empty: no body of the world has joints or
+  /// can carry another.
   std::span<const std::uint32_t> roots;
-  std::span<const Carried> carriers;  ///< component `carrier`; empty: no body can carry another
-  std::span<const Life> lives;        ///< component `life`; empty: no births and deaths
+  std::span<const Carried> carriers;  ///< state table `carrier`; empty: no body can carry another
+  std::span<const Life> lives;        ///< state table `life`; empty: no births and deaths
 
   // What the bodies do and show: committed at the end of a tick, but written again in `actuate` or `decide`.
   std::span<const Velocity> velocities;   ///< velocities of the drives, body frame, m/s and rad/s
   std::span<const Command> commands;      ///< commands to the drives
-  std::span<const Condition> conditions;  ///< component `condition`; empty: World::has_conditions() is false
+  std::span<const Condition> conditions;  ///< table `condition`; empty: World::has_conditions() is false
   std::span<const StateTable> tables;     ///< all state tables: states of devices, commands to devices
   /// 1 if World::subscribe() was called for the body, so that all its sensors run; otherwise 0.
   std::span<const std::uint8_t> subscribed;
@@ -89,9 +90,9 @@ struct PublicColumns {
   const TickCounts* now = nullptr;  ///< the tick, and counts of rows
 };
 
-/// What a device reads of the world in the phases `sense` and `actuate`: the constants, and where all bodies
-/// were at the end of the last tick. The functions only read memory. They make no virtual calls and allocate
-/// nothing.
+/// What a device reads of the world in the phases `sense` and `actuate` of a tick (engine/world/phase.hpp):
+/// the constants, and where all bodies were at the end of the last tick. The functions only read memory. They
+/// make no virtual calls and allocate nothing.
 ///
 /// This class does not give access to the velocities, commands and device states of other bodies, because
 /// these change during `actuate`. In `sense`, CommittedView gives access to them. For the device's own body,

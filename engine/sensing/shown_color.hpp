@@ -18,8 +18,9 @@ inline constexpr std::string_view k_shown_color = "shown_color";
 /// null if there is none.
 const BodyType::Device* color_device(const BodyType& type, std::uint32_t part);
 
-/// Colour, always opaque, that color_device() now gives to a part of the body with this row (index in the
-/// state tables); std::nullopt if no device sets the colour of the part. The body must be in the world.
+/// Colour, always opaque, that a device (see color_device()) now gives to a part of the body with this row
+/// (index in the state tables); std::nullopt if no device sets the colour of the part. The body must be in
+/// the world.
 std::optional<Color> shown_color(const CommittedView& view, Row row, std::uint32_t part);
 
 }  // namespace troupe::engine

@@ -42,9 +42,9 @@ inline OutlineChain fixed_chain(const partition::StaticScene& scene, const parti
           outlines.solid(piece), piece, solid.ranger_return};
 }
 
-/// Calls visit(chain) for the outline pieces of the static scene, including those that rangers do not see,
-/// whose enclosing circles may touch the box (world frame, m) and for which wanted(circle) is true. A piece
-/// may be visited more than once.
+/// Calls visit(chain) for outline pieces of the static scene, also for pieces that rangers do not see. Visits
+/// only pieces whose enclosing circle may touch the box (world frame, m) and for which wanted(circle) is
+/// true. A piece may be visited more than once.
 template <class Wanted, class Visit>
 void for_each_fixed_chain(const SensingView& view, const Box& box, Wanted&& wanted, Visit&& visit) {
   const partition::StaticScene& scene = view.scene();
@@ -111,9 +111,10 @@ Color color_of(const CommittedView& view, const RayHit& hit);
 /// hits    A ray hits outlines whose closed z interval contains its height. It hits them from inside and from
 ///         outside the body. A ray that starts on an outline hits it at range 0.
 /// ties    If two surfaces are at the same range, the one with the lower (body id, part index) is returned.
-/// cost    The function walks along the ray through the grid and ends at the first surface. Sensors that cast
-///         several rays from one point use VisibilityQuery (engine/sensing/visibility_query.hpp). Rangers,
-///         which cast many beams at once, use the functions of partition/ranging.hpp.
+/// cost    The function searches the spatial indices piece by piece along the ray, up to the first surface.
+///         Sensors that cast several rays from one point use VisibilityQuery
+///         (engine/sensing/visibility_query.hpp). Rangers, which cast many beams at once, use the functions
+///         of partition/ranging.hpp.
 RayHit first_met(const SensingView& view, const SightRay& ray);
 
 /// The position of a vertex of an outline relative to a ray.
@@ -127,9 +128,9 @@ struct SeenVertex {
 };
 
 /// Range at which a ray of unlimited length hits the edge from a to b, m; negative if the ray does not hit
-/// the edge. If the edge runs along the ray, the range to its nearer end, or 0 if the ray starts on the
-/// edge. The ends belong to the edge, so a ray never passes between two edges that share a vertex.
-/// `direction` is the unit vector with which `a` and `b` were made.
+/// the edge. If the edge runs along the ray, the result is the range to the nearer end of the edge, or 0 if
+/// the ray starts on the edge. The ends belong to the edge, so a ray never passes between two edges that
+/// share a vertex. `direction` must be the direction that was passed to the constructors of `a` and `b`.
 inline double range_to_edge(const Vec2& direction, const SeenVertex& a, const SeenVertex& b) {
   constexpr double k_missed = -1;
   if (std::min(a.side, b.side) > 0 || std::max(a.side, b.side) < 0) return k_missed;
@@ -147,10 +148,10 @@ inline double range_to_edge(const Vec2& origin, const Vec2& direction, const Vec
   return range_to_edge(direction, SeenVertex(origin, direction, a), SeenVertex(origin, direction, b));
 }
 
-/// Tests a ray (origin and unit direction in the world frame, length in m) against the edges of a chain, at
-/// any height, and updates `nearest`, the nearest surface that the ray has hit so far. Before the first
-/// chain, `nearest` must have the length of the ray as `range_m`, and no body. Ties are resolved as in
-/// first_met().
+/// Tests a ray (origin and unit direction in the world frame, length in m) against the edges of a chain,
+/// whatever the height of the chain is. Updates `nearest`, the nearest surface that the ray has hit so far.
+/// Before the call for the first chain, `nearest.range_m` must be the length of the ray, and `nearest.body`
+/// must not be valid(). Ties are resolved as in first_met().
 inline void meet_chain(const OutlineChain& chain, const Vec2& origin, const Vec2& direction, double length,
                        RayHit& nearest) {
   if (chain.vertices.empty()) return;

@@ -116,9 +116,9 @@ void connect_supplies(const TypeSpec& spec, const Registry& registry, BodyType& 
   if (type.drive) type.drive->supply = supplies.front();
 }
 
-/// Index of the drive device (DeviceKind::drives) that controllers of a part command: the one on the part
-/// itself or, if there is none, on the nearest part that carries the part. If the result is std::nullopt,
-/// they command the body's drive.
+/// Index of the drive device (DeviceKind::drives) that controllers of a part command: the drive device on the
+/// part itself or, if there is none, on the nearest part that carries the part. If the result is
+/// std::nullopt, the controllers command the body's drive.
 std::optional<std::size_t> drive_of(const TypeSpec& spec, const BodyType& type, std::uint32_t part) {
   for (;; part = spec.parts[part].parent) {
     for (std::size_t d = 0; d < type.devices.size(); ++d)
@@ -261,7 +261,7 @@ class TypeCompiler {
     return !kind.joints.empty() && device.moves != k_rigid;
   }
 
-  /// Whether the type has the joint that a device is mounted on and the joints that it moves.
+  /// Whether the type has the joint that a device is mounted on and the joints that the device moves.
   bool has_joints_of(const DeviceSpec& device, const DeviceKind& kind) const {
     const auto known = static_cast<std::int64_t>(spec_.joints.size());
     const auto moved = static_cast<std::int64_t>(kind.joints.size());
@@ -288,7 +288,7 @@ class TypeCompiler {
     // Limit of joint_reach, m. The circle of a large body is stored in every grid cell that it touches, so an
     // unlimited circle would take unlimited memory.
     constexpr double k_most_reach = 1000;
-    if (type_.joint_reach <= k_most_reach) return;  // not if it is NaN
+    if (type_.joint_reach <= k_most_reach) return;  // false for NaN, which is an error
     diagnostics_.error(
         where(),
         fmt::format("too large: the joints of type \"{}\" can move by {:g} m in total, at most {:g} m are "

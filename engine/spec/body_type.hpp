@@ -53,14 +53,14 @@ struct BodyType {
   /// all parts that fiducial finders detect, m.
   double radius = 0;
   /// Upper bound on the distance by which moving joints can extend `radius`, m: the sum of
-  /// DeviceKind::Prepared::joint_reach_m of all devices. Joints that drive devices (DeviceKind::drives) move
-  /// do not count, because their motion is unlimited.
+  /// DeviceKind::Prepared::joint_reach_m of all devices. Joints that are moved by drive devices
+  /// (DeviceKind::drives) do not count, because their motion is unlimited.
   double joint_reach = 0;
   std::vector<std::uint32_t> targets;  ///< indices of the parts that fiducial finders detect; ascending
 
   /// A joint of the type, compiled from its JointSpec.
   struct Joint {
-    std::string name;       ///< name; the joint's state is the component `joint/<name>`
+    std::string name;       ///< name; the joint's state is the state table `joint/<name>`
     std::int32_t parent;    ///< index in `joints` of its parent joint, which precedes it; k_rigid: none
     Mount at_rest;          ///< frame of the joint at rest, in the body frame
     Mount to_body;          ///< inverse of `at_rest`: the body frame, in the frame of the joint at rest

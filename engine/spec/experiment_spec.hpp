@@ -42,10 +42,11 @@ struct StopSpec {
 std::string text_of(const StopSpec& condition);
 
 /// A group of bodies: a population, all bodies of a type, or one body. If `count` or `share` is set, the
-/// group is a random selection of these bodies; if both are set, the smaller number of bodies counts.
-/// Interventions select among the bodies that they can change when they are applied: those in the world that
-/// are not yet in the requested condition. Faults select among the bodies that are present at tick 0. Static
-/// bodies do not belong to any group. Building the world reports an error for a group without bodies.
+/// group is a random selection of these bodies; if both are set, the smaller of the two numbers of bodies is
+/// selected. An intervention selects when it is applied, among the bodies that it can change: bodies that are
+/// in the world and not yet in the requested condition. A fault selects among the bodies that are present at
+/// tick 0. Static bodies do not belong to any group. Building the world reports an error for a group without
+/// bodies.
 struct GroupSpec {
   /// What `name` refers to.
   enum class By : std::uint8_t {
@@ -75,8 +76,8 @@ struct SettingSpec {
   TypeId type;              ///< the type; the change affects all its bodies
   Of of = Of::drive;        ///< the owner of the parameters
   std::uint32_t index = 0;  ///< index of the device or controller in the TypeSpec; unused for Of::drive
-  /// One value per field of the kind's table, in the order of the table. Where there is no value
-  /// (Value::given() is false), the parameter does not change.
+  /// One value per field of the kind's table of parameters, in the order of the table. Where there is no
+  /// value (Value::given() is false), the parameter does not change.
   Record params;
 };
 
@@ -90,7 +91,7 @@ struct InterventionSpec {
   /// The kind of intervention.
   enum class Action : std::uint8_t {
     remove,   ///< removes the bodies of the group from the world for good
-    add,      ///< spawns bodies of the reserve of a population
+    add,      ///< spawns bodies of the reserve (ReserveSpec) of a population
     disable,  ///< stops the devices, controllers and drives of the group's bodies
     enable,   ///< lets disabled bodies of the group run again
     /// moves one body to `pose`, even if another body is there; no effect on a carried body

@@ -12,7 +12,7 @@ struct MeasureSpec {
   std::string kind;  ///< name of a kind of Registry::measures or of a plug-in
   std::string name;  ///< name of its column, without the unit; empty: `kind`, or `kind:of` if `of` is set
   std::string of;    ///< name of a type, a population or a robot: robots_of(); empty: all robots
-  Record params;     ///< one value for each field of the kind's table
+  Record params;     ///< one value for each parameter of the kind (MeasureKind::params)
   Where where;       ///< position in the file, for messages
 };
 

@@ -16,7 +16,7 @@ constexpr unsigned k_tile_bits = 2;  // a tile's 16 cells fill a cache line
 constexpr int k_finest = -10;
 
 /// Whether the enclosing circles of two bodies overlap; if not, the bodies cannot overlap. The margin covers
-/// the rounding of the distance, so that skipping such bodies never changes an answer.
+/// the rounding of the distance, so that a pair of bodies that overlap is never skipped.
 bool circles_meet(double radius_a, const Pose& a, double radius_b, const Pose& b) {
   const double dx = a.x - b.x;
   const double dy = a.y - b.y;

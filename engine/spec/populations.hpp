@@ -36,9 +36,10 @@ bool is_static(const TypeSpec& type);
 /// list of the other bodies that were placed so far.
 class Occupancy {
  public:
-  /// Makes the static scene from the obstacle parts of the first `fixed` bodies of `spec`, whatever their
-  /// types are. The crowd is empty. Both constructors keep a reference to the types of the spec: while the
-  /// object exists, the spec must exist too, and no type may be added or changed.
+  /// Makes the static scene from the obstacle parts of the first `fixed` bodies of `spec`, whether or not
+  /// these bodies are static (is_static()). The crowd is empty. Both constructors keep a reference to the
+  /// types of the spec: while the object exists, the spec must exist too, and no type may be added or
+  /// changed.
   Occupancy(const WorldSpec& spec, std::size_t fixed);
   /// Makes the static scene from the obstacle parts of those bodies of the spec that are static
   /// (is_static()), and the crowd from the other bodies. Bodies that are not in the world at tick 0 are left
@@ -72,8 +73,9 @@ struct PlaceOptions {
 /// convex_pieces(). After an error, some or all bodies are missing in the world.
 void place(std::span<const PopulationSpec> populations, WorldSpec& spec, Occupancy& occupancy,
            const PlaceOptions& options, Diagnostics& diagnostics);
-/// Like the function above, with Occupancy(spec): the obstacles are all bodies of the spec that are in the
-/// world at tick 0. If one of these has an outline that is too complex, this is an error without a position.
+/// Appends populations like the function above, with Occupancy(spec): the obstacles are all bodies of the
+/// spec that are in the world at tick 0. If an outline of one of these bodies is too complex for
+/// convex_pieces(), reports an error without a file position.
 void place(std::span<const PopulationSpec> populations, WorldSpec& spec, Diagnostics& diagnostics,
            const PlaceOptions& options = {});
 
@@ -84,7 +86,8 @@ void place(std::span<const PopulationSpec> populations, WorldSpec& spec, Diagnos
 ///
 /// bodies      the bodies of these populations and their reserves, in the order of place(); changed
 /// bounds      the bounds of the world (WorldSpec::bounds)
-/// occupancy   the object that place() used, which has all shapes; only its scene and shapes are read
+/// occupancy   the object that place() used, so that the shapes of the types are already computed; its
+///             crowd is not read
 /// crowd       a copy of the crowd as it was before place()
 void place_again(std::span<const PopulationSpec> populations, std::span<BodySpec> bodies, std::uint64_t seed,
                  const std::optional<Box>& bounds, Occupancy& occupancy, Crowd crowd,

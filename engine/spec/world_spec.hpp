@@ -47,7 +47,7 @@ inline constexpr std::int32_t k_rigid = -1;
 /// A joint: a frame of a body type that a device of the type, such as an actuator or a gripper, moves. Parts,
 /// devices and further joints can be mounted on a joint. All their poses are given with every joint at rest.
 struct JointSpec {
-  std::string name;  ///< name; the joint's state is the component `joint/<name>`
+  std::string name;  ///< name; the joint's state is the state table `joint/<name>`
   /// Index of the joint that it is mounted on, which is lower than its own index; k_rigid: none.
   std::int32_t parent = k_rigid;
   /// Frame of the joint at rest, in the body frame. Displacements of the joint are given in this frame.
@@ -76,7 +76,7 @@ struct FittedBlocks {
   Pose origin;                ///< pose of the centre of the scaled blocks, in the part's frame
 };
 
-/// A part of a body type: one model of a Stage model tree.
+/// A part of a body type: a rigid piece of the body. Each model of a Stage model tree is a part.
 struct PartSpec {
   std::string name;  ///< name within the body: "ranger:0"; empty for the root (part 0)
   /// A second name of the part, by which programs can find it; for parts from Stage files, the name that
@@ -109,9 +109,9 @@ struct DeviceSpec {
   std::string kind;              ///< name of a kind of Registry::devices
   std::uint32_t part = 0;        ///< index of the part that carries it
   std::int32_t joint = k_rigid;  ///< index of the joint that it is mounted on; k_rigid: none
-  /// Index of the first of the joints that it moves (DeviceKind::joints); k_rigid: it moves none.
+  /// Index of the first of the joints that the device moves (DeviceKind::joints); k_rigid: it moves none.
   std::int32_t moves = k_rigid;
-  Record params;  ///< one value for each field of the kind's table
+  Record params;  ///< one value for each parameter of the kind (DeviceKind::params)
   /// Pose of the device's frame in the body frame, with joints at rest. Parameters that are poses or points
   /// are given in the device's frame.
   Pose pose_body_device;
@@ -123,7 +123,8 @@ struct DeviceSpec {
 /// The drive of the bodies of a type.
 struct DriveSpec {
   std::string kind;  ///< name of a kind of Registry::drives
-  /// One value for each field of the kind's table; FieldTable::defaults() makes such a record.
+  /// One value for each parameter of the kind (DriveKind::params); FieldTable::defaults() makes such a
+  /// record.
   Record params;
   double period_s = 0;  ///< time from one run to the next, s; 0: it runs in every tick
   Where where;          ///< position in the file, for messages
@@ -135,7 +136,8 @@ struct ControllerSpec {
   /// Index of the part that the controller is on. The controller may use the devices of this part and of the
   /// parts mounted on this part, directly or through further parts, except drives.
   std::uint32_t part = 0;
-  /// One value for each field of the kind's table; FieldTable::defaults() makes such a record.
+  /// One value for each parameter of the kind (ControllerKind::params); FieldTable::defaults() makes such a
+  /// record.
   Record params;
   /// Time from one decision to the next, s; 0: every tick. Used only if the controller uses no device and
   /// the type has no drive. Otherwise the controller has the period of the first device that it uses or, if
@@ -251,9 +253,9 @@ void add_ground(WorldSpec& spec);
 
 /// Checks the members of a world against one another. Calls report(place in the file, message) for the
 /// inconsistencies, such as a part whose parent comes later, a body whose type does not exist, or reserves
-/// that overlap. The report need not be complete: further inconsistencies may appear when these are mended.
-/// Each message begins with the path of the value: `types[0].parts[2].parent: ...`. The limits of single
-/// members are checked with the tables of engine/spec/spec_description.hpp, not here.
+/// that overlap. The report need not be complete: further inconsistencies may appear when the reported ones
+/// are mended. Each message begins with the path of the value: `types[0].parts[2].parent: ...`. This function
+/// does not check the limits of single members, which are in the tables of engine/spec/spec_description.hpp.
 void check_rules(const WorldSpec& spec, const std::function<void(Where, const std::string&)>& report);
 
 /// Appends a reserve of `count` bodies (at least 1) for each population of robots that has no reserve. Here

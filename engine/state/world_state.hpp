@@ -57,10 +57,10 @@ struct WorldState {
     k_out_of_bounds,  ///< the motion would have ended outside the bounds of the world
   };
 
-  /// The storage of the bodies of one type: places in the tables of the type and in the lists of vertices and
-  /// joints. The slot of a body is its place.
+  /// The storage of the bodies of one type: entries in the tables of the type and in the lists of vertices
+  /// and joints. The slot of a body is its index among these entries.
   struct Pool {
-    std::size_t rows = 0;      ///< number of places: all bodies of the type
+    std::size_t rows = 0;      ///< number of slots: all bodies of the type
     std::size_t outlines = 0;  ///< index in `outlines` of the first vertex of slot 0
     std::uint32_t joints = 0;  ///< index in `joint_mounts` of the first joint of slot 0
   };
@@ -78,7 +78,7 @@ struct WorldState {
   /// that other ranks compute (engine/ranks/halo.hpp). All rows, if the world has no ghosts.
   std::size_t own_rows = 0;
   std::vector<BodyId> bodies;               ///< public: body of each row
-  std::vector<Row> rows;                    ///< public: see PublicColumns::rows; code reads view.row()
+  std::vector<Row> rows;                    ///< public: row of each body, by BodyId; see view.row()
   std::vector<std::uint32_t> row_types;     ///< public: TypeId of each row
   std::vector<std::uint32_t> slots;         ///< public: index of each row among the rows of its type
   std::vector<std::uint32_t> ids;           ///< the ids of `bodies` as numbers (BodyId::value)
@@ -231,7 +231,7 @@ struct WorldState {
   void update_jointed_outlines(Row row, const BodyType& type, const Transform& transform);
 };
 
-/// The obstacle shape of a body that is not in the world, or that another body carries.
+/// An empty shape: the obstacle shape of a body that is not in the world, or that another body carries.
 extern const partition::ObstacleShape k_no_shape;
 
 /// For errors: `outside the world's bounds (x -5 to 5, y -5 to 5 m)`.

@@ -16,10 +16,11 @@ class World;
 std::string thrown_text();
 
 /// Throws a StepError in place of the exception that the calling catch block handles. The text of the
-/// StepError names the tick, the kind whose function threw, and a robot. For a DecisionError this is the
-/// robot of the DecisionError; for any other exception it is the robot of the first row, and the text also
-/// gives the number of rows if there are several. A StepError is rethrown unchanged, because its text
-/// already names a robot. Outside a catch block the call ends the program (std::terminate()).
+/// StepError names the tick, the kind whose function threw, and a robot. For a DecisionError
+/// (engine/kinds/kinds.hpp), this is the robot that the DecisionError names. For any other exception, it is
+/// the robot of the first row, and the text also gives the number of rows if there are several. A StepError
+/// is rethrown unchanged, because its text already names a robot. Outside a catch block the call ends the
+/// program (std::terminate()).
 ///
 /// rows    rows (indices of bodies in the state tables) for which the function was called; empty: the text
 /// names no robot

@@ -189,8 +189,9 @@ void World::leave(Row row) {
   derive(row);
 }
 
-/// Removes a body from the world, if it is there. Its carrier releases it, and it releases its cargo. Its row
-/// keeps the pose at death and the component `life`; the rest of its state becomes 0.
+/// Removes a body from the world; does nothing if the body is not in the world. The carrier of the body
+/// releases it, and the body releases its cargo. The row keeps the pose at death and the component `life`;
+/// the rest of its state becomes 0.
 void World::die(Row row) {
   if (!is_there(row)) return;
   if (links_.any()) {
@@ -230,7 +231,7 @@ void World::resolve_lives(std::span<const Effect> effects) {
   bool is_indexed = false;
   for (const Effect& effect : effects) {
     if (effect.verb != k_birth || has_died(effect.source)) continue;
-    // Until it is rebuilt, the index has the poses before this tick.
+    // The index still has the poses from before this tick.
     if (!is_indexed) state_.index.rebuild(state_.transforms, state_.radii, parallel_);
     is_indexed = true;
     const auto [x, y, z, heading] = effect.payload;

@@ -12,10 +12,10 @@ enum class Phase : std::uint8_t {
   sense,      ///< sensors that are due read the state of the last tick
   actuate,    ///< drives turn the commands of the last tick into velocities; devices execute their commands
   decide,     ///< controllers compute new commands from readings, memory and random numbers
-  move,       ///< bodies and joints move unless blocked; then effects, deaths and births are applied
+  move,       ///< bodies and joints move unless blocked; then effects of devices, deaths and births follow
   index,      ///< the spatial index of all bodies is rebuilt
 };
 inline constexpr std::size_t k_phases = 6;  ///< number of phases
-std::string_view phase_name(Phase phase);   ///< "sense", ...: name in profiles
+std::string_view phase_name(Phase phase);   ///< name of a phase, as in "sense"
 
 }  // namespace troupe::engine

@@ -49,7 +49,8 @@ std::span<std::byte> bytes_of(StateTable& table, std::size_t row, std::size_t fi
 
 }  // namespace
 
-/// Throws if the rows of this world cannot change; `what` says what was asked for.
+/// Called first by functions that change which rows bodies have. Throws std::logic_error if several ranks
+/// compute the world. `what` names the change in the error text, for example `shuffled`.
 void World::begin_row_change(std::string_view what) const {
   require_whole();
   if (replica_ != nullptr)
@@ -101,8 +102,8 @@ void World::move_rows(std::span<const std::uint32_t> to,
     for (Placed& placed : *list) placed.row = Row(to[placed.row.index()]);
 }
 
-/// Computes all data that depend on the rows of bodies, after these have changed. derive_state() would also
-/// clear the lists of placed bodies.
+/// Called after bodies have changed their rows: computes all data that depend on the rows. It does not call
+/// derive_state(), because that function also clears the lists of placed bodies (placed_before_step()).
 void World::derive_rows() {
   state_.radii.resize(rows());
   state_.shapes.resize(rows());
@@ -251,8 +252,8 @@ void World::append_rows(std::span<const RowState> added) {
     if (!each.bytes.empty()) set_state(row(each.body), each.bytes);
 }
 
-/// All data of a row that are neither constant nor derived: its rows of the state tables, its subscription,
-/// and its entries in the lists of placed bodies.
+/// Returns all data of a row that are neither constant nor derived: its rows of the state tables, its
+/// subscription, and its entries in the lists of placed bodies.
 std::vector<std::byte> World::row_bytes(Row row) {
   partition::MessageWriter message;
   message.put(state_.subscribed[row.index()]);
@@ -268,7 +269,7 @@ std::vector<std::byte> World::row_bytes(Row row) {
   return message.take();
 }
 
-/// Sets all data of a row that row_bytes() returns.
+/// Sets the data of a row from `bytes`, a result of row_bytes().
 void World::set_state(Row row, std::span<const std::byte> bytes) {
   partition::MessageReader message(bytes);
   state_.subscribed[row.index()] = message.get<std::uint8_t>();

@@ -49,9 +49,10 @@ void World::step() {
     make_tick();
 }
 
-/// Each phase reads the state that the phase before it has written. Each task writes only its own rows.
-/// Drives run before controllers, so a command takes effect one tick after the readings on which it is based.
-/// If several ranks compute the world, each of them senses, actuates and decides for its own rows.
+/// Computes the phases of one tick. Each phase reads the state that the previous phase has written. Each task
+/// writes only its own rows. Drives run before controllers, so a command takes effect one tick after the
+/// readings on which it is based. If several ranks compute the world, each of them senses, actuates and
+/// decides for its own rows.
 void World::make_tick() {
   begin(Phase::intervene);
   if (state_.now.tick >= experiment_.due) intervene();
@@ -91,17 +92,17 @@ void World::hide_beyond_reach(bool on) {
   blinkers_.reset(on ? new Blinkers(state_) : nullptr);
 }
 
-/// Calls work(rows) once. If hide_beyond_reach() is on, calls work once per row instead. During the call for
-/// a row, the bodies beyond the device's reach are hidden. In the state of the remaining bodies, all
-/// components that the kind does not declare to read are hidden.
+/// Calls work(rows) once. If hide_beyond_reach() is on, calls work once per row instead, and hides from the
+/// device, during each call, the data that Blinkers::hide_from() lists.
 template <class Work>
 void World::for_seeing(std::span<const Row> rows, const BodyType& type, const BodyType::Device& device,
                        Work&& work) {
   if (!blinkers_) return work(rows);
   for (const Row& row : rows) {
     const std::size_t emitted = effects_.emitted().size();
-    // A drive on a part (DeviceKind::drives) declares no joint_reach_m: the largest would make the cells of
-    // the spatial index too wide. What is mounted on the part has moved with it.
+    // A drive device (DeviceKind::drives) can move its part, and all devices on the part, far away. It
+    // declares no joint_reach_m, because the largest shift would make the cells of the spatial index too
+    // wide. So the present shift of the device counts as well.
     const double shift =
         device.joint == k_rigid
             ? 0
@@ -242,7 +243,7 @@ void World::drive(std::span<const Row> rows, const BodyType::Drive& drive,
   }
   for (std::size_t i = 0; i < rows.size(); ++i) {
     const Velocity v = has_slow ? scaled(velocities[i], speed_scale(rows[i])) : velocities[i];
-    const Command& command = commands[i];  // drives clamp an infinite command to a finite velocity
+    const Command& command = commands[i];  // tested, because drives clamp an infinite command
     if (!is_finite(command) || !is_finite(v)) {
       std::uint32_t lowest = faulty.load();
       const std::uint32_t id = body(rows[i]).value;

@@ -237,8 +237,8 @@ void World::remember_placed(Row row) {
   placed_[at - 1].pose = poses()[row.index()];
 }
 
-/// Makes the poses that were set since the last step placed_before_, and clears placed_. Called when a step
-/// begins.
+/// Called when a step begins: moves the list of the poses that were set since the last step from placed_ to
+/// placed_before_.
 void World::begin_placing() {
   for (const Placed& place : placed_) placed_at_[place.row.index()] = 0;
   placed_before_.swap(placed_);
@@ -410,9 +410,10 @@ double World::mean_displacement() const {
 
 namespace {
 
-/// The looks of a frame that differ from those of the scene only in colours: for each type, and for each list
-/// of the colours of its parts, the index of the look (FrameBody::type). Bodies that look alike share a look,
-/// because a viewer draws all bodies of one look at once.
+/// A look is the shapes and colours with which a body is drawn (FrameType). This map has the looks of a frame
+/// that differ from those of the scene only in colours. Key: the type, and the colours of its parts. Value:
+/// the index of the look (FrameBody::type). Bodies that look alike share a look, because a viewer draws all
+/// bodies of one look at once.
 using LooksByColor = std::map<std::pair<std::uint32_t, std::vector<float>>, std::uint32_t>;
 
 /// The colours that devices give the parts of a body, except its root part; empty if there are none.

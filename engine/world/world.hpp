@@ -48,8 +48,8 @@ struct WorldOptions {
   /// Number of threads that compute a step. With 0 there is one thread per processor that the process may
   /// use.
   unsigned threads = 0;
-  /// Edge of the square tiles of the spatial index, m. With 0 it is chosen from body sizes and sensor ranges.
-  /// Wide bodies can make the tiles wider than this.
+  /// Edge of the square tiles of the spatial index, m. With 0, the World chooses the edge from body sizes and
+  /// sensor ranges. Wide bodies can make the tiles wider than the given edge.
   double tile_size_m = 0;
 };
 
@@ -85,32 +85,34 @@ class World {
   // ---- the tick: engine/world/step.cpp
   /// Computes one tick: from S(k) to S(k+1). Throws StepError if a command to the drive of a robot, the
   /// velocity that the drive computes, or the goal of a joint is not a finite number, or if a function of a
-  /// kind or an OnDecide callback throws. Exceptions of the callbacks of on_phase() and before_tick()
-  /// propagate unchanged. After an exception the state is incomplete: see require_whole(). Apart from the
-  /// first steps, a step allocates no memory unless a kind or a callback does.
+  /// kind (DeviceKind, DriveKind or ControllerKind) or an OnDecide callback throws. Exceptions of the
+  /// callbacks of on_phase() and before_tick() propagate unchanged. After an exception the state is
+  /// incomplete: see require_whole(). Apart from the first steps, a step allocates no memory unless a kind or
+  /// a callback does.
   void step();
   /// Throws std::logic_error if the state is incomplete: a step, or a hook of a kind during spawn(), threw,
   /// and no reset(), restart() or restore() followed. After a step that threw, some rows have the state of
-  /// the new tick and others that of the old tick. All functions that read or change the state as a whole
-  /// call this first, such as step(), hashes(), tables(), frame(), spawn(), remove(), set() and the set_
-  /// functions. Accessors of single rows or columns, such as pose() or poses(), do not call it.
+  /// the new tick, and the other rows have the state of the old tick. All functions that read or change the
+  /// state as a whole call require_whole() first, such as step(), hashes(), tables(), frame(), spawn(),
+  /// remove(), set() and the set_ functions. Accessors of single rows or columns, such as pose() or poses(),
+  /// do not call it.
   void require_whole() const {
     if (is_half_made_) throw_half_made();
   }
   /// Returns to S(0), the state at tick 0, and undoes the changes of set(). The tables, the tick, the
   /// counters and all data derived from them are then as after construction, or as after the last restart().
-  /// Callbacks and subscriptions stay. This allocates no memory, and is allowed after a step that threw.
-  /// Throws StepError if a hook `start` of a device or controller kind throws.
+  /// Callbacks and subscriptions (subscribe()) stay. The function allocates no memory, and may be called
+  /// after a step that threw. Throws StepError if a hook `start` of a device or controller kind throws.
   void reset();
   /// Goes to S(0), the state at tick 0, with another seed and other poses of the bodies. The run then has the
   /// same results as a run of a new world whose spec has this seed and these bodies. Only the order of the
-  /// rows may differ. The changes of set() are undone. Callbacks and subscriptions stay. This is allowed
-  /// after a step that threw. Throws StepError if a hook `start` of a device or controller kind throws, and
-  /// InputError if the grid ray engine cannot represent the new static scene.
+  /// rows may differ. The changes of set() are undone. Callbacks and subscriptions (subscribe()) stay. The
+  /// function may be called after a step that threw. Throws StepError if a hook `start` of a device or
+  /// controller kind throws, and InputError if the grid ray engine cannot represent the new static scene.
   ///
-  /// bodies: one for each body of the spec, in the same order and with the same names and types, which is
-  /// not checked. Poses and colours may differ. If a static body has another pose, the static scene is
-  /// rebuilt.
+  /// bodies: one BodySpec for each body of the spec, in the same order and with the same names and types. The
+  /// function does not check order, names and types. Poses and colours may differ. If a static body has
+  /// another pose, the static scene is rebuilt.
   /// registry: the registry that was passed to the constructor
   void restart(std::uint64_t seed, std::span<const BodySpec> bodies, const Registry& registry);
   /// Counts of work since tick 0. They are not part of the state.
@@ -134,38 +136,40 @@ class World {
   void forget();
   /// Switches on or off a test mode that finds device kinds which read or change data that they do not
   /// declare. If a kind reads such data, the hashes of the run differ from those without the mode
-  /// (docs/determinism.md). If an effect of a device has a target, or changes the state of a body, outside
-  /// the scope that its kind declares (DeviceKind::scope), the step throws a StepError.
+  /// (docs/determinism.md). An effect is a change that a device makes to a body (struct Effect). If an effect
+  /// has a target, or changes the state of a body, outside the scope that the kind of the device declares
+  /// (DeviceKind::scope), the step throws a StepError.
   ///
   /// In this mode the hooks `sense` and `act` of a device are called for one row at a time. During each call,
-  /// the bodies whose enclosing circles are outside the reach of the device (DeviceKind::Prepared::reach_m,
-  /// plus BodyType::joint_reach) are hidden: they are not in the spatial index, and their poses, outlines and
-  /// state are junk. Bodies that move together with the device's body (same_tree()) are never hidden. In the
-  /// state of bodies that are not hidden, the components that the kind does not declare to read
-  /// (DeviceKind::reads) are junk; only the state of the device's own body is left as it is. The mode is
-  /// slow: each call takes time proportional to the number of rows. Throws std::invalid_argument if the mode
-  /// is switched on in a world with several threads or the grid ray engine.
+  /// the bodies whose enclosing circles are outside the reach of the device (DeviceKind::Prepared::reach_m)
+  /// are hidden: they are not in the spatial index, and their poses, outlines and state are junk. Bodies that
+  /// move together with the device's body (same_tree()) are never hidden. Of the bodies that are not hidden,
+  /// except the device's own body, the state is junk but for these components: `pose`, `carrier`, `life`,
+  /// those of joints, and those that the kind declares to read (DeviceKind::reads). The mode is slow: each
+  /// call takes time proportional to the number of rows. Throws std::invalid_argument if the mode is switched
+  /// on in a world with several threads or the grid ray engine.
   void hide_beyond_reach(bool on);
   /// A test mode: gives every body another row and another slot, at random. `seed` and tick() select the new
-  /// rows and slots. All rows, slots, and references to rows of tables that the caller holds are then those
-  /// of other bodies. No result depends on rows and slots, so the run continues with the same bits
+  /// rows and slots. Rows, slots, and references to table rows that the caller holds then belong to other
+  /// bodies. No result depends on rows and slots, so the run continues with the same bits
   /// (docs/determinism.md). Throws std::logic_error if several ranks compute the world. Call this between
   /// steps.
   void shuffle_rows(std::uint64_t seed);
-  /// The data of a row that neither the spec nor other data determine: its state, and what programs have set.
+  /// The data of a row that cannot be computed from the spec or from other data: the state of its body, and
+  /// what programs have set for the body (subscribe() and set_poses()).
   struct RowState {
     BodyId body;                   ///< body of the row
     std::vector<std::byte> bytes;  ///< the data, for add_rows() of a world with the same spec
   };
   /// Removes the rows of bodies, and returns their data, in the order of `bodies`. location() of the bodies
-  /// is then RowLocation::elsewhere. If a body is carried or carries others, the list must have its whole
-  /// tree: all bodies that move together with it (same_tree()). Counts such as robots() still include the
-  /// removed bodies. If the world cannot be distributed among ranks (engine/ranks/halo.hpp), it must get the
-  /// rows back by add_rows() before anything else is done with it. Otherwise it can step: the remaining
-  /// bodies then do what they would do if the removed ones were far away, except that interventions choose at
-  /// random among the remaining bodies only. Throws std::invalid_argument if a body has no row in this world,
-  /// occurs twice, or comes without its tree, and std::logic_error if several ranks compute the world. Call
-  /// this between steps.
+  /// is then RowLocation::elsewhere. If a body is carried or carries others, `bodies` must contain all bodies
+  /// that move together with this body (same_tree()). Counts such as robots() still include the removed
+  /// bodies. If the world cannot be distributed among ranks (why_replicated() in engine/ranks/halo.hpp),
+  /// add_rows() must return the rows before any other function is called. Otherwise step() may be called: the
+  /// remaining bodies then do what they would do if the removed bodies were far away, except that
+  /// interventions choose at random among the remaining bodies only. Throws std::invalid_argument if a body
+  /// has no row in this world, occurs twice, or is listed without the bodies that move together with it, and
+  /// std::logic_error if several ranks compute the world. Call this between steps.
   std::vector<RowState> remove_rows(std::span<const BodyId> bodies);
   /// Adds rows that remove_rows() has removed, in any order. Throws std::invalid_argument if location() of a
   /// body is not RowLocation::elsewhere. Call this between steps.
@@ -187,7 +191,7 @@ class World {
   void before_tick(std::function<void()> callback) { before_tick_ = std::move(callback); }
   /// A callback that step() calls in place of a controller, once per batch of robots. The callback must
   /// itself call controller.kind->decide(controller.data, batch). Several threads call it at once, so it must
-  /// be thread-safe. ControllerCheck installs such a callback.
+  /// be thread-safe. ControllerCheck (engine/observing/controller_check.hpp) installs such a callback.
   using OnDecide =
       std::function<void(const BodyType& type, const BodyType::Controller& controller, const DecideBatch&)>;
   /// Replaces the OnDecide callback. With an empty callback, step() calls the controllers itself again. Call
@@ -196,7 +200,7 @@ class World {
 
   /// A view of those data of the world that devices may read (engine/sensing/sensing_view.hpp). It always
   /// shows the present state, and is valid as long as the world exists. Functions that devices share with
-  /// other code, such as first_met(), take such a view as an argument.
+  /// other code, such as first_met() (engine/sensing/sight.hpp), take such a view as an argument.
   const CommittedView& view() const { return state_.view; }
 
   // ---- ranks: engine/ranks/ranks.cpp. Several ranks (threads or processes) may compute one world together.
@@ -206,26 +210,26 @@ class World {
   /// destructor of Replica. Returns references to the data of this world that the replica exchanges with
   /// other ranks.
   ReplicaParts join(Replica* replica);
-  /// On rank 0: fetches the table rows that only other ranks compute (Sharing::kept), so that the tables here
-  /// are complete. Functions that read whole tables call this first. It does nothing on other ranks, during a
-  /// tick, if the tables are complete, and if the world has no Replica. If several threads are to read the
-  /// world at once, call this beforehand on the thread that calls step().
+  /// On rank 0: fetches the table rows that this world lacks because only other ranks compute them, so that
+  /// its tables are complete. Functions that read whole tables call gather() first. gather() does nothing on
+  /// the other ranks, during a tick, if the tables are already complete, or if the world has no Replica.
+  /// Before several threads read the world at once, call gather() on the thread that calls step().
   void gather() const {
     if (replica_ != nullptr) gather_rows();
   }
-  /// Calls gather() if the rows of the world are distributed among ranks (engine/ranks/halo.hpp): on rank 0,
-  /// all rows are then here until the next step. Measures call this, because they read the rows of all
-  /// bodies.
+  /// Calls gather() if the rows of the world are distributed among ranks (engine/ranks/halo.hpp): rank 0 then
+  /// has all rows until the next step. Measures call this function, because they read the rows of all bodies.
   void gather_distributed() const;
   /// Called by Replica on ranks other than 0, after a program has changed the state on rank 0: replaces the
   /// state by that of rank 0. Works like restore() with the same `tick` and `fill`, but checks nothing.
   /// is_in_tick: whether the interventions of the present tick have already been applied.
   void adopt(std::uint64_t tick, const Fill& fill, bool is_in_tick);
   /// Called by Halo (engine/ranks/halo.hpp), also during a tick, before the phase `move`: removes the rows of
-  /// `leaving`, which are in this world, and then adds those of `coming` after the others. A RowState without
-  /// bytes adds a row of zeros. `own`: number of rows, at the front, that this world computes from now on.
+  /// `leaving`, which are in this world, and then adds those of `coming` after the remaining rows. A RowState
+  /// without bytes adds a row of zeros. From now on, the first `own` rows are the own rows
+  /// (WorldState::own_rows); the rows after them are copies of rows of other ranks.
   void exchange_rows(std::span<const BodyId> leaving, std::span<const RowState> coming, std::size_t own);
-  /// RowState::bytes of a row.
+  /// Returns the data of a row in the form of RowState::bytes.
   std::vector<std::byte> row_bytes(Row row);
   /// Number of bodies of each reserve that have been born, one element per element of WorldSpec::reserves.
   /// All ranks have the same numbers.
@@ -261,7 +265,8 @@ class World {
   /// Number of robots that are in the world now.
   std::size_t robots() const;
   BodyId body(Row row) const { return state_.view.body(row); }  ///< body of a row
-  /// Where the row of a body is.
+  /// Whether the body has a row in this world (RowLocation::here), has its row elsewhere (after
+  /// remove_rows(), or on another rank), or is static and has no row (RowLocation::none).
   RowLocation location(BodyId body) const { return state_.view.location(body); }
   /// Row of a body. Static bodies have no row: for them the result is not valid(). Throws std::logic_error if
   /// location() is RowLocation::elsewhere.
@@ -269,9 +274,9 @@ class World {
   const BodyType& type(Row row) const { return state_.view.type(row); }  ///< type of the row's body
   /// Slot of a row: its position among the rows of its type, and so its index in the tables of that type.
   std::size_t slot(Row row) const { return state_.view.slot(row); }
-  /// Returns the body with this name or alias. A body with this name comes before a body with this alias; of
-  /// several bodies with this name, the one with the highest id is returned. Unborn and dead bodies are found
-  /// as well. If there is no such body, the result is not valid(). Thread-safe.
+  /// Returns the body with this name or alias. A body with this name is preferred to a body with this alias.
+  /// Of several bodies with this name, the function returns the body with the highest id. Unborn and dead
+  /// bodies are found as well. If there is no such body, the result is not valid(). Thread-safe.
   BodyId find(std::string_view name) const;
 
   // ---- the state
@@ -285,7 +290,7 @@ class World {
   /// slot. If the table has no row for the body, the result is the index of another body, or is not below
   /// StateTable::rows().
   std::size_t row_in(const StateTable& table, Row row) const { return state_.row_in(table, row); }
-  /// Like row_in(); not set: the table has no row for the body.
+  /// Like row_in(), but returns std::nullopt if the table has no row for the body.
   std::optional<std::size_t> find_in(const StateTable& table, Row row) const {
     return state_.find_in(table, row);
   }
@@ -295,13 +300,13 @@ class World {
   /// Pose of any body, static ones included, in the world frame. A dead body has the pose at which it died;
   /// for an unborn body all values are NaN. Throws std::logic_error if location() is RowLocation::elsewhere.
   Pose pose(BodyId body) const { return state_.view.pose(body); }
-  /// The row's pose as a transform, which is stored and not computed here. Equals Transform(pose) bit for
-  /// bit.
+  /// The row's pose as a transform. It is stored, not computed by this call, and equals Transform(pose) bit
+  /// for bit.
   const Transform& transform(Row row) const { return state_.view.transform(row); }
   /// Velocity that the drive of each row computed, body frame, m/s and rad/s. It is 0 if the body has no
-  /// drive or is not in the world. From the next tick on, it is also 0 while the body is disabled or dropped
-  /// out by a fault, or while the power supply of its drive is empty. It does not become 0 when an obstacle
-  /// blocks the motion.
+  /// drive or is not in the world. The phase `actuate` of each tick also sets it to 0 while the body is
+  /// disabled or dropped out by a fault, or while the power supply of its drive is empty. It does not become
+  /// 0 when an obstacle blocks the motion.
   std::span<const Velocity> velocities() const { return state_.as<Velocity>(WorldState::k_velocity); }
   /// Command to the drive of each row. The numbers have no meaning for rows without a drive.
   std::span<const Command> commands() const { return state_.as<Command>(WorldState::k_command); }
@@ -335,8 +340,8 @@ class World {
   /// Upper bound on the distance of any point of the row's body from its origin, m; negative if the body is
   /// not in the world. Details: SensingView::radius().
   double radius(Row row) const { return state_.view.radius(row); }
-  /// Height by which a joint of the row's body, and the joints that carry it, have raised the parts on the
-  /// joint above their rest position, m; 0 for k_rigid. `joint` is as in mount().
+  /// Height by which a joint of the row's body, and the joints that carry this joint, have raised the parts
+  /// on the joint above their rest position, m; 0 for k_rigid. `joint` is as in mount().
   double lift(Row row, std::int32_t joint) const { return state_.view.lift(row, joint); }
   /// Present pose of a joint (an index into BodyType::joints) relative to its rest pose, m and rad.
   const Pose& joint_state(Row row, std::size_t joint) const { return state_.joint_state(row, joint); }
@@ -375,8 +380,9 @@ class World {
   /// Number of ticks that were completed when the body was born; 0 if it was present at tick 0 or is unborn.
   /// The periods of its devices, drive and controllers count from that tick.
   std::uint64_t birth_tick(Row row) const { return state_.view.birth_tick(row); }
-  /// Index in WorldSpec::reserves of the reserve of a population. `population` is the name of the population
-  /// ("ant"), not of a body ("ant7"). std::nullopt if there is no such population, or if it has no reserve.
+  /// Index in WorldSpec::reserves of the reserve of a population: its bodies that are not in the world at
+  /// tick 0. `population` is the name of the population ("ant"), not of a body ("ant7"). std::nullopt if
+  /// there is no such population, or if it has no reserve.
   std::optional<std::size_t> reserve(std::string_view population) const;
   /// Number of bodies of a reserve (an index into WorldSpec::reserves) that are not yet born.
   std::size_t unborn(std::size_t reserve) const {
@@ -407,9 +413,9 @@ class World {
   /// state has no component `condition`.
   bool has_conditions() const { return state_.condition_table.has_value(); }
   /// Disables or enables a body, as the intervention `disable` or `enable` of a world file does. Returns
-  /// false and changes nothing if the body is already disabled or enabled, as requested, or is not in the
-  /// world. A drop-out by a fault is independent of this: enabling the body does not end it. Throws
-  /// std::logic_error if has_conditions() is false. Call this between steps.
+  /// false and changes nothing if the body already is as requested, or is not in the world. Enabling a body
+  /// does not end a drop-out by a fault. Throws std::logic_error if has_conditions() is false. Call this
+  /// between steps.
   bool set_disabled(Row row, bool disabled);
   /// Changes parameters of a type, for all its bodies, as the intervention `set` of a world file does. The
   /// change becomes part of spec(), as an intervention at the present time, until reset() or restart(). The
@@ -426,7 +432,7 @@ class World {
   /// that the interventions of spec() give the device during a run.
   double longest_reach() const;
   /// Number of bodies in the world that are disabled or have a fault, such as a broken device. Bodies whose
-  /// rows are elsewhere do not count.
+  /// rows are elsewhere (RowLocation::elsewhere) do not count.
   std::size_t impaired_count() const { return state_.now.impaired; }
 
   /// An argument of set_poses(): a row, and a pose for its body.
@@ -659,8 +665,8 @@ class World {
 
   WorldState state_;  // constants, state, and the places of bodies, which are derived
   partition::Parallel parallel_;
-  Links links_;        // derived, except its list of composite bodies, which is constant
-  Movement movement_;  // derived and scratch, except which bodies push and can be pushed
+  Links links_;        // derived, except the constant list of bodies whose shapes can change
+  Movement movement_;  // derived and scratch, except the constants: which bodies push and can be pushed
 
   // Constants: made from the spec by the constructor.
   mutable NameMap names_;  // built by the first find(), because most runs never call it

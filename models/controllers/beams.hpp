@@ -21,8 +21,7 @@ struct Beam {
 };
 
 /// Returns the beams of the ranger `device`, in the order of its readings. If a joint carries the ranger, the
-/// beams are those while the joint has its pose in the world file. The result is empty if `device` is not a
-/// ranger.
+/// joint is assumed to be at its pose in the world file. The result is empty if `device` is not a ranger.
 inline std::vector<Beam> beams_of(const engine::DeviceInfo& device) {
   const engine::DeviceKind::Prepared& layout = device.prepared;
   const Transform pose_drive_sensor(device.pose);

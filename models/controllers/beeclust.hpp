@@ -8,15 +8,15 @@ namespace troupe::models {
 /// direction of brighter ground. A robot that meets another robot waits there, and it waits longer on
 /// brighter ground.
 ///
-/// walks     The robot drives straight on. If its ranger sees an obstacle ahead that is nearer than the
-///           parameter `min_front` (m), it turns on the spot by a random angle (90 to 180 degrees), away from
-///           the nearer side.
-/// meets     The robot meets another robot if it receives a message of that robot, the two radios are at most
-///           the parameter `meet` (m) apart, and the other radio is within 60 degrees of straight ahead. A
-///           wall sends no message, so the robot turns away from a wall without waiting.
-/// waits     When it meets another robot, it stops for `max_wait` S^2 / (S^2 + `half`) seconds, where
-///           `max_wait` (s) and `half` are parameters and S is the brightness, 0 to 1, of the ground below
-///           the robot when it stops. Then it turns to a random side by 90 to 180 degrees and walks on.
+/// walks     The robot drives straight on. If its ranger sees an obstacle ahead within `min_front` (m, a
+///           parameter), the robot turns on the spot, away from the nearer side, by a random angle of 90 to
+///           180 degrees.
+/// meets     The robot meets another robot if three conditions hold: it receives a message from that robot,
+///           the radios are at most `meet` (m, a parameter) apart, and the other radio is within 60 degrees
+///           of straight ahead. A wall sends no message, so the robot turns away from a wall without waiting.
+/// waits     When the robot meets another robot, it stops for `max_wait` S^2 / (S^2 + `half`) seconds.
+///           `max_wait` (s) and `half` are parameters, and S is the brightness (0 to 1) of the ground below
+///           the robot at that time. Then the robot turns to a random side by 90 to 180 degrees and walks on.
 /// LED       If the robot has an LED, the LED is blue while the robot walks and amber while the robot waits.
 /// needs     a drive, a ground sensor, a radio, a ranger with more than 8 beams that sees ahead
 /// source    Schmickl, Thenius, Moeslinger, Radspieler, Kernbach, Szymanski, Crailsheim: Get in touch:

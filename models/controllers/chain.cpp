@@ -25,10 +25,10 @@ constexpr double k_gain = 2.0;  // 1/s: turn rate per radian of the bearing of t
 // Distances as fractions of the spacing:
 constexpr double k_tolerance_share = 0.15;  // a robot this near to the place for a link is at the place
 constexpr double k_home_share = 0.75;       // radius of the circle on which robots drive around the nest
-constexpr double k_same_place_share = 0.5;  // two links of one number that are this near are in one place
+constexpr double k_same_place_share = 0.5;  // below this distance, two links with one number are in one place
 
 constexpr double k_longest_round_s = 30;  // longest time of circling around the nest
-// A link leaves the chain if it has not heard the link before it for more than this number of decisions.
+// A link leaves the chain if it has not heard the previous link for more than this number of decisions.
 constexpr std::uint32_t k_patience = 20;
 constexpr std::uint32_t k_past_updates = 8;  // decisions of driving past an obstacle after the turn
 
@@ -181,8 +181,8 @@ struct Chain {
 
   // ---- as an explorer
 
-  /// The nearest of the nests and links that the robot hears; only those with the number `wanted`, if it is
-  /// given. Returns nothing if the robot hears none of them. It never returns the prey.
+  /// Returns the nearest nest or link that the robot hears; if `wanted` is given, the nearest with this
+  /// number. Returns nothing if the robot hears none. The prey does not count.
   std::optional<Post> nearest(const RadioPort& radio, std::optional<int> wanted = {}) const {
     Post best;
     for (std::size_t i = 0; i < radio.count(); ++i) {
@@ -238,9 +238,9 @@ struct Chain {
     head_for(room, command);
   }
 
-  /// Place for the link that follows `last`, at the distance `spacing` from it, m, robot frame. It lies on
-  /// the line from `before`, the link before `last`, through `last`. If `last` is the nest, or `before` was
-  /// not heard, it lies in the direction from `last` to the robot.
+  /// Position of the place for the link that follows `last`, m, robot frame. The place is at the distance
+  /// `spacing` from `last`, on the line from `before`, the link before `last`, through `last`. If `last` is
+  /// the nest, or `before` was not heard, the place is in the direction from `last` to the robot.
   Vec2 beyond(const Post& last, const std::optional<Post>& before) const {
     const Vec2 way = before && last.number > 0 ? Vec2(last.place - before->place) : Vec2(-last.place);
     const double length = way.norm();
@@ -253,8 +253,8 @@ struct Chain {
     command = {share * params.speed * std::max(0.0, cos(angle)), 0, k_gain * angle};
   }
 
-  /// Commands a circle around the nest, whose position `centre` is in the robot frame, m. It is always
-  /// counter-clockwise, so that all robots go in the same direction.
+  /// Commands a circle around the nest, whose position `centre` is in the robot frame, m. The circle is
+  /// always counter-clockwise, so that all robots go in the same direction.
   void go_round(const Vec2& centre, engine::Command& command) const {
     const double range = std::max(centre.norm(), 1e-6);
     const Vec2 in = centre / range;

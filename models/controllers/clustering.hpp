@@ -7,9 +7,9 @@ namespace troupe::models {
 /// `clustering`: pushes pucks together without sensing them.
 ///
 /// A robot drives straight on and pushes the pucks in its way. If it stalls because there are too many pucks
-/// to push, it drives backwards for the parameter `back` (s), which leaves the pucks where they are, and
-/// turns by a random angle of up to 180 degrees. It also turns by such an angle away from walls and other
-/// robots that its ranger sees ahead, nearer than the parameter `min_front` (m).
+/// to push, it first drives backwards for the time `back` (s, a parameter), so that the pucks stay where they
+/// are. Then it turns by a random angle of up to 180 degrees. It also turns by such an angle away from walls
+/// and other robots that its ranger sees ahead, nearer than the parameter `min_front` (m).
 ///
 /// needs   a drive, a ranger with more than 8 beams that sees ahead and is mounted above the pucks
 /// source  Beckers, Holland, Deneubourg: From local actions to global tasks: stigmergy and collective

@@ -17,14 +17,14 @@ enum class FloorOpinion : std::uint8_t {
 ///
 /// starts    Robots with even ids start with the opinion black, robots with odd ids with the opinion white.
 /// explores  The robot senses the floor for an exponentially distributed time with the mean `explore` (s, a
-///           parameter). The quality of its opinion is the fraction of its ground readings in this time that
-///           have the colour of its opinion. A reading above half of the full brightness is white, else
+///           parameter). The quality of the opinion is the fraction of the ground readings of this time that
+///           have the colour of the opinion. A reading above half of the full brightness is white, else
 ///           black.
 /// shares    Then it broadcasts its opinion for an exponentially distributed time. The mean of this time is
 ///           the parameter `share` (s) times the quality. At the end it adopts an opinion from the messages
-///           that it heard in the last 3 s. If the parameter `rule` is "majority", this is the more frequent
-///           opinion, with its own opinion counted as one message; after a tie it keeps its opinion. If
-///           `rule` is "voter", this is the opinion in a random message. Without a message, it keeps its
+///           that it heard in the last 3 s. If the parameter `rule` is "majority", it adopts the more
+///           frequent opinion. Its own opinion counts as one message, and after a tie it keeps its opinion.
+///           If `rule` is "voter", it adopts the opinion in a random message. Without a message, it keeps its
 ///           opinion. Then it explores again.
 /// walks     While it explores or shares, it drives straight on for random times of mean 10 s. Between them
 ///           it turns on the spot by up to 180 degrees. It turns away from obstacles ahead.

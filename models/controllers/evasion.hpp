@@ -9,27 +9,29 @@
 
 namespace troupe::models {
 
-/// Obstacle avoidance for controllers of robots that drive among other robots, many of them to a common goal.
-/// Speeds are in m/s and rad/s, distances in m. The template parameter `Memory` is the type of the
-/// controller's memory. It must have the members avoid_updates (int32), still_updates and escape_updates
-/// (uint32), x, y (m) and heading (rad), all 0 at the start.
+/// Obstacle avoidance for controllers of swarms in which many robots drive to the same goal. Speeds are in
+/// m/s and rad/s, distances in m. The template parameter `Memory` is the type of the controller's memory. It
+/// must have the members avoid_updates (int32), still_updates and escape_updates (uint32), x, y (m) and
+/// heading (rad), all 0 at the start.
 struct Evasion {
   double avoid_speed = 0.05;  ///< forward speed while the robot turns away
   double avoid_turn = 0.5;    ///< absolute turn rate while the robot turns away, left or right
   double min_front = 0.7;     ///< the robot turns away when a reading ahead is below this
   double stop = 0.5;          ///< the robot turns on the spot when a reading ahead is below this
   double back_speed = 0.1;    ///< absolute speed while the robot backs out
-  /// The robot backs out after more than this number of consecutive decisions in which a command did not move
-  /// the robot. The number is larger than the number of decisions after which a command takes effect.
+  /// The robot backs out (escapes()) after more than this number of consecutive decisions in which it had a
+  /// command to move but its estimated pose did not change. The number must be larger than the number of
+  /// decisions after which a command takes effect.
   std::uint32_t stuck = 5;
-  /// Value for the argument `share` of the constructor of Scanner, for the scanner passed to avoids().
+  /// Argument `share` of the constructor of Scanner for the scanner that is passed to avoids(). With 4, the
+  /// scanner looks at the middle half of the scan.
   static constexpr std::size_t window_share = 4;
 
   /// Turns away from obstacles as the controller `wander` does, with two differences, because many robots
   /// meet near their common goals. It looks at the middle half of the scan (window_share) instead of the
-  /// middle third, and a turn takes 5 to 9 decisions, half as many as with `wander`. ranges: readings of the
-  /// scanner's ranger, m. command: on entry, the last command of the robot, whose turn rate is kept until the
-  /// turn ends. Returns true if it has set `command`. Returns false if the way is free; `command` is then
+  /// middle third. A turn takes 5 to 9 decisions instead of 10 to 19. ranges: readings of the scanner's
+  /// ranger, m. command: on entry, the last command of the robot, whose turn rate is kept until the turn
+  /// ends. Returns true if it has set `command`. Returns false if the way is free; `command` is then
   /// unchanged.
   template <class Memory>
   bool avoids(Memory& memory, const Scanner& scanner, std::span<const float> ranges, Random& random,

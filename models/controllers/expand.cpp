@@ -15,8 +15,8 @@
 namespace troupe::models {
 namespace {
 
-// If the vector sum is shorter than this fraction of the sum of the readings, or if its angle is below this
-// (rad), it is only rounding error.
+// A vector sum shorter than this fraction of the sum of the readings, and an angle of the vector sum below
+// this number (rad), are only rounding errors.
 constexpr double k_even = 1e-6;
 constexpr double k_turn_away = 0.5;  // rad: replaces the angle of the vector sum if a wall is straight ahead
 
@@ -138,7 +138,7 @@ struct Expand {
       for (std::size_t i = 0; i < count; ++i) {
         if (params.hold_on_axis && (x[i] == 0 || y[i] == 0)) continue;
         double theta = atan2(y[i], x[i]);
-        // Without this, a robot that faces a wall at a right angle would never turn.
+        // Without this exception, a robot that faces a wall at a right angle would never turn.
         if (!params.hold_on_axis && !params.invert && !clear[i] && std::abs(theta) < k_even)
           theta = k_turn_away;
         batch.command(first + i) = {clear[i] && std::abs(theta) < params.cone ? params.speed : 0.0, 0.0,

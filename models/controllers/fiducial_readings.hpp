@@ -13,8 +13,9 @@
 namespace troupe::models {
 
 /// Gives a controller access to the readings of a fiducial finder, with angles in the frame of the drive. A
-/// target is a part that the finder detects. The argument `seen` of the functions holds the readings of the
-/// finder. The argument `target` is the index of a target, from 0 to count() - 1, the nearest target first.
+/// target is a model (a body or a part of a body) that the finder detects. The argument `seen` of the
+/// functions holds the readings of the finder. The argument `target` is the index of a target, from 0 to
+/// count() - 1, the nearest target first.
 class FiducialReadings {
  public:
   FiducialReadings() = default;

@@ -23,8 +23,8 @@ class FloorPlan {
   /// origin. Throws std::length_error if a solid is too complex for convex_pieces().
   static FloorPlan of_body(const engine::WorldSpec& world, BodyId body);
   /// The raster of the body with this name. If no body has this name, returns the raster of the first body
-  /// whose outline is an image. If there is no such body either, returns a free square with edges of 16 m
-  /// around the origin of the world. Throws std::length_error as of_body() does.
+  /// whose root part is a floor plan (PartSpec::floor_plan). If there is no such body either, returns a free
+  /// square with edges of 16 m around the origin of the world. Throws std::length_error as of_body() does.
   static FloorPlan of_world(const engine::WorldSpec& world, std::string_view name);
 
   /// Index of the cell that contains a point (m, world frame). For a point outside the box, the index of the

@@ -28,7 +28,7 @@ struct Step {
   std::string device;
   Order order = Order::open;
   double value = 0;
-  std::size_t chosen = 0;  // index of the device among the chosen ones
+  std::size_t chosen = 0;  // index of the device among the chosen devices
 
   static constexpr void describe(engine::Description<Step>& d) {
     using namespace engine::facts;

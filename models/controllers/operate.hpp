@@ -9,7 +9,8 @@ namespace troupe::models {
 /// open, close, up and down. The orders for an actuator are go_to (a position, m or rad) and speed (m/s or
 /// rad/s). Bodies without a drive can also have this controller. In a .world file all orders are one word:
 /// `ctrl "operate hand:close@2,arm:go_to:0.5@3.5"` closes the gripper `hand` at 2 s and moves the actuator
-/// `arm` to 0.5 m or rad from 3.5 s on. A device that is the root part of its body has an empty name.
+/// `arm` to 0.5 m or rad from 3.5 s on. A device that is the root part of its body has an empty name, as in
+/// `:close@2`.
 engine::ControllerKind operate_controller();
 
 }  // namespace troupe::models

@@ -46,8 +46,8 @@ class Scanner {
   /// one beam, the scanner has no beams.
   Scanner(const engine::DeviceInfo& ranger, std::size_t share);
 
-  /// Whether the scanner has at least k_least_samples beams, at least one of them in the window, and at least
-  /// one of them within 30 degrees of straight ahead.
+  /// Whether the scanner has at least k_least_samples beams, of which one or more are in the window, and one
+  /// or more within 30 degrees of straight ahead.
   bool is_usable() const { return beams_.size() >= k_least_samples && sees_ahead_; }
   std::size_t size() const { return beams_.size(); }  ///< number of beams
 

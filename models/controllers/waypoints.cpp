@@ -121,8 +121,8 @@ struct Waypoints {
   }
 
  private:
-  /// The tick in which a command given now first moves the robot, and the robot's estimated pose at the start
-  /// of that tick, provided that nothing blocks the robot until then.
+  /// The tick in which a command given now first moves the robot, and the estimated pose of the robot at the
+  /// start of that tick if nothing blocks the robot before.
   struct Ahead {
     std::uint64_t tick;
     Pose pose;

@@ -68,9 +68,9 @@ enum FlagField : std::size_t {
 /// flags in the list. The parameter `yellow` is the number of flags (k_yellow_flag) in the list at the start.
 ///
 /// edges  These operations have no effect: `push` to a full list, `pop` from an empty list, and `take` or
-///        `give` if the list that loses the flag is empty, if the list that gets it is full, or if the other
-///        body is not in the world, has no list, or is the requesting body itself. If the other body has
-///        several lists, its first list takes part.
+///        `give` in any of these cases: the list that loses the flag is empty; the list that gets the flag is
+///        full; the other body is not in the world, has no list, or is the requesting body itself. If the
+///        other body has several lists, its first list takes part.
 /// order  `take` and `give` are carried out after all motions of the tick, one after another in the order of
 ///        the ids of the requesting bodies. So if two bodies take the last flag of a list, the body with the
 ///        lower id gets it. No flag is lost or duplicated.

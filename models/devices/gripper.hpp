@@ -80,7 +80,8 @@ struct GripperState {
   }
 };
 
-/// A base with two paddles, which close on bodies with gripper_return, hold one of them and lift it.
+/// A gripper: a base with two paddles. The paddles close on bodies with gripper_return, hold one of these
+/// bodies and lift the held body.
 ///
 /// parameters  size (x, y, z, m), paddle_size (x, y, z, relative to size), paddles (open or closed) and lift
 ///             (down or up) at the start, autosnatch (the gripper ignores commands: it closes while a body

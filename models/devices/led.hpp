@@ -29,8 +29,8 @@ struct LedCommand {
   void show(float r, float g, float b) { *this = {1, r, g, b}; }
 };
 
-/// State of an LED: the present colour of the part that carries it. Brushes (models/devices/brush.hpp) may
-/// also change this colour.
+/// State of an LED: the present colour of the part of the body that carries the LED. Brushes
+/// (models/devices/brush.hpp) may also change this colour.
 struct LedState {
   std::array<float, 3> shown_color{};  ///< red, green, blue, 0 to 1
 
@@ -40,8 +40,8 @@ struct LedState {
   }
 };
 
-/// An LED, or paint: a device that gives the part that carries it a colour, which blob finders, cameras and
-/// ground sensors see and which pictures show.
+/// An LED, or paint: a device that gives a colour to the part of the body that carries the device. Blob
+/// finders, cameras and ground sensors see this colour, and pictures show it.
 ///
 /// parameters  shows: the colour at the start, white by default
 /// when        A commanded colour is visible from the tick after the command on.

@@ -41,7 +41,8 @@ struct PowerPackState {
   }
 };
 
-/// A power pack: an energy store that supplies the part that carries it and the parts mounted on that part.
+/// A power pack: an energy store on a part of a body. It supplies this part and the parts mounted on this
+/// part.
 ///
 /// draw     The power drawn in each tick is the sum of three terms: the parameter `draw`; the power of each
 ///          running sensor and device that the pack supplies (a ranger draws 0.2 W per transducer); and, if
@@ -80,10 +81,10 @@ struct PowerContactState {
 ///
 /// touching  Two contacts touch if their outlines overlap or are at most k_contact_m apart, whether or not
 ///           the bodies are obstacles.
-/// transfer  In each tick, the energy min(give, take) times the length of the tick is transferred, but at
-///           most what the giving pack holds and what the taking pack has room for. An infinite pack gives
-///           without limit and takes nothing. Transfers happen one after another, ordered by the id of the
-///           giving body and then that of the taking body. Each transfer uses the energies that the packs
+/// transfer  In each tick, the energy min(give, take) times the length of the tick is transferred, but no
+///           more than the giving pack holds, and no more than the taking pack can store. An infinite pack
+///           gives without limit and takes nothing. Transfers happen one after another, ordered by the id of
+///           the giving body and then that of the taking body. Each transfer uses the energies that the packs
 ///           have after the transfers before it. A contact that touches more than k_most_takers taking
 ///           contacts gives only to those of the bodies with the lowest ids.
 /// state     PowerContactState; no commands

@@ -126,10 +126,10 @@ struct Car {
     const double rolling = sqrt(v.x * v.x + across * across);
     return steer(d, (v.x < 0 ? -rolling : rolling) + bounded(c.x, d.x_rate) * dt, c.turn);
   }
-  /// Velocity on the way to the goal `c` from the pose `at`. The car drives in a curve towards a goal ahead
-  /// of it. If the goal is behind it, it swings towards the goal about its rear axle, with the front wheels
-  /// at a right angle. After arrival it swings to the goal's heading. dt: time in s between two runs of the
-  /// drive.
+  /// Velocity on the way to the goal `c` from the pose `at`. The car drives in a curve towards a goal ahead.
+  /// If the goal is behind the car, the car swings about its rear axle towards the goal, with the front
+  /// wheels at a right angle. After arrival it swings to the goal's heading. dt: time in s between two runs
+  /// of the drive.
   static Velocity go_to(const Drive& d, const Command& c, const Pose& at, double dt) {
     const Missing missing(c, at);
     const double k = gain(1, dt);

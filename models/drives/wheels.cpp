@@ -36,9 +36,9 @@ const DriveKind& kind_of(Law law) {
 }
 
 struct Wheels {
-  /// The parameters of a drive, except those of localization, because the estimated pose is the true pose,
-  /// except `pushes`, because joints push nothing, and except the start velocities, because the drive runs
-  /// before the first motion of the part.
+  /// The parameters of a drive without three groups. The parameters of localization are not needed, because
+  /// the estimated pose is the true pose; `pushes` is not, because joints push nothing; the start velocities
+  /// are not, because the drive runs before the first motion of the part.
   struct Params {
     Law drive = Law::diff;
     double wheelbase = CarParams().wheelbase;
@@ -88,9 +88,9 @@ struct Wheels {
   }
 };
 
-/// The pose of the joint after dt seconds, in the frame of its rest pose. q: its present pose in this frame.
-/// v: its velocity, in the frame of the joint. As bodies do, it moves in a straight line, along the heading
-/// that it has at the start of the tick.
+/// The pose of the joint after dt seconds, in the frame of its rest pose. q: the present pose of the joint in
+/// this frame. v: the velocity of the joint, in its own frame. Like a body, the joint moves in a straight
+/// line, in the direction given by its heading at the start of the tick.
 Pose moved(const Pose& q, const Velocity& v, double dt) {
   const Vec2 way = Rotation(q.heading) * Vec2(v.x * dt, v.y * dt);
   return {q.x + way.x(), q.y + way.y(), q.z, q.heading + v.turn * dt};

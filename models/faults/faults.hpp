@@ -13,10 +13,10 @@ engine::FaultKind dead_sensors_fault();
 /// 0 and at most 1. Odometry measures the slower motion, so the fault adds no odometry error.
 engine::FaultKind slow_wheels_fault();
 
-/// A robot whose devices, controllers and drive all stop after an exponentially distributed time of mean 1 /
-/// `rate` (`rate` in 1/s), counted from the start of the fault in the world file. With the parameter `for`
-/// (s) above 0, the robot works again after this time, until its next failure. With 0, the failure is
-/// permanent.
+/// A robot whose devices, controllers and drive all stop at a random time after the start of the fault that
+/// the world file gives. The time is exponentially distributed with the mean 1 / `rate` (`rate` in 1/s). With
+/// the parameter `for` (s) above 0, each failure lasts `for` seconds, and the robot then works until its next
+/// failure. With 0, the failure is permanent.
 engine::FaultKind drop_out_fault();
 
 }  // namespace troupe::models

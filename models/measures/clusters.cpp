@@ -94,8 +94,8 @@ class Clusters : public Measure {
   // Scratch memory of count(), except is_member_.
   std::vector<std::uint32_t> parents_;  // union-find forest, per row
   std::vector<std::uint32_t> sizes_;    // number of bodies in the cluster, at the row that is its root
-  std::vector<bool> is_member_;         // per body: whether it is one of those whose clusters are counted
-  std::vector<bool> counts_;            // per row: whether it is one of them, and in the world
+  std::vector<bool> is_member_;         // per body: whether it is of the sort that `bodies` selects
+  std::vector<bool> counts_;            // per row: whether its body is such a body, and in the world
 };
 
 class ClusterCount : public Clusters {

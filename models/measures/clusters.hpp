@@ -3,9 +3,10 @@
 #include "engine/kinds/measure_kind.hpp"
 
 /// Measures of the clusters that pushable bodies or robots form; the parameter `bodies` selects which of the
-/// two. Two bodies are in one cluster if their origins are at most the parameter `distance` (m) apart, or if
-/// a chain of bodies, each at most that far from the next, connects them. A body without neighbours is a
-/// cluster of one. `troupe describe` prints the definitions of the measures.
+/// two. Two bodies are in one cluster if their origins are at most `distance` (m, a parameter) apart. They
+/// are also in one cluster if a chain of bodies connects them in which neighbours are at most `distance`
+/// apart. A body without neighbours is a cluster of one. `troupe describe` prints the definitions of the
+/// measures.
 namespace troupe::models {
 
 engine::MeasureKind clusters_measure();  ///< `clusters`: number of clusters

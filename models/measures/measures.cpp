@@ -37,7 +37,8 @@ class OfRobots : public Measure {
     const auto is_there = [&](std::size_t i) { return world.is_there(row(world, i)); };
     return mean_of_some(world, engine::count_there(world, robots_), is_there, term);
   }
-  /// Mean of term(i) over those `count` robots()[i] for which counts(i) is true; NaN if there are none.
+  /// Mean of term(i) over the robots()[i] for which counts(i) is true. `count` is the number of these robots.
+  /// NaN if `count` is 0.
   template <class Counts, class Term>
   double mean_of_some(World& world, std::size_t count, Counts&& counts, Term&& term) const {
     if (count == 0) return std::numeric_limits<double>::quiet_NaN();
@@ -112,8 +113,8 @@ class PathLength : public OfRobots {
 
  private:
   /// Corrects places_[i], the point from which see() measures the motion of robot i in this tick. If the
-  /// robot was born since the last tick, this is its birthplace. If it is not in the world, it is its present
-  /// position, so that its path does not grow.
+  /// robot was born since the last tick, this point becomes its birthplace. If the robot is not in the world,
+  /// this point becomes its present position, so that its path does not grow.
   void begin_life(const World& world, std::size_t i) {
     const Row row = this->row(world, i);
     const bool is_new = world.birth_tick(row) + 1 >= world.tick() && !world.spec().starts(robots()[i]);

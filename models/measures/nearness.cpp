@@ -43,8 +43,8 @@ class AmongRobots : public Measure {
   /// Calls visit(d2) for other measured robots, where d2 is the squared distance (m^2) from the robot in
   /// `row` to the other robot. It searches the box of half-width `radius` (m) around the robot in `row`. It
   /// visits all robots in this box that are within the distance `reach` (m), and may visit some that are
-  /// farther away. `reach` is a reference because visit() may reduce it during the search. For the work of
-  /// for_each_robot().
+  /// farther away. `reach` is a reference because visit() may reduce it during the search. Only the function
+  /// `work` of for_each_robot() may call it.
   template <class Visit>
   void for_each_other(const World& world, std::uint32_t row, double radius, const double& reach,
                       Visit&& visit) const {

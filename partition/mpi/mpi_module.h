@@ -28,7 +28,7 @@ struct troupe_mpi {
   /* Starts to send units to a process. Returns a handle of the transfer for is_done(), or null after an error. The units
    * must stay as they are until is_done() returns 1 for the handle. */
   void* (*send)(unsigned to, const void* units, size_t count);
-  /* Looks whether a message from a process has come. If so, returns its number of units and sets *message to a handle of
+  /* Tests whether a message from a process has come. If so, returns its number of units and sets *message to a handle of
    * the message for receive(). Returns 0 if no message has come, and -1 after an error. */
   long (*probe)(unsigned from, void** message);
   /* Starts to receive a message that probe() found, and frees the handle of the message. Returns a handle of the transfer

@@ -39,8 +39,8 @@ UPDATES_PER_TEST = 10
 
 class PerRobot(gymnasium.vector.VectorWrapper):
     """Ends the episode of a robot for the learner when the robot is finished, not when its copy of the world is over.
-    The step that begins the next episode of a copy ignores the actions, so it is marked as terminated too: no value is
-    estimated across it."""
+    The step that begins the next episode of a copy ignores the actions. This step is therefore also marked as
+    terminated, so that PPO estimates no value across it."""
 
     def reset(self, **options):
         self._begins = np.zeros(self.num_envs, bool)

@@ -49,8 +49,8 @@ def _known(what: str, name: str, known: Sequence[str]) -> str:
 
 
 def _column_of(measure: str, columns: Sequence[str]) -> str:
-    """Returns the name of the column of a measure, which may have a unit in addition: the measure displacement:leaders
-    has the column displacement_m:leaders. Raises PlotError if there is no such column."""
+    """Returns the name of the column of a measure. The name of the column may contain a unit that `measure` lacks: the
+    measure displacement:leaders has the column displacement_m:leaders. Raises PlotError if there is no such column."""
     name, _, of = measure.partition(":")
     with_unit = [column for column in columns
                  if column.startswith(f"{name}_") and "_" not in column[len(name) + 1:].split(":")[0]

@@ -21,7 +21,7 @@ namespace {
 
 constexpr int k_darkest_free = 128;  // of 255; darker pixels are solid
 
-/// Counts the bytes to which the pixel data of a PNG unpack, without keeping these bytes.
+/// Counts the bytes of the unpacked pixel data of a PNG, without keeping these bytes.
 class Unpacked {
  public:
   Unpacked() { inflateInit(&stream_); }
@@ -46,10 +46,10 @@ class Unpacked {
   std::array<Bytef, 1 << 15> buffer_;
 };
 
-/// True if a chunk of a PNG is cut off or does not match its checksum. stb_image does not check that, and a
-/// map with a flipped bit would be a different map. True also if the pixel data unpack to far more bytes than
-/// the image has. stb_image would unpack all of them, while this function stops unpacking as soon as there
-/// are too many. False for a file that is not a PNG.
+/// True if a chunk of a PNG is cut off or does not match its checksum. stb_image does not check this, and a
+/// flipped bit would change the map. Also true if the unpacked pixel data has far more bytes than the image
+/// needs. stb_image would unpack all of these bytes, while this function stops as soon as there are too many.
+/// False for a file that is not a PNG.
 bool png_is_damaged(std::string_view bytes) {
   constexpr std::string_view k_signature = "\x89PNG\r\n\x1a\n";
   if (!bytes.starts_with(k_signature)) return false;
@@ -75,7 +75,7 @@ bool png_is_damaged(std::string_view bytes) {
       if (static_cast<double>(width) * static_cast<double>(height) <= k_most_pixels)
         most = k_most_pixel_bytes * (width + 1) * (height + 1);
     }
-    if (kind == "IDAT" && most > 0) {  // `most` is 0 if the image is too large, which is an error anyway
+    if (kind == "IDAT" && most > 0) {  // `most` is 0 if the image is too large, which is reported later
       unpacked.add(bytes.substr(at + 8, length), most);
       if (unpacked.bytes() > most) return true;
     }
@@ -85,9 +85,9 @@ bool png_is_damaged(std::string_view bytes) {
 }
 
 /// True if the segments of a JPEG do not follow one another, if a Huffman table has more codes than a byte
-/// has values, or if a scan uses a table that is not defined. stb_image (2.27, Debian 12) would write a table
-/// that is too large beyond its buffer, and read uninitialized memory for a missing table. False for a file
-/// that is not a JPEG.
+/// has values, or if a scan uses a table that is not defined. For a table with too many codes, stb_image
+/// (2.27, Debian 12) would write beyond its buffer; for a missing table, it would read uninitialized memory.
+/// False for a file that is not a JPEG.
 bool jpeg_is_damaged(std::string_view bytes) {
   constexpr unsigned k_first_marker = 0xc0, k_huffman = 0xc4, k_first_restart = 0xd0, k_last_restart = 0xd7,
                      k_progressive = 0xc2, k_start = 0xd8, k_end = 0xd9, k_start_of_scan = 0xda;
@@ -144,8 +144,8 @@ bool jpeg_is_damaged(std::string_view bytes) {
   return false;
 }
 
-/// True if a PNM (P5 or P6, the binary formats) is cut off or has an invalid header: stb_image does not check
-/// that, and would read uninitialized memory for missing pixels. False for a file that is not a PNM.
+/// True if a PNM (P5 or P6, the binary formats) is cut off or has an invalid header. stb_image does not check
+/// this, and would read uninitialized memory for missing pixels. False for a file that is not a PNM.
 bool pnm_is_damaged(std::string_view bytes) {
   if (!bytes.starts_with("P5") && !bytes.starts_with("P6")) return false;
   constexpr std::string_view k_blanks = " \t\n\v\f\r";
@@ -172,7 +172,7 @@ bool pnm_is_damaged(std::string_view bytes) {
   return at > bytes.size() || static_cast<double>(bytes.size() - at) < size;
 }
 
-/// True if a BMP is shorter than its header says, or than its pixels need: stb_image would fill the missing
+/// True if a BMP is shorter than its header says, or than its pixels need. stb_image would fill the missing
 /// pixels with black. False for a file that is not a BMP.
 bool bmp_is_damaged(std::string_view bytes) {
   if (!bytes.starts_with("BM")) return false;
@@ -192,7 +192,7 @@ bool bmp_is_damaged(std::string_view bytes) {
          std::max<double>(number(2, 4), number(10, 4) + row_bytes * std::abs(static_cast<double>(height)));
 }
 
-/// The number of corners that the outlines of the solid pixels have together.
+/// Returns the total number of corners of the outlines of the solid pixels.
 std::size_t count_corners(const Bitmap& bitmap) {
   std::size_t count = 0;
   for (int y = 0; y <= bitmap.height; ++y)
@@ -206,8 +206,8 @@ std::size_t count_corners(const Bitmap& bitmap) {
 }
 
 /// The edges between solid pixels and free pixels. Each edge has the length of one pixel, and a direction in
-/// which the solid pixel is on its right, seen in the image. For each corner of the pixel lattice (image
-/// axes, +y down), the set of directions in which edges leave the corner is stored.
+/// which the solid pixel is on its right, seen in the image. The class stores, for each corner of the pixel
+/// lattice (image axes, +y down), the set of directions in which edges leave the corner.
 class BoundaryEdges {
  public:
   // The directions are in the order of the corners to which they lead, by x and then by y. If several edges
@@ -333,7 +333,8 @@ std::vector<Ring> bitmap_contours(const Bitmap& bitmap) {
       std::size_t corner = start;
       do {
         const Vec2 point(edges.x_of(corner), -edges.y_of(corner));
-        // Collinear edges become one edge, but, as in Stage, not among the first three points of the ring.
+        // Collinear edges become one edge, except, as in Stage, edges among the first three points of the
+        // ring.
         const std::size_t n = ring.size();
         if (n > 2 && cross(ring[n - 1] - ring[n - 2], point - ring[n - 1]) == 0)
           ring.back() = point;

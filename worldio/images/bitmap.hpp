@@ -40,9 +40,9 @@ using PixelRule = std::function<bool(std::span<const std::uint8_t> channels)>;
 bool is_dark(std::span<const std::uint8_t> channels);
 
 /// Reads a PNG, JPEG, BMP or binary PNM (P5, P6) image. `is_solid` decides which pixels are solid. If the
-/// file is missing, is not such an image, is damaged, or exceeds a limit (2 GB, k_most_pixels,
-/// k_most_corners), returns nothing and adds an error at `where`, the place of the image's name in the world
-/// file.
+/// file is missing, is not such an image, is damaged, or exceeds a limit (a file size of 2 GB, k_most_pixels
+/// or k_most_corners), returns nothing and adds an error at `where`, the place of the image's name in the
+/// world file.
 std::optional<Bitmap> read_bitmap(const std::filesystem::path& file, Where where, Diagnostics& diagnostics,
                                   const PixelRule& is_solid = is_dark);
 /// Like read_bitmap(), but reads the image from `bytes`, the content of a file. `name` is the name of the
@@ -64,8 +64,8 @@ std::vector<Ring> bitmap_contours(const Bitmap& bitmap);
 void fit_image(int width, int height, const Eigen::Vector3d& size, std::vector<Ring>& contours);
 
 /// Adds four walls to the solids of a floor plan. The walls are just inside the edges of a box of size `size`
-/// (m), which is centred on the origin in x and y and stands on z = 0. They are as tall as the box. They are
-/// 0.01 m thick, or half of size.x or of size.y if that is less.
+/// (m), which is centred on the origin in x and y and stands on z = 0. The walls are as tall as the box.
+/// Their thickness is the smallest of 0.01 m, size.x / 2 and size.y / 2.
 void add_boundary(const Eigen::Vector3d& size, std::vector<Solid>& solids);
 
 /// Scales and shifts several solids together. Afterwards, their common bounding box in x and y, enlarged to

@@ -15,8 +15,8 @@
 
 namespace troupe::worldio {
 
-/// The outlines of an image of walls. For the image of a ROS map, there is also its size in m and its pose in
-/// the frame of the map.
+/// The outlines of an image of walls. If the image belongs to a ROS map, its size in m and its pose in the
+/// frame of the map are also stored.
 struct FloorImage {
   int width = 0;   ///< pixels
   int height = 0;  ///< pixels
@@ -37,12 +37,12 @@ struct FloorImage {
   Solid solid(const Eigen::Vector3d& size) const;
 };
 
-/// Returns the solids of a floor plan in its own frame, standing on z = 0. They are scaled so that the
+/// Returns the solids of a floor plan in its own frame, standing on z = 0. The solids are scaled so that the
 /// bounding box of the solid pixels, or the whole image if spec.keeps_margins is set, fills `size` (m) and is
 /// centred on the origin in x and y. With spec.boundary, four walls just inside the edges of `size` are
-/// added. The solids of a ROS map are not fitted to `size`: they have the pose and, in x and y, the size that
-/// the map gives them, and the frame is that of the map. The function then writes this size to x and y of
-/// `size`; its z is the height of the walls.
+/// added. The solids of a ROS map are not fitted to `size`: the map determines their pose and their size in x
+/// and y, and their frame is that of the map. The function then sets size.x and size.y to the size of the
+/// map; size.z is the height of the walls.
 std::vector<Solid> floor_plan_body(const FloorImage& image, const engine::ImageSpec& spec,
                                    Eigen::Vector3d& size);
 /// Like floor_plan_body(), but for a model that is not a floor plan. As in Stage, all solids, including those
@@ -57,10 +57,10 @@ class FloorImages {
 
   /// Reads an image, or a ROS map if the name of `file` ends in `.yaml` or `.yml`. `unknown_is_solid` says
   /// whether the unknown cells of a map are solid; for other images it has no effect. Returns null if the
-  /// file, or the image that a map names, cannot be read or has errors. The first of several calls with the
-  /// same arguments that fail adds an error at `where`, the place of the file's name in the world file, or in
-  /// the YAML file. An image without solid pixels is not an error: its `contours` are empty. The result is
-  /// valid until this object is destroyed.
+  /// file, or the image that a map names, cannot be read or has errors. A failure adds an error at `where`,
+  /// the place of the file's name in the world file, or at a line of the YAML file. A repeated call with the
+  /// same `file` and `unknown_is_solid` adds no further error. An image without solid pixels is not an error:
+  /// its `contours` are empty. The result is valid until this object is destroyed.
   const FloorImage* read(const std::filesystem::path& file, bool unknown_is_solid, Where where);
 
  private:

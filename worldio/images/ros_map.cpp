@@ -15,7 +15,7 @@
 namespace troupe::worldio {
 namespace {
 
-constexpr std::size_t k_most_bytes = 1 << 16;          // a map has a dozen lines
+constexpr std::size_t k_most_bytes = 1 << 16;          // size of a YAML file; a map has a dozen lines
 constexpr double k_most_meters = 2 * k_world_reach_m;  // greatest size of a world
 
 constexpr std::string_view k_keys[] = {"image",           "resolution",  "origin", "negate",
@@ -23,7 +23,7 @@ constexpr std::string_view k_keys[] = {"image",           "resolution",  "origin
 constexpr std::array<std::string_view, 3> k_modes = {"trinary", "scale", "raw"};
 
 /// Reads the whole text as a finite number, with or without a leading "+", which YAML allows. Returns nothing
-/// if it is not such a number.
+/// for any other text.
 std::optional<double> yaml_number(std::string_view text) {
   if (text.starts_with('+')) text.remove_prefix(1);
   double value = 0;

@@ -19,7 +19,7 @@ struct RosMap {
   /// How pixel values decide which cells are solid, unknown or free: see solid_cells().
   enum class Mode { trinary, scale, raw };
 
-  std::filesystem::path image;    ///< path of the image: that in the file, joined with the folder of the file
+  std::filesystem::path image;    ///< path of the image, joined with the folder of the YAML file
   Where where_image;              ///< place of the value of `image` in the YAML file
   double resolution_m = 0;        ///< edge length of a cell, m
   Pose pose_map_corner;           ///< `origin` of the file: pose of the image's lower left corner, map frame

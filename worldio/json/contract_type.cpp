@@ -56,8 +56,8 @@ class TypeContractor {
   }
 
  private:
-  /// The parts and the size that expand_type() gives a part because the part is itself a device. They are
-  /// left out of the document.
+  /// The parts and the size that expand_type() gives a part because the part is itself a device. The document
+  /// omits these parts and this size.
   struct Brought {
     std::size_t parts = 0;          ///< number of added parts, which directly follow this one
     Eigen::Vector3d size{0, 0, 0};  ///< size of this part after expansion, m

@@ -82,16 +82,16 @@ bool WorldContractor::makes(const PartSpec& part, bool as_floor_plan) {
   return made.size == part.size && made.solids == part.solids;
 }
 
-/// Removes each image that does not give the present solids of its part, because the frame of the part or the
-/// image file was changed after the image was read. The part is then written as outlines.
+/// Removes each image that does not give the present solids of its part. This happens if the frame of the
+/// part or the image file was changed after the image was read. The part is then written as outlines.
 void WorldContractor::drop_images() {
   for (TypeSpec& type : spec_.types)
     for (PartSpec& part : type.parts)
       if (part.image && !makes(part, false)) part.image.reset();
 }
 
-/// Whether the list `floorplans` can express a body. It can if the body is only an image and no other body
-/// has its type.
+/// Whether the list `floorplans` can express a body. True if the body is only an image and no other body has
+/// the type of the body.
 bool WorldContractor::is_floor_plan(std::size_t body) {
   const BodySpec& spec = spec_.bodies[body];
   if (spec.type.index() != body || spec.type.index() >= spec_.types.size()) return false;
@@ -105,7 +105,7 @@ bool WorldContractor::is_floor_plan(std::size_t body) {
   return type.name == spec_.names.text(spec.name) && part.image->origin == Pose() && makes(part, true);
 }
 
-/// Returns how many bodies are written as floor plans. They are the first bodies after the ground.
+/// Returns how many bodies are written as floor plans. These are the first bodies after the ground.
 std::size_t WorldContractor::count_floor_plans() {
   std::size_t count = 0;
   while (count + 1 < spec_.bodies.size() && is_floor_plan(count + 1)) ++count;
@@ -173,8 +173,8 @@ FloorplanDocument WorldContractor::contract_floor_plan(const BodySpec& body) con
   return document;
 }
 
-/// Adds the types with index `first` and above to the document. Keys of types must be unique: of several
-/// types with the same name, all but the first get another key.
+/// Adds the types with index `first` and above to the document. Keys of types must be unique. If several
+/// types have the same name, all but the first therefore get another key.
 void WorldContractor::contract_types(std::size_t first, WorldDocument& document) {
   keys_.assign(spec_.types.size(), {});
   colors_.assign(spec_.types.size(), {});
@@ -222,9 +222,10 @@ bool has_repeated_names(const WorldSpec& spec) {
 
 /// The result of one attempt to write a world.
 struct Attempt {
-  std::optional<JsonNode> document;  ///< a document that reads back as the same world; empty: failure
-  std::vector<Finding> findings;     ///< after a failure: the errors from reading the document back, if any
-  std::string difference;            ///< else the path of the first differing value, or an exception's text
+  std::optional<JsonNode> document;  ///< the document, if it reads back as the same world; empty: failure
+  std::vector<Finding> findings;     ///< after a failure: errors from reading the document back
+  /// After a failure without findings: the path of the first value that differs, or the text of an exception.
+  std::string difference;
 };
 
 Attempt attempt(const WorldSpec& spec, const std::filesystem::path& file, const Checks& checks,
@@ -240,7 +241,7 @@ Attempt attempt(const WorldSpec& spec, const std::filesystem::path& file, const 
     const std::optional<JsonNode> read = parse_json(json_text(document), whole, true, found);
     const WorldSpec back = read ? read_json_world(file, *read, registry, {}, found) : WorldSpec();
     if (found.has_errors()) {
-      Diagnostics placed(files);  // the same errors, but at their places in the world that is converted
+      Diagnostics placed(files);  // the same errors, at their places in the original world
       if (read) read_json_world(file, document, registry, {}, placed);
       const auto findings = placed.has_errors() ? placed.findings() : found.findings();
       result.findings.assign(findings.begin(), findings.end());

@@ -81,10 +81,11 @@ struct DocumentKey {
   std::uint32_t variants = ~0u;
   const DocumentTable& (*table)() = nullptr;  ///< Form::object, list and map: table of the struct
   const engine::FieldTable* block = nullptr;  ///< Form::block: the fields of the object
-  /// Returns whether a JSON object may have this key, given its other keys. Null: every object may.
+  /// Returns whether a JSON object may have this key, given its other keys. A null function: every object may
+  /// have it.
   bool (*is_there)(const JsonNode& object) = nullptr;
   /// Returns whether objects of a kind may have the key. `kind` is DocumentKind::kind of the object, which
-  /// can be null. A null function: objects of all kinds may.
+  /// can be null. A null function: objects of all kinds may have it.
   bool (*is_of)(const void* kind) = nullptr;
 
   /// True: the key has no member, because the loader replaces the key before the object is read: `include`

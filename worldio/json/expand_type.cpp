@@ -126,7 +126,8 @@ void TypeExpander::expand_part(const PartDocument& document, const DocumentPath&
 
 void TypeExpander::expand_own_device(const PartDocument& document, const DocumentPath& around, bool has_shape,
                                      Stand& stand) {
-  // The size is set before the body of the device is added, because the moving parts of that body copy it.
+  // The size is set before the body of the device is added, because the moving parts of that body copy the
+  // size.
   if (document.extent) type_.parts[stand.part].size = *document.extent;
   if (!document.device) return;
   const OwnDeviceDocument& own = *document.device;
@@ -189,7 +190,7 @@ Result<> TypeExpander::put_on(engine::DeviceSpec& device, const std::string& on)
 }
 
 /// Returns the part that a device with a joint adds to the type. Its solids come from the size and blocks in
-/// the document, unless the kind of the device has a body of its own: that is added later.
+/// the document, unless the kind of the device has a body of its own: the caller adds such a body later.
 engine::PartSpec TypeExpander::device_part(const DeviceDocument& document, const engine::DeviceSpec& device,
                                            const engine::DeviceKind& kind) const {
   // The kind of a part must be a model kind. Some kinds of devices with a joint, such as "wheels", are not.

@@ -40,7 +40,7 @@ struct Model {
   BodySpec body;
   std::optional<engine::Name> alias;
   std::vector<std::string> global_parts;  ///< ModelDocument::global_parts
-  std::optional<std::string> reserve_of;  ///< population that it may be born into
+  std::optional<std::string> reserve_of;  ///< population of the reserve that has the body
   std::string pointer;                    ///< JSON pointer to the model, for errors
 };
 
@@ -73,7 +73,8 @@ class WorldExpander {
     std::vector<std::string> type_keys(spec_.types.size());
     for (const auto& [key, type] : type_ids_) type_keys[type.index()] = key;
     expand_experiment(document_.experiment, world, document_.where_of("at"), type_keys, registry_, spec_);
-    // Bodies are placed only in a world without errors, because errors in it would cause further ones here.
+    // Bodies are placed only in a world without errors, because each error could cause further errors during
+    // placement.
     if (!diagnostics_.has_errors()) place_bodies();
     if (!diagnostics_.has_errors()) report_repeated_names();
     return std::move(spec_);
@@ -92,7 +93,7 @@ class WorldExpander {
   void expand_image_plan(const FloorplanDocument& document, const DocumentPath& at, const BodySpec& body,
                          engine::PartSpec& part);
   void expand_arena(const ArenaDocument& document);
-  /// Adds a static body with a type of its own, both of the same name.
+  /// Adds a static body and a type for this body only. The type gets the name of the body.
   void add_walls(BodySpec body, engine::PartSpec part);
   void expand_types(const DocumentPath& world);
   void expand_model(const ModelDocument& document, const DocumentPath& at);
@@ -194,13 +195,14 @@ void WorldExpander::expand_floorplan(const FloorplanDocument& document, const Do
   } else {
     expand_image_plan(document, at, body, part);
   }
-  // After an error, bounds prevent a further error that there is no floor plan for a population to fill.
+  // If the image has an error, the world still gets bounds. Otherwise each population without a region would
+  // cause a further error.
   if (!spec_.bounds) spec_.bounds.emplace().extend(Vec2::Zero());
   add_walls(body, std::move(part));
 }
 
 void WorldExpander::expand_arena(const ArenaDocument& document) {
-  if (!document.size) return;  // the reader has reported it
+  if (!document.size) return;  // the reader has reported the missing size
   const Vec2 corner((*document.size)[0] / 2, (*document.size)[1] / 2);
   if (!spec_.bounds) spec_.bounds.emplace();
   spec_.bounds->extend(corner);
@@ -424,7 +426,7 @@ void WorldExpander::check_model(const Model& model, engine::Occupancy& occupancy
 /// neither will move: walls are drawn across one another at their corners.
 void WorldExpander::report_overlaps(const Model& model, const partition::ObstacleShape& shape,
                                     engine::Occupancy& occupancy) {
-  constexpr double k_tolerance_m = 1e-9;  // bodies that are meant to touch overlap by rounding
+  constexpr double k_tolerance_m = 1e-9;  // bodies that should only touch may overlap by rounding errors
   const BodySpec& body = model.body;
   const Pose& pose = body.pose_world_body;
   const auto is_static = [this](const BodySpec& one) {
@@ -445,7 +447,8 @@ void WorldExpander::report_overlaps(const Model& model, const partition::Obstacl
   };
   if (overlapped_by(shape).empty()) return;
   for (const BodySpec* other : overlapped_by(partition::inset(shape, k_tolerance_m))) {
-    // The depth is the largest inset of the body's outline that still overlaps, found by bisection.
+    // The depth of the overlap is the largest inset of the body's outline at which the bodies still overlap.
+    // Bisection finds this inset.
     double low = k_tolerance_m;
     double high = shape.thinnest / 2;
     for (int i = 0; i < 40 && low < high; ++i) {

@@ -89,7 +89,7 @@ std::vector<std::string_view> names_of(const List& list, Projection name) {
 }
 
 /// Reads the new parameters that an intervention gives to a type. The document stores them as unread JSON,
-/// because which parameters are valid depends on the type.
+/// because the type determines which parameters are valid.
 class SettingExpander {
  public:
   SettingExpander(std::span<const std::string> type_keys, const engine::Registry& registry,

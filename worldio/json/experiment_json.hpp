@@ -35,7 +35,7 @@ void contract_experiment(const engine::WorldSpec& spec, std::span<const std::str
 
 /// Reads new parameters of a type from JSON: {"drive": {...}}, {"device": {"name": ..., ...}} or
 /// {"controller": {"kind": ..., ...}}, as in the intervention `set` of a world file. type: TypeSpec::name of
-/// a type of `spec`; of several types with this name, the first is used. If the JSON is wrong, there is no
+/// a type of `spec`; if several types have this name, the first is used. If the JSON is wrong, there is no
 /// such type, or the type does not have these parameters, returns nothing and reports errors, which name no
 /// file.
 std::optional<engine::SettingSpec> read_setting(std::string_view type, std::string_view json,
@@ -55,7 +55,7 @@ std::string parameters_json(const engine::TypeSpec& type, const engine::Registry
 void read_experiment(JsonObject& object, std::span<const std::string> type_keys,
                      const engine::Registry& registry, engine::WorldSpec& spec);
 /// The inverse of read_experiment(): adds the keys of spec.experiment to `object`. Adds nothing for a world
-/// without an experiment. `type_keys` must be that of read_experiment().
+/// without an experiment. `type_keys` is as in read_experiment().
 void write_experiment(const engine::WorldSpec& spec, std::span<const std::string> type_keys,
                       const engine::Registry& registry, JsonNode::Object& object);
 

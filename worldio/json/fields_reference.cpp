@@ -108,10 +108,10 @@ void append_kinds(std::string_view heading, const Kinds& kinds, std::string& tex
 
 constexpr std::string_view k_table_head = "| key | value | default | meaning |\n|---|---|---|---|\n";
 
-/// A table of the page.
+/// A table of keys in docs/world-format.md.
 struct Section {
   std::string_view heading;
-  std::string_view name;  ///< of its objects, in references such as "as for `types`"
+  std::string_view name;  ///< name of the objects, in references such as "as for `types`"
   const DocumentTable& (*table)();
   /// Which keys the table lists, if the keys of some kinds have a table of their own.
   enum class Of { all, every_kind, some_kinds } of = Of::all;
@@ -272,8 +272,8 @@ Row row_of(const DocumentTable& table, const DocumentKey& key, std::string_view 
                       default_text(table, key, key.field), meaning(table, key, heading))};
 }
 
-/// Appends the rows of a table. At least `k_fewest` consecutive rows that an earlier table has too are
-/// replaced by one row, which refers to that table.
+/// Appends the rows of a table. If an earlier table also has at least `k_fewest` consecutive rows, one row
+/// that refers to the earlier table replaces them.
 void append_rows(const std::vector<Row>& rows, const std::map<std::string, const Section*>& earlier,
                  std::string& text) {
   constexpr std::size_t k_fewest = 3;

@@ -8,8 +8,8 @@
 
 namespace troupe::worldio {
 
-/// Returns the generated last part of docs/world-format.md as Markdown. It has a table for poses, one for
-/// each of the objects `watch` and `window` of a world, and one for the parameters of each kind of drive,
+/// Returns the generated last part of docs/world-format.md as Markdown. The text has a table for poses, one
+/// for each of the objects `watch` and `window` of a world, and one for the parameters of each kind of drive,
 /// sensor, other device, controller and fault in `registry`. These tables list keys with their units, values
 /// with their limits, defaults and meanings. A table for each controller preset lists only the defaults that
 /// differ from those of its kind.
@@ -22,7 +22,7 @@ struct KeyTable {
   std::string markdown;      ///< the lines of the table
 };
 
-/// Returns the tables of keys of docs/world-format.md, in the order of the page. They are made from the
+/// Returns the tables of keys of docs/world-format.md, in the order of the page. The tables are made from the
 /// descriptions of the structs of a WorldDocument (worldio/json/document_table.hpp). Consecutive keys that
 /// another table describes in the same way share one row, which refers to that table.
 std::vector<KeyTable> document_key_tables(const engine::Registry& registry);

@@ -106,7 +106,7 @@ class TreeBuilder {
       if (const std::size_t end = message.find(": "); end != std::string_view::npos)
         message.remove_prefix(end + 2);
     std::string what(message);
-    // The parser's message names only the closing bracket, although a comma would be valid there too.
+    // The parser's message names only the closing bracket, although a comma would also be valid there.
     for (const std::string_view end : {"expected '}'", "expected ']'"})
       if (what.ends_with(end)) what.insert(what.size() - 3, "',' or ");
     Where where = start_;
@@ -120,7 +120,7 @@ class TreeBuilder {
   JsonNode take() { return std::move(root_); }
 
  private:
-  /// Returns the place of the value or key that the parser has just read. `read_ahead` says that it is a
+  /// Returns the place of the value or key that the parser has just read. `read_ahead` must be true for a
   /// number: the parser finds the end of a number only by reading the next character, which may be the end of
   /// the line.
   Where here(bool read_ahead) const {

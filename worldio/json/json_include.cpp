@@ -31,8 +31,8 @@ void remove_key(Members& members, std::string_view key) {
   std::erase_if(members, [key](const JsonMember& member) { return member.key == key; });
 }
 
-/// Makes the paths of images in a type of an included file relative to the folder of the world. `folder` is
-/// the folder of the included file, relative to that of the world.
+/// Changes the paths of images in a type of an included file: afterwards they are relative to the folder of
+/// the world. `folder` is the folder of the included file, relative to that of the world.
 void move_images(JsonNode& node, const fs::path& folder) {
   if (auto* list = std::get_if<JsonNode::List>(&node.value))
     for (JsonNode& item : *list) move_images(item, folder);
@@ -281,9 +281,9 @@ class TypeMerger {
   std::vector<const JsonMember*> open_;  // types that are being resolved, each extends the next one
 };
 
-/// Replaces the key "extends" of a type whose base is wrong by a shape, if the type has none: otherwise the
-/// reader would also report that the type has no shape, which it would have inherited. For the same reason,
-/// keys with the value null, which remove inherited values, are removed.
+/// Removes the key "extends" of a type whose base is wrong, and gives the type a shape if it has none.
+/// Otherwise the reader would also report the lack of a shape, although the type would have inherited one.
+/// For the same reason, keys with the value null, which remove inherited values, are removed.
 void replace_wrong_base(JsonNode& type) {
   constexpr std::array<std::string_view, 7> k_shapes{"size_m", "size_cm", "size_mm", "disc",
                                                      "blocks", "bitmap",  "device"};
@@ -326,7 +326,7 @@ void TypeMerger::resolve(JsonMember& type) {
   open_.push_back(&type);
   resolve(*base);
   open_.pop_back();
-  if (type.node.find("extends") == nullptr) return;  // the types extend each other in a circle, as reported
+  if (type.node.find("extends") == nullptr) return;  // the circle of types is already reported
   diagnostics_.inherits(inheritable(type), inheritable(*base));
   remove_key(*members_of(&type.node), "extends");
   JsonNode inherited = base->node;

@@ -20,19 +20,23 @@ namespace troupe::worldio {
 void resolve_includes(JsonNode& world, const std::filesystem::path& file, Diagnostics& diagnostics);
 
 /// Replaces the key `extends` of each type of a world with the keys of the base type, which is the type that
-/// `extends` names: - A key that the type has itself replaces the key of the base type. After merging, a key
-/// whose value is
-///   null is removed, except `joint`, where null means that there is no joint.
-/// - If both values of a key are objects, they are merged key by key, unless both have a `kind` and the kinds
-///   differ. Nothing of the base object is inherited in that case. The key `kind` of a type itself, which
-///   names a model type of Stage, has no such effect.
-/// - In the lists `sensors`, `devices` and `parts`, entries of the same name are merged; others are appended.
+/// `extends` names:
+/// - A key that the type has itself replaces the key of the base type.
+/// - A key whose value is null removes the key that the type would inherit. The exception is `joint`, where
+///   null means that there is no joint.
+/// - If both values of a key are objects, they are merged key by key. If both objects have a `kind` and the
+///   kinds differ, the type inherits nothing of the base object. The key `kind` of a type itself, which names
+///   a model type of Stage, has no such effect.
+/// - In the lists `sensors`, `devices` and `parts`, entries of the same name are merged. The other entries of
+///   the type follow those of the base type.
 /// - A key of the type replaces an inherited key of the same quantity in another unit. `controller` replaces
-///   an inherited `controllers`, and `controllers` an inherited `controller`. `name` is not inherited.
+///   an inherited `controllers`, and `controllers` an inherited `controller`.
+/// - `name` is not inherited.
 /// Each node keeps its file and line. Reports an error for an unknown base type, and for types that extend
-/// each other in a circle. A type with this error loses its key `extends`; if it has no shape, it gets the
-/// size 1 m x 1 m x 1 m, so that the reader does not also report the lack of a shape. bases: if not null, the
-/// list to which the names of all base types are added, each once for every type that extends the base type.
+/// each other in a circle. A type with such an error loses its key `extends`. If this type has no shape, it
+/// gets the size 1 m x 1 m x 1 m, so that the reader does not also report the lack of a shape.
+/// bases: if not null, the list to which the names of all base types are added, each once for every type that
+/// extends the base type.
 void resolve_extends(JsonNode& world, Diagnostics& diagnostics, std::vector<std::string>* bases = nullptr);
 
 }  // namespace troupe::worldio

@@ -20,7 +20,7 @@ JsonNode json_node(T value, Where where = {}) {
 }
 
 /// Adds a key and a value at the end of an object. The value must be of one of the types of JsonNode::value,
-/// and both get the place `where`. The object must not have the key; this is not checked.
+/// and the key and the value get the place `where`. The object must not have the key; this is not checked.
 template <class T>
 void add_member(JsonNode::Object& object, std::string_view key, T value, Where where = {}) {
   object.push_back({std::string(key), where, json_node(std::move(value), where)});

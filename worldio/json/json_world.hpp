@@ -14,15 +14,16 @@ namespace troupe::worldio {
 /// Completes the JSON nodes of a world before they are read. First it adds the types of included files, whose
 /// paths are relative to the folder of `file` (worldio/json/json_include.hpp). Then it applies the changes of
 /// the command line: the values of LoadOptions::set (`--set POINTER=VALUE`) and the numbers of bodies of
-/// LoadOptions::robots (`--robots NAME=COUNT`). Last, it merges each type with the type that it extends, so
-/// that a changed type also changes the types that extend it. It adds the names of the extended types to
+/// LoadOptions::robots (`--robots NAME=COUNT`). Last, it merges each type with the type that it extends. A
+/// changed type therefore also changes the types that extend it. It adds the names of the extended types to
 /// LoadOptions::base_types. Reports an error for each file that cannot be included, value that cannot be set,
 /// unknown population, unknown base type, and circle of types that extend each other.
 void change_json_world(JsonNode& document, const std::filesystem::path& file, const LoadOptions& options,
                        Diagnostics& diagnostics);
 
 /// Converts the JSON nodes of a world to a WorldDocument. Reports all errors, each at its line;
-/// read_described() says how wrong values are treated. Of `options`, only LoadOptions::most_bodies is used.
+/// read_described() says how wrong values are treated. The function uses only the member `most_bodies` of
+/// `options`.
 WorldDocument read_json_document(const JsonNode& document, const engine::Registry& registry,
                                  const LoadOptions& options, Diagnostics& diagnostics);
 
@@ -34,9 +35,10 @@ std::optional<WorldDocument> load_json_document(const std::filesystem::path& fil
                                                 Diagnostics& diagnostics);
 
 /// Returns the world that a document describes. Reads the images of the document and places its bodies.
-/// `file` is the file of the document; relative paths are relative to its folder. Of `options`, `seed`,
-/// `threads`, `most_bodies` and `place_again` are used. Reports all errors that it finds, even if reading the
-/// document has already reported some. Places the bodies only if `diagnostics` has no errors at all.
+/// `file` is the file of the document; relative paths are relative to its folder. The function uses the
+/// members `seed`, `threads`, `most_bodies` and `place_again` of `options`. Reports all errors that it finds,
+/// even if reading the document has already reported some. Places the bodies only if `diagnostics` has no
+/// errors at all.
 engine::WorldSpec expand(const WorldDocument& document, const std::filesystem::path& file,
                          const engine::Registry& registry, const LoadOptions& options,
                          Diagnostics& diagnostics);

@@ -10,7 +10,9 @@
 namespace troupe::worldio {
 namespace {
 
-/// `kind`: argument of DocumentKey::is_of.
+/// Returns an error if a parameter in `params` has the name of a key of `table`, unless the key has another
+/// name (DocumentKey::other) or objects of this kind do not have the key. `kind` is the argument of
+/// DocumentKey::is_of.
 Result<> check_names(const engine::FieldTable& params, const DocumentTable& table, const void* kind) {
   for (const engine::Field& field : params.fields) {
     const DocumentKey* key = table.find(field.name);

@@ -131,7 +131,7 @@ bool ObjectReader::applies(const DocumentKey& key) const {
 }
 
 void ObjectReader::read_key(const DocumentKey& key) {
-  if (key.is_resolved) {  // finding it makes it a known key
+  if (key.is_resolved) {  // find() marks the key as known
     if (keys_.find(key.field.name))
       at_.error(fmt::format("\"{}\" cannot be set from outside the world file: write this key in the file",
                             key.field.name));
@@ -157,7 +157,7 @@ void ObjectReader::read_key(const DocumentKey& key) {
   }
 }
 
-/// Reads a value. It has one possible key for each of its units, such as `fov_rad` and `fov_deg`.
+/// Reads a value. The value has one possible key for each of its units, such as `fov_rad` and `fov_deg`.
 void ObjectReader::read_value(const DocumentKey& key) {
   const Field& field = field_of(key, params());
   FoundField found;

@@ -101,8 +101,7 @@ void read_values(JsonObject& object, Act& act) {
   }
 }
 
-/// Reads the keys of a setting. Which of them a type has, and their values, are checked when the act is
-/// performed.
+/// Reads the keys of a setting. The keys and values are checked against the type when the act is performed.
 void read_setting_keys(JsonObject& object, Act& act) {
   JsonNode::Object setting;
   for (const std::string_view key : {"drive", "device", "controller"})

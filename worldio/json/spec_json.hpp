@@ -28,8 +28,8 @@ struct BodyColumns {
 };
 
 /// A stored world: its whole expanded spec, which needs no other file. restore_spec() returns a spec that is
-/// equal in every bit in the sense of spec_difference(): the images and blocks from which solids were made,
-/// and places in files of the experiment, are not stored.
+/// equal to the stored one in every bit in the sense of spec_difference(). The images and blocks from which
+/// solids were made, and places in files of the experiment, are not stored.
 struct StoredSpec {
   std::string json;    ///< JSON text from spec_to_json()
   BodyColumns bodies;  ///< the bodies, which are not in `json`

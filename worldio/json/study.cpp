@@ -327,8 +327,8 @@ void StudyReader::read_measures(JsonObject& object) {
     study_.measure_every_s = every.number();
 }
 
-/// Reports parameters whose values cannot change any run, because something else sets the same value
-/// afterwards.
+/// Reports parameters whose values cannot change any run, because another parameter, `seeds` or `for_s` sets
+/// the same value afterwards.
 void StudyReader::check_effects(const JsonCursor& at) const {
   const auto& all = study_.parameters;
   for (std::size_t p = 0; p < all.size(); ++p) {

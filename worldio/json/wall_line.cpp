@@ -35,7 +35,8 @@ class WallCorners {
   const Vec2& right(std::size_t point) const { return right_[point]; }
 
  private:
-  /// The vector from a point to the corner on the left: half the thickness from both segments at the point.
+  /// Returns the vector from a point to the corner on its left. The distance of this corner from both
+  /// segments at the point is half the thickness.
   Vec2 mitre(std::size_t point) const {
     const auto left_of = [this](std::size_t segment) {
       const Vec2 along = direction(segment);

@@ -17,9 +17,9 @@
 #include <charconv>
 #include <cmath>
 
-/// Describes the format of JSON worlds: keys, units, limits, meanings, and which keys go together. This is
-/// the only description: the reader, the writer and the schema all use it. The limits here apply to JSON
-/// worlds; engine/spec/spec_description.cpp has those of specs.
+/// Describes the format of JSON worlds: keys, units, limits, meanings, and which keys go together. The
+/// reader, the writer and the schema all use this one description. The limits here apply to JSON worlds;
+/// engine/spec/spec_description.cpp has those of specs.
 namespace troupe::worldio {
 namespace {
 
@@ -745,7 +745,7 @@ void TypeDocument::describe(DocumentKeys<TypeDocument>& d) {
   d.other<&TypeDocument::kind>(Form::model_kind, "kind",
                                "model type of Stage that corresponds to the body itself, without its parts")
       .or_default("\"position\" with a drive, else \"model\"");
-  d.no_key<&TypeDocument::alias, &TypeDocument::pose, &TypeDocument::joint>();  // those of parts only
+  d.no_key<&TypeDocument::alias, &TypeDocument::pose, &TypeDocument::joint>();  // keys of other parts only
   describe_body(d);
   d.object<&TypeDocument::drive>("drive",
                                  "the drive of the bodies; without one, they do not move by themselves");

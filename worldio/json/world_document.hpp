@@ -41,7 +41,7 @@ inline constexpr double k_max_size_m = k_world_reach_m;  ///< maximum of sizes a
 inline constexpr std::size_t k_most_block_points =
     1000;  ///< most points of a block or a line of walls; the time of check_outline() grows with their square
 
-/// The place of an object in its file, and the places of the values of its keys, for error messages. The
+/// The place (file and line) of an object, and the places of the values of its keys, for error messages. The
 /// parameters of a kind have no places of their own.
 struct Placed {
   /// A key that the object has, even if its value is wrong.
@@ -100,7 +100,7 @@ struct DiscDocument : Placed {
 
 /// An image, or a ROS map, that gives a body its shape.
 struct ImageDocument {
-  /// The part of an image that is scaled to `size`.
+  /// The region of an image that is scaled to `size`.
   enum class Margins : std::uint8_t {
     trim,  ///< the bounding box of the solid pixels
     keep,  ///< the whole image
@@ -115,7 +115,7 @@ struct ImageDocument {
   std::optional<Eigen::Vector3d> size;
   std::optional<double> height;     ///< height of the walls of a map or of lines, m; empty: 1
   Unknown unknown = Unknown::free;  ///< how unknown cells of a map are treated
-  Margins margins = Margins::trim;  ///< the part of the image that is scaled to `size`
+  Margins margins = Margins::trim;  ///< the region of the image that is scaled to `size`
   bool boundary = false;  ///< true: adds four walls just inside the edges of the scaled image or map
 };
 
@@ -169,7 +169,7 @@ struct ControllerDocument : Placed {
   static void describe(DocumentKeys<ControllerDocument>& d);  ///< adds the keys of this struct to `d`
 };
 
-/// A part, or the root of a type's tree of parts.
+/// A part (a piece of a body, with a pose in the frame of the body), or the root of a type's tree of parts.
 struct PartDocument : Placed {
   std::string name;   ///< name of the part or type; empty for a type that is named like its key
   std::string alias;  ///< another name, by which programs can also find the part; empty: none
@@ -178,7 +178,7 @@ struct PartDocument : Placed {
   std::optional<JointName> joint;  ///< joint that moves the part; empty: that of the enclosing part
   /// The image that gives the part its shape. If image.bitmap is empty, there is no image, and only
   /// image.size is used: with `fit`, as the size to which `blocks` are scaled, otherwise as the size of a box
-  /// that stands on z = 0 and is centred on the origin of the part. If image.size is empty too, there is no
+  /// that stands on z = 0 and is centred on the origin of the part. If image.size is also empty, there is no
   /// box.
   ImageDocument image;
   bool fit = false;                  ///< true: the blocks together are scaled to image.size

@@ -81,8 +81,9 @@ double rounded_to_digits(double x) {
   return rounded;
 }
 
-/// Returns the limit `si`, in SI units, in the unit `suffix`. It is rounded to ten digits, but never so that
-/// the schema is stricter than the reader. `outward` is 1 for a maximum and -1 for a minimum.
+/// Returns the limit `si`, in SI units, in the unit `suffix`. The limit is rounded to ten digits, in the
+/// direction in which the schema is not stricter than the reader. `outward` is 1 for a maximum and -1 for a
+/// minimum.
 double limit_in(const UnitSuffix& suffix, double si, double outward) {
   if (suffix.to_si == 1) return si;
   constexpr double k_digits = 1e-9;
@@ -380,7 +381,8 @@ class DocumentSchema {
       case Form::list: return array_of(reference_to(key.table()));
       case Form::map: {
         JsonNode entry = reference_to(key.table());
-        // Keys that another type gives are not missing, and objects may have only the keys that differ.
+        // A type with the key "extends" inherits keys, so it may lack required keys: any object with
+        // "extends" is valid.
         if (key.table().find("extends")) entry = choice({has_key("extends"), std::move(entry)});
         return object_of({{"type", text("object")}, {"additionalProperties", std::move(entry)}});
       }

@@ -72,7 +72,7 @@ Hdf5Group make_group_for(Hdf5Group& tables, const std::vector<std::string>& plac
 
 void write_meta(Hdf5File& file, engine::World& world, const FileHeader& header) {
   Hdf5Group meta = file.create_group("meta");
-  // If a key is repeated, the last value counts.
+  // If a key is repeated, the last value is stored.
   const std::map<std::string, std::string> last = [&header] {
     std::map<std::string, std::string> by_key;
     for (const auto& [key, value] : header) by_key[key] = value;
@@ -241,7 +241,7 @@ void write_checkpoint(const fs::path& file, engine::World& world, const engine::
 
 Checkpoint::Checkpoint(const fs::path& file)
     : file_(file), hdf5_(reading([&file] {
-        check_seal(file, k_checkpoint_kind, k_checkpoint_layout);  // before HDF5 reads a byte of it
+        check_seal(file, k_checkpoint_kind, k_checkpoint_layout);  // before HDF5 reads any byte of the file
         return Hdf5File::open(file);
       })) {
   reading([this] {

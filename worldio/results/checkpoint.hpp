@@ -26,7 +26,7 @@ namespace troupe::worldio {
 /// `/aliases`     the other names of the bodies
 /// `/tables/<component>/bodies`   ids of the bodies that have this component of the state, one per row
 /// `/tables/<component>/<field>`  one field of this component, as an array [rows, columns]
-/// `/bodies/subscribed`  ids of the bodies whose sensors the program itself subscribed to
+/// `/bodies/subscribed`  ids of the bodies to whose sensors a program subscribed: World::subscribed()
 /// `/memories/<name>`    bytes that observers remember of earlier ticks; not part of the state
 inline constexpr std::string_view k_checkpoint_kind = "checkpoint";
 inline constexpr unsigned k_checkpoint_layout = 1;
@@ -40,10 +40,10 @@ using Memories = std::map<std::string, std::vector<std::byte>>;
 /// options.
 using FileHeader = std::vector<std::pair<std::string, std::string>>;
 
-/// Saves the state that `world` has after its last tick. `header` is added to /meta; of a repeated key, the
-/// last value is stored. No key of `header` may be the name of another attribute of /meta, such as "tick".
-/// Throws std::runtime_error, with the name of the file, if the file cannot be written or if the world cannot
-/// be stored. An existing checkpoint of this name is then unchanged.
+/// Saves the state that `world` has after its last tick. `header` is added to /meta; if a key is repeated,
+/// the last value is stored. No key of `header` may be the name of another attribute of /meta, such as
+/// "tick". Throws std::runtime_error, with the name of the file, if the file cannot be written or if the
+/// world cannot be stored. An existing checkpoint of this name is then unchanged.
 void write_checkpoint(const std::filesystem::path& file, engine::World& world,
                       const engine::Registry& registry, const FileHeader& header,
                       const Memories& memories = {});

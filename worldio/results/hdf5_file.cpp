@@ -83,8 +83,9 @@ void start_library() {
   if (!started) throw Hdf5Error("the HDF5 library cannot be initialised: check how HDF5 is installed");
 }
 
-/// Properties for looking up names that make a link into another file an error. Otherwise a file of unknown
-/// origin could link to any file of the user, and continuing a recording would write to that file.
+/// Returns properties for looking up names. With these properties, a link into another file is an error.
+/// Otherwise a file of unknown origin could link to any file of the user, and continuing a recording would
+/// write to that file.
 hid_t within_file(hid_t access_class) {
   const hid_t properties = H5Pcreate(access_class);
   H5Pset_elink_cb(
@@ -204,8 +205,8 @@ Hdf5Id space_of(const std::vector<std::size_t>& extent) {
   return {H5Screate_simple(static_cast<int>(dimensions.size()), dimensions.data(), nullptr), H5Sclose};
 }
 
-/// Properties for creating objects that disable creation times, so that files with equal contents have equal
-/// bytes.
+/// Returns properties for creating objects. They disable creation times, so that files with equal contents
+/// have equal bytes.
 Hdf5Id creation_properties(hid_t kind) {
   Hdf5Id properties(H5Pcreate(kind), H5Pclose);
   H5Pset_obj_track_times(properties.get(), false);

@@ -15,8 +15,8 @@
 namespace troupe::worldio {
 
 /// The exception that is thrown if a file cannot be read or written, or if its content is not what a reader
-/// expects. The message is `run.h5: error: ...` with the reason; only if the HDF5 library cannot be
-/// initialised, it names no file. The HDF5 library itself prints nothing.
+/// expects. The message is `run.h5: error: ...` with the reason. If the HDF5 library cannot be initialised,
+/// the message names no file. The HDF5 library itself prints nothing.
 class Hdf5Error : public std::runtime_error {
  public:
   using std::runtime_error::runtime_error;
@@ -206,7 +206,8 @@ class Hdf5Group : public Hdf5Object {
 
 /// A file and its root group. Only one thread at a time may use a file and the objects opened from it.
 /// Threads that use different files take turns inside the HDF5 library. The destructor closes the file and
-/// ignores errors, which close() reports. All datasets and groups of the file must be destroyed before.
+/// ignores errors; close() reports them. All datasets and groups of the file must be destroyed before the
+/// file.
 class Hdf5File : public Hdf5Group {
  public:
   /// Creates a file, replacing an existing file of the same name. The first `user_block` bytes of the file
@@ -215,10 +216,10 @@ class Hdf5File : public Hdf5Group {
   /// Creates a file in memory, where errors of the disk cannot damage it. image() returns its bytes. No file
   /// on the disk is created: `file` is only the name in error messages.
   static Hdf5File create_in_memory(const std::filesystem::path& file, std::size_t user_block = 0);
-  /// Opens a file for reading. Throws if the file is not closed, because a program is writing it or because
+  /// Opens a file for reading. Throws if the file is marked as open for writing: a program is writing it, or
   /// its writer was killed.
   static Hdf5File open(const std::filesystem::path& file);
-  /// Opens a file for reading that a program is writing in SWMR mode, or whose writer was killed in that
+  /// Opens, for reading, a file that a program is writing in SWMR mode, or whose writer was killed in this
   /// mode.
   static Hdf5File open_swmr(const std::filesystem::path& file);
   /// Opens a closed file for reading and writing. Throws like open().
@@ -230,7 +231,7 @@ class Hdf5File : public Hdf5Group {
   void start_swmr();
   /// Hands all data written to the file to the operating system.
   void flush();
-  /// Returns the present bytes of a file in memory. They begin with the user block, which is zero.
+  /// Returns the present bytes of a file in memory. They begin with the user block, whose bytes are all 0.
   std::vector<std::byte> image();
   /// Writes the remaining data and closes the file. All datasets and groups of the file must have been
   /// destroyed before. Throws Hdf5Error if one of them still exists, or if writing or closing fails. Does

@@ -18,7 +18,7 @@ namespace {
 // at the end (HDF5 File Format Specification 3.0, section III.E).
 constexpr std::string_view k_signature = "GCOL";
 constexpr std::uint8_t k_version = 1;
-constexpr std::uint64_t k_head_bytes = 16;  // size of the head of a collection and of that of an object
+constexpr std::uint64_t k_head_bytes = 16;  // size of the head of a collection or of an object
 constexpr std::uint64_t k_word_bytes = 8;
 
 using Head = std::array<std::uint8_t, k_head_bytes>;

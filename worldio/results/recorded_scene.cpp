@@ -163,7 +163,7 @@ RecordedScene::Type type_of(const Json& json) {
     const auto part = sensor.value("part", std::uint32_t{0});
     if (part >= type.part_colors.size()) throw Damaged();
     type.devices.push_back({name, part});
-    if (sensor.at("params").contains("transducers"))  // only the kinds of rangers have transducers
+    if (sensor.at("params").contains("transducers"))  // only kinds of rangers have transducers
       type.eyes.push_back({std::move(name), fans_of(sensor), joint_of(sensor, "joint", type.joints.size())});
   }
   return type;
@@ -199,9 +199,9 @@ RecordedScene scene_of(const Json& json, const RecordingReader::Scene& columns) 
 }
 
 /// Finds the components that give each type and its parts their shown colours. If several devices of a part
-/// show a colour, the first one counts, as in the engine.
+/// show a colour, the first of them is used, as in the engine.
 void find_shown_colors(const RecordingReader& recording, RecordedScene& scene) {
-  // For each type and part, the index of the device that counts.
+  // For each type and part, the index of the device whose colour is shown.
   std::map<std::pair<std::uint32_t, std::uint32_t>, std::size_t> best;
   for (const RecordingReader::Array& array : recording.arrays()) {
     if (array.field.name != engine::k_shown_color || array.field.columns != 3 || array.bodies.empty() ||

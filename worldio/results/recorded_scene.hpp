@@ -17,16 +17,16 @@ struct Registry;
 
 namespace troupe::worldio {
 
-/// The appearance of a recorded world, for drawing its frames. It is read from the recording alone: neither
-/// the world file nor the kinds and plug-ins of the run are needed. A joint is at rest while the parts that
-/// it moves are where the world file places them.
+/// The appearance of a recorded world, for drawing its frames. To read it, only the recording is needed, not
+/// the world file, the kinds or the plug-ins of the run. A joint is at rest while the parts that it moves are
+/// where the world file places them.
 struct RecordedScene {
   /// Beams of a ranger that start at one point and are spread evenly over an angle, symmetric to the heading
   /// of the pose.
   struct Fan {
     Pose pose_body_fan;      ///< start and middle direction of the beams, with all joints at rest
     double range_max_m = 0;  ///< length of a beam that hits nothing
-    double fov_rad = 0;  ///< angle between the first and the last beam; of a single beam: its opening angle
+    double fov_rad = 0;  ///< angle between the first and the last beam; for a single beam: its opening angle
     std::size_t beams = 1;  ///< number of beams
   };
   struct Eye {                             ///< a ranger

@@ -21,7 +21,7 @@ using engine::HashGroup;
 using engine::StateTable;
 using engine::World;
 
-/// Whether a name of --record-fields chooses all fields of a table. It does if it is "all", or selects the
+/// Whether a name of --record-fields chooses all fields of a table. True if the name is "all" or selects the
 /// component of the table (engine::selects()). The name "pose" also chooses the poses of moving parts,
 /// without which a body cannot be drawn. chosen_fields() handles the names of single fields.
 bool chooses(const std::string& name, const StateTable& table) {

@@ -45,11 +45,12 @@ struct RecordedComponent {
 };
 
 /// Returns the bodies that have a row in the state tables (World::rows()), in the order of their ids: those
-/// that can move, sense, decide, be gripped or be pushed. They are the rows of /state.
+/// that can move, sense, decide, be gripped or be pushed. The arrays in /state have one row for each of these
+/// bodies.
 std::vector<BodyId> recorded_bodies(const engine::World& world);
 
-/// Returns the name that each type has in a recording, by TypeId. It is one step of a path; if several types
-/// have the same name, the second is called "NAME~2".
+/// Returns the name that each type has in a recording, by TypeId. A name is one step of a path. If several
+/// types have the same name, the second is called "NAME~2".
 std::vector<std::string> recorded_type_names(const engine::World& world);
 
 /// Returns the names that messages list as known for `--record-fields` in this world, each once: "all",

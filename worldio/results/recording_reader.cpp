@@ -15,7 +15,7 @@ namespace {
 constexpr int k_most_steps = 8;  // steps in the path of a component; Troupe writes at most three
 
 /// Returns the position of an array in the order in which a tick computes the arrays. Arrays are sorted by
-/// it, so that a comparison of two recordings finds the earliest difference first.
+/// this position, so that a comparison of two recordings finds the earliest difference first.
 int phase_order(const RecordingReader::Array& array) {
   const std::string& component = array.component;
   if (component.starts_with("sensors/")) return 0;

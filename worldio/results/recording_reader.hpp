@@ -73,8 +73,8 @@ class RecordingReader {
   };
   /// All arrays, in the order in which a tick computes them: sensors, memories, velocities, poses.
   std::span<const Array> arrays() const { return arrays_; }
-  /// Returns, for each row of an array, 1 if its body has the component, else 0. The row of a body without
-  /// the component holds NaN in all frames, or 0 if the array has integers.
+  /// Returns, for each row of an array, 1 if the body of the row has Array::component, else 0. The row of a
+  /// body without this component holds NaN in all frames, or 0 if the array has integers.
   std::vector<std::uint8_t> has(const Array& array) const;
   /// Returns, for each body in ids(), 1 if it is in the world in the frame with this index, else 0. All are 1
   /// if the recording does not store this.

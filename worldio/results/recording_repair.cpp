@@ -120,9 +120,9 @@ Repair repair_recording(const fs::path& file) {
   fs::path copy;
   std::error_code ignored;
   try {
-    // `turn` reserves a name: a second repair at the same time gets another one and so makes another copy.
-    // The copy itself cannot be the locked file, because HDF5 locks it too. A copy that a killed repair left
-    // is overwritten.
+    // `turn` reserves a name for the copy: a second repair at the same time gets another name, and thus makes
+    // another copy. The copy is a file in addition to `turn`, because both PartialFile and HDF5 lock their
+    // file. A copy that a killed repair left is overwritten.
     const PartialFile turn(file);
     copy = fs::path(turn.path()).concat(".copy");
     fs::copy_file(file, copy, fs::copy_options::overwrite_existing);

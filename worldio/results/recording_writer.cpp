@@ -17,9 +17,9 @@ namespace {
 using engine::Element;
 using engine::World;
 
-// The size of a batch. It is large enough that the calls of HDF5 take little time compared with copying the
-// bytes, and small enough that the batch stays in the caches of the CPU. A chunk of an array holds the
-// array's frames of one batch. If a batch has only one frame, a chunk has at most k_chunk_bytes.
+// The size of a batch. A batch is so large that the calls of HDF5 take little time compared with copying the
+// bytes, and so small that it stays in the caches of the CPU. A chunk of an array holds the array's frames of
+// one batch. If a batch has only one frame, a chunk has at most k_chunk_bytes.
 constexpr std::size_t k_batch_bytes = std::size_t{2} << 20;
 constexpr std::size_t k_chunk_bytes = std::size_t{1} << 20;
 constexpr std::size_t k_most_batch_frames = 256;

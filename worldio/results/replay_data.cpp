@@ -99,7 +99,7 @@ class BlockWriter {
 
  private:
   /// Fills values_[(row * columns + column) * frames + frame] with the values of the given rows of an array.
-  /// Each is stored as the number of steps of size `step` above `from`.
+  /// Each value is stored as the number of steps of size `step` above `from`.
   void gather(const RecordingReader::Array& array, std::span<const std::uint32_t> rows,
               std::span<const std::size_t> frames, double from, double step) {
     const std::size_t columns = array.field.columns;
@@ -185,7 +185,7 @@ ReplayData replay_data(const RecordingReader& recording, const ReplayOptions& op
   ReplayData data{.bytes = {}, .recorded = recording.frames(), .at_rest = plan.at_rest};
   for (const std::uint32_t id : recording.ids())
     ++(plan.scene.types[plan.scene.bodies[id].type].look.mobile ? data.robots : data.others);
-  for (;;) {  // the stride grows, so this ends
+  for (;;) {  // the stride grows, so this loop ends
     const std::vector<std::size_t> frames = chosen_frames(data.recorded, data.stride);
     Try page = make(recording, plan, frames, options.most_bytes);
     if (page.bytes) {

@@ -32,7 +32,7 @@ Json corners_json(const Ring& ring) {
 Json pose_json(const Pose& pose) { return {pose.x, pose.y, pose.z, pose.heading}; }
 
 /// Returns a shape as JSON: its top as convex polygons and its walls as closed chains of corners. shown:
-/// index of its part among the parts of which devices set the colour; -1: its part is none of them.
+/// index of the shape's part in the list of parts whose colour devices set; -1: the part is not in this list.
 Json shape_json(const engine::FrameShape& shape, std::int32_t joint, int shown) {
   Json json;
   if (joint != engine::k_rigid) json["joint"] = joint;

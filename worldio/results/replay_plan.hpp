@@ -50,8 +50,8 @@ struct ReplayPlan {
 
 /// Reads frames of arrays as doubles. read() resizes `into` and fills it with the numbers of one frame in
 /// row-major order. All numbers of a body that is absent in the frame are NaN. Numbers of type f64 above
-/// 1e150 in absolute value become NaN. A body without the component has NaN, or 0 if the array has integers
-/// (RecordingReader::has()). The recording must outlive this object.
+/// 1e150 in absolute value become NaN. A body that lacks the component of the array (RecordingReader::has())
+/// has NaN, or 0 if the array has integers. The recording must outlive this object.
 class FrameReader {
  public:
   explicit FrameReader(const RecordingReader& recording)

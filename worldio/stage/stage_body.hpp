@@ -19,7 +19,7 @@ namespace troupe::worldio {
 struct StageBody {
   std::vector<Solid> solids;               ///< the solids, scaled; empty: the model has no body
   std::optional<engine::ImageSpec> image;  ///< the image, if all solids come from one image
-  /// The blocks, or the default box, before scaling, if all solids come from them; else empty.
+  /// The unscaled blocks, or the unscaled default box, if the model has no other solids; else empty.
   std::vector<Solid> blocks;
 };
 
@@ -36,9 +36,9 @@ class StageBodies {
 
   /// Returns the body of a model in the frame of the model, before the property `origin` is applied. The body
   /// is scaled along each axis to `size`, m, and centred in x and y; z is not shifted. `blocks` are the block
-  /// children of the model, with their macros applied. A ROS map is not scaled: it keeps its own place and
-  /// its own extent in x and y, which this function stores in `size`. Errors in the properties are reported;
-  /// the parts of the body that have errors are then missing.
+  /// children of the model, with their macros applied. A ROS map is not scaled: it keeps its own pose and its
+  /// own extent in x and y, and the function stores this extent in `size`. Errors in the properties are
+  /// reported; the parts of the body that have errors are then missing.
   StageBody make(const StageModel& model, const engine::ModelKind& kind, Eigen::Vector3d& size,
                  const std::vector<StageModel>& blocks);
 
@@ -48,7 +48,8 @@ class StageBodies {
   /// pixel, reports an error and returns null.
   const FloorImage* read_image(const StageProperty& property, engine::ImageSpec& spec);
   /// Warns if the property `size` of the model differs from the size of the ROS map in x or y, because the
-  /// map keeps its own. Reports an error if the model has blocks, which it cannot have in addition to a map.
+  /// map keeps its own size. Reports an error if the model has blocks, because a model cannot have both a ROS
+  /// map and blocks.
   void check_map(const StageModel& model, const FloorImage& map, const Eigen::Vector3d& size,
                  const std::vector<StageModel>& blocks);
   void add_block(const StageModel& block, std::vector<Solid>& solids);

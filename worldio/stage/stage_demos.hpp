@@ -11,23 +11,23 @@ namespace troupe::worldio {
 // while the world runs.
 
 /// The controller `dynamic`. When a `.world` file is read, the controller adds `count` (by default 100)
-/// children to its model: boxes of 0.1 m that stand on the model. Their headings and their positions are
-/// uniformly random; the positions are at most `reach` (by default 1 m) from the origin of the model along x
-/// and along y. The random numbers depend only on the seed and on the name of the model within its body, so
-/// that bodies that have equal text in the file get equal boxes. The controller does nothing while the world
-/// runs.
+/// children to its model: boxes with edges of 0.1 m that stand on the model. Their headings and their
+/// positions are uniformly random; the positions are at most `reach` (by default 1 m) from the origin of the
+/// model along x and along y. The random numbers depend only on the seed and on the name of the model within
+/// its body. Bodies with equal text in the file therefore get equal boxes. The controller does nothing while
+/// the world runs.
 engine::ControllerKind dynamic_controller();
 
 /// The controller `lasernoise`. When a `.world` file is read, the controller gives the first transducer of
 /// its model, which must be a ranger, a normally distributed error (`noise_relative`). The standard deviation
-/// is the fraction `share` of each reading, by default 5 %. Stage's controller multiplies each reading by a
-/// random factor instead. A JSON world sets `noise_relative` of the ranger directly. While the world runs,
+/// of the error is `share` (by default 0.05) times the reading. Stage's controller multiplies each reading by
+/// a random factor instead. A JSON world sets `noise_relative` of the ranger directly. While the world runs,
 /// the controller only keeps its ranger running.
 engine::ControllerKind lasernoise_controller();
 
-/// A function that changes `type`, the type of a body with a controller `dynamic` or `lasernoise`, as this
-/// controller does. `params` are the parameters of the controller, `seed` is that of the world, and `part` is
-/// the index of the part that has the controller.
+/// A function that makes the changes of a controller `dynamic` or `lasernoise` to `type`, the type of a body
+/// with this controller. `params` are the parameters of the controller, `seed` is that of the world, and
+/// `part` is the index of the part that has the controller.
 using StageAddition = void (*)(const engine::Record& params, std::uint64_t seed,
                                const engine::Registry& registry, engine::TypeSpec& type, std::uint32_t part);
 

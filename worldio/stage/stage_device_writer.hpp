@@ -7,9 +7,9 @@
 #include <string>
 
 /// Functions that write devices, drives and controllers as properties of Stage models, for a file whose units
-/// are metres and radians. They are the inverse of StageKinds (worldio/stage/stage_kinds.hpp), which reads
-/// these properties. A parameter for which Stage has no property is omitted; check_stage_round_trip() reports
-/// it later.
+/// are metres and radians. These functions are the inverse of StageKinds (worldio/stage/stage_kinds.hpp),
+/// which reads these properties. A parameter for which Stage has no property is omitted;
+/// check_stage_round_trip() reports it later.
 namespace troupe::worldio {
 
 /// Writes the properties of a device into the model that is open in `text`.
@@ -24,8 +24,8 @@ void write_stage_wheels(const engine::DeviceSpec& wheels, double period_s, const
 /// Returns the value of `ctrl` for a controller, such as `script law=wave`: its name, and the parameters that
 /// differ from their defaults, in SI units. Parameters that this syntax cannot express are omitted.
 std::string stage_call(const engine::ControllerSpec& controller, const engine::ControllerKind& kind);
-/// Returns the value of `update_interval`, ms, that is read back as exactly this period, s, or as nearly as
-/// possible.
+/// Returns the value of `update_interval`, ms, for a period of `seconds`. The reader converts the value back
+/// to exactly this period, if possible, else to a period that differs by rounding.
 double stage_milliseconds(double seconds);
 
 }  // namespace troupe::worldio

@@ -6,8 +6,8 @@
 
 namespace troupe::worldio {
 
-/// The unit of a number in a `.world` file. The units `length` and `angle` are those that the properties
-/// `unit_length` and `unit_angle` of the file select; the other units are the same in all files.
+/// The unit of a number in a `.world` file; `plain` means no unit. The properties `unit_length` and
+/// `unit_angle` of the file select the units `length` and `angle`. The other units are the same in all files.
 enum class StageUnit : std::uint8_t { plain, length, angle, degrees, milliseconds };
 
 /// A property of a Stage model that maps directly to one parameter of the model's device. StageKinds has code
@@ -17,7 +17,7 @@ struct StageParameter {
   std::string_view property;          ///< name of the property in the file
   std::string_view field;             ///< name of the parameter, in the field table of the device kind
   StageUnit unit = StageUnit::plain;  ///< unit of the property in the file
-  int column = -1;  ///< 0 or 1: index of the parameter in a tuple [a b]; -1: it is the whole value
+  int column = -1;  ///< 0 or 1: index of the parameter in a tuple [a b]; -1: the whole value
 };
 /// Returns all properties that map directly to one parameter of a device.
 std::span<const StageParameter> stage_parameters();

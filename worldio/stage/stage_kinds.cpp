@@ -160,8 +160,9 @@ std::optional<engine::DeviceSpec> StageKinds::device(const StageModel& model,
   return spec;
 }
 
-/// Reads a property as a value of `field`. A number is multiplied by `to_si`; `column` is the index into a
-/// tuple of two, or -1 for the whole property. Empty, with an error, if the value is wrong.
+/// Reads a property as a value of `field`. A number is multiplied by `to_si`; `column` is the index (0 or 1)
+/// of the number in a tuple of two, or -1 for the whole property. Empty, with an error, if the value is
+/// wrong.
 std::optional<Value> StageKinds::value(const StageProperty& property, const Field& field, double to_si,
                                        int column) {
   const auto checked = [&](std::optional<double> given) -> std::optional<double> {

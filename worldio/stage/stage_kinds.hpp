@@ -21,9 +21,9 @@ class StageKinds {
   StageKinds(const StageDocument& document, const engine::Registry& registry, StageValues& values)
       : document_(document), registry_(registry), values_(values) {}
 
-  /// Returns the time between two updates of a model (`update_interval`), s; 0: every tick. It is 0.1 if the
-  /// model does not have the property, or if its value is not a number. A number beyond the limits is
-  /// reported, but returned.
+  /// Returns the time between two updates of a model (`update_interval`), s; 0: every tick. The time is 0.1 s
+  /// if the model does not have the property, or if its value is not a number. A number beyond the limits is
+  /// reported as an error, but is returned.
   double period_s(const StageModel& model);
 
   /// Reads a ranger and its `sensor` children. A laser or sonar without such children is its own sensor; for
@@ -50,12 +50,14 @@ class StageKinds {
   /// rad per second or per second squared. Returns the defaults of Stage if the model does not have the
   /// property.
   std::optional<std::vector<double>> drive_bounds(const StageModel& model, std::string_view key);
-  /// Reads how the robot estimates its pose (gps or odometry). Returns false if a property is wrong.
+  /// Reads the properties that say how the robot estimates its pose (GPS or odometry). Returns false if a
+  /// property is wrong.
   bool localize(const StageModel& model, const engine::FieldTable& table, engine::Record& params);
   bool is_always_on(const StageModel& model);
   std::optional<engine::Value> value(const StageProperty& property, const engine::Field& field, double to_si,
                                      int column);
-  // In worldio/stage/stage_sensors.cpp. False, with errors, if a property is wrong.
+  // The next three functions are defined in worldio/stage/stage_sensors.cpp. If a property is wrong, they
+  // report an error and return false.
   bool add_blob_colors(const StageModel& model, const engine::DeviceKind& kind, engine::DeviceSpec& spec);
   bool add_bumpers(const StageModel& model, engine::DeviceSpec& spec);
   bool add_radio_law(const StageModel& model, const engine::DeviceKind& kind, engine::DeviceSpec& spec);

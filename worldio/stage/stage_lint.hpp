@@ -15,8 +15,8 @@ namespace troupe::worldio {
 /// nothing is dropped silently. It looks each property up in the table of all properties (stage_rows()). It
 /// also warns of models that are devices in Stage but only bodies in Troupe. As in Stage, macros that no
 /// model uses are not checked. With thorough diagnostics (`troupe lint`), each place is reported separately.
-/// Then StageLint also warns of every property that the same entity sets again, that another property of the
-/// model overrides, or that has no effect in a model of its type.
+/// In this mode, StageLint also warns of every property that the same entity sets again, that another
+/// property of the model overrides, or that has no effect because of the type of the model.
 class StageLint {
  public:
   StageLint(const StageDocument& document, StageMacros& macros, StageValues& values)

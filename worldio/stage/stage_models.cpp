@@ -10,7 +10,7 @@
 namespace troupe::worldio {
 namespace {
 
-constexpr std::size_t k_most_steps = 20000000;  // from macros to their bases, in a whole world
+constexpr std::size_t k_most_steps = 20000000;  // steps from a macro to its base, in a whole world
 constexpr std::string_view k_ranger_aliases[] = {"laser", "sonar"};
 constexpr std::string_view k_radio_alias = "wifi";
 /// Types of models that Stage had before version 4.3.

@@ -31,8 +31,8 @@ struct StageModel {
   std::vector<const StageEntity*> layers;  ///< the innermost base first, the entity itself last
   Where where;                             ///< place of the entity's first word
 
-  /// Returns the property of this name that counts: the last one in the last layer that has the name. Null if
-  /// there is none.
+  /// Returns the effective property of this name: the last one in the last layer that has a property of this
+  /// name. Null if there is none.
   const StageProperty* find(const StageDocument& document, std::string_view key) const;
   /// Returns the children of all layers: those of the innermost base first, in the order of the file.
   std::vector<Child> children(const StageDocument& document) const;
@@ -44,7 +44,8 @@ class StageMacros {
   StageMacros(const StageDocument& document, const engine::Registry& registry, StageValues& values);
 
   /// Adds a macro: `item` must be a `define`. The first definition of a name is used; a later one is ignored
-  /// with a warning, or without one if both are the same line of a file that is included twice.
+  /// with a warning. There is no warning if both definitions are the same line of a file that is included
+  /// twice.
   void define(const StageItem& item);
   /// Applies the macros of an entity: follows the chain of their bases, then replaces an older name of a
   /// type, such as "laser", by the present name. Does not apply the macros of the children. If the chain of

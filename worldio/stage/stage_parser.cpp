@@ -105,7 +105,7 @@ class Lexer {
       while (at < text.size() && part(text[at])) ++at;
       return text.substr(from, at - from);
     }
-    /// LF, CR, CRLF and LFCR each end one line.
+    /// Moves past one line end: LF, CR, CRLF or LFCR.
     void take_line_end() {
       const char c = text[at++];
       if (at < text.size() && is_line_end(text[at]) && text[at] != c) ++at;
@@ -214,7 +214,7 @@ class Lexer {
       return;
     }
     ++source.at;
-    // Stage drops the rest of the line silently; Troupe reports it in a warning.
+    // Stage silently drops the rest of the line after an include; Troupe reports the rest in a warning.
     std::string_view rest = source.take_while([](char x) { return !is_line_end(x); });
     rest = rest.substr(std::min(rest.size(), rest.find_first_not_of(" \t")));
     if (!rest.empty() && rest[0] != '#')
@@ -303,7 +303,7 @@ class Parser {
     return a.file == b.file && a.line == b.line;
   }
 
-  /// Moves the elements of `open` from index `since` to its end to the end of `all`, and returns the range of
+  /// Moves the elements of `open` with index `since` and above to the end of `all`. Returns the range of
   /// `all` that they occupy.
   template <class T>
   static StageEntity::Run close(std::vector<T>& open, std::size_t since, std::vector<T>& all) {
@@ -435,8 +435,8 @@ class Parser {
     return count;
   }
 
-  /// Parses `define NAME BASE body`. If `keep` is false, drops the macro: inside a model, where it is an
-  /// error.
+  /// Parses `define NAME BASE body`. If `keep` is false, drops the macro, because a macro inside a model is
+  /// an error.
   void define(bool keep) {
     const StageToken word = peek();
     ++at_;

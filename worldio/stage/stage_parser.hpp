@@ -78,8 +78,8 @@ struct StageDocument {
   std::vector<StageEntity> all_children;
   std::vector<StageProperty> world;  ///< properties at the top level, in order
   std::vector<StageItem> items;      ///< defines and entities, in order
-  /// The folder to which relative paths in the document are relative: that of the world file or, once an
-  /// included file was found through the search path, the folder of the last such file.
+  /// The folder to which relative paths in the document are relative. It is the folder of the world file or,
+  /// once included files were found through the search path, the folder of the last of these files.
   std::filesystem::path base_directory;
   /// False if parentheses do not match, or if parsing stopped early: then it is unknown which property
   /// belongs to which entity.
@@ -112,12 +112,12 @@ struct StageDocument {
 
 /// Parses the text of a world file and of the files that it includes.
 /// file         path of the world file in messages
-/// search_path  folders in which a missing included file is searched by the last component of its path
+/// search_path  folders to search for a missing included file, by the last component of its path
 /// The path of an included file is relative to the value that StageDocument::base_directory has when the
-/// parser reaches the `include`, also in an included file. Reports every violation of the grammar at its file
-/// and line, with the correct form, and every included file that cannot be read. Parsing continues after an
-/// error, up to 50 errors. Nesting deeper than 200 levels, more than 1,000 inclusions, more than 256 MiB of
-/// included text, and a world file of 4 GiB or more are errors that end the parsing.
+/// parser reaches the `include`, even if the `include` is in an included file. Reports every violation of the
+/// grammar at its file and line, with the correct form, and every included file that cannot be read. Parsing
+/// continues after an error, up to 50 errors. Nesting deeper than 200 levels, more than 1,000 inclusions,
+/// more than 256 MiB of included text, and a world file of 4 GiB or more are errors that end the parsing.
 StageDocument parse_stage(const std::filesystem::path& file, std::string text,
                           std::span<const std::filesystem::path> search_path, Diagnostics& diagnostics);
 

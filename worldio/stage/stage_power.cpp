@@ -18,7 +18,7 @@ using engine::TypeSpec;
 using engine::Value;
 
 /// Types of models whose power draw follows from their activity, as in Stage. Their property `watts` is
-/// ignored. (A camera's 100 W are in Stage's manual, but not in its code.)
+/// ignored. (Stage's manual gives a camera 100 W, but Stage's code does not.)
 constexpr std::array<std::string_view, 6> k_own_draw{"actuator", "blobfinder", "bumper",
                                                      "camera",   "position",   "ranger"};
 
@@ -95,7 +95,7 @@ void StagePower::read_pack(const StageModel& model, std::uint32_t part, TypeSpec
   struct Amount {
     std::string_view key;
     double joules;       ///< joules per unit of the property
-    bool capacity_only;  ///< false: the property sets the stored energy too
+    bool capacity_only;  ///< false: the property also sets the stored energy
   };
   constexpr std::array<Amount, 4> amounts{{{"joules", 1, false},
                                            {"joules_capacity", 1, true},

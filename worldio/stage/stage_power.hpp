@@ -11,7 +11,7 @@ namespace troupe::worldio {
 
 /// Turns the energy properties of Stage models (joules, watts, give_watts, ...) into Troupe's devices: a
 /// power pack on each part that stores energy, and a power contact on each part that gives or takes energy.
-/// One type must be read and finished before the next.
+/// The caller must read and finish one type before it reads the next.
 class StagePower {
  public:
   StagePower(const StageDocument& document, const engine::Registry& registry, StageValues& values)
@@ -25,7 +25,8 @@ class StagePower {
   /// to the draw of the power pack that supplies the part: its own pack, or that of the nearest enclosing
   /// part with a pack. A part that no pack supplies draws nothing. A part that does not run draws nothing
   /// either: a part runs if Draw::runs is set, or if it has a device and the type has a controller. If the
-  /// type has a drive, the pack that supplies part 0 gets the mass of the body as its parameter `mass`.
+  /// type has a drive, the pack that supplies part 0 gets the mass of the body as its parameter `mass`. The
+  /// parameter `idle` of this pack becomes 1 W if the drive always runs or the type has a controller, else 0.
   /// Removes power contacts without a pack, with a warning.
   void finish(engine::TypeSpec& type);
 

@@ -35,9 +35,9 @@ std::span<const StageRow> stage_rows();
 /// numbers: "point[3]".
 const StageRow* find_stage_row(std::string_view type, std::string_view name);
 
-/// Whether properties of this name never have an effect on a run, whatever entity has them. Bodies that
-/// differ only in such a property can have the same type. False for an unknown property. `name` is the name
-/// in the file.
+/// Whether properties of this name never have an effect on a run, in any type of entity. Bodies that differ
+/// only in such a property can have the same type. False for an unknown property. `name` is the name in the
+/// file.
 bool is_without_effect(std::string_view name);
 
 /// Returns the names of the properties that an entity of this type can have, without obsolete ones. For the
@@ -46,7 +46,8 @@ bool is_without_effect(std::string_view name);
 std::vector<std::string_view> stage_property_names(std::string_view type);
 
 /// Returns, as text for `troupe describe`, the properties that models of this type and their blocks can have,
-/// without those that have no effect on a run. For "ranger", those of its `sensor` blocks are included.
+/// without those that have no effect on a run. For "ranger", the properties of its `sensor` blocks are
+/// included.
 std::string stage_properties_text(std::string_view model);
 
 /// Returns all rows as a Markdown table, which docs/stage-worlds.md contains.

@@ -27,7 +27,8 @@ using engine::Record;
 using engine::TypeSpec;
 using engine::WorldSpec;
 
-/// Coordinates that differ by more than this, m, are an error. Smaller differences are rounding errors.
+/// Largest difference of two coordinates, m, that counts as a rounding error. A larger difference is reported
+/// as an error.
 constexpr double k_rounding_m = 1e-9;
 
 /// Returns the largest difference between corresponding coordinates of two lists of solids, m. Empty if the
@@ -202,8 +203,8 @@ void RoundTrip::check_controllers() {
     const engine::ControllerKind* kind = registry_.controller(a.kind);
     if (!kind) continue;
     check_params(a.where, owner, a.params, b.params, kind->params);
-    // The period of a controller counts only without a drive: with a drive, the controller runs when the
-    // drive does.
+    // The period of a controller has an effect only without a drive: with a drive, the controller runs when
+    // the drive does.
     if (!type_.drive && !same_bits(a.period_s, b.period_s)) lacks(a.where, owner + ": \"period_s\"");
   }
 }
@@ -216,8 +217,8 @@ void RoundTrip::check_joints() {
   if (!is_same) lacks(type_.parts.front().where, "its joints");
 }
 
-/// Compares the devices that a controller can use, and those that a power pack supplies. A part that another
-/// part's joint moves is written inside that other part, which can change them.
+/// Compares the devices that a controller can use, and those that a power pack supplies. A part that the
+/// joint of another part moves is written inside that other part, which can change these devices.
 void RoundTrip::check_reach() {
   for (std::size_t i = 0; i < std::min(type_.controllers.size(), back_.controllers.size()); ++i) {
     const engine::ControllerSpec& a = type_.controllers[i];

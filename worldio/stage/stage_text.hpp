@@ -41,8 +41,8 @@ class StageText {
  public:
   explicit StageText(Diagnostics& diagnostics) : diagnostics_(diagnostics) {}
 
-  /// Sets the place at which later calls report errors. They report an error for a text with a double quote
-  /// or a line end, and for a number that is not finite or above 2^53 in absolute value.
+  /// Sets the place at which later calls report errors. Later calls report an error for a text with a double
+  /// quote or a line end, and for a number that is not finite or above 2^53 in absolute value.
   void at(Where where) { where_ = where; }
   /// Writes a line `# text`. The text must not have a line end.
   void comment(std::string_view text);

@@ -19,7 +19,7 @@ class TransducerReader {
       : document_(document), values_(values), sensor_(sensor) {}
 
   std::optional<TransducerParams> read() {
-    const bool is_the_ranger = !sensor_.alias.empty();  // a laser or sonar: its pose and size are of the body
+    const bool is_the_ranger = !sensor_.alias.empty();  // a laser or sonar is its own sensor
     if (sensor_.alias == "laser") {                     // defaults of the lasers of older files
       params_.range_max = 8;
       params_.fov = radians(180);

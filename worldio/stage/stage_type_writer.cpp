@@ -207,8 +207,8 @@ bool TypeText::write_image(const PartSpec& part) {
   return false;
 }
 
-/// Writes the solids of a part as blocks. Stage scales the blocks of a model to its size and centres them, so
-/// `origin` is written to undo the centring.
+/// Writes the solids of a part as blocks. Stage scales the blocks of a model to the size of the model and
+/// centres them. The property `origin` is therefore written, to undo the centring.
 void TypeText::write_blocks(const PartSpec& part) {
   if (part.fitted) {
     write_size(part.size, nullptr, part.where);

@@ -14,8 +14,8 @@
 
 namespace troupe::worldio {
 
-/// The arguments of write_stage_type() that are the same for all types of a world. Holds references: the
-/// objects must outlive it.
+/// The arguments of write_stage_type() that are the same for all types of a world. The struct holds
+/// references to objects that must outlive it.
 struct StagePlaces {
   const std::filesystem::path& folder;  ///< folder of the .world file
   const engine::Registry& registry;     ///< the kinds of the world

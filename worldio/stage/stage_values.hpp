@@ -36,11 +36,11 @@ class StageValues {
   bool thorough() const { return diagnostics_.thorough(); }
   void error(Where where, std::string message);
   void warning(Where where, std::string message);
-  /// Like Diagnostics::warning_once(): if the same message occurs at more places, these are counted, not
-  /// listed.
+  /// Like Diagnostics::warning_once(): if the same message occurs at several places, only the first place is
+  /// listed, and the others are counted.
   void warning_once(Where where, std::string message);
 
-  /// Returns a place for messages: "line 4", or "robots.inc:4" if its file is not that of `from`.
+  /// Returns a place for messages: "line 4", or "robots.inc:4" if `where` and `from` are in different files.
   std::string place(Where where, Where from) const;
   Where where(const StageProperty& property) const { return document_.token(property.key).where(); }
   std::string_view key(const StageProperty& property) const { return document_.key(property); }

@@ -16,7 +16,8 @@ engine::WatchSpec read_stage_watch(const StageDocument& document, StageValues& v
 void write_stage_watch(const engine::WatchSpec& watch, StageText& text);
 
 /// Reads a `window` into a record of window_fields(). Missing or wrong properties have their defaults; wrong
-/// ones are reported. Properties that are not in window_fields() are ignored; StageLint warns of them.
+/// ones are reported. Properties that are not in window_fields() are ignored; StageLint (stage_lint.hpp)
+/// warns of these properties.
 engine::Record read_stage_window(const StageModel& window, const StageDocument& document,
                                  StageValues& values);
 /// Writes a `window` with the properties that differ from their defaults, for a file whose unit of length is

@@ -36,19 +36,20 @@ namespace {
 using engine::TypeSpec;
 using engine::WorldSpec;
 
-/// The field that describes a key of JSON worlds, for the limits of the same value in Stage's files.
+/// Returns the field that describes a key of JSON worlds. Its limits also apply to this value in Stage's
+/// files.
 template <class Document>
 const engine::Field& json_field(std::string_view key) {
   return document_table<Document>().find(key)->field;
 }
 
 constexpr std::size_t k_most_entities = 20000;  // in one top-level model, after its macros are expanded
-// Maximum number of entities in all distinct top-level models together. It is limited because macros can
+// Maximum number of entities in all distinct top-level models together. The limit exists because macros can
 // multiply the entities of a file.
 constexpr std::size_t k_most_parts = 1000000;
 
-/// Properties in which bodies of one type may differ. Of `fiducial_return`, only numbers other than 0 may
-/// differ: either it is 0 for all bodies of the type, or for none.
+/// Properties in which bodies of one type may differ. For `fiducial_return`, only numbers other than 0 may
+/// differ: it is 0 either for all bodies of the type or for none.
 constexpr std::string_view k_own_keys[] = {"name", "pose", "color", "color_rgba", "fiducial_return"};
 enum OwnKey : std::size_t { k_name, k_pose, k_color, k_color_rgba, k_fiducial };
 using OwnProperties = std::array<const StageProperty*, std::size(k_own_keys)>;
@@ -81,7 +82,7 @@ class StageWorld {
     for (const StageItem& item : document_.items) {
       if (item.is_define) {
         macros_.define(item);
-        prototypes_.clear();  // from here on, the same text may mean another model
+        prototypes_.clear();  // from here on, the same text may use the new macro
       } else {
         add_body(item.entity);
       }
@@ -91,8 +92,8 @@ class StageWorld {
   }
 
  private:
-  /// The result of reading a top-level model. Models share it if their texts are equal, apart from the
-  /// properties in k_own_keys.
+  /// The result of reading a top-level model. Models share a Prototype if their texts are equal, apart from
+  /// the properties in k_own_keys.
   struct Prototype {
     bool usable = false;                      ///< whether the model was read without errors
     const engine::ModelKind* kind = nullptr;  ///< null: the text is not a model
@@ -154,7 +155,7 @@ class StageWorld {
                      TypeSpec& type);
   void add_children(const StageModel& model, const Place& place, double height,
                     const std::vector<std::pair<StageModel, const StageEntity*>>& children, Draft& draft);
-  /// Stores a window. The first window of the file counts, at whatever level of nesting it is.
+  /// Stores a window. Only the first window of the file is used, at any level of nesting.
   void add_window(const StageModel& window) {
     if (!spec_->window) spec_->window = read_stage_window(window, document_, values_);
   }
@@ -455,7 +456,7 @@ std::optional<StageWorld::Contents> StageWorld::contents(const StageModel& model
   return out;
 }
 
-/// Adds a model as a part of a body, and all that the model holds.
+/// Adds a model as a part of a body, with its devices, its controllers and the models inside it.
 void StageWorld::add_part(const StageModel& model, const Place& place, Draft& draft) {
   const engine::ModelKind& kind = *registry_.model(model.type);
   const std::optional<Contents> holds = contents(model, draft);
@@ -489,7 +490,8 @@ void StageWorld::add_part(const StageModel& model, const Place& place, Draft& dr
 }
 
 /// Sets the solids of a part, in the frame of the body, and the image or blocks that they come from.
-/// `origin`: the value of the property. False, with an error, if the world then has too many vertices.
+/// `origin` is the value of the property `origin`. False, with an error, if the world then has too many
+/// vertices.
 bool StageWorld::make_solids(const StageModel& model, const engine::ModelKind& kind,
                              const std::vector<StageModel>& blocks, const Pose& origin,
                              engine::PartSpec& part, Draft& draft) {
@@ -517,7 +519,7 @@ bool StageWorld::make_solids(const StageModel& model, const engine::ModelKind& k
   return true;
 }
 
-/// Sets how other bodies meet and sense a part, and how it is drawn.
+/// Sets how other bodies collide with a part and sense it, and how the part is drawn.
 void StageWorld::set_appearance(const StageModel& model, const engine::ModelKind& kind, bool is_root,
                                 engine::PartSpec& part) {
   const auto find = [&](std::string_view key) { return model.find(document_, key); };
@@ -526,8 +528,8 @@ void StageWorld::set_appearance(const StageModel& model, const engine::ModelKind
   part.floor_plan = find("bitmap") != nullptr;
 }
 
-/// Adds the device of a model to its part, the last one of the draft. Returns the joint that moves the part
-/// and the parts on it.
+/// Adds the device of a model. The part of the model must be the last part of the draft. Returns the joint
+/// that moves this part and the parts that are mounted on it.
 std::int32_t StageWorld::add_device(const StageModel& model, const engine::ModelKind& model_kind,
                                     const std::vector<StageModel>& sensors, const Place& place,
                                     const Pose& pose_body_frame, Draft& draft) {
@@ -551,8 +553,8 @@ std::int32_t StageWorld::add_device(const StageModel& model, const engine::Model
   return joint;
 }
 
-/// Adds the drive of a position model inside another model to its part, the last one of the draft. Returns
-/// the joint that moves the part and the parts on it.
+/// Adds the drive of a position model inside another model. The part of the position model must be the last
+/// part of the draft. Returns the joint that moves this part and the parts that are mounted on it.
 std::int32_t StageWorld::add_wheels(const StageModel& model, const Place& place, Draft& draft) {
   const engine::DeviceKind* kind = registry_.device("wheels");
   if (!kind) return place.joint;
@@ -623,8 +625,8 @@ engine::Returns StageWorld::returns(const StageModel& model) {
   return returns;
 }
 
-/// Reads a number for fiducial finders: a whole number that fits in 32 bits. Empty, with an error, if it does
-/// not.
+/// Reads a number for fiducial finders: a whole number that fits in 32 bits. Empty, with an error, for any
+/// other value.
 std::optional<std::int64_t> StageWorld::mark(const StageProperty& property) {
   using Limits = std::numeric_limits<std::int32_t>;
   const auto given = values_.integer(property);
@@ -736,7 +738,7 @@ WorldSpec changed(const WorldSpec& spec, const std::filesystem::path& file, cons
   if (!document) return spec;
   for (const auto& [pointer, value] : options.set) set_json_value(*document, pointer, value, diagnostics);
   LoadOptions reading = options;
-  reading.most_bodies = LoadOptions().most_bodies;  // this limit of a program is one of JSON worlds
+  reading.most_bodies = LoadOptions().most_bodies;  // the caller's limit is only for JSON worlds
   return read_json_world(file, *document, registry, reading, diagnostics);
 }
 

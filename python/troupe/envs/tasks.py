@@ -65,7 +65,7 @@ def robot_type(color: str = "SteelBlue", beams: int = LIDAR_BEAMS) -> Dict[str, 
 
 def marker_type(color: str, size: float = 0.2) -> Dict[str, Any]:
     """Returns a type of square marks on the floor, which are not obstacles and which lidars do not detect. color: name
-    of their colour. size: length of a side, m."""
+    of the colour of the marks. size: length of a side, m."""
     return {"size_m": [size, size, 0.01], "color": color, "obstacle": False, "ranger_return": -1}
 
 
