@@ -10,6 +10,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <functional>
 #include <map>
 #include <set>
 #include <string>
@@ -480,8 +481,8 @@ bool World::add(const Experiment::Intervention& intervention) {
   const std::int64_t left = static_cast<std::int64_t>(unborn(intervention.reserve));
   const auto count = static_cast<std::uint32_t>(std::min(spec.whom.count.value_or(left), left));
   for (std::uint32_t i = 0; i < count; ++i) {
-    const Birth birth = give_birth(intervention.reserve, trials,
-                                   [&](std::uint32_t trial) { return place_to_add(intervention, i, trial); });
+    const auto place = [&](std::uint32_t trial) { return place_to_add(intervention, i, trial); };
+    const Birth birth = give_birth(intervention.reserve, trials, std::cref(place));
     if (birth.status != BirthStatus::born) return i > 0;
     if (newborn_.size() < k_most_newborn) continue;
     if (replica_) replica_->follow_jumps();

@@ -333,8 +333,9 @@ struct DeviceKind {
   /// emit().
   void (*apply)(World& world, const std::any& data, const Effect& effect) = nullptr;
   /// Called after all other effects and all deaths of the tick were applied, once for each birth that the
-  /// device requested, unless the body of the device died in this tick: receives the result of the birth.
-  /// Null: not needed.
+  /// device requested, unless the body of the device died in this tick: receives the result of the birth. The
+  /// hook may change only the state of its device. If several ranks compute the world, the row of the new
+  /// body may be elsewhere. Null: not needed.
   void (*born)(World& world, const std::any& data, const Effect& effect, const Birth& birth) = nullptr;
 
   /// For power supplies: returns whether the supply of a row is empty. While it is empty, the devices that

@@ -9,6 +9,7 @@
 #include <algorithm>
 #include <cmath>
 #include <cstddef>
+#include <functional>
 #include <stdexcept>
 
 namespace troupe::engine {
@@ -123,6 +124,15 @@ std::optional<std::size_t> World::reserve(std::string_view population) const {
   return static_cast<std::size_t>(found - state_.spec.reserves.begin());
 }
 
+/// Calls work(). If it throws, a rank of a distributed world throws only when the other ranks do as well.
+template <class Work>
+void World::attempt(Work&& work) {
+  if (replica_)
+    replica_->attempt(std::ref(work));  // a reference, so that std::function allocates no memory
+  else
+    work();
+}
+
 /// Spawns the next body of a reserve, if there is one, at the first free pose of place(0), place(1), ...,
 /// place(trials - 1). Between two births, the spatial index must contain the present poses of all bodies in
 /// the world, except those of newborn_, which have been born since it was built.
@@ -217,8 +227,7 @@ void World::resolve_lives(std::span<const Effect> effects) {
   if (!state_.life_table)
     throw std::logic_error(
         "a device requested a birth, but no population of the world has a \"reserve\"; or it requested a "
-        "death, "
-        "but its kind does not set DeviceKind::Prepared::ends_lives in prepare()");
+        "death, but its kind does not set DeviceKind::Prepared::ends_lives in prepare()");
   const auto is_here = [&](BodyId body) { return location(body) == RowLocation::here; };
   for (const Effect& effect : effects)
     if (effect.verb == k_death && effect.target.index() < state_.rows.size() && is_here(effect.target))
@@ -235,7 +244,8 @@ void World::resolve_lives(std::span<const Effect> effects) {
     if (!is_indexed) state_.index.rebuild(state_.transforms, state_.radii, parallel_);
     is_indexed = true;
     const auto [x, y, z, heading] = effect.payload;
-    const Birth birth = give_birth(effect.reserve, 1, [&](std::uint32_t) { return Pose{x, y, z, heading}; });
+    const Pose pose{x, y, z, heading};
+    const Birth birth = give_birth(effect.reserve, 1, [&pose](std::uint32_t) { return pose; });
     attempt([&] {
       if (!is_here(effect.source)) return;
       const Row source = row(effect.source);
@@ -249,14 +259,6 @@ void World::resolve_lives(std::span<const Effect> effects) {
   movement_.count_stalls();
 }
 
-/// Calls work(). If it throws, a rank of a distributed world throws only when the other ranks do as well.
-void World::attempt(const std::function<void()>& work) {
-  if (replica_)
-    replica_->attempt(work);
-  else
-    work();
-}
-
 Birth World::spawn(std::size_t reserve, const Pose& pose) {
   require_whole();
   restore_fp_environment();  // a library may have changed it, see World::step()
@@ -267,7 +269,7 @@ Birth World::spawn(std::size_t reserve, const Pose& pose) {
                     state_.spec.reserves[reserve].population, pose.x, pose.y, pose.z, pose.heading));
   touch();
   const Completion completion(*this);
-  const Birth birth = give_birth(reserve, 1, [&](std::uint32_t) { return pose; });
+  const Birth birth = give_birth(reserve, 1, [&pose](std::uint32_t) { return pose; });
   if (birth.status == BirthStatus::born) index_bodies();
   return birth;
 }

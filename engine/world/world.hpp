@@ -597,7 +597,8 @@ class World {
   bool is_free(BodyId id, const partition::ObstacleShape& shape, const Pose& pose) const;
   void enter(Row row, const Pose& pose);
   void leave(Row row);
-  void attempt(const std::function<void()>& work);
+  template <class Work>
+  void attempt(Work&& work);
   void die(Row row);
   void resolve_lives(std::span<const Effect> effects);
 
