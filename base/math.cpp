@@ -18,7 +18,6 @@ namespace {
 using namespace math_tables;
 
 constexpr double k_infinity = std::numeric_limits<double>::infinity();
-constexpr double k_nan = std::numeric_limits<double>::quiet_NaN();
 constexpr std::uint64_t k_sign_bit = 1ull << 63;
 
 std::uint64_t bits_of(double x) { return std::bit_cast<std::uint64_t>(x); }

@@ -1,12 +1,14 @@
 #pragma once
 
 #include <cmath>
+#include <limits>
 #include <numbers>
 #include <span>
 
 namespace troupe {
 
-inline constexpr double k_pi = std::numbers::pi;  ///< the double nearest to pi
+inline constexpr double k_pi = std::numbers::pi;                           ///< the double nearest to pi
+inline constexpr double k_nan = std::numeric_limits<double>::quiet_NaN();  ///< not a number
 
 /// Elementary functions, computed only from additions, subtractions, multiplications and divisions, which
 /// IEEE 754 defines to the last bit. They give the same bits with every processor, compiler and optimisation

@@ -23,6 +23,9 @@ struct Pose {
   friend bool operator==(const Pose&, const Pose&) = default;
 };
 
+/// The pose of what has none, such as a body that is not in the world: four NaNs.
+inline constexpr Pose k_nowhere{k_nan, k_nan, k_nan, k_nan};
+
 /// A rotation stored as its sine and cosine, for use on many points.
 struct Rotation {
   double cos = 1;  ///< cosine of the heading

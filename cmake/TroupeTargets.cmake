@@ -52,9 +52,8 @@ set_property(DIRECTORY APPEND PROPERTY CMAKE_CONFIGURE_DEPENDS ${internal_list})
 file(STRINGS ${internal_list} troupe_internal_headers REGEX "^[^#]")
 
 # Libraries that are unity builds unless -DCMAKE_UNITY_BUILD is set: most of their compile time goes into templates that
-# their sources share. The other libraries contain code that is edited often (models), the hot code of a tick, or equal
-# names in several sources.
-set(troupe_unity_libraries engine worldio render troupe live)
+# their sources share. The other libraries consist of hot code (partition) or of a few small sources.
+set(troupe_unity_libraries engine sensors models worldio render troupe live)
 
 function(troupe_add_library folder)
   cmake_parse_arguments(arg "" "" "SOURCES;LINK;PRIVATE_LINK;BUILD_LINK" ${ARGN})
@@ -63,7 +62,7 @@ function(troupe_add_library folder)
   set_target_properties(troupe_${folder} PROPERTIES EXPORT_NAME ${folder} POSITION_INDEPENDENT_CODE ON)
   target_compile_features(troupe_${folder} PUBLIC cxx_std_20)
   if(${folder} IN_LIST troupe_unity_libraries AND NOT DEFINED CMAKE_UNITY_BUILD)
-    set_target_properties(troupe_${folder} PROPERTIES UNITY_BUILD ON UNITY_BUILD_BATCH_SIZE 12)
+    set_target_properties(troupe_${folder} PROPERTIES UNITY_BUILD ON UNITY_BUILD_BATCH_SIZE 16)
   endif()
   file(GLOB_RECURSE headers CONFIGURE_DEPENDS *.hpp)
   set(public_headers)
@@ -101,7 +100,7 @@ endfunction()
 # For sources of a target of troupe_compile_briefly() that process much data: compiles them at -O3, outside the unity
 # build.
 function(troupe_compile_optimised)
-  if(CMAKE_CXX_FLAGS_RELEASE MATCHES "-O3")
+  if(CMAKE_CXX_FLAGS_RELEASE MATCHES "-O3" AND (NOT CMAKE_BUILD_TYPE OR CMAKE_BUILD_TYPE STREQUAL "Release"))
     set_source_files_properties(${ARGN} PROPERTIES COMPILE_OPTIONS $<$<CONFIG:Release>:-O3>)
   endif()
 endfunction()
@@ -116,7 +115,8 @@ function(troupe_compile_hot)
 endfunction()
 
 # For sources that a unity build (such as the preset dev, which takes a quarter of the time) must compile separately:
-# each defines a name that another source of its library also defines, or includes itself once for each instruction set.
+# each defines a name that another source of its library also defines, includes itself once for each instruction set, or
+# has a class with members of file-local types, about which gcc warns in an included file.
 function(troupe_compile_alone)
   set_source_files_properties(${ARGN} PROPERTIES SKIP_UNITY_BUILD_INCLUSION ON)
 endfunction()

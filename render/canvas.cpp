@@ -372,7 +372,7 @@ class Uploaded {
 
 /// The interval of heights of the flat layers and of the points on the map, m. The depth buffer must resolve
 /// this interval.
-ZInterval heights_of(std::span<const AnyLayer> layers) {
+ZInterval heights_of_layers(std::span<const AnyLayer> layers) {
   ZInterval all{std::numeric_limits<double>::infinity(), -std::numeric_limits<double>::infinity()};
   for (const AnyLayer& any : layers) {
     if (const auto* points = std::get_if<PointLayer>(&any); points && points->on_map) {
@@ -592,7 +592,7 @@ Picture Canvas::paint(const Projection& projection, Rgba ground, std::span<const
   impl_->make_tiles(std::min(width, k_tile), std::min(height, k_tile));
   const bool per_sample = vertices_of(layers) <= k_most_vertices_per_sample;
   if (!per_sample) impl_->make_multisampled();
-  impl_->set_views(projection, heights_of(layers));
+  impl_->set_views(projection, heights_of_layers(layers));
   impl_->set_shift(projection, 0, 0);
 
   std::vector<std::unique_ptr<Uploaded>> uploaded;

@@ -8,7 +8,6 @@ namespace troupe::render {
 namespace {
 
 constexpr double k_grid_pitch = 48;      // least distance of grid lines, strokes
-constexpr double k_margin = 14;          // distance of the furniture from the picture's edges, strokes
 constexpr double k_longest_scale = 150;  // greatest length of the scale bar, strokes
 
 }  // namespace
@@ -64,8 +63,8 @@ void add_furniture(Writing& writing, const Framing& framing, const Furniture& sh
   const double stroke = framing.stroke;
   const double unit = stroke * k_cap_height / 6;
   const Vec2 half = Vec2(framing.width, framing.height) / 2;
-  const double baseline = std::round(k_margin * stroke - half.y());
-  const double left = std::round(k_margin * stroke - half.x());
+  const double baseline = std::round(k_furniture_margin * stroke - half.y());
+  const double left = std::round(k_furniture_margin * stroke - half.x());
   double pen = left;
 
   Lines& lines = writing.lines;
@@ -84,7 +83,7 @@ void add_furniture(Writing& writing, const Framing& framing, const Furniture& sh
     pen = right + 5 * unit + text_width(scale.text(), unit) + 8 * unit;
   }
   add_words(shown.left, pen, false);
-  add_words(shown.right, half.x() - k_margin * stroke, true);
+  add_words(shown.right, half.x() - k_furniture_margin * stroke, true);
 }
 
 }  // namespace troupe::render

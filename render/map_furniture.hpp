@@ -8,6 +8,9 @@
 
 namespace troupe::render {
 
+/// Distance of the furniture and of the legends from the edges of the picture, strokes.
+inline constexpr double k_furniture_margin = 14;
+
 /// A length of 1, 2 or 5 times a power of ten, in m.
 struct RoundLength {
   double metres = 1;

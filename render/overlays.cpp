@@ -234,8 +234,8 @@ std::string number_text(double value) { return fmt::format("{:.4g}", value); }
 
 /// The upper left corner of the legends, pixels from the picture's centre.
 Vec2 legend_corner(const Framing& framing) {
-  constexpr double k_margin = 14;  // strokes
-  return {k_margin * framing.stroke - framing.width / 2.0, framing.height / 2.0 - k_margin * framing.stroke};
+  const double margin = k_furniture_margin * framing.stroke;
+  return {margin - framing.width / 2.0, framing.height / 2.0 - margin};
 }
 
 /// Adds a bar of the colour scale with the values at its ends, in the upper left corner.

@@ -18,7 +18,7 @@ using engine::DeviceKind;
 using engine::Element;
 using engine::SenseBatch;
 
-struct Finder {
+struct BlobFinder {
   struct Params {
     std::uint32_t image_width = 80;
     std::int32_t image_height = 60;
@@ -81,7 +81,7 @@ bool is_same(const Color& a, const Color& b) {
 
 /// Computes the first and the last image row of a blob at this range (m). As in Stage, all bodies count as
 /// 0.6 m tall, and a pixel covers a vertical angle of fov / image_height.
-void write_rows(const Finder::Params& params, double range, std::int32_t& top, std::int32_t& bottom) {
+void write_rows(const BlobFinder::Params& params, double range, std::int32_t& top, std::int32_t& bottom) {
   constexpr double k_half_height = 0.3;  // m
   const std::int32_t height = params.image_height;
   const double pixel = params.fov / height;
@@ -92,7 +92,7 @@ void write_rows(const Finder::Params& params, double range, std::int32_t& top, s
 
 class Writer {
  public:
-  Writer(const Finder::Params& params, engine::StateTable& state, std::size_t slot)
+  Writer(const BlobFinder::Params& params, engine::StateTable& state, std::size_t slot)
       : params_(params), state_(state), slot_(slot) {}
 
   void add(const Blob& blob) {
@@ -128,7 +128,7 @@ class Writer {
     for (std::size_t k = 0; k < from.size(); ++k) parts[k] = to_byte(from[k]);
   }
 
-  const Finder::Params& params_;
+  const BlobFinder::Params& params_;
   engine::StateTable& state_;
   std::size_t slot_;
   std::size_t count_ = 0;
@@ -136,7 +136,7 @@ class Writer {
 
 /// Finds the blobs that the finder of the row `own` sees, and passes them to the writer. body: the transform
 /// from the frame in which the finder's pose is given to the world frame.
-void find_blobs(const CommittedView& view, const Finder& finder, Row own, const Transform& body,
+void find_blobs(const CommittedView& view, const BlobFinder& finder, Row own, const Transform& body,
                 Writer& writer) {
   const Vec2 origin = body * finder.pose_body_sensor.position();
   std::optional<Blob> blob;
@@ -162,8 +162,8 @@ void find_blobs(const CommittedView& view, const Finder& finder, Row own, const 
   if (blob) writer.add(*blob);
 }
 
-DeviceKind::Prepared Finder::prepare(const Params& params, const Pose& pose_body_sensor) {
-  Finder finder{.params = params, .pose_body_sensor = compose(pose_body_sensor, {0, 0, 0, params.pan})};
+DeviceKind::Prepared BlobFinder::prepare(const Params& params, const Pose& pose_body_sensor) {
+  BlobFinder finder{.params = params, .pose_body_sensor = compose(pose_body_sensor, {0, 0, 0, params.pan})};
   for (std::uint32_t i = 0; i < params.image_width; ++i) {
     const double across = params.image_width == 1 ? 0.5 : i / (params.image_width - 1.0);
     finder.bearings.emplace_back(finder.pose_body_sensor.heading + (across - 0.5) * params.fov);
@@ -181,7 +181,7 @@ DeviceKind::Prepared Finder::prepare(const Params& params, const Pose& pose_body
           .watts = 2};  // as in Stage
 }
 
-std::uint64_t Finder::sense(const SenseBatch& batch) const {
+std::uint64_t BlobFinder::sense(const SenseBatch& batch) const {
   for (std::size_t i = 0; i < batch.rows.size(); ++i) {
     Writer writer(params, batch.state, batch.slot(i));
     find_blobs(batch.committed, *this, batch.rows[i], batch.mount(i).transform, writer);
@@ -190,7 +190,7 @@ std::uint64_t Finder::sense(const SenseBatch& batch) const {
   return batch.rows.size() * params.image_width;
 }
 
-void Finder::draw(const engine::DeviceView& view, engine::Frame& frame) const {
+void BlobFinder::draw(const engine::DeviceView& view, engine::Frame& frame) const {
   const double columns = params.image_width;
   const std::span<const std::int32_t> left = view.state.cell<std::int32_t>(view.slot, k_blob_left);
   const std::span<const std::int32_t> right = view.state.cell<std::int32_t>(view.slot, k_blob_right);
@@ -217,7 +217,7 @@ void Finder::draw(const engine::DeviceView& view, engine::Frame& frame) const {
 }  // namespace
 
 DeviceKind blobfinder_kind() {
-  return engine::make_device_kind<Finder>(
+  return engine::make_device_kind<BlobFinder>(
       "blobfinder", "reports blobs: runs of neighbouring image columns that show the same colour");
 }
 

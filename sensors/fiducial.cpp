@@ -21,7 +21,7 @@ using engine::TypeSpec;
 
 constexpr double k_rounding = 1e-9;  // margin for cosines, above the rounding errors of sines and cosines
 
-struct Finder {
+struct FiducialFinder {
   struct Params {
     double range_min = 0;
     bool apply_range_min = false;
@@ -88,7 +88,7 @@ class Search {
   /// Returns the targets that the finder of the row `own` finds, the nearest first; valid until the next
   /// call. Adds the number of rays that it casts to rays(). mount: the frame in which the finder's pose is
   /// given.
-  std::span<const Target> find(const SensingView& view, const Finder& finder, Row own,
+  std::span<const Target> find(const SensingView& view, const FiducialFinder& finder, Row own,
                                const engine::Mount& mount) {
     view_ = &view;
     finder_ = &finder;
@@ -165,7 +165,7 @@ class Search {
   }
 
   const SensingView* view_ = nullptr;
-  const Finder* finder_ = nullptr;
+  const FiducialFinder* finder_ = nullptr;
   Pose sensor_;  // world frame
   Vec2 ahead_ = Vec2::UnitX();
   engine::VisibilityQuery visible_;
@@ -175,7 +175,7 @@ class Search {
   std::uint64_t rays_ = 0;
 };
 
-void write(const Search& search, const Finder& finder, std::span<const Target> targets,
+void write(const Search& search, const FiducialFinder& finder, std::span<const Target> targets,
            engine::StateTable& state, std::size_t slot) {
   std::uint32_t& count = state.cell<std::uint32_t>(slot, k_fiducial_count)[0];
   // Entries after those of the previous tick are already 0.
@@ -213,14 +213,14 @@ void write(const Search& search, const Finder& finder, std::span<const Target> t
   }
 }
 
-DeviceKind::Prepared Finder::prepare(const Params& params, const Pose& pose_body_sensor) {
+DeviceKind::Prepared FiducialFinder::prepare(const Params& params, const Pose& pose_body_sensor) {
   const std::uint32_t n = params.most_targets;
   return {
-      .data = Finder{.params = params,
-                     .pose_body_sensor = pose_body_sensor,
-                     .ahead = Rotation(pose_body_sensor.heading) * Vec2::UnitX(),
-                     .range_min = params.apply_range_min ? params.range_min : 0,
-                     .least_cos = cos(params.fov / 2)},
+      .data = FiducialFinder{.params = params,
+                             .pose_body_sensor = pose_body_sensor,
+                             .ahead = Rotation(pose_body_sensor.heading) * Vec2::UnitX(),
+                             .range_min = params.apply_range_min ? params.range_min : 0,
+                             .least_cos = cos(params.fov / 2)},
       .percepts = {{"count", Element::u32, 1, "", "number of targets in sight"},
                    {"id", Element::i32, n, "", "fiducial_return of each target; 0: too far to read"},
                    {"body", Element::u32, n, "", "id of the body of each target"},
@@ -234,7 +234,7 @@ DeviceKind::Prepared Finder::prepare(const Params& params, const Pose& pose_body
       .seeks = engine::SoughtMarks{params.key, params.ignore_zloc}};
 }
 
-std::uint64_t Finder::sense(const DeviceBatch& batch) const {
+std::uint64_t FiducialFinder::sense(const DeviceBatch& batch) const {
   thread_local const auto search = std::make_unique<Search>();
   const std::uint64_t rays_before = search->rays();
   for (std::size_t i = 0; i < batch.rows.size(); ++i) {
@@ -246,7 +246,7 @@ std::uint64_t Finder::sense(const DeviceBatch& batch) const {
   return search->rays() - rays_before;
 }
 
-void Finder::draw(const engine::DeviceView& view, engine::Frame& frame) const {
+void FiducialFinder::draw(const engine::DeviceView& view, engine::Frame& frame) const {
   const std::span<const double> poses = view.state.cell<double>(view.slot, k_fiducial_pose);
   const std::size_t count =
       std::min<std::size_t>(view.state.cell<std::uint32_t>(view.slot, k_fiducial_count)[0], poses.size() / 4);
@@ -257,7 +257,7 @@ void Finder::draw(const engine::DeviceView& view, engine::Frame& frame) const {
 }  // namespace
 
 DeviceKind fiducial_kind() {
-  return engine::make_device_kind<Finder>(
+  return engine::make_device_kind<FiducialFinder>(
       "fiducial", "finds models in sight that have a `fiducial_return`, and reads their ids and poses");
 }
 

@@ -34,7 +34,6 @@ using worldio::RecordedScene;
 using worldio::RecordingReader;
 using Array = RecordingReader::Array;
 
-constexpr double k_nan = std::numeric_limits<double>::quiet_NaN();
 // Times that differ by less than this count as equal, s: because of rounding, 3 ticks of 0.1 s may end
 // slightly later than 0.3 s.
 constexpr double k_same_s = 1e-9;

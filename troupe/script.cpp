@@ -16,7 +16,7 @@ namespace {
 using engine::TypeSpec;
 using engine::WorldSpec;
 
-constexpr std::size_t k_most_listed = 100;  // names in an error
+constexpr std::size_t k_most_names = 100;  // names in an error
 
 /// Whether a body is the robot `robots` or belongs to the population `robots`.
 bool is_of(std::string_view name, std::string_view robots) {
@@ -60,7 +60,7 @@ Result<std::vector<std::size_t>> types_of(const WorldSpec& world, const std::str
     const std::size_t end = name.find_last_not_of("0123456789");  // the robots of a population are numbered
     if (end != name.npos) name.resize(end + 1);
     if (std::ranges::find(names, name) == names.end()) names.push_back(std::move(name));
-    if (names.size() >= k_most_listed) break;
+    if (names.size() >= k_most_names) break;
   }
   const std::vector<std::string_view> known(names.begin(), names.end());
   return Error{unknown_name("type, population or robot", robots, known)};

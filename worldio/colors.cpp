@@ -235,7 +235,6 @@ std::span<const std::string_view> color_names() {
 std::vector<Color> default_colors(std::span<const engine::TypeSpec> types) {
   constexpr auto k_palette =
       std::to_array<std::uint32_t>({0x0072b2, 0xe69f00, 0x009e73, 0xd55e00, 0x56b4e9, 0xcc79a7, 0xf0e442});
-  constexpr Color k_wall{0.3f, 0.3f, 0.3f, 1};
   const auto is_wall = [](const engine::TypeSpec& type) {
     return !type.drive && type.devices.empty() && type.controllers.empty() &&
            std::ranges::none_of(type.parts, [](const engine::PartSpec& part) {
@@ -246,7 +245,7 @@ std::vector<Color> default_colors(std::span<const engine::TypeSpec> types) {
   std::size_t next = 0;
   for (const engine::TypeSpec& type : types) {
     if (is_wall(type)) {
-      colors.push_back(k_wall);
+      colors.push_back(k_wall_color);
       continue;
     }
     const std::uint32_t rgb = k_palette[next++ % k_palette.size()];

@@ -10,6 +10,9 @@
 
 namespace troupe::worldio {
 
+/// Default colour of floor plans, and of types such as walls (default_colors()): dark grey.
+inline constexpr Color k_wall_color{0.3f, 0.3f, 0.3f, 1};
+
 /// Returns the opaque colour of an X11 colour name, such as "red", "DarkSlateGray", "dark slate grey",
 /// "SteelBlue3" or "gray30". Names are case-sensitive: "Red" is unknown. In a name with blanks, however, each
 /// word may begin with an upper-case or a lower-case letter. The spellings "grey" and "gray" mean the same.
@@ -25,7 +28,7 @@ std::span<const std::string_view> color_names();
 /// a controller, or a part that can be pushed or gripped get a colour of the colour-blind-safe palette of
 /// Okabe and Ito, "Color Universal Design" (2008). In the order of these types, the colours are blue, orange,
 /// green, vermilion, sky blue, purple, yellow, and then blue again. Each of the other types, such as a wall,
-/// is dark grey: red, green and blue are 0.3.
+/// gets k_wall_color.
 std::vector<Color> default_colors(std::span<const engine::TypeSpec> types);
 
 }  // namespace troupe::worldio

@@ -56,8 +56,7 @@ void Movement::count_stalls() {
 }
 
 namespace {
-constexpr double k_nan = std::numeric_limits<double>::quiet_NaN();
-const Motion k_junk_motion{{k_nan, k_nan, k_nan, k_nan}, Rotation(SinCos{k_nan, k_nan}), k_nan, true};
+const Motion k_junk_motion{k_nowhere, Rotation(SinCos{k_nan, k_nan}), k_nan, true};
 }  // namespace
 
 void Movement::forget() {

@@ -17,7 +17,7 @@ namespace {
 using partition::ObstacleShape;
 using partition::PlacedShape;
 
-constexpr std::size_t k_batch = 64;  // trees per task
+constexpr std::size_t k_trees_per_task = 64;
 
 Pose between(const Pose& from, const Pose& to, double t) {
   return {from.x + t * (to.x - from.x), from.y + t * (to.y - from.y), from.z + t * (to.z - from.z),
@@ -162,8 +162,6 @@ void Links::derive() {
 
 void Links::forget() {
   constexpr std::uint32_t k_junk = 0x5a5a5a5a;
-  constexpr double k_nan = std::numeric_limits<double>::quiet_NaN();
-  constexpr Pose k_nowhere{k_nan, k_nan, k_nan, k_nan};
   const Mount nowhere(k_nowhere);
   std::ranges::fill(joints_, Joint{nowhere, k_nowhere, Goal::asked, true});
   std::ranges::fill(state_.joint_mounts, nowhere);
@@ -302,8 +300,8 @@ std::vector<Links::AskedGoal> Links::asked_goals(RowRange rows) const {
 template <class Work>
 void Links::for_roots(Work&& work) {
   const std::size_t count = composites_.size();
-  parallel_.for_each((count + k_batch - 1) / k_batch, [&](std::size_t b) {
-    for (std::size_t c = b * k_batch; c < std::min(count, (b + 1) * k_batch); ++c)
+  parallel_.for_each((count + k_trees_per_task - 1) / k_trees_per_task, [&](std::size_t b) {
+    for (std::size_t c = b * k_trees_per_task; c < std::min(count, (b + 1) * k_trees_per_task); ++c)
       if (const std::uint32_t r = composites_[c]; state_.roots[r] == r) work(c, r);
   });
 }

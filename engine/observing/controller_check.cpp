@@ -20,7 +20,7 @@ constexpr std::byte k_junk{0xa5};
 constexpr std::byte k_other_junk{0x5a};
 // Rows per batch of the repetitions. The number is no divisor of the number of rows per batch in a step, so
 // that the batches consist of other robots than in the step.
-constexpr std::size_t k_batch = 61;
+constexpr std::size_t k_rows_per_batch = 61;
 
 /// Overwrites with junk the part of the stack in which the next call places its local variables.
 [[gnu::noinline]] void spoil_stack() {
@@ -244,9 +244,8 @@ std::size_t ControllerCheck::pending() const {
 std::vector<ControllerFinding> ControllerCheck::repeat() {
   restore_fp_environment();  // the calling thread may have another floating-point mode
   follow_settings(world_.tick());
-  constexpr double k_nan = std::numeric_limits<double>::quiet_NaN();
   commands_.assign(world_.rows(), Command{k_nan, k_nan, k_nan});
-  estimates_.assign(world_.rows(), Pose{k_nan, k_nan, k_nan, k_nan});
+  estimates_.assign(world_.rows(), k_nowhere);
   std::vector<Finding> findings;
   for (std::size_t t = 0; t < watched_.size(); ++t) {
     for (std::size_t c = 0; c < watched_[t].size(); ++c) {
@@ -305,7 +304,7 @@ void ControllerCheck::repeat(const BodyType::Controller& controller, Watched& wa
   std::vector<Row> backwards = taken.rows;
   if (!is_collective) std::ranges::sort(backwards, std::ranges::greater{});
   const std::span<const Row> rows = backwards;
-  const std::size_t most = is_collective ? rows.size() : k_batch;
+  const std::size_t most = is_collective ? rows.size() : k_rows_per_batch;
   for (std::size_t first = 0; first < rows.size(); first += most) {
     batch.rows = rows.subspan(first, std::min(most, rows.size() - first));
     spoil_stack();

@@ -12,7 +12,7 @@ using partition::BodyCircle;
 
 // Margin, m, of tests that discard bodies and walls too far from a line to cross it. It is far above the
 // rounding errors of doubles within a world.
-constexpr double k_slack_m = 1e-9;
+constexpr double k_crossing_slack_m = 1e-9;
 constexpr double k_stride_m =
     4;  // length of the pieces in which the surroundings of a long line are searched
 
@@ -53,7 +53,7 @@ bool any_crossing(const SpatialLine& line, std::span<const Vec2> chain, bool clo
 
 bool SpatialLine::passes_near(const Vec2& centre, double radius) const {
   const Vec2 to = centre - from;
-  const double wide = radius + k_slack_m;
+  const double wide = radius + k_crossing_slack_m;
   const double along = to.dot(way);
   const double reach2 = wide * wide * length2;
   const double across = cross(to, way);
@@ -66,7 +66,7 @@ Box SpatialLine::piece(double first, double last) const {
   Box box;
   box.extend(Vec2(from + first * way));
   box.extend(Vec2(from + last * way));
-  return box.expanded(k_slack_m);
+  return box.expanded(k_crossing_slack_m);
 }
 
 LineCrossings::LineCrossings() {

@@ -58,7 +58,6 @@ void Blinkers::hide_from(Row row, const DeviceKind& kind, double reach) {
   const auto [reads, is_new] = reads_.try_emplace(&kind);
   if (is_new) reads->second = tables_read_by(kind);
   constexpr double k_slack_m = 1e-6;  // margin for the rounding of a distance and a radius
-  constexpr double k_nan = std::numeric_limits<double>::quiet_NaN();
   const Vec2 origin = state_.view.transform(row).position;
   hidden_.clear();
   for (std::size_t r = 0; r < state_.row_count(); ++r) {

@@ -23,8 +23,6 @@ namespace troupe::engine {
 namespace {
 
 const Localization k_true_pose;  // the localization of bodies without a drive
-constexpr double k_nan = std::numeric_limits<double>::quiet_NaN();
-constexpr Pose k_nowhere{k_nan, k_nan, k_nan, k_nan};
 
 }  // namespace
 

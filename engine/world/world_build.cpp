@@ -50,8 +50,8 @@ partition::GridGeometry choose_geometry(const WorldSpec& spec, std::span<const B
   const double own_width = widths > 0 ? (1 + 1e-9) * widths2 / widths : 0;
   const double least = std::max({0.05, own_width, width / 8});
   const double cell = std::max(least, count > 0 ? sum / (8 * count) : 1.0);
-  constexpr unsigned k_tile_bits = 4;
-  if (!(tile_size_m > 0)) return {cell, k_tile_bits};
+  constexpr unsigned k_default_tile_bits = 4;
+  if (!(tile_size_m > 0)) return {cell, k_default_tile_bits};
   unsigned bits = 0;
   while (bits < 8 && tile_size_m / (1u << bits) > cell && tile_size_m / (2u << bits) >= least) ++bits;
   return {std::max(least, tile_size_m / (1u << bits)), bits};

@@ -27,8 +27,6 @@ using engine::PartSpec;
 using engine::TypeSpec;
 using engine::WorldSpec;
 
-constexpr Color k_floorplan_color{0.3f, 0.3f, 0.3f, 1};
-
 /// Which violations the document treats as errors. If a member is false, the violation is a warning.
 struct Checks {
   bool overlaps = true;    ///< bodies that overlap at the start
@@ -168,7 +166,7 @@ FloorplanDocument WorldContractor::contract_floor_plan(const BodySpec& body) con
   document.name = spec_.names.text(body.name);
   document.image = contract_image(*part.image, part.size, folder_);
   document.pose = body.pose_world_body;
-  if (body.color != k_floorplan_color) document.color = body.color;
+  if (body.color != k_wall_color) document.color = body.color;
   document.returns = part.returns;
   return document;
 }

@@ -32,7 +32,6 @@ using engine::BodySpec;
 using engine::PlacementRule;
 using engine::WorldSpec;
 
-constexpr Color k_floorplan_color{0.3f, 0.3f, 0.3f, 1};
 constexpr double k_wall_height_m = 1;  // default height of walls along a line
 const partition::ObstacleShape k_no_shape;
 
@@ -182,7 +181,7 @@ void WorldExpander::expand_floorplan(const FloorplanDocument& document, const Do
   BodySpec body{.name = spec_.names.add(document.name), .where = document.where};
   body.pose_world_body = document.pose;
   body.pose_world_body.heading = wrap_angle(body.pose_world_body.heading);
-  body.color = document.color.value_or(k_floorplan_color);
+  body.color = document.color.value_or(k_wall_color);
   engine::PartSpec part{
       .kind = "model", .returns = document.returns, .floor_plan = true, .where = document.where};
   if (document.walls) {
@@ -215,7 +214,7 @@ void WorldExpander::expand_arena(const ArenaDocument& document) {
   part.solids = wall_solids(middle, document.thickness, document.height);
   measure_part(part);
   BodySpec body{.name = spec_.names.add("arena"), .where = document.where};
-  body.color = document.color.value_or(k_floorplan_color);
+  body.color = document.color.value_or(k_wall_color);
   add_walls(body, std::move(part));
 }
 

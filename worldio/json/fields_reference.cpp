@@ -252,13 +252,13 @@ std::string meaning(const DocumentTable& table, const DocumentKey& key, std::str
 }
 
 /// A row of a table.
-struct Row {
+struct TableRow {
   std::string first_key;  ///< the first of its keys
   std::string text;       ///< the row as Markdown
 };
 
-Row row_of(const DocumentTable& table, const DocumentKey& key, std::string_view heading,
-           const engine::Registry& registry) {
+TableRow row_of(const DocumentTable& table, const DocumentKey& key, std::string_view heading,
+                const engine::Registry& registry) {
   std::string names;
   if (key.form == Form::heading)
     names = fmt::format("{}, `{}`", keys(heading_field()), key.field.name);
@@ -274,7 +274,7 @@ Row row_of(const DocumentTable& table, const DocumentKey& key, std::string_view 
 
 /// Appends the rows of a table. If an earlier table also has at least `k_fewest` consecutive rows, one row
 /// that refers to the earlier table replaces them.
-void append_rows(const std::vector<Row>& rows, const std::map<std::string, const Section*>& earlier,
+void append_rows(const std::vector<TableRow>& rows, const std::map<std::string, const Section*>& earlier,
                  std::string& text) {
   constexpr std::size_t k_fewest = 3;
   const auto section_of = [&](std::size_t i) {
@@ -341,14 +341,14 @@ std::vector<KeyTable> document_key_tables(const engine::Registry& registry) {
   std::map<std::string, const Section*> sections;  // per row: the first table that has it
   for (const Section& section : k_sections) {
     const DocumentTable& table = section.table();
-    std::vector<Row> rows;
+    std::vector<TableRow> rows;
     for (const DocumentKey& key : table.keys)
       if (key.form != Form::parameters && (section.of == Section::Of::all ||
                                            (key.is_of != nullptr) == (section.of == Section::Of::some_kinds)))
         rows.push_back(row_of(table, key, section.heading, registry));
     std::string text(k_table_head);
     append_rows(rows, sections, text);
-    for (const Row& row : rows) sections.emplace(row.text, &section);
+    for (const TableRow& row : rows) sections.emplace(row.text, &section);
     tables.push_back({section.heading, std::move(text)});
   }
   return tables;

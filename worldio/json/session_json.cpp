@@ -18,21 +18,21 @@ namespace troupe::worldio {
 namespace {
 
 using engine::Act;
-using Json = nlohmann::ordered_json;
+using OrderedJson = nlohmann::ordered_json;
 using Kind = Act::Kind;
 
 constexpr std::string_view k_end = "end";
 
-std::string line_of(const Json& json) {
+std::string line_of(const OrderedJson& json) {
   try {
     return json.dump();
-  } catch (const Json::type_error&) {
+  } catch (const OrderedJson::type_error&) {
     throw std::invalid_argument(
         "a name is not UTF-8, which the JSON lines of a session require: write names in UTF-8");
   }
 }
 
-Json pose_json(const Pose& pose) { return {pose.x, pose.y, pose.z, pose.heading}; }
+OrderedJson pose_json(const Pose& pose) { return {pose.x, pose.y, pose.z, pose.heading}; }
 
 std::optional<double> number_of(const JsonNode& node) {
   if (const auto* x = std::get_if<double>(&node.value)) return *x;
@@ -206,31 +206,31 @@ void read_line(JsonObject& object, Session& session, Diagnostics& diagnostics) {
 }  // namespace
 
 std::string header_line(const SessionHeader& header) {
-  Json json{{"troupe_session", k_session_format},
-            {"version", header.version},
-            {"tick", header.tick},
-            {"hash", header.hash},
-            {"options", Json::object()}};
+  OrderedJson json{{"troupe_session", k_session_format},
+                   {"version", header.version},
+                   {"tick", header.tick},
+                   {"hash", header.hash},
+                   {"options", OrderedJson::object()}};
   for (const auto& [key, value] : header.options) json["options"][key] = value;
   return line_of(json);
 }
 
 std::string act_line(std::uint64_t tick, std::uint64_t n, const Act& act) {
-  Json json{{"tick", tick}, {"n", n}, {"do", engine::k_acts[static_cast<std::size_t>(act.kind)]}};
+  OrderedJson json{{"tick", tick}, {"n", n}, {"do", engine::k_acts[static_cast<std::size_t>(act.kind)]}};
   json[std::string(whom_key(act.kind))] = act.whom;
   if (act.kind == Kind::move || act.kind == Kind::add) json["pose"] = pose_json(act.pose);
   if (act.kind == Kind::speed || act.kind == Kind::hold) json["speed"] = act.speed;
   if (act.kind == Kind::command) {
     json["device"] = act.device;
-    json["values"] = Json::object();
+    json["values"] = OrderedJson::object();
     for (const auto& [name, numbers] : act.values) json["values"][name] = numbers;
   }
-  if (act.kind == Kind::set) json.update(Json::parse(act.setting));
+  if (act.kind == Kind::set) json.update(OrderedJson::parse(act.setting));
   return line_of(json);
 }
 
 std::string end_line(std::uint64_t tick, std::uint64_t n) {
-  return line_of(Json{{"tick", tick}, {"n", n}, {"do", k_end}});
+  return line_of(OrderedJson{{"tick", tick}, {"n", n}, {"do", k_end}});
 }
 
 std::optional<Act> read_act(std::string_view json, const std::vector<std::string_view>& also, Where where,

@@ -20,7 +20,7 @@ using engine::FieldTable;
 using engine::FieldType;
 using engine::Record;
 using engine::Value;
-using Json = nlohmann::ordered_json;
+using OrderedJson = nlohmann::ordered_json;
 
 double finite(double x, const Field& field) {
   if (!std::isfinite(x))
@@ -31,12 +31,12 @@ double finite(double x, const Field& field) {
 
 /// Returns a text as JSON. World files of Stage may be in any encoding, so a text that is not UTF-8 is
 /// written as {"latin1": ...}, with one character per byte.
-Json text_json(const std::string& text) {
-  Json json = text;
+OrderedJson text_json(const std::string& text) {
+  OrderedJson json = text;
   try {
     static_cast<void>(json.dump());
     return json;
-  } catch (const Json::type_error&) {
+  } catch (const OrderedJson::type_error&) {
   }
   std::string characters;
   for (const char c : text) {
@@ -48,7 +48,7 @@ Json text_json(const std::string& text) {
       characters += static_cast<char>(0x80 | (byte & 0x3f));
     }
   }
-  Json other;
+  OrderedJson other;
   other["latin1"] = characters;
   return other;
 }
@@ -68,9 +68,9 @@ bool takes(const Field& field, const Value& value) {
   }
 }
 
-Json params_json(const Record& record, const FieldTable& table);
+OrderedJson params_json(const Record& record, const FieldTable& table);
 
-Json value_json(const Value& value, const Field& field) {
+OrderedJson value_json(const Value& value, const Field& field) {
   switch (field.type) {
     case FieldType::boolean: return value.boolean();
     case FieldType::integer: return value.integer();
@@ -79,13 +79,13 @@ Json value_json(const Value& value, const Field& field) {
     case FieldType::texts: return value.texts();
     case FieldType::numbers:
     case FieldType::color: {
-      Json list = Json::array();
-      list.get_ref<Json::array_t&>().reserve(value.numbers().size());
+      OrderedJson list = OrderedJson::array();
+      list.get_ref<OrderedJson::array_t&>().reserve(value.numbers().size());
       for (const double x : value.numbers()) list.push_back(finite(x, field));
       return list;
     }
     case FieldType::colors: {
-      Json list = Json::array();
+      OrderedJson list = OrderedJson::array();
       const std::vector<double>& parts = value.numbers();
       for (std::size_t i = 0; i + 2 < parts.size(); i += 3)
         list.push_back({finite(parts[i], field), finite(parts[i + 1], field), finite(parts[i + 2], field)});
@@ -94,13 +94,13 @@ Json value_json(const Value& value, const Field& field) {
     case FieldType::record: return params_json(value.records().front(), *field.record);
     case FieldType::records: break;
   }
-  Json list = Json::array();
+  OrderedJson list = OrderedJson::array();
   for (const Record& record : value.records()) list.push_back(params_json(record, *field.record));
   return list;
 }
 
-Json params_json(const Record& record, const FieldTable& table) {
-  Json json = Json::object();
+OrderedJson params_json(const Record& record, const FieldTable& table) {
+  OrderedJson json = OrderedJson::object();
   for (std::size_t i = 0; i < table.fields.size(); ++i) {
     const Field& field = table.fields[i];
     const Value& value = record[i];
@@ -111,13 +111,13 @@ Json params_json(const Record& record, const FieldTable& table) {
 }
 
 /// Appends to `list` all numbers of a struct that consists only of numbers.
-void list_numbers(const FieldTable& table, const void* object, Json& list) {
+void list_numbers(const FieldTable& table, const void* object, OrderedJson& list) {
   for (const Field& field : table.fields) {
     if (field.type == FieldType::record) {
       list_numbers(*field.record, member_of(field, object), list);
       continue;
     }
-    Json value = value_json(engine::get(field, object), field);
+    OrderedJson value = value_json(engine::get(field, object), field);
     if (field.type == FieldType::numbers)
       list.insert(list.end(), value.begin(), value.end());
     else
@@ -131,25 +131,26 @@ class SpecWriter {
   SpecWriter(const engine::WorldSpec& spec, const engine::Registry& registry)
       : spec_(spec), registry_(registry) {}
 
-  Json object(const FieldTable& table, const void* object) const {
-    Json json = Json::object();
+  OrderedJson object(const FieldTable& table, const void* object) const {
+    OrderedJson json = OrderedJson::object();
     for (const Field& field : table.fields) {
       if (field.member == nullptr || field.record == &engine::experiment_fields())
         write_apart(field.name, json);
-      else if (std::optional<Json> member = member_json(field, table, object))
+      else if (std::optional<OrderedJson> member = member_json(field, table, object))
         json[key_of(field)] = *std::move(member);
     }
     return json;
   }
 
  private:
-  std::optional<Json> member_json(const Field& field, const FieldTable& table, const void* object) const;
-  Json list_json(const Field& field, const engine::MemberType& type, const void* list) const;
-  Json struct_json(const FieldTable& table, const void* object) const;
+  std::optional<OrderedJson> member_json(const Field& field, const FieldTable& table,
+                                         const void* object) const;
+  OrderedJson list_json(const Field& field, const engine::MemberType& type, const void* list) const;
+  OrderedJson struct_json(const FieldTable& table, const void* object) const;
   /// Writes a member of the world that has a format of its own: files, words, names of parts, experiment.
-  void write_apart(std::string_view name, Json& json) const;
-  void write_part_names(Json& json) const;
-  void write_experiment(Json& json) const;
+  void write_apart(std::string_view name, OrderedJson& json) const;
+  void write_part_names(OrderedJson& json) const;
+  void write_experiment(OrderedJson& json) const;
 
   const engine::WorldSpec& spec_;
   const engine::Registry& registry_;
@@ -157,8 +158,8 @@ class SpecWriter {
 
 /// Returns a member of a struct as JSON. Empty if the member is omitted, because it has no value or is sparse
 /// (Field::sparse) and at its default.
-std::optional<Json> SpecWriter::member_json(const Field& field, const FieldTable& table,
-                                            const void* object) const {
+std::optional<OrderedJson> SpecWriter::member_json(const Field& field, const FieldTable& table,
+                                                   const void* object) const {
   const engine::MemberType& type = *field.member;
   const void* member = member_of(field, object);
   if (field.type == FieldType::records || type.each != nullptr) {
@@ -178,7 +179,7 @@ std::optional<Json> SpecWriter::member_json(const Field& field, const FieldTable
   }
   if (field.type == FieldType::text) return text_json(value.text());
   if (field.type == FieldType::texts) {
-    Json list = Json::array();
+    OrderedJson list = OrderedJson::array();
     for (const std::string& text : value.texts()) list.push_back(text_json(text));
     return list;
   }
@@ -186,10 +187,11 @@ std::optional<Json> SpecWriter::member_json(const Field& field, const FieldTable
   return value_json(value, field);
 }
 
-Json SpecWriter::list_json(const Field& field, const engine::MemberType& type, const void* list) const {
-  Json json = Json::array();
+OrderedJson SpecWriter::list_json(const Field& field, const engine::MemberType& type,
+                                  const void* list) const {
+  OrderedJson json = OrderedJson::array();
   const std::size_t size = type.size(list);
-  json.get_ref<Json::array_t&>().reserve(size);
+  json.get_ref<OrderedJson::array_t&>().reserve(size);
   for (std::size_t i = 0; i < size; ++i) {
     const void* entry = block_of(type, list, i);
     if (type.each == nullptr)
@@ -202,20 +204,20 @@ Json SpecWriter::list_json(const Field& field, const engine::MemberType& type, c
   return json;
 }
 
-Json SpecWriter::struct_json(const FieldTable& table, const void* object) const {
+OrderedJson SpecWriter::struct_json(const FieldTable& table, const void* object) const {
   if (!is_listed(table)) return this->object(table, object);
-  Json list = Json::array();
+  OrderedJson list = OrderedJson::array();
   list_numbers(table, object, list);
   return list;
 }
 
-void SpecWriter::write_apart(std::string_view name, Json& json) const {
+void SpecWriter::write_apart(std::string_view name, OrderedJson& json) const {
   if (name == "files") {
-    json["files"] = Json::array();
+    json["files"] = OrderedJson::array();
     for (std::uint32_t i = 0; spec_.files && i < spec_.files->size(); ++i)
       json["files"].push_back(text_json(spec_.files->name(i)));
   } else if (name == "words") {
-    json["words"] = Json::array();
+    json["words"] = OrderedJson::array();
     for (const std::string& word : spec_.names.words()) json["words"].push_back(text_json(word));
   } else if (name == "part_names") {
     write_part_names(json);
@@ -224,8 +226,8 @@ void SpecWriter::write_apart(std::string_view name, Json& json) const {
   }  // bodies and aliases are written as BodyColumns
 }
 
-void SpecWriter::write_part_names(Json& json) const {
-  json["part_names"] = Json::array();
+void SpecWriter::write_part_names(OrderedJson& json) const {
+  json["part_names"] = OrderedJson::array();
   const std::map<std::string, engine::PartName> sorted(spec_.part_aliases.begin(), spec_.part_aliases.end());
   for (const auto& [name, place] : sorted) {
     const auto& [body, part] = place;
@@ -235,11 +237,11 @@ void SpecWriter::write_part_names(Json& json) const {
 }
 
 /// Writes the experiment in the format of JSON worlds, except that types are named by their numbers.
-void SpecWriter::write_experiment(Json& json) const {
+void SpecWriter::write_experiment(OrderedJson& json) const {
   if (spec_.experiment.empty()) return;
   JsonNode::Object object;
   worldio::write_experiment(spec_, numbers_of_types(spec_), registry_, object);
-  json.update(Json::parse(json_text(json_node(std::move(object)))));
+  json.update(OrderedJson::parse(json_text(json_node(std::move(object)))));
 }
 
 BodyColumns body_columns(const engine::WorldSpec& spec) {
@@ -283,10 +285,10 @@ std::vector<std::string> numbers_of_types(const engine::WorldSpec& spec) {
 }
 
 std::string spec_to_json(const engine::WorldSpec& spec, const engine::Registry& registry) {
-  const Json json = SpecWriter(spec, registry).object(engine::world_fields(), &spec);
+  const OrderedJson json = SpecWriter(spec, registry).object(engine::world_fields(), &spec);
   try {
     return json.dump();
-  } catch (const Json::type_error&) {
+  } catch (const OrderedJson::type_error&) {
     throw std::runtime_error(
         "a text among the parameters of the world is not UTF-8, which JSON requires: write texts in UTF-8");
   }

@@ -28,7 +28,7 @@ using engine::FieldType;
 using engine::Unit;
 using engine::Value;
 
-constexpr std::int64_t k_version = 1;
+constexpr std::int64_t k_study_version = 1;
 constexpr std::array<std::string_view, 4> k_statistics{"last", "mean", "min", "max"};
 /// The columns that the tables of every study have.
 constexpr std::array<std::string_view, 7> k_own_columns{"run",        "seed",       "ticks", "time_s",
@@ -86,39 +86,39 @@ std::optional<T> read_all(JsonObject& object) {
 }
 
 /// Returns a value as the JSON text that --set reads back as this value.
-std::string text_of(const JsonNode& node) {
+std::string option_text(const JsonNode& node) {
   std::string text = json_text(node);
   while (text.ends_with('\n')) text.pop_back();
   return text;
 }
 
-std::string text_of(double value) { return text_of(json_node(value)); }
+std::string option_text(double value) { return option_text(json_node(value)); }
 
 using Choice = Study::Choice;
-using Kind = Choice::Kind;
+using ChoiceKind = Choice::Kind;
 
 /// Returns the i-th value of a parameter whose values are a list or equally spaced.
 std::string value_of(const Choice& choice, std::size_t i) {
-  if (choice.kind == Kind::listed) return choice.values[i];
-  if (i + 1 == choice.steps) return text_of(choice.high);
+  if (choice.kind == ChoiceKind::listed) return choice.values[i];
+  if (i + 1 == choice.steps) return option_text(choice.high);
   const double share = static_cast<double>(i) / static_cast<double>(choice.steps - 1);
-  return text_of(choice.low + share * (choice.high - choice.low));
+  return option_text(choice.low + share * (choice.high - choice.low));
 }
 
 /// Returns a random value of a parameter.
 std::string drawn(const Choice& choice, Random& random) {
   switch (choice.kind) {
-    case Kind::listed:
-    case Kind::steps: return value_of(choice, random.below(static_cast<std::uint32_t>(choice.count())));
-    case Kind::uniform: return text_of(random.uniform(choice.low, choice.high));
-    case Kind::log_uniform:
-      return text_of(
+    case ChoiceKind::listed:
+    case ChoiceKind::steps: return value_of(choice, random.below(static_cast<std::uint32_t>(choice.count())));
+    case ChoiceKind::uniform: return option_text(random.uniform(choice.low, choice.high));
+    case ChoiceKind::log_uniform:
+      return option_text(
           std::clamp(exp(random.uniform(log(choice.low), log(choice.high))), choice.low, choice.high));
-    case Kind::integers: break;
+    case ChoiceKind::integers: break;
   }
   const auto first = static_cast<std::int64_t>(choice.low);
   const auto count = static_cast<std::uint32_t>(static_cast<std::int64_t>(choice.high) - first + 1);
-  return text_of(json_node(first + std::int64_t{random.below(count)}));
+  return option_text(json_node(first + std::int64_t{random.below(count)}));
 }
 
 class StudyReader {
@@ -163,18 +163,18 @@ class StudyReader {
 
   static void read_version(JsonObject& object) {
     const JsonNode* node =
-        object.require("troupe_study", fmt::format("the version of the format, {}", k_version));
+        object.require("troupe_study", fmt::format("the version of the format, {}", k_study_version));
     const auto* version = node ? std::get_if<std::int64_t>(&node->value) : nullptr;
-    if (node && (!version || *version != k_version))
+    if (node && (!version || *version != k_study_version))
       JsonCursor(object.at(), "troupe_study", *node)
-          .expected(fmt::format("the version of the format, {}", k_version));
+          .expected(fmt::format("the version of the format, {}", k_study_version));
   }
 
   void read_parameter(const JsonCursor& at);
   static Choice read_choice(JsonObject& object);
   static Choice read_list_of_values(const JsonCursor& at);
   static Choice read_steps(JsonObject& object);
-  static Choice read_interval(const JsonCursor& at, Kind kind);
+  static Choice read_interval(const JsonCursor& at, ChoiceKind kind);
   void read_seeds(JsonObject& object);
   void read_measures(JsonObject& object);
   void check_effects(const JsonCursor& at) const;
@@ -231,9 +231,9 @@ Choice StudyReader::read_choice(JsonObject& object) {
   const JsonCursor at(object.at(), way, *object.find(way));
   if (way == "values") return read_list_of_values(at);
   if (way == "steps") return read_steps(object);
-  return read_interval(at, way == "uniform"       ? Kind::uniform
-                           : way == "log_uniform" ? Kind::log_uniform
-                                                  : Kind::integers);
+  return read_interval(at, way == "uniform"       ? ChoiceKind::uniform
+                           : way == "log_uniform" ? ChoiceKind::log_uniform
+                                                  : ChoiceKind::integers);
 }
 
 Choice StudyReader::read_list_of_values(const JsonCursor& at) {
@@ -242,7 +242,7 @@ Choice StudyReader::read_list_of_values(const JsonCursor& at) {
   if (list && (list->empty() || list->size() > k_most_runs))
     at.error(fmt::format("expected a list of 1 to {} values, found {}", k_most_runs, list->size()));
   else if (list)
-    for (const JsonNode& value : *list) choice.values.push_back(text_of(value));
+    for (const JsonNode& value : *list) choice.values.push_back(option_text(value));
   return choice;
 }
 
@@ -250,7 +250,7 @@ Choice StudyReader::read_steps(JsonObject& object) {
   Choice choice;
   const std::optional<Steps> given = read_all<Steps>(object);
   if (!given) return choice;
-  choice.kind = Kind::steps;
+  choice.kind = ChoiceKind::steps;
   choice.low = given->from;
   choice.high = given->to;
   choice.steps = static_cast<std::size_t>(given->steps);
@@ -260,7 +260,7 @@ Choice StudyReader::read_steps(JsonObject& object) {
   return choice;
 }
 
-Choice StudyReader::read_interval(const JsonCursor& at, Kind kind) {
+Choice StudyReader::read_interval(const JsonCursor& at, ChoiceKind kind) {
   constexpr double k_most = 2147483647;  // maximum difference of the integers
   Choice choice{.kind = kind};
   const Value limits = read_value(at, {.name = "interval", .type = FieldType::numbers, .columns = 2});
@@ -274,11 +274,12 @@ Choice StudyReader::read_interval(const JsonCursor& at, Kind kind) {
                          plain_number(choice.low), plain_number(choice.high)));
   else if (!std::isfinite(choice.high - choice.low))
     at.error("the numbers differ by more than 1.8e308, the largest number that can be represented");
-  else if (kind == Kind::log_uniform && choice.low <= 0)
+  else if (kind == ChoiceKind::log_uniform && choice.low <= 0)
     at.error(fmt::format("both numbers must be above 0, found {} and {}", plain_number(choice.low),
                          plain_number(choice.high)));
-  else if (kind == Kind::integers && (std::max(-choice.low, choice.high) > k_exact || !is_whole(choice.low) ||
-                                      !is_whole(choice.high) || choice.high - choice.low > k_most))
+  else if (kind == ChoiceKind::integers &&
+           (std::max(-choice.low, choice.high) > k_exact || !is_whole(choice.low) || !is_whole(choice.high) ||
+            choice.high - choice.low > k_most))
     at.error(fmt::format(
         "expected two whole numbers from -9e15 to 9e15 that differ by at most 2^31 - 1, found {} and {}",
         plain_number(choice.low), plain_number(choice.high)));
@@ -309,7 +310,7 @@ void StudyReader::read_seeds(JsonObject& object) {
 void StudyReader::read_measures(JsonObject& object) {
   each(object, "measures", [&](const JsonCursor& at) {
     if (!read_measure(at, registry_)) return;
-    study_.measures.push_back(at.node().text() ? *at.node().text() : text_of(at.node()));
+    study_.measures.push_back(at.node().text() ? *at.node().text() : option_text(at.node()));
   });
   each(object, "statistics", [&](const JsonCursor& at) {
     const Value name = read_value(at, {.name = "statistic",

@@ -22,13 +22,13 @@ namespace {
 
 // Offsets of the fields in the superblock, bytes. Addresses have 8 bytes, the only size in use.
 constexpr std::size_t k_bytes = 48;
-constexpr std::size_t k_version = 8;
+constexpr std::size_t k_version_at = 8;
 constexpr std::size_t k_offset_size = 9;
 constexpr std::size_t k_flags = 11;
-constexpr std::size_t k_end = 28;
+constexpr std::size_t k_end_at = 28;
 constexpr std::size_t k_checksum = 44;
 
-using Head = std::array<std::uint8_t, k_bytes>;
+using SuperblockBytes = std::array<std::uint8_t, k_bytes>;
 
 void put_little_endian(std::uint64_t value, std::span<std::uint8_t> bytes) {
   for (std::uint8_t& byte : bytes) {
@@ -70,8 +70,8 @@ std::uint32_t checksum(std::span<const std::uint8_t> bytes) {
   return c;
 }
 
-bool is_whole(const Head& head) {
-  const std::uint8_t version = head[k_version];
+bool is_whole(const SuperblockBytes& head) {
+  const std::uint8_t version = head[k_version_at];
   return std::ranges::equal(k_hdf5_signature, std::span(head).first(k_hdf5_signature.size()), {},
                             [](char c) { return static_cast<std::uint8_t>(c); }) &&
          (version == 2 || version == 3) && head[k_offset_size] == 8 &&
@@ -92,8 +92,8 @@ class Descriptor {
   int fd_;
 };
 
-std::optional<Head> read_head(int fd) {
-  Head head{};
+std::optional<SuperblockBytes> read_head(int fd) {
+  SuperblockBytes head{};
   if (fd < 0 || pread(fd, head.data(), head.size(), 0) != static_cast<ssize_t>(head.size()) ||
       !is_whole(head))
     return std::nullopt;
@@ -104,9 +104,9 @@ std::optional<Head> read_head(int fd) {
 
 std::optional<Hdf5Superblock> read_superblock(const std::filesystem::path& file) {
   if (!check_readable(file)) return std::nullopt;
-  const std::optional<Head> head = read_head(Descriptor(file, O_RDONLY).get());
+  const std::optional<SuperblockBytes> head = read_head(Descriptor(file, O_RDONLY).get());
   if (!head) return std::nullopt;
-  return Hdf5Superblock{(*head)[k_flags], little_endian(std::span(*head).subspan(k_end, 8))};
+  return Hdf5Superblock{(*head)[k_flags], little_endian(std::span(*head).subspan(k_end_at, 8))};
 }
 
 void close_superblock(const std::filesystem::path& file) {
@@ -117,17 +117,17 @@ void close_superblock(const std::filesystem::path& file) {
   const auto system_reason = [] { return std::generic_category().message(errno); };
   const Descriptor descriptor(file, O_RDWR);
   if (descriptor.get() < 0) fail(system_reason());
-  std::optional<Head> head = read_head(descriptor.get());
+  std::optional<SuperblockBytes> head = read_head(descriptor.get());
   if (!head) fail("its HDF5 header is damaged");
   struct stat status {};
   if (fstat(descriptor.get(), &status) != 0) fail(system_reason());
   // The file must have exactly the recorded size. HDF5 considers a shorter file truncated (space was
   // allocated but never written) and a longer file damaged.
   const auto size = static_cast<std::uint64_t>(status.st_size);
-  const std::uint64_t end = std::max(size, little_endian(std::span(*head).subspan(k_end, 8)));
+  const std::uint64_t end = std::max(size, little_endian(std::span(*head).subspan(k_end_at, 8)));
   if (end > size && ftruncate(descriptor.get(), static_cast<off_t>(end)) != 0) fail(system_reason());
   (*head)[k_flags] = 0;
-  put_little_endian(end, std::span(*head).subspan(k_end, 8));
+  put_little_endian(end, std::span(*head).subspan(k_end_at, 8));
   put_little_endian(checksum(std::span(*head).first(k_checksum)), std::span(*head).subspan(k_checksum));
   if (pwrite(descriptor.get(), head->data(), head->size(), 0) != static_cast<ssize_t>(head->size()))
     fail(system_reason());

@@ -15,33 +15,33 @@
 namespace troupe::worldio {
 namespace {
 
-using Json = nlohmann::ordered_json;
+using OrderedJson = nlohmann::ordered_json;
 
 std::string color_text(const Color& color) {
   return fmt::format("#{:02x}{:02x}{:02x}", to_byte(color.r), to_byte(color.g), to_byte(color.b));
 }
 
 /// Returns the corners of a ring as a list x, y, x, y, ... of multiples of k_replay_shape_m.
-Json corners_json(const Ring& ring) {
-  Json corners = Json::array();
+OrderedJson corners_json(const Ring& ring) {
+  OrderedJson corners = OrderedJson::array();
   for (const Vec2& point : ring)
     for (const double x : {point.x(), point.y()}) corners.push_back(std::llround(x / k_replay_shape_m));
   return corners;
 }
 
-Json pose_json(const Pose& pose) { return {pose.x, pose.y, pose.z, pose.heading}; }
+OrderedJson pose_list(const Pose& pose) { return {pose.x, pose.y, pose.z, pose.heading}; }
 
 /// Returns a shape as JSON: its top as convex polygons and its walls as closed chains of corners. shown:
 /// index of the shape's part in the list of parts whose colour devices set; -1: the part is not in this list.
-Json shape_json(const engine::FrameShape& shape, std::int32_t joint, int shown) {
-  Json json;
+OrderedJson shape_json(const engine::FrameShape& shape, std::int32_t joint, int shown) {
+  OrderedJson json;
   if (joint != engine::k_rigid) json["joint"] = joint;
   if (shown >= 0) json["shown"] = shown;
   json["z_m"] = {shape.solid.z.min, shape.solid.z.max};
   if (shape.color) json["color"] = color_text(*shape.color);
-  json["walls"] = Json::array();
+  json["walls"] = OrderedJson::array();
   for (const Ring& ring : shape.solid.contours) json["walls"].push_back(corners_json(ring));
-  json["tops"] = Json::array();
+  json["tops"] = OrderedJson::array();
   try {
     for (const ConvexPrism& piece : convex_pieces(shape.solid))
       json["tops"].push_back(corners_json(piece.outline));
@@ -51,14 +51,14 @@ Json shape_json(const engine::FrameShape& shape, std::int32_t joint, int shown) 
   return json;
 }
 
-Json type_json(const RecordedScene::Type& type) {
-  Json json;
+OrderedJson type_json(const RecordedScene::Type& type) {
+  OrderedJson json;
   json["name"] = type.name;
   json["mobile"] = type.look.mobile;
   json["radius_m"] = type.look.radius;
-  json["shapes"] = Json::array();
+  json["shapes"] = OrderedJson::array();
   std::vector<int> shown;  // by part
-  Json shown_parts = Json::array();
+  OrderedJson shown_parts = OrderedJson::array();
   for (const std::string& component : type.part_colors) {
     shown.push_back(component.empty() ? -1 : static_cast<int>(shown_parts.size()));
     if (!component.empty()) shown_parts.push_back(component);
@@ -66,20 +66,20 @@ Json type_json(const RecordedScene::Type& type) {
   for (std::size_t s = 0; s < type.look.shapes.size(); ++s)
     json["shapes"].push_back(
         shape_json(type.look.shapes[s], type.shape_joints[s], shown[type.shape_parts[s]]));
-  json["joints"] = Json::array();
+  json["joints"] = OrderedJson::array();
   for (const RecordedScene::Joint& joint : type.joints) {
-    Json& said = json["joints"].emplace_back();
+    OrderedJson& said = json["joints"].emplace_back();
     said["component"] = joint.component;
     if (joint.parent != engine::k_rigid) said["parent"] = joint.parent;
-    said["pose"] = pose_json(joint.pose_body_joint);
+    said["pose"] = pose_list(joint.pose_body_joint);
   }
   if (!type.shown_color.empty()) json["shown_color"] = type.shown_color;
   if (!shown_parts.empty()) json["shown_parts"] = std::move(shown_parts);
-  json["eyes"] = Json::object();
+  json["eyes"] = OrderedJson::object();
   for (const RecordedScene::Eye& eye : type.eyes) {
-    Json fans = Json::array();
+    OrderedJson fans = OrderedJson::array();
     for (const RecordedScene::Fan& fan : eye.fans)
-      fans.push_back({{"pose", pose_json(fan.pose_body_fan)},
+      fans.push_back({{"pose", pose_list(fan.pose_body_fan)},
                       {"range_max_m", fan.range_max_m},
                       {"fov_rad", fan.fov_rad},
                       {"beams", fan.beams}});
@@ -90,26 +90,26 @@ Json type_json(const RecordedScene::Type& type) {
 }
 
 /// Returns the visible bodies that are not in the recording, because they are static: those not in `ids`.
-Json fixed_json(std::span<const std::uint32_t> ids, const RecordedScene& scene) {
+OrderedJson fixed_json(std::span<const std::uint32_t> ids, const RecordedScene& scene) {
   std::vector<std::uint8_t> moves(scene.bodies.size(), 0);
   for (const std::uint32_t id : ids) moves[id] = 1;
-  Json fixed = Json::array();
+  OrderedJson fixed = OrderedJson::array();
   for (std::size_t b = 0; b < scene.bodies.size(); ++b) {
     const RecordedScene::Body& body = scene.bodies[b];
     if (moves[b] != 0 || scene.types[body.type].look.shapes.empty()) continue;
     fixed.push_back(
-        {{"type", body.type}, {"pose", pose_json(body.pose_world_body)}, {"color", color_text(body.color)}});
+        {{"type", body.type}, {"pose", pose_list(body.pose_world_body)}, {"color", color_text(body.color)}});
   }
   return fixed;
 }
 
 /// Returns the robots of a page as JSON: the runs of consecutive rows of one type, and the id, name and
 /// colour of each row.
-Json robots_json(std::span<const std::uint32_t> ids_in_order, const RecordedScene& scene) {
+OrderedJson robots_json(std::span<const std::uint32_t> ids_in_order, const RecordedScene& scene) {
   std::vector<std::array<std::uint32_t, 2>> types;
-  Json ids = Json::array();
-  Json names = Json::array();
-  Json colors = Json::array();
+  OrderedJson ids = OrderedJson::array();
+  OrderedJson names = OrderedJson::array();
+  OrderedJson colors = OrderedJson::array();
   for (const std::uint32_t id : ids_in_order) {
     const RecordedScene::Body& body = scene.bodies[id];
     if (types.empty() || types.back()[0] != body.type) types.push_back({body.type, 0});
@@ -121,8 +121,8 @@ Json robots_json(std::span<const std::uint32_t> ids_in_order, const RecordedScen
   return {{"types", types}, {"id", std::move(ids)}, {"name", std::move(names)}, {"color", std::move(colors)}};
 }
 
-Json field_json(const ReplayField& field) {
-  Json runs = Json::array();
+OrderedJson field_json(const ReplayField& field) {
+  OrderedJson runs = OrderedJson::array();
   for (const ReplayRun& run : field.runs) runs.push_back({run.first, run.count});
   const engine::StateField& what = field.array->field;
   return {{"component", field.array->component},
@@ -137,17 +137,19 @@ Json field_json(const ReplayField& field) {
           {"steps", field.steps}};
 }
 
-Json bounds_json(const Box& bounds) {
+OrderedJson bounds_json(const Box& bounds) {
   return {bounds.min.x(), bounds.min.y(), bounds.max.x(), bounds.max.y()};
 }
 
-Json types_json(const RecordedScene& scene) {
-  Json types = Json::array();
+OrderedJson types_json(const RecordedScene& scene) {
+  OrderedJson types = OrderedJson::array();
   for (const RecordedScene::Type& type : scene.types) types.push_back(type_json(type));
   return types;
 }
 
-std::string text_of(const Json& json) { return json.dump(-1, ' ', false, Json::error_handler_t::replace); }
+std::string text_of(const OrderedJson& json) {
+  return json.dump(-1, ' ', false, OrderedJson::error_handler_t::replace);
+}
 
 }  // namespace
 
@@ -171,12 +173,12 @@ LivePage live_page(const engine::World& world, const engine::Registry& registry)
     for (std::uint32_t p = 1; p < scene.types[type].part_colors.size(); ++p)
       if (!scene.types[type].part_colors[p].empty()) page.shown_parts.push_back({first, last - first, p});
   }
-  Json heights = Json::array();
+  OrderedJson heights = OrderedJson::array();
   for (const std::uint32_t id : page.order) {
     const double z = world.poses()[world.row(BodyId(id)).index()].z;
     heights.push_back(std::isfinite(z) ? z : 0.0);
   }
-  Json json;
+  OrderedJson json;
   json["title"] = scene.title;
   json["about"] = {{"world", scene.title}, {"seed", fmt::format("{}", world.spec().seed)}};
   json["bounds_m"] = bounds_json(world.frame_scene().bounds);
@@ -186,20 +188,20 @@ LivePage live_page(const engine::World& world, const engine::Registry& registry)
   json["robots"] = robots_json(page.order, scene);
   json["pose"] = {{"step_m", k_replay_step_m}, {"turn", k_replay_turn}, {"has_z", page.has_z}};
   if (!page.has_z) json["pose"]["z_m"] = std::move(heights);
-  json["fields"] = Json::array();
+  json["fields"] = OrderedJson::array();
   page.header = text_of(json);
   return page;
 }
 
 std::string replay_header(const RecordingReader& recording, const ReplayPlan& plan,
                           std::span<const std::size_t> frames, const ReplayBlocks& blocks) {
-  Json json;
+  OrderedJson json;
   json["format"] = k_replay_format;
   json["title"] = plan.scene.title;
-  json["about"] = Json::object();
+  json["about"] = OrderedJson::object();
   for (const auto& [key, value] : recording.meta()) json["about"][key] = value;
   json["recorded_frames"] = recording.frames();
-  json["times_s"] = Json::array();
+  json["times_s"] = OrderedJson::array();
   for (const std::size_t frame : frames) json["times_s"].push_back(recording.times_s()[frame]);
   json["bounds_m"] = bounds_json(plan.bounds);
   json["shape_step_m"] = k_replay_shape_m;
@@ -210,7 +212,7 @@ std::string replay_header(const RecordingReader& recording, const ReplayPlan& pl
   json["robots"] = robots_json(ids_in_order, plan.scene);
   json["pose"] = {{"step_m", k_replay_step_m}, {"turn", k_replay_turn}, {"has_z", plan.pose[3] != nullptr}};
   if (!plan.pose[3]) json["pose"]["z_m"] = plan.heights;
-  json["fields"] = Json::array();
+  json["fields"] = OrderedJson::array();
   for (const ReplayField& field : plan.fields) json["fields"].push_back(field_json(field));
   json["block_frames"] = blocks.frames;
   json["block_bytes"] = blocks.bytes;

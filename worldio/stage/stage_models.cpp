@@ -10,7 +10,7 @@
 namespace troupe::worldio {
 namespace {
 
-constexpr std::size_t k_most_steps = 20000000;  // steps from a macro to its base, in a whole world
+constexpr std::size_t k_most_macro_steps = 20000000;  // steps from a macro to its base, in a whole world
 constexpr std::string_view k_ranger_aliases[] = {"laser", "sonar"};
 constexpr std::string_view k_radio_alias = "wifi";
 /// Types of models that Stage had before version 4.3.
@@ -66,11 +66,11 @@ std::optional<StageModel> StageMacros::resolve(const StageEntity& entity) {
           fmt::format("macro \"{}\" is based on itself: base the macro on a model type", model.type));
       return {};
     }
-    if (++steps_ > k_most_steps) {
+    if (++steps_ > k_most_macro_steps) {
       values_.error(model.where,
                     fmt::format("the world is too large: macros that are based on other macros were looked "
                                 "up more than {} times; use fewer models or shorter chains of macros",
-                                k_most_steps));
+                                k_most_macro_steps));
       return {};
     }
     macro->second.is_used = true;

@@ -15,7 +15,7 @@ namespace troupe::worldio {
 namespace {
 
 namespace fs = std::filesystem;
-using Kind = StageToken::Kind;
+using TokenKind = StageToken::Kind;
 
 constexpr std::size_t k_most_errors = 50;
 constexpr std::size_t k_most_inclusions = 1000;
@@ -119,7 +119,7 @@ class Lexer {
     return error ? file : whole;
   }
 
-  void add(const Source& source, Kind kind, std::string_view text) {
+  void add(const Source& source, TokenKind kind, std::string_view text) {
     document_.tokens.push_back({source.number, kind, source.line,
                                 static_cast<std::uint32_t>(text.data() - source.text.data()),
                                 static_cast<std::uint32_t>(text.size())});
@@ -141,7 +141,8 @@ class Lexer {
       string(source);
     } else if (c == '(' || c == ')' || c == '[' || c == ']') {
       constexpr std::string_view brackets = "()[]";
-      constexpr Kind kinds[] = {Kind::open, Kind::close, Kind::tuple_open, Kind::tuple_close};
+      constexpr TokenKind kinds[] = {TokenKind::open, TokenKind::close, TokenKind::tuple_open,
+                                     TokenKind::tuple_close};
       add(source, kinds[brackets.find(c)], source.text.substr(source.at, 1));
       ++source.at;
     } else {
@@ -175,7 +176,7 @@ class Lexer {
     if (text == "include")
       include(source);
     else
-      add(source, Kind::word, text);
+      add(source, TokenKind::word, text);
   }
 
   void number(Source& source) {
@@ -187,7 +188,7 @@ class Lexer {
           fmt::format("\"{}{}\" is not a number; numbers are written without exponent and unit, as in 0.02",
                       text, rest));
     }
-    add(source, Kind::number, text);
+    add(source, TokenKind::number, text);
   }
 
   void string(Source& source) {
@@ -197,7 +198,7 @@ class Lexer {
       ++source.at;
     else
       errors_.add(source.where(), "a string must end with \" on the line on which it begins");
-    add(source, Kind::string, text);
+    add(source, TokenKind::string, text);
   }
 
   void include(Source& source) {
@@ -280,13 +281,13 @@ class Parser {
   Parser(StageDocument& document, SyntaxErrors& errors) : document_(document), errors_(errors) {}
 
   void read() {
-    while (peek().kind != Kind::end) {
+    while (peek().kind != TokenKind::end) {
       const StageToken token = peek();
-      if (token.kind == Kind::close) {
+      if (token.kind == TokenKind::close) {
         document_.well_nested = false;
         errors_.add(token.where(), "this ) has no matching (");
         ++at_;
-      } else if (token.kind == Kind::word && token.text == "define") {
+      } else if (token.kind == TokenKind::word && token.text == "define") {
         define(true);
       } else if (StageEntity entity; item(document_.world, entity, 1)) {
         document_.items.push_back({.entity = entity});
@@ -326,14 +327,14 @@ class Parser {
           fmt::format("models and blocks are nested deeper than the limit, {} levels", k_deepest_nesting));
       throw GiveUp{};
     }
-    while (peek().kind != Kind::close) {
-      if (peek().kind == Kind::end) {
+    while (peek().kind != TokenKind::close) {
+      if (peek().kind == TokenKind::end) {
         document_.well_nested = false;
         errors_.add(document_.token(entity.word).where(),
                     fmt::format("the ( of \"{}\" is never closed: add a )", document_.word(entity)));
         return;
       }
-      if (peek().kind == Kind::word && peek().text == "define") {
+      if (peek().kind == TokenKind::word && peek().text == "define") {
         errors_.add(peek().where(), "define is only allowed at the top level of a file, not inside a model");
         define(false);
         continue;
@@ -350,8 +351,8 @@ class Parser {
   bool item(std::vector<StageProperty>& properties, StageEntity& entity, std::size_t depth) {
     const StageToken token = peek();
     switch (token.kind) {
-      case Kind::word: break;
-      case Kind::open: {
+      case TokenKind::word: break;
+      case TokenKind::open: {
         errors_.add(token.where(), "a ( must follow a model's type or a macro's name");
         entity.word = position();
         ++at_;
@@ -359,12 +360,12 @@ class Parser {
         body(dropped, depth);
         return false;
       }
-      case Kind::tuple_open:
+      case TokenKind::tuple_open:
         errors_.add(token.where(),
                     "this tuple has no property name before it; a property is written: name [1 2 3]");
         static_cast<void>(tuple());
         return false;
-      case Kind::tuple_close:
+      case TokenKind::tuple_close:
         errors_.add(token.where(), "this ] has no matching [");
         ++at_;
         return false;
@@ -378,21 +379,21 @@ class Parser {
     }
 
     const StageToken next = peek(1);
-    if (next.kind == Kind::open) {
+    if (next.kind == TokenKind::open) {
       entity.word = position();
       at_ += 2;
       body(entity, depth);
       return true;
     }
-    const bool has_value = next.kind != Kind::end && same_line(token, next);
-    if (has_value && (next.kind == Kind::number || next.kind == Kind::string)) {
+    const bool has_value = next.kind != TokenKind::end && same_line(token, next);
+    if (has_value && (next.kind == TokenKind::number || next.kind == TokenKind::string)) {
       properties.push_back({position(), 1, false});
       at_ += 2;
-    } else if (has_value && next.kind == Kind::tuple_open) {
+    } else if (has_value && next.kind == TokenKind::tuple_open) {
       const std::uint32_t key = position();
       ++at_;
       properties.push_back({key, tuple(), true});
-    } else if (has_value && next.kind == Kind::word && peek(2).kind != Kind::open) {
+    } else if (has_value && next.kind == TokenKind::word && peek(2).kind != TokenKind::open) {
       errors_.add(
           token.where(),
           fmt::format("the value of \"{0}\" must be a number, a string or a tuple; a string needs quotes: "
@@ -415,19 +416,19 @@ class Parser {
     bool clean = true;
     for (;; ++at_) {
       const StageToken token = peek();
-      if (token.kind == Kind::tuple_close && same_line(open, token)) break;
-      if (token.kind == Kind::end || !same_line(open, token) || token.kind == Kind::open ||
-          token.kind == Kind::close) {
+      if (token.kind == TokenKind::tuple_close && same_line(open, token)) break;
+      if (token.kind == TokenKind::end || !same_line(open, token) || token.kind == TokenKind::open ||
+          token.kind == TokenKind::close) {
         errors_.add(open.where(), "a tuple must end with ] on the line on which it begins");
         return count;
       }
-      if (token.kind == Kind::number || token.kind == Kind::string) {
+      if (token.kind == TokenKind::number || token.kind == TokenKind::string) {
         count += clean;
         continue;
       }
       clean = false;
       errors_.add(token.where(),
-                  token.kind == Kind::word
+                  token.kind == TokenKind::word
                       ? fmt::format("\"{0}\" in a tuple needs quotes: [\"{0}\"]", token.text)
                       : std::string("a tuple cannot contain a tuple: remove the inner [ and ]"));
     }
@@ -440,7 +441,7 @@ class Parser {
   void define(bool keep) {
     const StageToken word = peek();
     ++at_;
-    if (peek().kind != Kind::word) {
+    if (peek().kind != TokenKind::word) {
       errors_.add(word.where(), "define needs a name and a base: define robot position( ... )");
       return;
     }
@@ -448,14 +449,14 @@ class Parser {
     const std::string_view name = peek().text;
     ++at_;
     bool usable = true;
-    if (peek().kind == Kind::word) {
+    if (peek().kind == TokenKind::word) {
       item.base = position();
       ++at_;
     } else {
       errors_.add(word.where(), fmt::format("define {0} needs a base: define {0} position( ... )", name));
       usable = false;
     }
-    if (peek().kind != Kind::open) {
+    if (peek().kind != TokenKind::open) {
       if (usable) errors_.add(word.where(), fmt::format("define {} needs a body in ( )", name));
       return;
     }
@@ -465,7 +466,7 @@ class Parser {
   }
 
   static std::string shown(const StageToken& token) {
-    return token.kind == Kind::string ? fmt::format("\"{}\"", token.text) : std::string(token.text);
+    return token.kind == TokenKind::string ? fmt::format("\"{}\"", token.text) : std::string(token.text);
   }
 
   StageDocument& document_;
@@ -484,7 +485,7 @@ StageDocument parse_stage(const fs::path& file, std::string text, std::span<cons
   SyntaxErrors errors(diagnostics);
   try {
     Lexer(document, search_path, diagnostics, errors).read(file, std::move(text));
-    document.tokens.push_back({.kind = Kind::end});
+    document.tokens.push_back({.kind = TokenKind::end});
     Parser(document, errors).read();
   } catch (const GiveUp&) {
     document.well_nested = false;

@@ -22,7 +22,7 @@ using engine::Value;
 constexpr std::array<std::string_view, 6> k_own_draw{"actuator", "blobfinder", "bumper",
                                                      "camera",   "position",   "ranger"};
 
-void set(const FieldTable& table, Record& record, std::string_view name, Value value) {
+void set_field(const FieldTable& table, Record& record, std::string_view name, Value value) {
   record[static_cast<std::size_t>(table.find(name))] = std::move(value);
 }
 
@@ -136,13 +136,13 @@ void StagePower::read_pack(const StageModel& model, std::uint32_t part, TypeSpec
                   .joint = type.parts[part].joint,
                   .params = kind->params.defaults(),
                   .where = model.where};
-  set(kind->params, pack.params, "capacity", capacity);
-  set(kind->params, pack.params, "stored", stored);
-  set(kind->params, pack.params, "infinite", infinite);
-  set(kind->params, pack.params, "idle", 0.0);
+  set_field(kind->params, pack.params, "capacity", capacity);
+  set_field(kind->params, pack.params, "stored", stored);
+  set_field(kind->params, pack.params, "infinite", infinite);
+  set_field(kind->params, pack.params, "idle", 0.0);
   if (const auto text = empty ? values_.text(*empty) : std::nullopt) {
     if (*text == "stop" || *text == "nothing")
-      set(kind->params, pack.params, "when_empty", std::string(*text));
+      set_field(kind->params, pack.params, "when_empty", std::string(*text));
     else
       values_.error(values_.where(*empty),
                     fmt::format("\"when_empty\" must be \"stop\" or \"nothing\", found \"{}\"", *text));
@@ -162,8 +162,8 @@ void StagePower::read_contact(const StageModel& model, std::uint32_t part, TypeS
                      .params = kind->params.defaults(),
                      .active = is_on(model),
                      .where = model.where};
-  set(kind->params, contact.params, "give", give);
-  set(kind->params, contact.params, "take", take);
+  set_field(kind->params, contact.params, "give", give);
+  set_field(kind->params, contact.params, "take", take);
   if (give > 0 && !contact.active)
     values_.warning_once(values_.where(*model.find(document_, "give_watts")),
                          "\"give_watts\" has no effect: a model gives energy only while it runs, for which "
@@ -194,8 +194,8 @@ void StagePower::finish(TypeSpec& type) {
   }
   DeviceSpec* own = type.drive ? pack_of(type, 0) : nullptr;
   if (!own) return;
-  set(*table, own->params, "mass", mass_);
-  set(*table, own->params, "idle", drives_ || is_controlled ? 1.0 : 0.0);
+  set_field(*table, own->params, "mass", mass_);
+  set_field(*table, own->params, "idle", drives_ || is_controlled ? 1.0 : 0.0);
 }
 
 }  // namespace troupe::worldio
