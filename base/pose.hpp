@@ -69,4 +69,11 @@ inline Pose compose(const Pose& pose_a_b, const Pose& pose_b_c) {
   return compose(pose_a_b, Transform(pose_a_b), pose_b_c);
 }
 
+/// Returns the direction in which a point lies from a pose, as an angle from the heading of the pose, in
+/// [-pi, pi]: positive to the left. Pose and point are in the same frame. At the position of the pose itself
+/// the direction is that of the x axis of the frame.
+inline double bearing_of(const Pose& from, const Vec2& to) {
+  return wrap_angle(atan2(to.y() - from.y, to.x() - from.x) - from.heading);
+}
+
 }  // namespace troupe

@@ -106,7 +106,7 @@ class Search {
     const std::vector<TypeSpec>& types = view.spec().types;
     const Box box = Box::around(sensor_.position(), finder.params.range_max);
     view.fixed_targets().for_each_near(box, [&](const engine::FixedTargets::Target& target) {
-      const TypeSpec& type = types[view.spec().bodies[target.body.index()].type.index()];
+      const TypeSpec& type = view.spec().type(target.body);
       consider(target.body, target.part, type.parts[target.part], target.pose_world_part, 0);
     });
     for (const std::uint32_t r : visible_.bodies()) {

@@ -133,7 +133,7 @@ Pose Model::pose() const {
   const engine::World& world = *place_->world;
   world.require_whole();
   const engine::WorldSpec& spec = world.spec();
-  const auto& part = spec.types[spec.bodies[place_->body.index()].type.index()].parts[place_->part];
+  const auto& part = spec.type(place_->body).parts[place_->part];
   if (part.joint != engine::k_rigid)
     return compose(world.mount(place_->row(), part.joint), part.pose_body_part);
   return compose(world.pose(place_->body), part.pose_body_part);
@@ -141,7 +141,7 @@ Pose Model::pose() const {
 
 Eigen::Vector3d Model::size() const {
   const engine::WorldSpec& spec = place_->world->spec();
-  return spec.types[spec.bodies[place_->body.index()].type.index()].parts[place_->part].size;
+  return spec.type(place_->body).parts[place_->part].size;
 }
 
 void Model::refuse_absent() const {
@@ -321,7 +321,7 @@ std::span<const engine::StateField> Model::command_fields(std::string_view devic
 
 std::optional<Model::Energy> Model::energy() const {
   const engine::World& world = *place_->world;
-  const engine::TypeSpec& spec = world.spec().types[world.spec().bodies[place_->body.index()].type.index()];
+  const engine::TypeSpec& spec = world.spec().type(place_->body);
   for (std::size_t part = place_->part;; part = spec.parts[part].parent) {
     if (const auto* pack = device_on(place_->type(), part, &engine::DeviceKind::energy))
       return pack->kind->energy(world.percepts(*pack), world.slot(place_->row()));

@@ -22,9 +22,7 @@ struct Model::Place {
   /// As row(), for functions that do not apply to parts: also throws std::logic_error if this model is a
   /// part.
   Row whole() const;
-  const engine::BodyType& type() const {
-    return world->types()[world->spec().bodies[body.index()].type.index()];
-  }
+  const engine::BodyType& type() const { return world->type(body); }
   /// Returns the index of the body in the state tables that only bodies of its type have, such as those of
   /// devices. Throws as row() does.
   std::size_t slot() const { return world->slot(row()); }
@@ -37,7 +35,7 @@ struct Model::Place {
   }
   /// Whether a device belongs to this model: a body owns the devices of all its parts, a part only its own.
   bool owns(const engine::BodyType::Device& device) const {
-    const auto& parts = world->spec().types[world->spec().bodies[body.index()].type.index()].parts;
+    const auto& parts = world->spec().type(body).parts;
     return part == 0 || device.name == parts[part].name;
   }
   /// Returns the first device of this model that satisfies `wanted`; null if there is none.

@@ -55,7 +55,7 @@ Result<std::vector<std::size_t>> types_of(const WorldSpec& world, const std::str
   for (const TypeSpec& type : world.types)
     if (engine::is_mobile(type)) names.push_back(type.name);
   for (std::size_t b = 1; b < world.bodies.size(); ++b) {
-    if (!engine::is_mobile(world.types[world.bodies[b].type.index()])) continue;
+    if (!engine::is_mobile(world.type(BodyId(b)))) continue;
     std::string name(world.name(BodyId(b)));
     const std::size_t end = name.find_last_not_of("0123456789");  // the robots of a population are numbered
     if (end != name.npos) name.resize(end + 1);

@@ -187,7 +187,7 @@ Model Simulation::find(std::string_view name) {
   engine::World& world = *impl_->world;
   const engine::WorldSpec& spec = world.spec();
   const auto parts_of = [&](BodyId body) -> const std::vector<engine::PartSpec>& {
-    return spec.types[spec.bodies[body.index()].type.index()].parts;
+    return spec.type(body).parts;
   };
   const auto place = [&](BodyId body, std::size_t part) {
     return Model(std::make_shared<Model::Place>(Model::Place{&world, body, part, std::string(name)}));

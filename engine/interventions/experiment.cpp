@@ -146,7 +146,7 @@ std::vector<BodyId> World::bodies_of(const GroupSpec& group, Where where, Diagno
   for (std::size_t b = 1; b < state_.rows.size(); ++b) {
     if (location(BodyId(b)) == RowLocation::none) continue;
     const std::string name = state_.spec.name(BodyId(b));
-    if (group.by == By::type) known.insert(state_.types[state_.spec.bodies[b].type.index()].name);
+    if (group.by == By::type) known.insert(state_.type(BodyId(b)).name);
     if (group.by == By::model) known.insert(name);
     if (group.by == By::population && without_number(name).size() < name.size())
       known.emplace(without_number(name));

@@ -162,10 +162,7 @@ std::size_t count_there(const World& world, std::span<const BodyId> bodies) {
 
 std::vector<BodyId> robots_of(const World& world, std::string_view of) {
   const WorldSpec& spec = world.spec();
-  const auto type_of = [&](BodyId body) -> const BodyType& {
-    return world.types()[spec.bodies[body.index()].type.index()];
-  };
-  const auto is_robot = [&](BodyId body) { return type_of(body).drive.has_value(); };
+  const auto is_robot = [&](BodyId body) { return world.type(body).drive.has_value(); };
   // If "r1" is a robot (of population "r"), the name does not also stand for the robots r10 to r19.
   const BodyId named = of.empty() ? BodyId() : world.find(of);
   const bool is_one = named.valid() && is_robot(named);
@@ -173,7 +170,7 @@ std::vector<BodyId> robots_of(const World& world, std::string_view of) {
   for (std::size_t b = 0; b < spec.bodies.size(); ++b) {
     const BodyId body(b);
     if (!is_robot(body)) continue;
-    if (!of.empty() && type_of(body).name != of && !(is_one && body == named)) {
+    if (!of.empty() && world.type(body).name != of && !(is_one && body == named)) {
       const std::string name = spec.name(body);
       if (is_one || !name.starts_with(of) || !is_number(name.substr(of.size()))) continue;
     }
@@ -186,7 +183,7 @@ std::vector<std::string> names_of_robots(const World& world) {
   std::set<std::string> names;
   const WorldSpec& spec = world.spec();
   for (std::size_t b = 0; b < spec.bodies.size(); ++b) {
-    const BodyType& type = world.types()[spec.bodies[b].type.index()];
+    const BodyType& type = world.type(BodyId(b));
     if (!type.drive) continue;
     names.insert(type.name);
     std::string name = spec.name(BodyId(b));

@@ -98,7 +98,7 @@ struct SightRay {
 
 /// Returns the part whose surface a ray hit. Call this only if hit.met() is true.
 inline const PartSpec& part_of(const SensingView& view, const RayHit& hit) {
-  return view.spec().types[view.spec().bodies[hit.body.index()].type.index()].parts[hit.part];
+  return view.spec().type(hit.body).parts[hit.part];
 }
 
 /// Present colour of the part that a ray hit: the colour that a device gives the part (shown_color()),

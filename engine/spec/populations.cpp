@@ -192,11 +192,8 @@ Occupancy::Occupancy(const WorldSpec& spec, std::size_t fixed)
 
 Occupancy::Occupancy(const WorldSpec& spec)
     : types_(spec.types),
-      scene_(scene_of(spec,
-                      [&spec](BodyId body) {
-                        return is_static(spec.types[spec.bodies[body.index()].type.index()]) &&
-                               spec.starts(body);
-                      })),
+      scene_(
+          scene_of(spec, [&spec](BodyId body) { return is_static(spec.type(body)) && spec.starts(body); })),
       shapes_(spec.types.size()) {
   for (std::size_t i = 0; i < spec.bodies.size(); ++i) {
     const BodySpec& body = spec.bodies[i];

@@ -98,7 +98,7 @@ void check_part_names(const WorldSpec& spec, const Report& report) {
   for (const auto& [name, place] : spec.part_aliases) {
     const auto has_part = [&spec, &place = place] {
       if (place.body.index() >= spec.bodies.size()) return false;
-      const auto& parts = spec.types[spec.bodies[place.body.index()].type.index()].parts;
+      const auto& parts = spec.type(place.body).parts;
       return std::ranges::find(parts, place.part, &PartSpec::name) != parts.end();
     };
     if (!has_part())
@@ -128,7 +128,7 @@ void check_reserves(const WorldSpec& spec, const Report& report) {
       if (spec.bodies[b].type != spec.bodies[first].type)
         return error(fmt::format(
             "has bodies of the types \"{}\" and \"{}\"; all bodies of a reserve must have the same type",
-            spec.types[spec.bodies[first].type.index()].name, spec.types[spec.bodies[b].type.index()].name));
+            spec.type(BodyId(first)).name, spec.type(BodyId(b)).name));
     end = last;
   }
 }

@@ -237,6 +237,8 @@ struct WorldSpec {
   std::optional<Record> window;  ///< initial view of a window: worldio/window_fields.hpp
   ExperimentSpec experiment;     ///< interventions, faults and stop conditions
 
+  /// Type of a body.
+  const TypeSpec& type(BodyId body) const { return types[bodies[body.index()].type.index()]; }
   /// Name of a body, as text.
   std::string name(BodyId body) const { return names.text(bodies[body.index()].name); }
   /// Whether a body is in the world at tick 0. False if it belongs to a reserve.

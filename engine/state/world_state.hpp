@@ -129,6 +129,8 @@ struct WorldState {
   void bind_view();
 
   std::size_t row_count() const { return bodies.size(); }  ///< number of rows
+  /// Type of a body, which may have no row.
+  const BodyType& type(BodyId body) const { return types[spec.bodies[body.index()].type.index()]; }
   /// Type of the row's body.
   const BodyType& type(Row row) const { return types[row_types[row.index()]]; }
   /// The rows of a table with the layout Layout::rows, as structs. `table` is an index into `tables`.

@@ -143,7 +143,7 @@ Birth World::give_birth(std::size_t reserve, std::uint32_t trials,
                         const std::function<Pose(std::uint32_t)>& place) {
   if (unborn(reserve) == 0) return {BirthStatus::used_up, {}};
   const BodyId id(state_.spec.reserves[reserve].first.index() + next_born_[reserve]);
-  const BodyType& type = state_.types[state_.spec.bodies[id.index()].type.index()];
+  const BodyType& type = state_.type(id);
   // A row can be elsewhere only in worlds without joints (why_replicated()). The shape of a body with joints
   // depends on where they are when the body is born.
   const Row row = location(id) == RowLocation::here ? this->row(id) : Row();

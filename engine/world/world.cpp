@@ -269,8 +269,7 @@ bool World::is_free(BodyId id, const partition::ObstacleShape& shape, const Pose
     if (location(other.body) == RowLocation::here)
       look_at_row(row(other.body).value);
     else  // its row will come when the ranks distribute the rows
-      look_at(other.body, state_.types[state_.spec.bodies[other.body.index()].type.index()].obstacle,
-              other.pose);
+      look_at(other.body, state_.type(other.body).obstacle, other.pose);
   }
   return free;
 }

@@ -136,9 +136,9 @@ class World {
   void forget();
   /// Switches on or off a test mode that finds device kinds which read or change data that they do not
   /// declare. If a kind reads such data, the hashes of the run differ from those without the mode
-  /// (docs/determinism.md). An effect is a change that a device makes to a body (struct Effect). If an effect
-  /// has a target, or changes the state of a body, outside the scope that the kind of the device declares
-  /// (DeviceKind::scope), the step throws a StepError.
+  /// (docs/determinism.md). An effect is a change that a device makes to a body (struct Effect). The scope of
+  /// a kind says which bodies its effects may have as targets and may change (DeviceKind::scope). If an
+  /// effect has a target, or changes the state of a body, outside this scope, the step throws a StepError.
   ///
   /// In this mode the hooks `sense` and `act` of a device are called for one row at a time. During each call,
   /// the bodies whose enclosing circles are outside the reach of the device (DeviceKind::Prepared::reach_m)
@@ -272,6 +272,7 @@ class World {
   /// location() is RowLocation::elsewhere.
   Row row(BodyId body) const { return state_.view.row(body); }
   const BodyType& type(Row row) const { return state_.view.type(row); }  ///< type of the row's body
+  const BodyType& type(BodyId body) const { return state_.type(body); }  ///< type of a body, also without row
   /// Slot of a row: its position among the rows of its type, and so its index in the tables of that type.
   std::size_t slot(Row row) const { return state_.view.slot(row); }
   /// Returns the body with this name or alias. A body with this name is preferred to a body with this alias.

@@ -45,10 +45,6 @@ constexpr Evasion k_evasion{.min_front = 0.5, .stop = 0.3};
 
 bool is_number(std::string_view text) { return text.find_first_not_of("0123456789") == text.npos; }
 
-double bearing_of(const Pose& from, const Vec2& to) {
-  return wrap_angle(atan2(to.y() - from.y, to.x() - from.x) - from.heading);
-}
-
 struct Collector {
   enum Mode : std::uint8_t { seeking, gripping, carrying, releasing, leaving, charging };
   struct Memory {

@@ -68,10 +68,6 @@ struct Sight {
   double bearing = 0;  // rad, from straight ahead
 };
 
-double bearing_of(const Pose& from, const Vec2& to) {
-  return wrap_angle(atan2(to.y() - from.y, to.x() - from.x) - from.heading);
-}
-
 struct Forager {
   enum Mode : std::uint8_t { working, refuelling, leaving, to_zone };
   struct Memory {
@@ -158,7 +154,7 @@ Result<> Forager::bind_world(const WorldSpec& world, const engine::TypeSpec&, st
     tasks.push_back({goal(from), goal(to)});
   }
   for (std::size_t b = 0; pack && b < world.bodies.size(); ++b)
-    for (std::uint32_t p = 0; p < world.types[world.bodies[b].type.index()].parts.size(); ++p)
+    for (std::uint32_t p = 0; p < world.type(BodyId(b)).parts.size(); ++p)
       if (engine::fiducial_of(world, BodyId(b), p) == k_charger_mark) {
         chargers.push_back(goal(BodyId(b)));
         break;
@@ -166,7 +162,7 @@ Result<> Forager::bind_world(const WorldSpec& world, const engine::TypeSpec&, st
   if (const BodyId body = find_body(world, "fuel_zone"); abandons && body.valid() && !chargers.empty()) {
     has_zone = true;
     zone = goal(body);
-    const engine::PartSpec& part = world.types[world.bodies[body.index()].type.index()].parts.front();
+    const engine::PartSpec& part = world.type(body).parts.front();
     zone_radius = std::max(0.5 * std::min(part.size.x(), part.size.y()), k_least_zone);
   }
   return {};

@@ -146,19 +146,19 @@ engine::MeasureKind mean_nearest_distance_measure() {
   return engine::make_measure_kind<MeanNearestDistance>(
       "mean_nearest_distance", Unit::meters, "mean distance to the nearest other robot",
       "The mean over the robots of the distance from a robot's origin to the origin of the nearest other "
-      "robot, among the robots that `of` selects. Walls between two robots make no difference. The value is "
-      "NaN for fewer than two robots. Source: Clark and Evans, Distance to nearest neighbor as a measure of "
-      "spatial relationships in populations, Ecology 35, 1954.",
+      "robot, among the robots that the key `of` of the measure selects. Walls between two robots make no "
+      "difference. The value is NaN for fewer than two robots. Source: Clark and Evans, Distance to nearest "
+      "neighbor as a measure of spatial relationships in populations, Ecology 35, 1954.",
       "1/n sum_i min_(j != i) |x_i - x_j|");
 }
 
 engine::MeasureKind neighbours_measure() {
   return engine::make_measure_kind<Neighbours>(
       "neighbours", Unit::none, "mean number of other robots nearby",
-      "The mean over the robots of the number of other robots, among those that `of` selects, whose origin "
-      "is within `radius` of the robot's origin. Walls between two robots make no difference. The value is "
-      "the mean degree of the graph that joins all pairs of robots within that distance. Source, for such "
-      "graphs: Penrose, Random geometric graphs, Oxford University Press, 2003.",
+      "The mean over the robots of the number of other robots, among those that the key `of` of the measure "
+      "selects, whose origin is within `radius` of the robot's origin. Walls between two robots make no "
+      "difference. The value is the mean degree of the graph that joins all pairs of robots within that "
+      "distance. Source, for such graphs: Penrose, Random geometric graphs, Oxford University Press, 2003.",
       "1/n sum_i sum_(j != i) [|x_i - x_j| <= radius]");
 }
 

@@ -743,30 +743,33 @@ TEST_F(HaloOfMixers, EffectsHaveOneOrderOnAllRanks) {
   }
 }
 
+/// Advances a world from tick 0 until this tick, in which a hook throws if its `throws_at` is that tick.
+/// Returns the text of the error, or "" if there is none.
+std::string error_of_tick(std::uint64_t tick, World& world, std::uint64_t& throws_at) {
+  halo_log(world, tick - 1);
+  throws_at = tick;
+  std::string text;
+  try {
+    world.step();
+  } catch (const StepError& error) {
+    text = error.what();
+  }
+  throws_at = 0;
+  return text;
+}
+
 TEST_F(HaloOfMixers, AnEffectThatThrowsEndsTheTickOnAllRanks) {
   const Simulation simulation = load_mixers();
   const WorldSpec& spec = simulation.world().spec();
   Diagnostics diagnostics(spec.files);
-  const auto error_of = [](World& world) {
-    halo_log(world, 9);
-    Mixer::throws_at = 10;
-    std::string text;
-    try {
-      world.step();
-    } catch (const StepError& error) {
-      text = error.what();
-    }
-    Mixer::throws_at = 0;
-    return text;
-  };
   World whole(spec, simulation.registry(), {.threads = 1}, diagnostics);
-  const std::string expected = error_of(whole);
+  const std::string expected = error_of_tick(10, whole, Mixer::throws_at);
   EXPECT_THAT(expected, HasSubstr("spilled"));
   whole.reset();
   const std::vector<Hashes> log = halo_log(whole, 20);
   for (const HaloTeam& team : k_experiment_teams) {
     HaloRanks ranks(spec, simulation.registry(), team);
-    EXPECT_EQ(error_of(ranks.world()), expected) << name_of(team);
+    EXPECT_EQ(error_of_tick(10, ranks.world(), Mixer::throws_at), expected) << name_of(team);
     ranks.world().reset();
     expect_equal_logs(halo_log(ranks.world(), 20), log, "after the error, " + name_of(team));
   }
@@ -899,6 +902,45 @@ TEST_F(HaloOfATurnover, ProgramsSpawnAndRemoveBodies) {
   for (const HaloTeam& team : k_experiment_teams) {
     HaloRanks ranks(spec, simulation.registry(), team);
     expect_equal_logs(halo_log(ranks.world(), 30, program), expected, name_of(team));
+  }
+}
+
+/// The kind `spawner`, whose hook `born` throws in one tick for every third door. Doors are far from one
+/// another, so the hook throws on some ranks and not on others.
+struct UnluckySpawner {
+  static inline std::uint64_t throws_at = 0;  // tick
+  static inline decltype(DeviceKind::born) born = nullptr;
+
+  static Registry registry() {
+    Registry registry = test::registry();
+    DeviceKind& spawner = *std::ranges::find(registry.devices, "spawner", &DeviceKind::name);
+    born = spawner.born;
+    spawner.born = [](World& world, const std::any& data, const Effect& effect, const Birth& birth) {
+      if (world.tick() == throws_at && effect.source.value % 3 == 1) throw std::runtime_error("stillborn");
+      born(world, data, effect, birth);
+    };
+    return registry;
+  }
+};
+
+// In tick 6, doors request births.
+TEST_F(HaloOfATurnover, ABirthThatThrowsEndsTheTickOnAllRanks) {
+  SimulationOptions options;
+  options.threads = 1;
+  const Simulation simulation(write("turnover.json", std::string(k_turnover)), options,
+                              UnluckySpawner::registry());
+  const WorldSpec& spec = simulation.world().spec();
+  Diagnostics diagnostics(spec.files);
+  World whole(spec, simulation.registry(), {.threads = 1}, diagnostics);
+  const std::string expected = error_of_tick(6, whole, UnluckySpawner::throws_at);
+  EXPECT_THAT(expected, HasSubstr("stillborn"));
+  whole.reset();
+  const std::vector<Hashes> log = halo_log(whole, 18);
+  for (const HaloTeam& team : k_experiment_teams) {
+    HaloRanks ranks(spec, simulation.registry(), team);
+    EXPECT_EQ(error_of_tick(6, ranks.world(), UnluckySpawner::throws_at), expected) << name_of(team);
+    ranks.world().reset();
+    expect_equal_logs(halo_log(ranks.world(), 18), log, "after the error, " + name_of(team));
   }
 }
 

@@ -60,7 +60,7 @@ std::vector<Block> blocks_of(const World& world, std::size_t bodies) {
     BodyId tree = body;
     while (row.valid() && world.carrier(world.row(tree))) tree = *world.carrier(world.row(tree));
     const Pose pose = world.pose(body);
-    const TypeSpec& type = spec.types[spec.bodies[b].type.index()];
+    const TypeSpec& type = spec.type(BodyId(b));
     for (const PartSpec& part : type.parts)
       for (const Solid& solid : part.solids) {
         Block block{tree, {}, solid.z.shifted(pose.z)};

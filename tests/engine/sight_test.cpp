@@ -29,7 +29,7 @@ struct Edge {
 std::vector<Edge> edges_of(const WorldSpec& spec) {
   std::vector<Edge> edges;
   for (std::size_t b = 0; b < spec.bodies.size(); ++b) {
-    const TypeSpec& type = spec.types[spec.bodies[b].type.index()];
+    const TypeSpec& type = spec.type(BodyId(b));
     for (std::uint32_t p = 0; p < type.parts.size(); ++p)
       for (const Solid& solid : type.parts[p].solids) {
         const Solid there = placed(solid, spec.bodies[b].pose_world_body);
@@ -46,7 +46,7 @@ RayHit oracle(const WorldSpec& spec, const std::vector<Edge>& edges, const Sight
   RayHit best{.range_m = ray.length};
   for (const Edge& edge : edges) {
     if (edge.body == own || (ray.z && !edge.z.contains(*ray.z))) continue;
-    const PartSpec& part = spec.types[spec.bodies[edge.body.index()].type.index()].parts[edge.part];
+    const PartSpec& part = spec.type(edge.body).parts[edge.part];
     if (ray.stops != nullptr && !ray.stops(part.returns)) continue;
     const Vec2 along = edge.b - edge.a;
     const double parallel = cross(ray.direction, along);

@@ -316,7 +316,7 @@ std::vector<Segment> all_segments(const engine::WorldSpec& spec) {
   for (std::uint32_t b = 0; b < spec.bodies.size(); ++b) {
     const Pose& pose = spec.bodies[b].pose_world_body;
     const double c = std::cos(pose.heading), s = std::sin(pose.heading);
-    for (const engine::PartSpec& part : spec.types[spec.bodies[b].type.index()].parts) {
+    for (const engine::PartSpec& part : spec.type(BodyId(b)).parts) {
       if (part.returns.ranger < 0) continue;
       for (const Solid& solid : part.solids) {
         for (const Ring& ring : solid.contours) {

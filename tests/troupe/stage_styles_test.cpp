@@ -261,16 +261,15 @@ TEST(StageStylesLayers, LaterLayersWinAndChildrenAddUp) {
   EXPECT_EQ(spec.bodies[1].color, (Color{0, 1, 0, 1}));
   EXPECT_EQ(spec.bodies[1].pose_world_body, (Pose{2, 2, 0, 0}));
   std::vector<std::string> devices;
-  for (const engine::DeviceSpec& device : spec.types[spec.bodies[1].type.index()].devices)
+  for (const engine::DeviceSpec& device : spec.type(BodyId(1)).devices)
     devices.push_back(
         device.name + " " +
         std::to_string(engine::from_record<engine::RangerParams>(device.params).transducers.size()));
   EXPECT_THAT(devices, ::testing::ElementsAre("one 2", "two 3", "three 2"));
   std::vector<std::string> parts;
-  for (const engine::PartSpec& part : spec.types[spec.bodies[2].type.index()].parts)
-    parts.push_back(part.name);
+  for (const engine::PartSpec& part : spec.type(BodyId(2)).parts) parts.push_back(part.name);
   EXPECT_THAT(parts, ::testing::ElementsAre("", "kid", "model:1"));
-  EXPECT_EQ(spec.types[spec.bodies[2].type.index()].parts[0].size.x(), 0.3) << "the first definition";
+  EXPECT_EQ(spec.type(BodyId(2)).parts[0].size.x(), 0.3) << "the first definition";
   EXPECT_NEAR(spec.bodies[world.find("5").index()].pose_world_body.heading, radians(40), 1e-12);
 }
 

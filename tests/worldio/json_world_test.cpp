@@ -266,7 +266,7 @@ TEST_F(JsonWorldOfPictures, FloorPlans) {
   EXPECT_EQ(spec.name(BodyId(1)), "a");
   EXPECT_EQ(spec.bodies[1].pose_world_body, (Pose{10, 0, 0, radians(90)}));
 
-  const engine::PartSpec& trimmed = spec.types[spec.bodies[1].type.index()].parts[0];
+  const engine::PartSpec& trimmed = spec.type(BodyId(1)).parts[0];
   ASSERT_EQ(trimmed.solids.size(), 1u);
   EXPECT_EQ(trimmed.solids[0].z, (ZInterval{0, 2}));
   ASSERT_EQ(trimmed.solids[0].contours.size(), 1u);  // the arch of dark pixels fills the size
@@ -275,7 +275,7 @@ TEST_F(JsonWorldOfPictures, FloorPlans) {
   EXPECT_FALSE(contains(trimmed.solids[0], Vec2(0, -1)));
   EXPECT_TRUE(contains(trimmed.solids[0], Vec2(0, 1)));
 
-  const engine::PartSpec& kept = spec.types[spec.bodies[2].type.index()].parts[0];
+  const engine::PartSpec& kept = spec.type(BodyId(2)).parts[0];
   EXPECT_EQ(kept.returns, (engine::Returns{false, 0.5f}));
   ASSERT_EQ(kept.solids.size(), 5u);  // and four walls
   EXPECT_EQ(kept.solids[0].z, (ZInterval{0, 1}));
@@ -301,7 +301,7 @@ TEST_F(JsonWorldOfPictures, MapsOfRosSayTheirSizeAndPlaceThemselves) {
     {"name": "a", "bitmap": "lab.yaml", "height_m": 2, "boundary": true}]})",
                       {}, file);
   ASSERT_THAT(loaded.found, IsEmpty());
-  const engine::PartSpec& part = loaded.spec.types[loaded.spec.bodies[1].type.index()].parts[0];
+  const engine::PartSpec& part = loaded.spec.type(BodyId(1)).parts[0];
   EXPECT_EQ(part.size, Eigen::Vector3d(2, 1.5, 2));
   ASSERT_EQ(part.solids.size(), 5u);
   // The image leans on its lower left corner, at (10, -3), and is turned to the left about it.

@@ -91,7 +91,7 @@ class StageTest : public test::ScratchTest {
 };
 
 inline const engine::TypeSpec& type_of(const engine::WorldSpec& spec, std::size_t body) {
-  return spec.types[spec.bodies[body].type.index()];
+  return spec.type(BodyId(body));
 }
 
 inline std::string name_of(const engine::WorldSpec& spec, std::size_t body) {
