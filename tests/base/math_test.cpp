@@ -20,7 +20,6 @@ namespace troupe {
 namespace {
 
 constexpr double k_inf = std::numeric_limits<double>::infinity();
-constexpr double k_nan = std::numeric_limits<double>::quiet_NaN();
 constexpr double k_denormal = std::numeric_limits<double>::denorm_min();
 constexpr double k_max = std::numeric_limits<double>::max();
 constexpr int k_arguments = 1'000'000;

@@ -438,7 +438,6 @@ std::string step_error(Simulation& simulation) {
 
 // Two robots have a wrong command. The error names the one with the lower id, whichever ranks own them.
 TEST_F(RanksOfAProgram, ReportTheErrorOfOneProcess) {
-  constexpr double k_nan = std::numeric_limits<double>::quiet_NaN();
   const auto spoil = [](Simulation& simulation) {
     simulation.step();
     for (const char* name : {"w31", "w17"}) {
@@ -620,7 +619,6 @@ TEST_F(CollectiveControllers, EndTheTickOfAllRanksIfTheyThrow) {
 }
 
 TEST_F(CollectiveControllers, AreNotCalledIfARankHasFailed) {
-  constexpr double k_nan = std::numeric_limits<double>::quiet_NaN();
   const fs::path file = write_world();
   for (const char* name : {"w2", "w17", "w39"}) {
     Simulation one = load_collective<Choir<0>>(file, 1);

@@ -121,7 +121,6 @@ TEST_F(SpecSimulation, OptionsReplaceWhatTheSpecSays) {
 }
 
 TEST_F(SpecSimulation, WhatIsWrongIsNamedByItsPath) {
-  constexpr double k_nan = std::numeric_limits<double>::quiet_NaN();
   const auto expect = [](auto damage, const std::string& message) {
     engine::WorldSpec spec = by_hand();
     damage(spec);
