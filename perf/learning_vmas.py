@@ -90,7 +90,7 @@ class Room(BaseScenario):
 
 
 class OfVmas:
-    """An environment of VMAS, and its steps with the random actions of perf/learning.py."""
+    """A VMAS environment with many copies of a world. Its steps use the random actions of perf/learning.py."""
 
     def __init__(self, copies):
         self.copies = copies

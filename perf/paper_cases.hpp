@@ -67,7 +67,7 @@ struct Plan {
 /// simd: the instruction sets to compare, named as in partition::simd_targets()
 Plan make_plan(bool quick, const std::vector<unsigned>& threads, const std::vector<std::string>& simd);
 
-/// The folder with Stage's own worlds, next to the source tree.
+/// The folder with the worlds that Stage ships, beside the root folder of Troupe's sources.
 std::filesystem::path stage_worlds();
 
 /// Returns an error if the world file of the scene does not exist.

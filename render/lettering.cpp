@@ -3,7 +3,8 @@
 namespace troupe::render {
 namespace {
 
-/// A letter: its polylines, and the distance from its left end to the next letter, in units of add_text().
+/// A character: its polylines, and `advance`, the distance from its left end to that of the next character.
+/// Both are in multiples of the parameter `unit` of add_text().
 struct Glyph {
   /// Polylines, separated by commas. A point has two characters, x from 0 to 4 and y from 0 (baseline) to 6.
   /// The letters "a" and "b" for y mean 1 and 2 below the baseline.

@@ -22,8 +22,9 @@ std::optional<unsigned> number_in(const char* variable) {
   return number;
 }
 
-/// A launcher and the environment variables that it sets: `rank` contains the number of the process, `ranks`
-/// the number of processes. name, mpi: as in Launcher.
+/// A launcher, and the names of the environment variables that it sets in each process. `rank` names the
+/// variable with the index of the process, from 0; `ranks` names the one with the number of processes. name,
+/// mpi: as in Launcher.
 struct Variables {
   const char* rank;
   const char* ranks;

@@ -53,7 +53,7 @@ void Conflicts::resolve(const Crowd& crowd, const partition::StaticScene& scene,
   const std::size_t rows = crowd.motions.size();
   for (const Push& push : pushes()) pushed_last_[push.row] = 0;
   push_count_ = 0;
-  reserve(rows, crowd.pushables);  // there may be fewer rows than in the tick of these pushes
+  reserve(rows, crowd.pushables);  // after the loop, which may need more rows than there are now
   constexpr std::uint32_t k_last_round = 1u << 29;  // Resolution stores a round in 30 bits
   if (base_ + rounds_ > k_last_round) {
     std::ranges::fill(resolutions_, Resolution());
@@ -106,9 +106,10 @@ void Conflicts::resolve(const Crowd& crowd, const partition::StaticScene& scene,
     longest_ = std::max(longest_, (push.position - crowd.transforms[push.row].position).norm());
 }
 
-/// The rounds after the first, with ghosts. A row that depends on a ghost waits until the rank that owns the
-/// ghost has sent its outcome. The mover of highest priority among all movers that wait on any rank depends
-/// only on resolved ones, so its rank resolves it as soon as it knows their outcomes: the exchanges end.
+/// Computes the rounds after the first if there are ghosts. A row that depends on a ghost waits until the
+/// rank that owns the ghost has sent the outcome of the ghost. The exchanges end, because at any time some
+/// rank can resolve a row: of all rows that wait on any rank, the one with the highest priority depends only
+/// on rows that are already resolved, and its rank resolves it as soon as it has received their outcomes.
 void Conflicts::finish_with(Border& border, Resolver& resolver, partition::Parallel& parallel) {
   std::size_t waiting = resolver.next_round();
   bool has_ghosts_left = true;

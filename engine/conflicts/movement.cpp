@@ -102,7 +102,7 @@ void Movement::propose() {
 }
 
 void Movement::resolve(std::span<const std::uint32_t> composites, Conflicts::Border* border) {
-  Pushables pushables = pushables_;  // sizes with joints at rest and no cargo; enlarged below
+  Pushables pushables = pushables_;  // sizes with joints at rest and without cargo; corrected below
   if (pushables.any())
     for (const std::uint32_t row : composites) {
       if (is_pushable_[row] == 0) continue;

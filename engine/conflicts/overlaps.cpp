@@ -8,39 +8,39 @@
 #include <string_view>
 #include <utility>
 
-// Warnings of bodies that overlap at tick 0.
+// Warnings about bodies that overlap, or extend below the floor, at tick 0.
 
 namespace troupe::engine {
 namespace {
 
-// Thousands of bodies at one place are millions of pairs, and counting them all would take a minute. The
-// search therefore ends once it has found more pairs than this. The number of pairs found by then does not
-// depend on the number of threads.
+// Thousands of bodies at one place form millions of pairs, and counting them all would take a minute. The
+// search therefore ends once it has found more pairs than k_most_counted. The pairs that it has found by then
+// do not depend on the number of threads.
 constexpr std::size_t k_most_counted = 10'000;
-constexpr std::size_t k_most_listed = 100;
+constexpr std::size_t k_most_listed = 100;  // most pairs with a warning of their own
 
-/// Pairs of bodies that overlap.
+/// The pairs of bodies that a search has found to overlap.
 struct Pairs {
-  std::size_t count = 0;
-  std::vector<std::pair<BodyId, BodyId>> listed;  ///< the first of them
+  std::size_t count = 0;                          ///< number of pairs
+  std::vector<std::pair<BodyId, BodyId>> listed;  ///< the first pairs that were found
 
   bool are_too_many() const { return count > k_most_counted; }
 };
 
-/// Finds the pairs of bodies that overlap. `most_listed` limits Pairs::listed.
+/// Finds the pairs of bodies that overlap. `most_listed` is the largest length of Pairs::listed.
 class OverlapSearch {
  public:
   OverlapSearch(const WorldState& state, std::size_t most_listed)
       : state_(state), poses_(state.poses()), most_listed_(most_listed) {}
 
   Pairs find(partition::Parallel& parallel) const {
-    constexpr std::size_t k_bodies = 256;  // per task
-    constexpr std::size_t k_tasks = 64;    // per parallel loop
+    constexpr std::size_t k_bodies = 256;  // bodies per task
+    constexpr std::size_t k_tasks = 64;    // tasks per parallel loop
     const std::size_t count = state_.rows.size();
     Pairs all;
     for (std::size_t first = 0; first < count && !all.are_too_many(); first += k_bodies * k_tasks) {
       const std::size_t end = std::min(count, first + k_bodies * k_tasks);
-      std::vector<Pairs> found((end - first + k_bodies - 1) / k_bodies);  // by task
+      std::vector<Pairs> found((end - first + k_bodies - 1) / k_bodies);  // one element per task
       parallel.for_each(found.size(), [&](std::size_t t) {
         const std::size_t from = first + t * k_bodies;
         find_among(from, std::min(end, from + k_bodies), found[t]);
@@ -51,14 +51,16 @@ class OverlapSearch {
   }
 
  private:
-  /// Adds the pairs whose first body has an id of at least `first` and less than `end`.
+  /// Adds the pairs whose first body has an id of at least `first` and less than `end`. Stops when `found`
+  /// has too many pairs.
   void find_among(std::size_t first, std::size_t end, Pairs& found) const {
     std::vector<BodyId> near;
     for (std::size_t b = first; b < end && !found.are_too_many(); ++b) add_pairs_of(BodyId(b), near, found);
   }
 
-  /// Adds the pairs of a body with static bodies, and then with bodies of higher ids, in order of ids: the
-  /// order must not depend on the grid. `near` is scratch memory.
+  /// Adds the pairs of a body with static bodies, and then those with bodies that have rows and higher ids.
+  /// Both are in the order of ids, so that the result does not depend on the cells of the spatial index.
+  /// `near` is scratch memory.
   void add_pairs_of(BodyId body, std::vector<BodyId>& near, Pairs& found) const {
     const Row row = state_.view.row(body);
     if (!row.valid() || shape(row).empty()) return;
@@ -121,15 +123,17 @@ void report_below_floor(const WorldState& state, Diagnostics& diagnostics) {
   }
 }
 
-/// The beginning of a warning of `count` pairs; `what` is empty or a word that describes the pairs, with a
-/// space. `is_least`: there are more pairs, which were not counted.
+/// Returns the beginning of a warning about `count` pairs.
+///
+/// what: empty, or a word that describes the pairs, followed by a space
+/// is_least: whether there are further pairs, which were not counted
 std::string count_text(std::size_t count, std::string_view what, bool is_least) {
   if (is_least) return fmt::format("more than {} {}pairs of bodies overlap", count, what);
   if (count == 1) return fmt::format("1 {}pair of bodies overlaps", what);
   return fmt::format("{} {}pairs of bodies overlap", count, what);
 }
 
-/// One warning of all pairs.
+/// Adds one warning about all pairs, which names the first pair.
 void report_count(const WorldSpec& spec, const Pairs& pairs, Diagnostics& diagnostics) {
   const std::size_t counted = std::min(pairs.count, k_most_counted);
   const auto [first, second] = pairs.listed.front();
@@ -141,7 +145,7 @@ void report_count(const WorldSpec& spec, const Pairs& pairs, Diagnostics& diagno
                   spec.name(first), spec.name(second)));
 }
 
-/// A warning of each pair that is listed, and one of the others.
+/// Adds one warning for each pair in Pairs::listed, and one for all other pairs together.
 void report_each(const WorldState& state, const Pairs& pairs, Diagnostics& diagnostics) {
   const WorldSpec& spec = state.spec;
   const auto where = [&](BodyId body) { return spec.bodies[body.index()].where; };
@@ -159,8 +163,9 @@ void report_each(const WorldState& state, const Pairs& pairs, Diagnostics& diagn
 
 }  // namespace
 
-/// Warns of bodies that overlap at tick 0, and of bodies that extend below the floor. Lists the first pairs
-/// if the diagnostics are thorough; otherwise one warning says how many pairs overlap.
+/// Warns about bodies that overlap at tick 0, and about bodies that extend below the floor. If the
+/// diagnostics are thorough, each of the first k_most_listed pairs gets a warning of its own; otherwise one
+/// warning says how many pairs overlap.
 void World::report_overlaps(Diagnostics& diagnostics) {
   report_below_floor(state_, diagnostics);
   const Pairs pairs = OverlapSearch(state_, diagnostics.thorough() ? k_most_listed : 1).find(parallel_);

@@ -14,7 +14,7 @@
 namespace troupe::engine {
 namespace {
 
-/// A list of numbers that allocates memory only if it has more than 512 numbers, which is rare.
+/// A list of numbers that allocates memory only for more than 512 numbers, which are rare.
 class Few {
  public:
   void add(std::uint32_t n) {
@@ -47,8 +47,8 @@ struct Conflicts::Resolver::Pushed {
   Vec2 now;     // position at the present sample
 };
 
-/// Place of a body at the turn of the mover (class Conflicts, `rule`). All bodies of higher priority that may
-/// affect the mover are resolved before its turn.
+/// Place of a body at the turn of the mover (class Conflicts, `rule`), world frame: transform `at` and height
+/// `z`, m. All bodies of higher priority that may affect the mover are resolved before the turn of the mover.
 struct Conflicts::Resolver::Place {
   Transform at;
   double z;
@@ -57,17 +57,18 @@ bool Conflicts::Resolver::is_pushable(std::uint32_t row) const {
   return crowd_.pushables.is_pushable[row] != 0 && !crowd_.shapes[row]->empty();
 }
 
-/// Radius of the row's zone, m. The zone is a circle about the row's old position that contains its whole
-/// motion, and every body that it may push, wherever that body is pushed. This radius suffices because each
-/// pushed body touches the mover or a body that was pushed before it.
+/// Radius of the row's zone, m. The zone is a circle about the row's old position. It contains the whole
+/// motion of the row's body, and every body that this body may push, before and after the push. Each pushed
+/// body touches the mover or another pushed body, so each adds at most the diameter of the largest pushable
+/// body.
 double Conflicts::Resolver::zone_radius(std::size_t row) const {
-  constexpr double k_slack_m = 1e-6;  // each shift adds k_rounding_m
+  constexpr double k_slack_m = 1e-6;  // covers the distance k_rounding_m that each push adds
   const double length = sqrt(length2_of(row));
   return length + crowd_.shapes[row]->radius + 2 * crowd_.pushables.limits[row] * crowd_.pushables.radius +
          k_slack_m;
 }
 
-/// Calls visit(other) for all other movers whose zones overlap the zone of the row.
+/// Calls visit(other) for the row of each other mover whose zone overlaps the zone of the row.
 template <class Visit>
 void Conflicts::Resolver::for_each_zone(std::uint32_t row, Visit&& visit) const {
   const Vec2 at = crowd_.poses[row].position();
@@ -152,12 +153,12 @@ std::span<const Conflicts::Push> Conflicts::Resolver::pushes_before(const Mover&
   return {conflicts_.pushes_.data() + of.first, of.count};
 }
 
-/// The last push of the row: its index in Conflicts::pushes_, plus 1; 0: the row was not pushed.
+/// Index in Conflicts::pushes_ of the last push of the row in this tick, plus 1; 0: the row was not pushed.
 std::uint32_t Conflicts::Resolver::last_push(std::uint32_t row) const {
   return atomic(conflicts_.pushed_last_[row]).load(std::memory_order_acquire);
 }
 
-/// Position of a pushable body after the pushes so far, m, world frame.
+/// Position of a pushable body after all pushes of this tick that are recorded so far, m, world frame.
 Vec2 Conflicts::Resolver::position_now(std::uint32_t row) const {
   const std::uint32_t push = last_push(row);
   return push == 0 ? crowd_.transforms[row].position : conflicts_.pushes_[push - 1].position;
@@ -183,7 +184,7 @@ bool Conflicts::Resolver::push(Mover& mover) {
   const Vec2 from = mover.from.position();
   const double reach = zone_radius(mover.row);
   conflicts_.pushes_of_[mover.row] = {};
-  Few bodies;  // rows near the mover that it cannot push
+  Few bodies;  // rows near the mover that it cannot push, and that may therefore block it
   Few others;  // rows near the mover that it can push
   const auto add = [&](std::uint32_t row) {
     const Place now = place_now(mover, row);
@@ -194,7 +195,7 @@ bool Conflicts::Resolver::push(Mover& mover) {
     (gives_way ? others : bodies).add(row);
   };
   // A body that was already pushed in this tick is found through the row that pushed it last, because the
-  // index contains only the body's old position, which may be far away.
+  // index contains only the old position of the body, which may be far from the present one.
   index_.for_each_near(Box::around(from, reach + value_of(largest_zone_)), [&](const BodyCircle& circle) {
     const std::uint32_t row = circle.row;
     if (row == mover.row || crowd_.shapes[row]->empty()) return;
@@ -240,15 +241,20 @@ bool Conflicts::Resolver::push(Mover& mover) {
   return true;
 }
 
-/// Shifts the bodies that overlap the mover at this pose, then in a further pass the bodies that overlap the
-/// shifted bodies, and so on until no bodies overlap. The first `count` entries of `set` are the bodies that
-/// the mover has pushed so far; both are updated. Returns false if more than `limit` bodies would have to be
-/// pushed, or if bodies still overlap after the last allowed pass.
+/// Makes passes (class Conflicts, `pushing`) until no bodies overlap. In a pass, first the mover at this
+/// pose, and then each body that the mover has pushed so far, shifts the bodies that it overlaps. The pushed
+/// bodies are the first `count` entries of `set`, in the order in which they were first met; `set` and
+/// `count` are updated. Returns false if more than `limit` bodies would have to be pushed, or if the last
+/// allowed pass still shifts a body.
+///
+/// row: row of the mover
+/// pushable: rows near the mover that it can push, in the order of their ids
 bool Conflicts::Resolver::make_way(std::uint32_t row, const PlacedShape& mover,
                                    std::span<const std::uint32_t> pushable, std::size_t limit,
                                    std::array<Pushed, k_most_pushed>& set, std::size_t& count) const {
-  /// Shifts the bodies that row `by` at the place `at` overlaps, except the first `after` entries of `set`:
-  /// these were met before `by`, or are `by` itself. Sets `shifted` if it shifts any.
+  /// Shifts the bodies that row `by` at the place `at` overlaps, except the first `after` entries of `set`,
+  /// which were met before `by` or are `by` itself. Sets `shifted` if it shifts any body. Returns false if
+  /// more than `limit` bodies would have to be pushed.
   const auto shift = [&](std::uint32_t by, const PlacedShape& at, std::size_t after, bool& shifted) {
     for (const std::uint32_t other : pushable) {
       if (other == by) continue;

@@ -46,8 +46,8 @@ class MeasureSet {
   /// Values for the state of the last see(), one per column, in the SI units of the columns; NaN if a
   /// measure has no value. The world must still be in that state. Exceptions are those of see().
   std::vector<double> values();
-  /// Value of the column with this index, which must exist, as in values(). Does not compute the other
-  /// columns.
+  /// Returns the value that values() has for the column with this index, which must exist. Does not compute
+  /// the other columns.
   double value(std::size_t column);
 
   /// Memory of all measures (Measure::memory()), one after another, for a checkpoint.

@@ -57,7 +57,8 @@ bool DistributedRows::take_all() {
   return leads();
 }
 
-/// Appends what has no row: redistribute() sends the rows.
+/// Appends the data that belong to no row: the tick, and the numbers of births (World::births()).
+/// redistribute() sends the rows later.
 void DistributedRows::put_all(MessageWriter& message) {
   message.put(world_.tick());
   message.put_bytes(std::as_bytes(world_.births()));
@@ -77,8 +78,9 @@ void DistributedRows::adopt_all(MessageReader message, bool is_in_tick) {
 
 // ---- The tick
 
-/// Leaves on each rank only its own rows and its ghosts. The ghosts must also suffice after World::set() has
-/// made the reach of a device longer.
+/// Leaves on each rank only its own rows and its ghosts. Distributes the rows if rank 0 has all of them, if
+/// bodies were born or have jumped, or if a device now has a longer reach (World::set()) than the ghosts
+/// cover.
 void DistributedRows::redistribute(bool have_jumped) {
   const bool have_come = std::exchange(are_born_, false);
   const bool must_distribute = std::exchange(is_on_rank_0_, false) || have_come || have_jumped;
@@ -150,7 +152,8 @@ std::uint32_t DistributedRows::lowest_trial(std::uint32_t own, std::uint32_t tri
   return lowest;
 }
 
-/// All ranks call this for the same parts of the same births, so these have the same numbers.
+/// All ranks make the same calls in the same order. A call therefore has the same number, attempts_, on all
+/// ranks, as SharedError::attempt() requires.
 void DistributedRows::attempt(const std::function<void()>& work) { error_.attempt(attempts_++, work); }
 
 void DistributedRows::end_attempts() {
@@ -160,7 +163,7 @@ void DistributedRows::end_attempts() {
 
 // ---- Verification
 
-/// Halo::hash_shown() and Halo::hash_seen() for each rank.
+/// Returns two sums for each rank r: at index 2 r Halo::hash_shown(r), at 2 r + 1 Halo::hash_seen(r).
 std::vector<std::uint64_t> DistributedRows::sums() const {
   std::vector<std::uint64_t> sums;
   for (unsigned rank = 0; rank < post_.ranks; ++rank) {
@@ -170,7 +173,8 @@ std::vector<std::uint64_t> DistributedRows::sums() const {
   return sums;
 }
 
-/// Throws unless all ghosts equal the rows of which they are copies.
+/// Throws if, for any pair of ranks, the ghosts on one rank differ from the rows of the other rank of which
+/// they are copies.
 void DistributedRows::verify(std::span<const std::vector<std::uint64_t>> sums) const {
   for (unsigned a = 0; a < post_.ranks; ++a)
     for (unsigned b = 0; b < post_.ranks; ++b)

@@ -18,10 +18,13 @@ using partition::MessageReader;
 using partition::MessageWriter;
 using partition::TileOwners;
 
-// Margin for the rounding of distances, radii and motions, m. It exceeds that of the enclosing circles in the
-// spatial index within 10 km of the origin; positions of up to 2,000 km are rounded to 5e-10 m.
+// Margin for the rounding of distances, radii and motions, m. Up to 10 km from the origin, it exceeds the
+// amount by which the spatial index enlarges the circles of bodies (partition::enclosing_circle()). The
+// rounding of positions is much smaller: at most 5e-10 m for coordinates of up to 2,000 km.
 constexpr double k_slack_m = 1e-3;
-// The skin that is chosen, in motions: the rows are distributed once in about half as many ticks.
+// The skin (class Halo) without the option skin_m, as a multiple of the longest motion in a tick. Two bodies
+// can approach each other by two such motions per tick, so rows are distributed about once in half as many
+// ticks.
 constexpr double k_skin_motions = 16;
 
 [[noreturn]] void throw_bad_message() {
@@ -129,12 +132,14 @@ HaloPlan plan_halo(const World& world, unsigned ranks, double longest_motion) {
 
 // ---- Which rank owns which rows
 
-/// Sets the coverage for motions up to `longest`, m, in this tick, and in some later ones.
+/// Chooses the coverage. It suffices for motions of up to `longest` (m) in this tick and, because of the
+/// skin, in some later ticks.
 void Halo::choose_coverage(double longest) {
   double skin = k_skin_motions * longest;
   if (cut_seed_) {
-    // Thin, so that the rows are often distributed because of it, or thick, so that bodies move far before
-    // the rows are distributed: ghosts that are missing then matter to own rows.
+    // Tests need both thin and thick skins. With a thin skin, the rows are often distributed. With a thick
+    // skin, bodies move far before the rows are distributed again, so that a missing ghost would change the
+    // results of own rows.
     Random random(*cut_seed_, stream_id("ranks", "skin"), 0, static_cast<std::uint32_t>(world_.tick()));
     skin = random.below(random.below(2) == 0 ? 4 : 32) * longest;
   }
@@ -170,20 +175,22 @@ void Halo::divide() {
   note_neighbours();
 }
 
-/// Sets `near` to the ranks that must have a row as a ghost: none if its body is unborn or dead.
+/// Sets `near` to the ranks that must have a row as a ghost, in ascending order: none if its body is unborn
+/// or dead.
 void Halo::find_ranks_near(Row row, std::vector<unsigned>& near) const {
   near.clear();
   if (world_.is_there(row)) owners_.find_near(position(row), coverage_, near);
 }
 
-/// Gives the ranks random ground. All ranks compute the same.
+/// Divides the ground among the ranks at random. All ranks compute the same division, because it depends only
+/// on the seed, the tick and the positions at tick 0.
 void Halo::cut_again() {
   Random random(*cut_seed_, stream_id("ranks", "cut"), 0, static_cast<std::uint32_t>(world_.tick()));
   owners_ = TileOwners(world_.geometry(), TileOwners::random_cut(keys_, post_.ranks, random));
 }
 
 void Halo::balance(std::span<const std::uint64_t> times) {
-  // Each rank sends the keys of some of its rows, evenly spaced in the order of keys.
+  // Each rank sends the keys of at most k_most_keys of its rows, evenly spaced in the order of keys.
   constexpr std::size_t k_most_keys = 512;
   std::vector<TileOwners::Key> keys;
   for (std::size_t r = 0; r < own_; ++r)
@@ -284,8 +291,8 @@ void Halo::distribute(double longest) {
     ReceivedOrder received = post_.receive(Order::rows, from);
     while (!received.rest.is_done()) arrivals.push_back(get_row(received.rest));
   }
-  // First the rows that this rank will own, then the ghosts; both in the order of ids, so that the order of
-  // rows does not depend on the senders.
+  // Sorts the rows that this rank will own before the ghosts, and each group by ids, so that the order of
+  // rows does not depend on which ranks sent them.
   const auto is_ghost = [&](const Arrival& arrival) { return owners_.owner(arrival.position) != self; };
   std::ranges::sort(arrivals, {}, [&](const Arrival& arrival) {
     return std::pair(is_ghost(arrival), arrival.state.body.value);
@@ -303,7 +310,8 @@ void Halo::distribute(double longest) {
   note_neighbours();
 }
 
-/// Makes the lists of the rows that this rank exchanges with others, after the rows were distributed.
+/// Called after the rows were distributed: makes the lists of the bodies whose rows this rank exchanges with
+/// other ranks (shown_ and seen_), and counts these ranks.
 void Halo::note_neighbours() {
   for (std::vector<std::vector<BodyId>>* lists : {&shown_, &seen_})
     for (std::vector<BodyId>& list : *lists) list.clear();
@@ -325,7 +333,7 @@ void Halo::note_neighbours() {
   find_rows();
 }
 
-/// Looks up the rows of the bodies in the lists of note_neighbours().
+/// Looks up the rows of the bodies in shown_ and seen_.
 void Halo::find_rows() {
   for (std::size_t rank = 0; rank < post_.ranks; ++rank) {
     for (const auto& [bodies, rows] : {std::pair(&shown_, &shown_rows_), std::pair(&seen_, &seen_rows_)}) {
@@ -410,9 +418,10 @@ std::span<const std::uint32_t> Halo::begin(std::span<const Motion> motions,
   return rows_within(order, {0, own_}, order_);
 }
 
-/// The two ranks of a pair exchange messages until both know the outcomes of all motions that both of them
-/// have. Both count the same motions, so they agree on when that is. A message may be empty: the outcome for
-/// which this rank waits may itself wait for that of a third rank.
+/// Exchanges one message with each rank to which this rank still has to send outcomes, or from which it still
+/// has to receive some. Both ranks of such a pair count the same motions, so they send each other the same
+/// number of messages. A message may contain no outcome, because the outcomes of the sender may depend on
+/// those of a third rank.
 bool Halo::exchange(Conflicts& conflicts) {
   std::vector<unsigned> active;
   for (unsigned rank = 0; rank < post_.ranks; ++rank)
@@ -423,7 +432,7 @@ bool Halo::exchange(Conflicts& conflicts) {
     MessageWriter message = post_.begin(Order::outcomes);
     std::erase_if(to_send_[to], [&](std::uint32_t i) {
       const Conflicts::Outcome outcome = conflicts.outcome(shown_rows_[to][i]);
-      if (outcome == Conflicts::Outcome::stands) return false;  // not yet resolved
+      if (outcome == Conflicts::Outcome::stands) return false;  // the row moves: not yet resolved
       message.put(i);
       message.put(outcome);
       return true;
@@ -481,7 +490,7 @@ void Halo::forget_completion() {
       leaving.push_back(body);
   world_.exchange_rows(leaving, {}, own_);
   is_complete_ = false;
-  find_rows();  // the lists stay: the other ranks have theirs from the time of the last distribution
+  find_rows();  // shown_ and seen_ must not change, because they match the lists of the other ranks
 }
 
 void Halo::own_all() {

@@ -35,7 +35,7 @@ Value get_value(MessageReader& message) {
     for (auto left = message.get<std::uint64_t>(); left > 0; --left) list.push_back(get_one());
     return Value(std::move(list));
   };
-  switch (message.get<std::uint8_t>()) {  // Value::v.index()
+  switch (message.get<std::uint8_t>()) {  // Value::v.index() of the value that put_value() has appended
     case 1: return {message.get<bool>()};
     case 2: return {message.get<std::int64_t>()};
     case 3: return {message.get<double>()};

@@ -79,7 +79,7 @@ ReceivedOrder Replica::expect(Order wanted, unsigned from) {
     const bool is_of_this_world = received.world == number_;
     if (is_of_this_world && order == Order::failed) failed_[from] = received;
     if (is_of_this_world && (order == wanted || order == Order::failed)) return received;
-    // The other rank sent its rows before it knew that this rank has failed.
+    // This rank has failed and is in fail(). The other rank sent this message before it knew of the failure.
     const bool is_of_rows = order == Order::together || order == Order::candidates || order == Order::rows ||
                             order == Order::births;
     if (is_of_this_world && wanted == Order::exchange && is_of_rows) continue;
@@ -88,20 +88,22 @@ ReceivedOrder Replica::expect(Order wanted, unsigned from) {
           fmt::format("internal error: rank {} expected message {} of rank {} and got {}; this is no error "
                       "of your input: please report it",
                       transport_.rank(), static_cast<int>(wanted), from, static_cast<int>(order)));
-    follow(order, received.rest);  // the callback of the program reads the state
+    follow(order, received.rest);  // from rank 0, whose callback of before_tick() uses the world
   }
 }
 
 // ---- The tick
 
-/// On rank 0: if the program has changed the state, appends the whole state.
+/// On rank 0: appends whether the program has changed the state since the other ranks received it and, if so,
+/// the whole state.
 void Replica::put_changes(MessageWriter& message) {
   const bool is_touched = is_touched_.exchange(false);
   message.put(is_touched);
   if (is_touched) rows_->put_all(message);
 }
 
-/// On other ranks: adopts the state if put_changes() has appended it. is_in_tick: see World::adopt()
+/// On other ranks: reads what put_changes() has appended, and adopts the state if there is one. is_in_tick:
+/// see World::adopt()
 void Replica::get_changes(MessageReader& message, bool is_in_tick) {
   if (message.get<bool>()) rows_->adopt_all(message, is_in_tick);
 }
@@ -123,7 +125,7 @@ void Replica::tick(bool has_callback, const std::function<void()>& work) {
   try {
     work();
   } catch (...) {
-    is_in_tick_ = false;  // first: fail() throws
+    is_in_tick_ = false;  // before fail(), which may throw
     if (!is_exchanged_) fail();
     throw;
   }
@@ -155,7 +157,7 @@ void Replica::attempt(const std::function<void()>& work) {
   if (is_in_tick_ && is_exchanged_)
     rows_->attempt(work);
   else
-    work();  // before exchange(), a rank that fails tells the others: fail()
+    work();  // if this throws before exchange(), fail() tells the other ranks
 }
 
 void Replica::end_attempts() { rows_->end_attempts(); }
@@ -258,9 +260,9 @@ void Replica::exchange() {
   rebalanced_ += rows_->prepare_motions(unequal_times());
 }
 
-/// Adds the times of this tick to times_. In one of k_ticks ticks, checks whether the ranks have taken
-/// unequal times since the last of these ticks. If they have, returns these times, one per rank; otherwise
-/// nothing.
+/// Adds the times of this tick to times_. Checks, once in k_ticks ticks, whether the ranks have taken unequal
+/// times since the last check. If so, returns these times, ns, one per rank. Returns an empty list if the
+/// times are about equal, if no check is due, or if the owners of rows are random (ReplicaOptions::cut_seed).
 std::vector<std::uint64_t> Replica::unequal_times() {
   constexpr std::uint64_t k_ticks = 32;     // times of single ticks vary
   constexpr double k_most_imbalance = 1.1;  // the slowest rank's time over the mean
@@ -285,9 +287,10 @@ Replica::Failure Replica::failure_of(MessageReader message) {
   return failure;
 }
 
-/// Called in a catch block: tells the other ranks that this rank cannot compute the tick. If several ranks
-/// fail, all of them throw the same StepError, unless their own exception is of another type. A rank that
-/// fails only because another has failed sends an empty text.
+/// Called in a catch block, before exchange(): tells the other ranks that this rank cannot compute the tick,
+/// and calls throw_first() with the failures of all ranks. A rank that fails only because another rank has
+/// failed sends an empty text. If this rank fails before agree() has returned, and rank 0 has a callback,
+/// this function returns without throwing.
 void Replica::fail() {
   const std::exception_ptr own = std::current_exception();
   Failure failure{static_cast<std::uint32_t>(phase_), 0, "an exception that is not a std::exception"};
@@ -323,9 +326,13 @@ void Replica::fail() {
   throw_first(failures, own);
 }
 
-/// Throws the error that a single process would have reported: the error of the earliest phase. Within a
-/// phase, exceptions of kinds come before velocities that are not finite; then the lowest robot or rank
-/// counts. own: the exception of this rank, if it has one; thrown unchanged if it is no StepError.
+/// Throws the error that a single process would have reported, as a StepError: the error of the earliest
+/// phase. Within a phase, errors without a robot (exceptions of kinds) come first, the lowest rank before the
+/// others. Then come errors with a robot (commands and velocities that are not finite), the lowest robot
+/// before the others.
+///
+/// failures: in the order of ranks; those with an empty text do not count
+/// own: the exception of this rank, if it has one; thrown unchanged unless it is a StepError or OtherFailed
 void Replica::throw_first(std::vector<Failure>& failures, const std::exception_ptr& own) {
   if (own) {
     try {

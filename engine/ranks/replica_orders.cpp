@@ -1,4 +1,5 @@
-// The orders that rank 0 gives between two ticks, and how the other ranks obey them.
+// The orders that rank 0 gives to the other ranks between two ticks or during the callback of
+// World::before_tick(), and how the other ranks obey them.
 
 #include "engine/ranks/record_message.hpp"
 #include "engine/ranks/replica.hpp"
@@ -80,7 +81,7 @@ void Replica::follow(Order order, MessageReader message) {
 
 void Replica::gather() {
   if (!leads() || is_in_tick_) return;
-  if (!is_read_) is_read_ = true;  // no write later, when several threads may call this
+  if (!is_read_) is_read_ = true;  // only the first call writes: later, several threads may call this
   if (rows_->is_complete()) return;
   transport_.send_to_all(message_of(Order::gather));
   std::vector<ReceivedOrder> answers;
@@ -101,7 +102,7 @@ void Replica::touch() {
 
 /// Called before a new state replaces the whole state, on all ranks that make the new state.
 void Replica::take_all() {
-  gather_distributed();  // rows have data that are not state, such as subscriptions
+  gather_distributed();  // the rows also have data that the new state keeps, such as subscriptions
   is_touched_ = rows_->take_all() || may_write();
 }
 
@@ -145,7 +146,7 @@ RankCounts Replica::own_counts() const {
 }
 
 std::vector<RankCounts> Replica::all_counts() {
-  std::vector<RankCounts> counts{own_counts()};  // before the question, whose messages do not count
+  std::vector<RankCounts> counts{own_counts()};  // first, so that the messages sent below do not count
   transport_.send_to_all(message_of(Order::counts));
   for (unsigned from = 1; from < ranks(); ++from)
     counts.push_back(expect(Order::counts, from).rest.get<RankCounts>());
@@ -164,7 +165,7 @@ Hashes Replica::own_hashes() {
 
 std::optional<Hashes> Replica::hashes() {
   if (!leads() || is_touched_) return {};
-  // If rank 0 has all rows of a distributed world, the ghosts that could be verified are gone.
+  // If rank 0 has all rows of a distributed world, it has no ghosts that could be verified.
   if (rows_->is_complete() && (!options_.verify || halo() != nullptr)) return {};
   MessageWriter question = message_of(Order::hash);
   question.put(options_.verify);

@@ -57,8 +57,8 @@ ReplicatedRows::ReplicatedRows(World& world, const ReplicaParts& parts, std::spa
       cut_seed_(cut_seed),
       cut_(equal_cut(world.rows(), post_.ranks)) {}
 
-/// Calls visit(bytes) for each contiguous piece of the tables with this sharing. Only the table rows of those
-/// bodies are visited that have the rows `rows` in the world.
+/// For each table with this sharing, calls visit(bytes) with the table rows of the bodies that have the rows
+/// `rows` in the world. These table rows are contiguous. If there are none, visit() is not called.
 template <class Visit>
 void ReplicatedRows::for_rows(Sharing sharing, const RowRange& rows, Visit&& visit) const {
   for (std::size_t t = 0; t < parts_.tables.size(); ++t) {
@@ -92,7 +92,7 @@ bool ReplicatedRows::take_all() {
   return false;
 }
 
-/// Appends the state tables, and the subscriptions (World::subscribe()).
+/// Appends the tick, the subscriptions (World::subscribe()) and all state tables.
 void ReplicatedRows::put_all(MessageWriter& message) {
   message.put(world_.tick());
   const std::vector<BodyId> subscribed = world_.subscribed();
@@ -116,7 +116,8 @@ void ReplicatedRows::adopt_all(MessageReader message, bool is_in_tick) {
 
 // ---- The tick
 
-/// Appends the rows whose present values other ranks do not have: those in tables that are kept or sent.
+/// Appends the table rows of `rank` whose present values other ranks lack at the end of the phase decide:
+/// those in tables with Sharing::kept or Sharing::sent.
 void ReplicatedRows::put_rows_of(unsigned rank, MessageWriter& message) const {
   for (const Sharing sharing : {Sharing::kept, Sharing::sent}) put_rows(sharing, rows_of(rank), message);
 }
@@ -152,8 +153,8 @@ void ReplicatedRows::get_written(unsigned from, MessageReader& message) {
         "it");
 }
 
-/// Gives rows to other ranks if the ranks take unequal times, or at random for tests. All ranks have the same
-/// times and compute the same cut.
+/// Gives rows to other ranks if the ranks take unequal times or, for tests, at random. All ranks have the
+/// same times, so they compute the same cut.
 bool ReplicatedRows::prepare_motions(std::span<const std::uint64_t> times) {
   is_complete_ = false;
   ++counts_.ticks;
@@ -176,7 +177,8 @@ Cut ReplicatedRows::random_cut() const {
   return cut;
 }
 
-/// Adopts a cut. The rows of tables that are kept go from their old owners to the new ones.
+/// Replaces the cut. For each row that gets another owner, the old owner sends the new one its rows in the
+/// tables with Sharing::kept. The new owner already has the present values in all other tables.
 void ReplicatedRows::adopt_cut(Cut cut) {
   const Cut before = std::exchange(cut_, std::move(cut));
   const auto common = [](const Cut& a, unsigned i, const Cut& b, unsigned j) {
@@ -205,7 +207,8 @@ void ReplicatedRows::apply_effects(std::span<const Effect> effects,
 
 // ---- Verification
 
-/// Hashes of the tables that must be equal on all ranks: those that are alike or sent.
+/// Returns the hashes of the tables that must be equal on all ranks: those with Sharing::alike or
+/// Sharing::sent.
 std::vector<std::uint64_t> ReplicatedRows::sums() const {
   std::vector<std::uint64_t> sums;
   for (std::size_t t = 0; t < sharing_.size(); ++t)

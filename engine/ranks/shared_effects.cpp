@@ -27,7 +27,7 @@ void SharedEffects::note() {
   own_ = effects_.emitted().size();
   for (const Effect& effect : effects_.emitted()) {
     if (!effect.is_of_life()) note(effect.source);
-    if (effect.target.index() >= world_.spec().bodies.size()) continue;  // not valid
+    if (effect.target.index() >= world_.spec().bodies.size()) continue;  // it has no target
     const RowLocation location = world_.location(effect.target);
     if (location == RowLocation::here && !effect.is_of_life()) note(effect.target);
     if (location == RowLocation::elsewhere)
@@ -84,7 +84,7 @@ SharedEffects::Affected* SharedEffects::find(BodyId body) {
 
 void SharedEffects::apply(std::span<const Effect> effects, const std::function<void(const Effect&)>& apply) {
   for (std::size_t i = 0; i < effects.size(); ++i) {
-    if (effects[i].is_of_life()) continue;  // World::resolve_lives()
+    if (effects[i].is_of_life()) continue;  // World::resolve_lives() carries it out
     Affected& source = *find(effects[i].source);
     bring(source, source.owner);
     if (Affected* const target = find(effects[i].target)) bring(*target, source.owner);
@@ -95,7 +95,8 @@ void SharedEffects::apply(std::span<const Effect> effects, const std::function<v
   error_.agree(post_);
 }
 
-/// Sends the state of a body from the rank that has changed it last to rank `to`, unless that is the same.
+/// Makes `to` the rank that has the present state of a body (Affected::last). If another rank has it so far,
+/// that rank sends the state to `to`. All ranks call this, but only these two exchange a message.
 void SharedEffects::bring(Affected& body, unsigned to) {
   const unsigned from = std::exchange(body.last, to);
   if (from == to) return;
@@ -105,14 +106,15 @@ void SharedEffects::bring(Affected& body, unsigned to) {
     if (is_here) halo_.put_state(message, body.body);
     post_.send(to, std::make_shared<const partition::Message>(message.take()));
   } else if (to == post_.rank) {
-    // One of the two ranks lacks the row if a device acts beyond its reach. Applying that effect throws.
+    // Both ranks have a row of the body, unless a device acts beyond its reach. Applying its effect then
+    // throws.
     ReceivedOrder received = post_.receive(Order::effects, from);
     if (is_here && !received.rest.is_done()) halo_.get_state(received.rest, body.body);
   }
 }
 
-/// Sends the states of own bodies to the ranks that have them as ghosts, and receives those of the ghosts
-/// here.
+/// Sends the states of affected bodies whose rows this rank owns to the ranks that have these bodies as
+/// ghosts. Receives the states of affected bodies that are ghosts on this rank.
 void SharedEffects::show() {
   for (unsigned to = 0; to < post_.ranks; ++to) {
     std::optional<MessageWriter> message;

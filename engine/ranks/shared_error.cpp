@@ -17,8 +17,8 @@ void SharedError::attempt(std::uint64_t number, const std::function<void()>& ste
   }
 }
 
-/// The error of the first step that failed is the one that a single rank would have met. What was thrown
-/// after it, on any rank, may be its consequence.
+/// The error of the first step that failed counts, because a single rank would have met this error. Errors of
+/// later steps, on any rank, may be consequences of it.
 void SharedError::agree(const RankPost& post) {
   partition::MessageWriter own = post.begin(Order::ended);
   own.put(failed_);

@@ -12,7 +12,8 @@
 namespace troupe::engine {
 namespace {
 
-/// Whether a device takes part in the phase move, which every rank computes for all rows.
+/// Whether devices of this kind have hooks that the phase move calls. In a replicated world, every rank calls
+/// them for all rows, not only for its own.
 bool moves(const DeviceKind& kind) {
   return kind.joints_moved != nullptr || kind.apply != nullptr || kind.born != nullptr;
 }
@@ -26,15 +27,15 @@ bool is_read(const World& world, std::string_view name) {
   });
 }
 
-/// Whether the states of devices of this kind are also read by other bodies or in the phase move, not only by
-/// the controllers of their own bodies.
+/// Whether other bodies or the phase move may read the states of devices of this kind. If not, only the
+/// device itself and the controllers of its own body read its state.
 bool shows_state(const World& world, const DeviceKind& kind) {
   return !kind.is_sensor() || kind.shows_color || kind.is_spent != nullptr || moves(kind) ||
          is_read(world, kind.name);
 }
 
-/// Whether the commands to devices of this kind are also read by other bodies or in the phase move, not only
-/// by the devices themselves.
+/// Whether other bodies or the phase move may read the commands to devices of this kind. If not, only the
+/// devices themselves read their commands.
 bool shows_commands(const World& world, const DeviceKind& kind) {
   return moves(kind) || is_read(world, fmt::format("{}/command", kind.name));
 }
@@ -53,7 +54,7 @@ std::vector<Sharing> sharing_of(const World& world) {
   const bool is_running_read = is_read(world, k_runs_of_others);
   for (const BodyType& type : world.types()) {
     for (const BodyType::Device& device : type.devices) {
-      if (device.table == 0) continue;  // the type has no bodies
+      if (device.table == 0) continue;  // the type has no rows, and so its devices have no tables
       const std::span<const StateField> fields = tables[device.table].fields();
       const bool is_sent =
           shows_state(world, *device.kind) || (!fields.empty() && is_read(world, fields.front().name));
@@ -62,7 +63,7 @@ std::vector<Sharing> sharing_of(const World& world) {
         sharing[*device.command_table] =
             shows_commands(world, *device.kind) || (is_running_read && device.kind->drives) ? Sharing::sent
                                                                                             : Sharing::kept;
-      // Whether a device is switched on is a bit of the command to the drive.
+      // A bit of the command to the drive says whether the device is switched on.
       if (is_running_read && device.switch_bit != 0) of("command") = Sharing::sent;
     }
     for (const BodyType::Controller& controller : type.controllers)

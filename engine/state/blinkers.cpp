@@ -24,8 +24,8 @@ Blinkers::Blinkers(WorldState& state)
       index_(state.geometry) {}
 
 /// Returns for each state table 1 if a kind of device may read the rows of other bodies in the table,
-/// otherwise 0. A kind may read the tables of places (SensingView) and those that it declares
-/// (DeviceKind::reads).
+/// otherwise 0. Every kind may read the tables from which the places of bodies follow (`pose`, `carrier`,
+/// `life` and those of joints), and the tables of the data that it declares (DeviceKind::reads).
 std::vector<std::uint8_t> Blinkers::tables_read_by(const DeviceKind& kind) const {
   std::vector<std::uint8_t> reads(state_.tables.size(), 0);
   const auto declares = [&](std::string_view name) {
@@ -40,7 +40,7 @@ std::vector<std::uint8_t> Blinkers::tables_read_by(const DeviceKind& kind) const
   if (state_.condition_table) reads[*state_.condition_table] = runs;
   for (std::size_t t = 0; t < state_.types.size(); ++t) {
     if (std::ranges::find(state_.row_types, t) == state_.row_types.end())
-      continue;  // such a type has no tables
+      continue;  // a type without rows has no tables
     for (const BodyType::Joint& joint : state_.types[t].joints) reads[joint.table] = 1;
     for (const BodyType::Device& device : state_.types[t].devices) {
       const std::span<const StateField> fields = state_.tables[device.table].fields();
@@ -107,11 +107,11 @@ void Blinkers::for_joints_of(Row row, Visit&& visit) const {
   for (std::size_t j = begin; j < begin + state_.type(row).joints.size(); ++j) visit(j);
 }
 
-/// Calls visit(t, i) for each row i of a table t with reads[t] == 0, if the row belongs to a visible body
-/// other than that of `row`.
+/// Calls visit(t, i) for row i of table t if the table is not to be read (reads[t] == 0) and the row belongs
+/// to a body that is not hidden and is not the body of `row`.
 template <class Visit>
 void Blinkers::for_other_tables(Row row, std::span<const std::uint8_t> reads, Visit&& visit) {
-  std::size_t hidden = 0;  // hidden rows are in ascending order
+  std::size_t hidden = 0;  // index of the next hidden row in hidden_, which is in ascending order
   for (std::size_t r = 0; r < state_.row_count(); ++r) {
     const std::vector<Row>& all = hidden_;
     if (hidden < all.size() && all[hidden].index() == r) {
@@ -164,7 +164,8 @@ void Blinkers::begin_effect(const Effect& effect) {
   inside_ = trees_of(effect);
 }
 
-/// Returns for each row 1 if it is in the tree of the source or of the target of an effect, otherwise 0.
+/// Returns for each row 1 if its body is in the tree of the source or of the target of an effect, otherwise
+/// 0. An effect may have no target.
 std::vector<std::uint8_t> Blinkers::trees_of(const Effect& effect) const {
   const Row source = state_.view.row(effect.source);
   const bool has_target = effect.target.valid() && effect.target.index() < state_.rows.size() &&

@@ -21,7 +21,7 @@ std::span<const std::uint32_t> rows_within(std::span<const std::uint32_t> order,
                                            std::vector<std::uint32_t>& rows) {
   rows.resize(order.size());
   std::size_t count = 0;
-  for (const std::uint32_t row : order) {  // without a branch, which would be unpredictable
+  for (const std::uint32_t row : order) {  // no branch on the range, because it would be unpredictable
     rows[count] = row;
     count += row >= range.first && row < range.end;
   }
@@ -70,7 +70,8 @@ void WorldState::update_presence(Row row) {
   if (!not_drawn.empty()) not_drawn[row.index()] = !there;
 }
 
-/// Computes the outlines of a row with joints, in the world frame. `transform` is the pose of its body.
+/// Computes the outlines of a row whose body has joints, in the world frame. `transform`: pose of the body,
+/// world frame.
 void WorldState::update_jointed_outlines(Row row, const BodyType& type, const Transform& transform) {
   Vec2* out = outlines.data() + outline_begins[row.index()];
   const std::span<const Mount> all = mounts(row);

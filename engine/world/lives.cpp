@@ -45,7 +45,7 @@ void World::build_lives() {
   if (state_.spec.ranging == RangingEngine::grid) state_.not_drawn.resize(rows());
 }
 
-/// Whether the rows of the component `life` are consistent with one another and with the tick.
+/// Whether the component `life` is consistent with itself, with the tick and with the component `carrier`.
 bool World::lives_hold(std::uint64_t tick) const {
   if (!state_.life_table) return true;
   const StateTable& lives = state_.tables[*state_.life_table];
@@ -65,7 +65,7 @@ bool World::lives_hold(std::uint64_t tick) const {
     if (by.valid() && presence(by) != Presence::there) return false;
   }
   for (const ReserveSpec& reserve :
-       state_.spec.reserves)  // the bodies of a reserve are born in the order of their ids
+       state_.spec.reserves)  // bodies of a reserve are born in the order of their ids
     for (std::uint32_t i = 1; i < reserve.count; ++i) {
       const BodyId id(reserve.first.index() + i);
       if (presence(row(BodyId(id.index() - 1))) == Presence::unborn && presence(row(id)) != Presence::unborn)
@@ -89,7 +89,8 @@ void World::derive_lives() {
   }
 }
 
-/// Counts the bodies that are absent, and the robots of own rows that are present.
+/// Counts the rows whose bodies are absent, and the present robots with own rows. In a world without births
+/// and deaths, all robots count, whether their rows are here or not.
 void World::count_present() {
   state_.now.absent = 0;
   robots_ = robots_at_start_;
@@ -124,7 +125,8 @@ std::optional<std::size_t> World::reserve(std::string_view population) const {
   return static_cast<std::size_t>(found - state_.spec.reserves.begin());
 }
 
-/// Calls work(). If it throws, a rank of a distributed world throws only when the other ranks do as well.
+/// Calls work(). If it throws in the phase move of a distributed world, the exception is thrown later, by
+/// Replica::end_attempts(), on all ranks.
 template <class Work>
 void World::attempt(Work&& work) {
   if (replica_)
@@ -134,18 +136,19 @@ void World::attempt(Work&& work) {
 }
 
 /// Spawns the next body of a reserve, if there is one, at the first free pose of place(0), place(1), ...,
-/// place(trials - 1). Between two births, the spatial index must contain the present poses of all bodies in
-/// the world, except those of newborn_, which have been born since it was built.
+/// place(trials - 1). Before the call, the spatial index must contain the present poses of all bodies in the
+/// world, except the bodies of newborn_, which were born since the index was built.
 ///
-/// If the rows are distributed among ranks, all ranks call this in the same order. The row of the new body
-/// stays on the rank that had the row of the unborn body, until the ranks distribute the rows again.
+/// If the rows are distributed among ranks, all ranks make the same calls in the same order. The row of the
+/// new body stays on the rank that had the row of the unborn body, until the ranks distribute the rows again.
 Birth World::give_birth(std::size_t reserve, std::uint32_t trials,
                         const std::function<Pose(std::uint32_t)>& place) {
   if (unborn(reserve) == 0) return {BirthStatus::used_up, {}};
   const BodyId id(state_.spec.reserves[reserve].first.index() + next_born_[reserve]);
   const BodyType& type = state_.type(id);
-  // A row can be elsewhere only in worlds without joints (why_replicated()). The shape of a body with joints
-  // depends on where they are when the body is born.
+  // Rows can be elsewhere only in worlds without joints (why_replicated()), so a body with joints has a valid
+  // row. Its shape depends on the poses of its joints at birth, so it enters the world before its shape is
+  // used.
   const Row row = location(id) == RowLocation::here ? this->row(id) : Row();
   if (!type.joints.empty()) enter(row, {});
   const partition::ObstacleShape& shape = type.joints.empty() ? type.obstacle : *state_.shapes[row.index()];
@@ -168,7 +171,8 @@ Birth World::give_birth(std::size_t reserve, std::uint32_t trials,
 }
 
 /// Returns the lowest trial whose pose place(trial) is free for an unborn body with this shape; `trials` if
-/// there is none. If the rows are distributed among ranks, each rank tests the poses on its own ground.
+/// there is none. If the rows are distributed among ranks, each rank tests only the poses on its own ground,
+/// and all ranks return the lowest trial that any rank has found.
 std::uint32_t World::first_free(BodyId id, const partition::ObstacleShape& shape, std::uint32_t trials,
                                 const std::function<Pose(std::uint32_t)>& place) const {
   std::uint32_t first = trials;
@@ -180,7 +184,7 @@ std::uint32_t World::first_free(BodyId id, const partition::ObstacleShape& shape
   return replica_ ? replica_->lowest_trial(first, trials) : first;
 }
 
-/// Gives an unborn body the state of a body at tick 0, at this pose.
+/// Puts an unborn body into the world at this pose, with the state that a body has at tick 0.
 void World::enter(Row row, const Pose& pose) {
   for (const BodyType::Device& device : type(row).devices)
     if (device.command_table)  // a program may have kept a reference to this command, and written to it
@@ -191,7 +195,7 @@ void World::enter(Row row, const Pose& pose) {
   derive(row);
 }
 
-/// Undoes enter().
+/// Undoes enter(): the body is unborn again.
 void World::leave(Row row) {
   state_.clear(row);
   state_.life(row).presence = static_cast<std::uint8_t>(Presence::unborn);
@@ -221,8 +225,8 @@ void World::die(Row row) {
 }
 
 /// Carries out the deaths and births that devices requested in this tick. Deaths come first, so that a body
-/// can be born where another body died in the same tick. Throws std::logic_error if the world has neither
-/// reserves nor deaths. If the rows are distributed among ranks, `effects` has those of all ranks.
+/// can be born where another body died in the same tick. Throws std::logic_error if has_lives() is false. If
+/// the rows are distributed among ranks, `effects` must have the effects of all ranks.
 void World::resolve_lives(std::span<const Effect> effects) {
   if (!state_.life_table)
     throw std::logic_error(
@@ -240,7 +244,7 @@ void World::resolve_lives(std::span<const Effect> effects) {
   bool is_indexed = false;
   for (const Effect& effect : effects) {
     if (effect.verb != k_birth || has_died(effect.source)) continue;
-    // The index still has the poses from before this tick.
+    // The index still has the poses from before the motions of this tick, and the bodies that have died.
     if (!is_indexed) state_.index.rebuild(state_.transforms, state_.radii, parallel_);
     is_indexed = true;
     const auto [x, y, z, heading] = effect.payload;
@@ -261,7 +265,7 @@ void World::resolve_lives(std::span<const Effect> effects) {
 
 Birth World::spawn(std::size_t reserve, const Pose& pose) {
   require_whole();
-  restore_fp_environment();  // a library may have changed it, see World::step()
+  restore_fp_environment();  // a library may have changed it: see World::step()
   if (!is_finite(pose))
     throw std::invalid_argument(
         fmt::format("a body of \"{}\" cannot be placed at x {}, y {}, z {} (m), heading {} (rad): the "
@@ -276,7 +280,7 @@ Birth World::spawn(std::size_t reserve, const Pose& pose) {
 
 void World::remove(Row row) {
   require_whole();
-  restore_fp_environment();  // a library may have changed it, see World::step()
+  restore_fp_environment();  // a library may have changed it: see World::step()
   if (!state_.life_table)
     throw std::logic_error(
         "programs cannot remove bodies of this world: add \"mortal\": true to the world file, or set the "

@@ -16,7 +16,7 @@
 #include <string_view>
 #include <vector>
 
-// Bodies that change their rows, and rows that leave a world and come back.
+// Functions of World that give bodies other rows, remove rows from a world, and add rows to it.
 
 namespace troupe::engine {
 namespace {
@@ -49,13 +49,13 @@ std::span<std::byte> bytes_of(StateTable& table, std::size_t row, std::size_t fi
 
 }  // namespace
 
-/// Called first by functions that change which rows bodies have. Throws std::logic_error if several ranks
-/// compute the world. `what` names the change in the error text, for example `shuffled`.
+/// Public functions that change which rows bodies have call this first. Throws std::logic_error if several
+/// ranks compute the world. `what` names the change in the error text, for example `shuffled`.
 void World::begin_row_change(std::string_view what) const {
   require_whole();
   if (replica_ != nullptr)
     throw std::logic_error(fmt::format("the rows of a world that several ranks compute cannot be {}", what));
-  restore_fp_environment();  // a library may have changed it, see step()
+  restore_fp_environment();  // a library may have changed it: see step()
 }
 
 void World::shuffle_rows(std::uint64_t seed) {
@@ -79,7 +79,7 @@ void World::move_rows(std::span<const std::uint32_t> to,
                       std::span<const std::vector<std::uint32_t>> slots_to) {
   std::vector<bool> is_of_type(state_.tables.size(), false);
   for (std::size_t t = 0; t < state_.types.size(); ++t) {
-    if (state_.pools[t].rows == 0) continue;  // such a type has no tables
+    if (state_.pools[t].rows == 0) continue;  // a type without rows has no tables
     for_tables_of_type(state_.types[t], [&](std::size_t table) {
       is_of_type[table] = true;
       state_.tables[table].move_rows(slots_to[t]);
@@ -102,8 +102,9 @@ void World::move_rows(std::span<const std::uint32_t> to,
     for (Placed& placed : *list) placed.row = Row(to[placed.row.index()]);
 }
 
-/// Called after bodies have changed their rows: computes all data that depend on the rows. It does not call
-/// derive_state(), because that function also clears the lists of placed bodies (placed_before_step()).
+/// Called after bodies have got other rows, and after rows were removed or added: computes all data that
+/// depend on the rows. Does not call derive_state(), which would also clear the lists of the bodies that
+/// set_poses() has placed (placed_before_step()).
 void World::derive_rows() {
   state_.radii.resize(rows());
   state_.shapes.resize(rows());
@@ -185,7 +186,7 @@ void World::exchange_rows(std::span<const BodyId> leaving, std::span<const RowSt
 /// Removes each row r with leaves[r]. The other rows, and the slots of their bodies, keep their order.
 /// derive_rows() must follow.
 void World::drop_rows(const std::vector<bool>& leaves) {
-  // Moves the rows and slots that stay to the front, in their order.
+  // Moves the rows and slots that stay to the front, and the others behind them; both keep their order.
   std::vector<std::uint32_t> to(rows());
   std::uint32_t kept = 0;
   for (std::size_t r = 0; r < rows(); ++r)
@@ -224,7 +225,8 @@ void World::drop_rows(const std::vector<bool>& leaves) {
     std::erase_if(*list, [&](const Placed& placed) { return placed.row.index() >= kept; });
 }
 
-/// Adds rows after the present ones, in the order of the list. derive_rows() must follow.
+/// Adds rows after the present ones, in the order of the list. A RowState without bytes adds a row of zeros.
+/// derive_rows() must follow.
 void World::append_rows(std::span<const RowState> added) {
   std::vector<std::uint32_t> counts(state_.types.size(), 0);
   for (const std::uint32_t t : state_.row_types) ++counts[t];
@@ -252,8 +254,8 @@ void World::append_rows(std::span<const RowState> added) {
     if (!each.bytes.empty()) set_state(row(each.body), each.bytes);
 }
 
-/// Returns all data of a row that are neither constant nor derived: its rows of the state tables, its
-/// subscription, and its entries in the lists of placed bodies.
+/// Returns all data of a row that are neither constant nor derived: whether its body is subscribed, the
+/// entries of the row in the lists of placed bodies (set_poses()), and the row's data in the state tables.
 std::vector<std::byte> World::row_bytes(Row row) {
   partition::MessageWriter message;
   message.put(state_.subscribed[row.index()]);

@@ -42,7 +42,8 @@ std::string_view phase_name(Phase phase) {
 void World::step() {
   require_whole();
   const Completion completion(*this);
-  restore_fp_environment();  // a library loaded since the last step may have enabled fast maths
+  // A library that was loaded since the last step may have made this thread flush denormals to zero.
+  restore_fp_environment();
   if (replica_)
     replica_->tick(before_tick_ != nullptr, [this] { make_tick(); });
   else
@@ -92,17 +93,18 @@ void World::hide_beyond_reach(bool on) {
   blinkers_.reset(on ? new Blinkers(state_) : nullptr);
 }
 
-/// Calls work(rows) once. If hide_beyond_reach() is on, calls work once per row instead, and hides from the
-/// device, during each call, the data that Blinkers::hide_from() lists.
+/// Calls work(rows) once. If the test mode hide_beyond_reach() is on, calls work() once per row instead;
+/// during each call, the data that Blinkers::hide_from() lists are hidden from the device.
 template <class Work>
 void World::for_seeing(std::span<const Row> rows, const BodyType& type, const BodyType::Device& device,
                        Work&& work) {
   if (!blinkers_) return work(rows);
   for (const Row& row : rows) {
     const std::size_t emitted = effects_.emitted().size();
-    // A drive device (DeviceKind::drives) can move its part, and all devices on the part, far away. It
-    // declares no joint_reach_m, because the largest shift would make the cells of the spatial index too
-    // wide. So the present shift of the device counts as well.
+    // The reach is a distance from the origin of the body, but a joint can shift the device away from its
+    // place at rest. BodyType::joint_reach bounds this shift, except for joints of drive devices
+    // (DeviceKind::drives), which can move a part far away: a bound for them would make the cells of the
+    // spatial index too wide. For these, the present shift of the device counts.
     const double shift =
         device.joint == k_rigid
             ? 0
@@ -138,7 +140,8 @@ void World::sense() {
 }
 
 void World::actuate() {
-  std::atomic<std::uint32_t> faulty = BodyId().value;  // lowest id whose velocity is not finite
+  // Lowest id of the robots whose command or velocity is not finite.
+  std::atomic<std::uint32_t> faulty = BodyId().value;
   const auto actuate_rows = [&](std::span<const Row> rows, const BodyType& type) {
     if (type.drive)
       for_due(state_, rows, type.drive->period,
@@ -189,7 +192,7 @@ void World::decide() {
 /// Calls a controller with ControllerKind::is_collective once, for all its robots that are due in this tick,
 /// in the order of their ids.
 void World::decide_together(const BodyType& type, const BodyType::Controller& controller) {
-  thread_local std::vector<Row> rows;  // reused, because this is called in every tick
+  thread_local std::vector<Row> rows;  // keeps its memory, because this is called in every tick
   rows.clear();
   for (std::size_t b = 0; b < state_.rows.size(); ++b) {
     if (location(BodyId(b)) != RowLocation::here) continue;
@@ -243,7 +246,7 @@ void World::drive(std::span<const Row> rows, const BodyType::Drive& drive,
   }
   for (std::size_t i = 0; i < rows.size(); ++i) {
     const Velocity v = has_slow ? scaled(velocities[i], speed_scale(rows[i])) : velocities[i];
-    const Command& command = commands[i];  // tested, because drives clamp an infinite command
+    const Command& command = commands[i];  // tested too: a drive may clamp an infinite command
     if (!is_finite(command) || !is_finite(v)) {
       std::uint32_t lowest = faulty.load();
       const std::uint32_t id = body(rows[i]).value;
@@ -256,7 +259,7 @@ void World::drive(std::span<const Row> rows, const BodyType::Drive& drive,
   }
 }
 
-/// Sets the velocity of disabled and dropped-out robots to 0, whatever their commands are.
+/// Sets the velocity of robots that are disabled or dropped out by a fault to 0, whatever their commands are.
 void World::halt_disabled(std::span<const Row> rows) {
   for (const Row row : rows)
     if (state_.condition(row).out != 0) state_.as<Velocity>(WorldState::k_velocity)[row.index()] = {};
@@ -337,8 +340,9 @@ void World::apply_effects() {
   effects_.clear();
 }
 
-/// Calls the hook joints_moved of devices, so that they read the outcomes of the joint motions that they
-/// commanded. Then clears these outcomes.
+/// Calls the hook joints_moved of devices, which reads the outcomes of the joint motions that the devices
+/// have requested in this tick. Then clears these outcomes. Does nothing if no device has requested a joint
+/// motion.
 void World::report_joints() {
   if (!links_.take_asked()) return;
   for_blocks(state_, parallel_, [&](std::span<const Row> rows, const BodyType& type) {

@@ -30,7 +30,7 @@ void World::start() {
   const Completion completion(*this);
   state_.now.tick = 0;
   beams_ = conflict_rounds_ = 0;
-  derive_experiment();  // first: bodies start with the parameters of tick 0
+  derive_experiment();  // first, because bodies start with the parameters of tick 0
   for (StateTable& table : state_.tables) table.clear();
   for (std::size_t r = 0; r < rows(); ++r) {
     const BodyId body = state_.bodies[r];
@@ -42,7 +42,7 @@ void World::start() {
   derive();
 }
 
-/// The pose of a body that starts at `p`.
+/// Returns `p` with its heading wrapped and -0 replaced by 0, so that equal poses have equal bits.
 Pose World::at_start(const Pose& p) { return {p.x + 0.0, p.y + 0.0, p.z + 0.0, wrap_angle(p.heading) + 0.0}; }
 
 void World::start(Row row, const Pose& p) {
@@ -191,7 +191,7 @@ void World::set_estimate(Row row, const Pose& pose) {
 
 void World::set_poses(std::span<const Placed> placed) {
   require_whole();
-  restore_fp_environment();  // a library may have changed it, see step()
+  restore_fp_environment();  // a library may have changed it: see step()
   const Box inside = state_.bounds();
   for (const Placed& place : placed) {
     const Pose& p = place.pose;
@@ -249,8 +249,9 @@ bool World::is_free(Row row, const Pose& pose) const {
   return is_free(body(row), is_there(row) ? *state_.shapes[row.index()] : type(row).obstacle, pose);
 }
 
-/// Whether a body with this shape would be within the bounds at a finite pose, and would overlap no other
-/// body that is an obstacle.
+/// Whether the origin of the body `id` would be within the bounds at a pose, and the body, with this shape,
+/// would overlap neither the static scene nor another body that is an obstacle. With an empty shape, only the
+/// bounds count. The pose must be finite.
 bool World::is_free(BodyId id, const partition::ObstacleShape& shape, const Pose& pose) const {
   if (!state_.bounds().contains(pose.position())) return false;
   if (shape.empty()) return true;
@@ -258,7 +259,8 @@ bool World::is_free(BodyId id, const partition::ObstacleShape& shape, const Pose
   bool free = true;
   const auto look_at = [&](BodyId other, const partition::ObstacleShape& its_shape, const Pose& its_pose) {
     if (!free || other == id || its_shape.empty()) return;
-    // The body with the lower id is the first argument, as in conflict resolution, so that both agree.
+    // The body with the lower id is the first argument, as in conflict resolution: the order of the arguments
+    // could change the result by rounding, and both tests must agree.
     free =
         id < other ? !overlap(shape, pose, its_shape, its_pose) : !overlap(its_shape, its_pose, shape, pose);
   };
@@ -268,7 +270,7 @@ bool World::is_free(BodyId id, const partition::ObstacleShape& shape, const Pose
   for (const Newborn& other : newborn_) {
     if (location(other.body) == RowLocation::here)
       look_at_row(row(other.body).value);
-    else  // its row will come when the ranks distribute the rows
+    else  // its row is on another rank until the ranks distribute the rows
       look_at(other.body, state_.type(other.body).obstacle, other.pose);
   }
   return free;
@@ -286,21 +288,21 @@ void World::throw_half_made() const {
 }
 
 void World::reset() {
-  restore_fp_environment();  // a library may have changed it, see step()
+  restore_fp_environment();  // a library may have changed it: see step()
   if (replica_) replica_->reset();
   forget_settings();
   start();
 }
 
 void World::restart(std::uint64_t seed, std::span<const BodySpec> bodies, const Registry& registry) {
-  restore_fp_environment();  // a library may have changed it, see step()
+  restore_fp_environment();  // a library may have changed it: see step()
   if (replica_) replica_->restart(seed, bodies);
   bool has_scene_changed = false;
   for (std::size_t b = 0; b < bodies.size(); ++b)
     has_scene_changed =
         has_scene_changed || (location(BodyId(b)) == RowLocation::none &&
                               bodies[b].pose_world_body != state_.spec.bodies[b].pose_world_body);
-  Diagnostics diagnostics(state_.spec.files);  // without errors of build_faults(): see the constructor
+  Diagnostics diagnostics(state_.spec.files);  // build_faults() finds no error: the constructor has checked
   const auto begin_with = [&](std::uint64_t next_seed, std::span<const BodySpec> next) {
     state_.spec.seed = next_seed;
     std::ranges::copy(next, state_.spec.bodies.begin());
@@ -315,7 +317,7 @@ void World::restart(std::uint64_t seed, std::span<const BodySpec> bodies, const 
   begin_with(seed, bodies);
   try {
     build_ray_grid(diagnostics);
-  } catch (...) {  // the grid is still that of the old scene
+  } catch (...) {  // the ray grid still has the old scene: the world returns to that scene
     Diagnostics none(state_.spec.files);
     std::swap(diagnostics, none);
     begin_with(old_seed, old);
@@ -325,7 +327,7 @@ void World::restart(std::uint64_t seed, std::span<const BodySpec> bodies, const 
 
 bool World::restore(std::uint64_t tick, const Counters& counters, std::uint64_t state_hash,
                     const Fill& fill) {
-  restore_fp_environment();  // a library may have changed it, see step()
+  restore_fp_environment();  // a library may have changed it: see step()
   is_half_made_ = false;
   if (replica_) replica_->replace();
   for (StateTable& table : state_.tables) table.clear();
@@ -335,7 +337,7 @@ bool World::restore(std::uint64_t tick, const Counters& counters, std::uint64_t 
     start();
     throw;
   }
-  constexpr double k_reach = 2e6;  // m: beyond any bounds, and cell numbers still fit 32 bits
+  constexpr double k_reach = 2e6;  // m: larger than all bounds, and cell numbers still fit into 32 bits
   const auto stands_somewhere = [](const Pose& pose) {
     return std::abs(pose.x) < k_reach && std::abs(pose.y) < k_reach && std::isfinite(pose.z) &&
            std::isfinite(pose.heading);
@@ -408,12 +410,13 @@ double World::mean_displacement() const {
 namespace {
 
 /// A look is the shapes and colours with which a body is drawn (FrameType). This map has the looks of a frame
-/// that differ from those of the scene only in colours. Key: the type, and the colours of its parts. Value:
-/// the index of the look (FrameBody::type). Bodies that look alike share a look, because a viewer draws all
-/// bodies of one look at once.
+/// that differ from the looks of the scene (FrameScene::types) only in colours. Key: the type, and the
+/// colours from colors_of_parts(). Value: the index of the look (FrameBody::type). Bodies that look alike
+/// share a look, because a viewer draws all bodies of one look at once.
 using LooksByColor = std::map<std::pair<std::uint32_t, std::vector<float>>, std::uint32_t>;
 
-/// The colours that devices give the parts of a body, except its root part; empty if there are none.
+/// The colours that devices give to the parts of a body, except its root part: red, green and blue for each
+/// such device. Empty if there are none.
 std::vector<float> colors_of_parts(const CommittedView& view, Row row) {
   std::vector<float> colors;
   for (const BodyType::Device& device : view.type(row).devices) {
@@ -475,7 +478,7 @@ FrameScene World::frame_scene() const {
 
 Frame World::frame() const {
   require_whole();
-  gather();  // devices that are drawn read their state
+  gather();  // the colours of parts are read from the states of devices
   Frame frame{time_s(), state_.now.tick, {}};
   frame.mobile.reserve(rows());
   LooksByColor looks;

@@ -13,15 +13,16 @@ namespace {
 
 using Layout = StateTable::Layout;
 
-// Limit on the beams of all types together: a beam takes some hundred bytes.
+// Limit on the number of beams of all types together. A beam takes about a hundred bytes of memory.
 constexpr double k_most_beams = 10e6;
 
-/// Chooses the cells of the spatial index. Their width is an eighth of the reach of a body (its longest
-/// sensor reach plus its radius), averaged over the bodies with rows; the reach of a body without sensors
-/// counts as 16 radii. Such cells are small enough to exclude most bodies out of reach, and large enough that
-/// a query visits few of them. The mean is used, not the maximum, so that a few robots of long range do not
-/// coarsen the grid. If `tile_size_m` is positive, tiles have this width, m, and are divided into cells of
-/// about the width above; wide bodies may require wider tiles.
+/// Chooses the cells of the spatial index. Their width is an eighth of the mean reach of the bodies with
+/// rows. The reach of a body is the longest reach of its active devices (DeviceKind::Prepared::cell_hint_m,
+/// or reach_m if that is not set) plus its radius; without such devices, it counts as 16 radii. Such cells
+/// are small enough to exclude most bodies out of reach, and large enough that a query visits few of them.
+/// The mean is used, not the maximum, so that a few robots of long range do not coarsen the grid. If
+/// `tile_size_m` is positive, tiles have this width, m, and are divided into cells of about the width above;
+/// wide bodies may require wider tiles.
 partition::GridGeometry choose_geometry(const WorldSpec& spec, std::span<const BodyType> types,
                                         double tile_size_m) {
   double sum = 0;
@@ -43,10 +44,11 @@ partition::GridGeometry choose_geometry(const WorldSpec& spec, std::span<const B
     width = std::max(width, 2 * radius);
     ++count;
   }
-  // Cells are at least as wide as the bodies that cover most of the ground (mean width, weighted by width),
-  // so that few bodies overlap several cells. They are also at least an eighth as wide as the widest body, so
-  // that no body overlaps more than some hundred cells. The factor 1 + 1e-9 covers the rounding of the sums:
-  // if all bodies have the same width, they fit into a cell.
+  // The width of a body is the diameter of its enclosing circle. Cells are at least as wide as the mean width
+  // of the bodies, weighted by width, so that few bodies are listed in several cells. Cells are also at least
+  // an eighth as wide as the widest body, so that no body is listed in more than about a hundred cells. The
+  // factor 1 + 1e-9 covers the rounding of the sums: if all bodies have the same width, no body is wider than
+  // a cell.
   const double own_width = widths > 0 ? (1 + 1e-9) * widths2 / widths : 0;
   const double least = std::max({0.05, own_width, width / 8});
   const double cell = std::max(least, count > 0 ? sum / (8 * count) : 1.0);
@@ -97,7 +99,8 @@ void add_carrier_table(WorldState& state) {
       state.bodies);
 }
 
-// The tables of one type have a row for each of its `bodies`.
+// The functions below add the tables of one type. These have one row for each of `bodies`, the bodies of the
+// type.
 
 void add_joint_tables(BodyType& type, const std::vector<BodyId>& bodies, std::vector<StateTable>& tables) {
   for (BodyType::Joint& joint : type.joints) {
@@ -127,8 +130,8 @@ void add_odometry_table(BodyType& type, const std::vector<BodyId>& bodies, std::
 void add_device_tables(BodyType& type, const std::vector<BodyId>& bodies, std::vector<StateTable>& tables) {
   for (BodyType::Device& device : type.devices) {
     const DeviceKind::Prepared& prepared = device.prepared;
-    // Component names do not contain the name of the type: types only save memory, and two files may divide
-    // the same bodies into types differently.
+    // Component names, which are hashed, do not contain the name of the type. Types only save memory: two
+    // files may divide the same bodies into types differently, and the hashes must not depend on that.
     const std::string component = fmt::format("{}/{}", device.kind->name, device.name);
     device.table = tables.size();
     tables.emplace_back(component, HashGroup::sensor, Layout::rows, prepared.percepts, bodies,
@@ -185,8 +188,8 @@ World::World(WorldSpec spec, const Registry& registry, const WorldOptions& optio
   report_overlaps(diagnostics);
 }
 
-/// Reports worlds that need too much memory. A file of some kilobytes can ask for more memory than the
-/// machine has, and the operating system would then kill the process without a message.
+/// Reports an error if the world needs too much memory. A file of a few kilobytes can ask for more memory
+/// than the machine has, and the operating system would then kill the process without a message.
 void World::check_size(Diagnostics& diagnostics) const {
   constexpr double k_most_bytes = 16e9;
   double fixed_vertices = 0;
@@ -235,9 +238,9 @@ void World::check_reserves(Diagnostics& diagnostics) const {
 }
 
 /// Returns the bodies that have rows, in the order of their rows. Bodies that are neighbours in space at tick
-/// 0 become neighbours in memory, and remain so for a long time. With 100,000 robots in a building, a step
-/// with rows in arbitrary order takes 1.5 times as long. The order affects only the speed. It is computed
-/// with the default cells, whatever WorldOptions::tile_size_m is.
+/// 0 get rows that are close in memory, and most of them remain neighbours for a long time. With 100,000
+/// robots in a building, a step with rows in arbitrary order takes 1.5 times as long. The order affects only
+/// the speed. It is computed with the default cells, whatever WorldOptions::tile_size_m is.
 std::vector<BodyId> World::rows_by_place() const {
   struct Place {
     std::uint64_t key;
@@ -252,7 +255,7 @@ std::vector<BodyId> World::rows_by_place() const {
   for (std::size_t b = 0; b < state_.spec.bodies.size(); ++b) {
     const BodySpec& body = state_.spec.bodies[b];
     if (!state_.types[body.type.index()].runs()) continue;
-    if (!state_.spec.starts(BodyId(b))) {  // the body is unborn, and its place of birth is unknown
+    if (!state_.spec.starts(BodyId(b))) {  // the body is unborn: its row comes last
       places.push_back({~std::uint64_t{0}, BodyId(b)});
       continue;
     }

@@ -168,8 +168,10 @@ std::optional<std::size_t> TypeContractor::own_device(std::uint32_t p) const {
   return own;
 }
 
-/// Returns the parts and the size that expand_type() adds to part `p` because the part itself is the device
-/// with index `device`. Empty if part `p` or the parts after it differ from what expand_type() would make.
+/// Returns what expand_type() would make of part `p` if the document said only that the part itself is the
+/// device with index `device`: the size of the part, and the number of parts added directly after it. Empty
+/// if part `p` or these parts differ from what expand_type() would make, if the kind of the device has no
+/// body, or if the part has an image.
 std::optional<TypeContractor::Brought> TypeContractor::brought(std::uint32_t p, std::size_t device) const {
   if (!kind_of(device).body || type_.parts[p].image) return std::nullopt;
   for (const bool needs_extent : {true, false}) {
