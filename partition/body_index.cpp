@@ -27,8 +27,9 @@ void for_each_line_in_blocks(const GridGeometry& grid, Visit&& visit) {
       }
 }
 
-/// Resizes a list that may contain entries of wide bodies. The number of these entries varies slightly as the
-/// bodies move, so a quarter more is reserved; otherwise many ticks would allocate memory.
+/// Resizes a list that may contain entries of wide bodies (bodies wider than a cell, see BodyIndex). A wide
+/// body has an entry in each cell that it touches, so the size of the list varies slightly as bodies move. If
+/// the list must grow, memory for a quarter more is reserved; otherwise many ticks would allocate memory.
 template <typename T>
 void resize_with_room(std::vector<T>& list, std::size_t size) {
   if (size > list.capacity()) list.reserve(size + size / 4);
@@ -147,7 +148,9 @@ void BodyIndex::rebuild(std::span<const Transform> places, std::span<const doubl
   tile_rows_.reserve(rows);
   circles_.reserve(rows + k_read_beyond);
   order_.reserve(rows);
-  if (directory_.size() > 16 + 4 * rows) directory_.clear();  // tiles are kept until few of them are in use
+  // A tile stays in the directory after all bodies have left it. The directory is cleared only when there are
+  // far more tiles than rows.
+  if (directory_.size() > 16 + 4 * rows) directory_.clear();
 
   parts_.resize(std::clamp<std::size_t>(rows / k_least_part, 1, k_most_parts));
   for (std::size_t p = 0; p < parts_.size(); ++p) {

@@ -10,8 +10,8 @@ std::size_t BoxGrid::place(double offset, double cell, std::size_t count) {
 }
 
 BoxGrid::BoxGrid(std::span<const Box> boxes) {
-  constexpr double k_most = 1024;  // cells per edge of the grid
-  constexpr std::size_t k_many = 64;
+  constexpr double k_most = 1024;     // cells per edge of the grid
+  constexpr std::size_t k_many = 64;  // a box that touches more cells is stored in wide_
   double count = 0;
   for (const Box& box : boxes) {
     if (box.empty()) continue;

@@ -40,10 +40,14 @@ struct Shape {
   bool mirrored;
 };
 
-/// The beams as segments that end at the limits of the beams. The centre p of a circle, relative to the
-/// reference, is |p x d - aside| away from the line of a beam with direction d, and |p . d - middle| - half
-/// beyond the ends of its segment. Segments also end at distance `high` from the reference, the outer limit
-/// of this search, so that rounding errors do not grow with the length of a beam.
+/// The beams as line segments. Let p be the centre of a circle relative to the reference, d the direction of
+/// a beam, and x the cross product in the plane. The centre is |p x d - aside| away from the line of the
+/// beam. Along the beam, it is |p . d - middle| - half beyond the nearer end of the segment, or between the
+/// two ends if this number is negative.
+///
+/// A segment ends at the limit of its beam, but is at most `high` + |ox| + |oy| long. `high` is the largest
+/// distance from the reference of this search, so no circle of the search is beyond such a segment. Because
+/// segments are short, rounding errors do not grow with the length of a beam.
 struct Parts {
   alignas(64) float aside[k_most_beams];   // offset of the beam's line from the reference
   alignas(64) float middle[k_most_beams];  // middle of the segment, along the beam
@@ -159,8 +163,9 @@ HWY_INLINE std::size_t keep_between(const CircleArrays& circles, std::size_t beg
 
 std::size_t keep_met_by_scan(std::size_t count, const Fan& fan, const float* limits, MetCircles& met) {
   const ScanAngles angles(*fan.scan, fan.count);
-  // Number of circles that span beams. Their x and y are replaced by the numbers of their first and last
-  // beam.
+  // The number of circles so far that span beams: a circle spans the beams whose directions it subtends, seen
+  // from the origin of the scan. These circles come first in `met`. Their x and y are replaced by the numbers
+  // of the first and the last beam that they span, and their radius by the distance of their nearest point.
   std::size_t spanning = 0;
   for (std::size_t i = 0; i < count; i += Lanes(k_f)) {
     const Floats x = LoadU(k_f, &met.x[i]);
@@ -192,14 +197,14 @@ std::size_t keep_met_by_scan(std::size_t count, const Fan& fan, const float* lim
   for (std::size_t i = 0; i < spanning; ++i) {
     const Floats from = Set(k_f, met.x[i]);
     const Floats to = Set(k_f, met.y[i]);
-    // The limits of beams that the circle does not span are set to 0, because such a beam may have a long
-    // range.
+    // The limits of beams that the circle does not span are replaced by 0. Otherwise a circle could be kept
+    // because of the long limit of a beam that cannot hit it.
     const auto limits_at = [&](std::int32_t at) {
       const Floats beam = Add(lane, Set(k_f, static_cast<float>(at)));
       return IfThenElseZero(And(Ge(beam, from), Le(beam, to)), LoadU(k_f, limits + at));
     };
-    // Most circles span at most two vectors of beams, one from the first beam on and one up to the last.
-    // These two are tested without a branch, because a branch would be unpredictable.
+    // Most circles span at most two vectors of beams: one that begins with the first beam and one that ends
+    // with the last beam. These two are tested without a branch, because a branch would be unpredictable.
     const auto first = std::min(static_cast<std::int32_t>(met.x[i]), highest);
     const auto end = static_cast<std::int32_t>(met.y[i]) + 1 - lanes;
     Floats farthest = Max(limits_at(first), limits_at(std::max(first, end)));

@@ -37,8 +37,8 @@ FixedOutlines::FixedOutlines(std::span<const FixedEdge> edges, double piece_m)
     }
     const auto parts = static_cast<std::uint32_t>(std::clamp(length / (2 * most) + 1, 1.0, 1e6));
     // Because of rounding to float, a beam may hit an edge slightly beyond its end. The circles are enlarged
-    // by that error.
-    constexpr double k_ends = 8e-6;
+    // to cover this error.
+    constexpr double k_ends = 8e-6;  // the error, as a fraction of the length of the edge
     for (std::uint32_t i = 0; i < parts; ++i)
       circles.push_back(
           {edge.a + (i + 0.5) / parts * (edge.b - edge.a), 0.5 * length / parts + k_ends * length, piece});

@@ -62,7 +62,7 @@ struct JobThread::Impl {
   bool is_busy = false;
   bool is_over = false;
   std::exception_ptr failure;
-  std::thread thread;  // last member, because it uses all others
+  std::thread thread;  // last member, so that it starts after the members that it uses are constructed
 };
 
 JobThread::JobThread(std::size_t most_waiting) : impl_(std::make_unique<Impl>(most_waiting)) {}

@@ -62,8 +62,9 @@ struct MpiTransport::Impl {
     return fmt::format("rank {}{}", other, other < hosts.size() ? " on " + hosts[other] : "");
   }
   /// Throws RankError, and makes later calls of send(), receive() and complete_sending() throw it again. A
-  /// rank that has failed must send no further message, because another rank may wait for its part of a tick
-  /// and would misread the message. It must not wait for another rank either.
+  /// rank that has failed must send no further message: another rank may be waiting for the failed rank's
+  /// part of a tick, and would take the message for this part. The failed rank must not wait for another rank
+  /// either.
   [[noreturn]] void fail(std::string text) {
     failure = std::move(text);
     throw RankError(failure);
@@ -82,7 +83,8 @@ struct MpiTransport::Impl {
       each = done == 1 ? sending.erase(each) : std::next(each);
     }
   }
-  /// Calls is_over() until it returns true. other(): the rank for which this rank waits.
+  /// Calls is_over() until it returns true. other(): returns the rank for which this rank waits. Calls fail()
+  /// if the wait takes longer than limit_s.
   template <class IsOver, class Other>
   void wait(IsOver&& is_over, Other&& other) {
     if (is_over()) return;

@@ -32,8 +32,9 @@ void NearbyOutlines::begin(const BodyIndex& bodies, const FixedOutlines& fixed, 
   reach_ = reach;
   home_.reset();
   radii_.clear();
-  // The radii are chosen such that the bands of bodies, which are searched with the largest radius of a body
-  // as a margin, end at cell borders.
+  // A search for bodies within a radius visits the cells up to this radius plus the largest radius of a body
+  // that is not wide. Each radius but the last is chosen such that this sum is a whole number of cells. The
+  // bands of bodies therefore end at cell borders.
   for (double cells = 2;; cells *= 2) {
     const double radius = cells * geometry.cell_m - bodies.largest_small_radius();
     if (radius >= reach) break;

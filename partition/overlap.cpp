@@ -43,7 +43,8 @@ ObstacleShape inset(const ObstacleShape& shape, double depth) {
 void inset(const ConvexPrism& piece, double depth, ConvexPrism& out) {
   out = piece;
   const Ring& ring = piece.outline;
-  const auto inward = [&ring](std::size_t edge) {  // unit normal of the edge from this corner to the next
+  // The inward unit normal of the edge that starts at this corner; zero for an edge of length 0.
+  const auto inward = [&ring](std::size_t edge) {
     const Vec2 along = ring[(edge + 1) % ring.size()] - ring[edge];
     const double length = along.norm();
     return length > 0 ? Vec2(-along.y() / length, along.x() / length) : Vec2(0, 0);

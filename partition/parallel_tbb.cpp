@@ -22,9 +22,10 @@ constexpr std::size_t k_most_parts = 64;
 
 struct Parallel::Workers {
   explicit Workers(unsigned threads) : arena(static_cast<int>(threads)) {
-    // By default oneTBB runs no more threads than the process had processors when oneTBB started, whatever
-    // size an arena has, and prints a warning to standard error. A global_control raises this limit. If
-    // several of them exist, the least limit applies, so each object sets the same one: k_most_threads.
+    // By default oneTBB runs at most as many threads as the process had processors when oneTBB started. If an
+    // arena asks for more, oneTBB ignores this and prints a warning to standard error. A global_control
+    // raises the limit. If there are several global_control objects, the least of their limits applies, so
+    // all of them set the same limit, k_most_threads.
     if (threads > static_cast<unsigned>(tbb::info::default_concurrency()))
       limit.emplace(tbb::global_control::max_allowed_parallelism, k_most_threads);
     arena.initialize();
@@ -48,10 +49,11 @@ void Parallel::run_tasks(std::size_t count, Call call, void* task) {
     for (std::size_t i = 0; i < count; ++i) call(task, i);
     return;
   }
-  // A oneTBB task costs about 40 ns, and stealing one costs much more, so there is one oneTBB task per
-  // thread. Each of them first works through its own part of the indices. This part is the same in every
-  // loop, so that its data are often still in the caches of the core. Then the task helps with the parts of
-  // the others.
+  // A oneTBB task costs about 40 ns, and stealing one costs much more, so there is at most one oneTBB task
+  // per thread. Each oneTBB task first works through its own part of the indices. (With more than
+  // k_most_parts oneTBB tasks, several of them share a part.) This part is the same in all loops with the
+  // same count, so that its data are often still in the caches of the core. Then the oneTBB task helps with
+  // the other parts.
   struct alignas(64) Part {  // one cache line each
     std::atomic<std::size_t> next = 0;
     std::size_t end = 0;

@@ -47,9 +47,10 @@ float careful_inverse(const RayEdge& e, double dx, double dy, double ox, double 
     // so that no beam passes between them. An edge wholly behind the origin is never hit.
     ahead = along_a > 0 && (falls || rises);
   } else {
-    // One end is ahead of the origin and one behind. The sign of the area tells on which side the edge passes
-    // the origin. The edge crosses the beam if its end ahead is on the other side of the beam, according to
-    // the computed side of that end, which may be only a rounding error.
+    // One end of the edge is ahead of the origin and the other end is behind. The sign of the area tells on
+    // which side the edge passes the origin. The edge crosses the beam if the end that is ahead is on the
+    // opposite side of the beam. The side of this end is taken as computed, although it may be only a
+    // rounding error.
     const bool passes_right = (area > 0) == (along_b > 0);
     const float c_ahead = along_b > 0 ? cb : ca;
     ahead = starts_on_line || (passes_right ? c_ahead <= 0 : c_ahead >= 0);

@@ -1,7 +1,8 @@
 // The vector kernels of the exact ray engine. They are compiled once for each instruction set that Highway
-// supports, and one version is chosen when the program starts. For a scan the kernels process one edge at a
-// time, with a few of the beams that it spans in a vector. For any other fan they process a few edges in a
-// vector, with one beam after another. On every instruction set the results have the bits of inverse_range().
+// supports, and one version is chosen when the program starts. For a scan, a vector contains a few beams, and
+// the kernels project one edge on these beams at a time. For any other fan, a vector contains a few edges,
+// and the kernels project these edges on one beam at a time. On every instruction set the results have the
+// bits of inverse_range().
 
 #include "partition/ranging.hpp"
 
@@ -27,9 +28,10 @@ constexpr Rebind<float, Full<double>> k_half;  // as many floats as doubles in a
 using Few = Capped<float, 8>;
 constexpr Few k_few;
 
-/// The edges of an EdgeBlock relative to the reference, as relative_edge() computes them, in one array per
-/// component. Edge j runs from vertex j to vertex j + 1. `magnitude` is m, the sum of the magnitudes of the
-/// coordinates of both ends. `grazing` is the limit of |d x e| below which the angle is grazing.
+/// The edges of an EdgeBlock relative to the reference, in one array per component. The components are those
+/// of RayEdge, as relative_edge() computes them, except that relate() computes `area` differently. Edge j
+/// runs from vertex j to vertex j + 1. `magnitude` is the sum of the magnitudes of the coordinates of both
+/// ends, m. `grazing` is the limit of |d x e| below which the angle is grazing (k_grazing).
 struct Relative {
   static constexpr std::size_t k_size = EdgeBlock::k_capacity + 3 * EdgeBlock::k_piece;
   alignas(64) float x[k_size], y[k_size];    // per vertex
@@ -250,7 +252,7 @@ void project_on_fan(const EdgeBlock& edges, const Vec2& reference, const Fan& fa
           LoadU(k_few, e.x + j),     LoadU(k_few, e.y + j),         LoadU(k_few, e.x + j + 1),
           LoadU(k_few, e.y + j + 1), LoadU(k_few, e.ex + j),        LoadU(k_few, e.ey + j),
           LoadU(k_few, e.area + j),  LoadU(k_few, e.magnitude + j), Add(LoadU(k_few, e.grazing + j), none)};
-      auto unsure = AndNot(Ge(few.grazing, Zero(k_few)), is_edge);  // NaN: tiny, for a common origin only
+      auto unsure = AndNot(Ge(few.grazing, Zero(k_few)), is_edge);  // NaN: looks tiny (common origin only)
       for (BeamSet rest = piece.met_by; rest != 0; rest &= rest - 1) {
         const auto i = static_cast<std::size_t>(std::countr_zero(rest));
         nearest.update(i * EdgeBlock::k_piece + lane, on_beam<kOrigin>(few, fan, offsets, i, unsure),
@@ -300,8 +302,9 @@ HWY_INLINE std::size_t append(const Vec<decltype(k_i)>& beams, const Vec<decltyp
   return count_true(k_i, where);
 }
 
-/// The beams of a scan that the edges span, as steps. Most edges span one or two vectors of beams. Vectors
-/// start at multiples of their length, so that neighbouring edges update the same vectors.
+/// The beams of a scan that the edges span, as steps. An edge spans the beams whose directions are between
+/// the directions to its two ends. Most edges span one or two vectors of beams. A vector starts at a beam
+/// whose number is a multiple of the vector's length, so that neighbouring edges update the same vectors.
 struct Spans {
   alignas(64) std::int32_t ends[2 * Relative::k_size];  // the first vector, and the last if it is another one
   std::size_t ends_count = 0;
@@ -312,8 +315,8 @@ struct Spans {
   std::size_t between_count = 0;
 };
 
-/// Collects in `out` the beams that edges span. Has no branches on the data, which would be unpredictable.
-/// Omits edges that look tiny.
+/// Collects in `out` the beams that edges span. Omits edges that look tiny. The loop has no branch that
+/// depends on the data, because such a branch would be unpredictable. count: number of vertices.
 HWY_INLINE void note_spans(std::size_t count, const Relative& relative, const Fan& fan, Spans& out) {
   const ScanAngles angles(*fan.scan, fan.count);
   alignas(64) float angle[Relative::k_size];
@@ -330,7 +333,8 @@ HWY_INLINE void note_spans(std::size_t count, const Relative& relative, const Fa
     const Floats b = LoadU(k_f, angle + i + 1);
     const Floats from = Min(a, b);
     const Floats to = Max(a, b);
-    // An edge that subtends nearly half a turn or more passes close to the origin or behind it.
+    // If the angles of the two ends differ by nearly half a turn or more, the edge passes close to the
+    // origin, or behind it, where angles jump from pi to -pi. All beams are then tested.
     const auto all = Gt(Sub(to, from), Set(k_f, 3.0f));
     Floats first, last;
     angles.beams(from, to, all, first, last);

@@ -36,7 +36,7 @@ std::uint32_t count(std::uint64_t word) {
   return static_cast<std::uint32_t>(((word + (word >> 4)) & 0x0F0F0F0F0F0F0F0F) * 0x0101010101010101 >> 56);
 }
 
-/// The number of set bits of the word that are lower than this bit.
+/// The number of set bits among the bits 0 to bit - 1 of the word.
 std::uint32_t rank(std::uint64_t word, std::uint32_t bit) {
   return count(word & ((std::uint64_t{1} << bit) - 1));
 }
@@ -131,9 +131,10 @@ class RayGrid::Rasterizer {
   Cell region_;
 };
 
-/// A ray on its way. Its position is in cells. Where something is drawn, the ray takes steps from cell to
-/// cell: a step along x crosses a border between two columns of cells, and a step along y a border between
-/// two rows. i and j count the steps along x and y. Elsewhere the ray jumps.
+/// A ray and how far it has been followed. Positions are in cells. In squares in which anything is drawn, the
+/// ray takes steps from cell to cell: a step along x crosses a border between two columns of cells, and a
+/// step along y a border between two rows. i and j count the steps along x and y. The ray jumps over empty
+/// squares.
 ///
 /// `across` and `up` are the extents of the ray along x and y over its whole range, in whole cells. They
 /// define the order of the steps: step i along x has the parameter (2 i - 1) / across, step j along y has the
@@ -167,9 +168,10 @@ class RayGrid::Line {
   static Cell cell_of(const Vec2& at) {
     return {static_cast<std::int32_t>(at.x()), static_cast<std::int32_t>(at.y())};
   }
-  /// Whether the cells of the following positions are the cells that the ray steps to. This is false for a
-  /// coordinate between -1 and 0 that increases: coordinates from -1 to 1 belong to cell 0 (rounding towards
-  /// zero), so after the next step the position is one cell behind the steps.
+  /// Whether the cells of later positions can be found by counting steps from the cell of the position `at`,
+  /// without rounding each position. This is not so if a coordinate is between -1 and 0 and increases.
+  /// Rounding towards zero gives cell 0 for all coordinates between -1 and 1. From -0.5, for example, a step
+  /// leads to 0.5, which is still in cell 0, but counting steps gives cell 1.
   bool keeps_pace(const Vec2& at) const {
     return (step_x < 0 || at.x() >= 0 || at.x() <= -1) && (step_y < 0 || at.y() >= 0 || at.y() <= -1);
   }
@@ -223,9 +225,9 @@ class RayGrid::Line {
   double cell_m_;
 };
 
-/// The jumps of a ray over empty squares, all along the line from the position where they begin. Each jump
-/// ends at the next border of a square: at the border itself if the coordinate increases, and one cell beyond
-/// the border if the coordinate decreases.
+/// A series of jumps of a ray over empty squares. All jumps are along one straight line from the position
+/// where the series begins. Each jump ends at the next border of a square: at the border itself if the
+/// coordinate increases, and one cell beyond the border if the coordinate decreases.
 class RayGrid::Line::Jumps {
  public:
   /// from: the position where the jumps begin, in cells; cell: the cell of this position
@@ -281,8 +283,8 @@ RayGrid::RayGrid(std::span<const FixedSolid> solids, std::vector<MovingOutline> 
   draw_fixed(solids);
 }
 
-/// Divides the outlines of the mobile bodies into shares_, and allocates memory for the most cells and runs
-/// that they can draw.
+/// Divides the outlines of the mobile bodies into shares_, and allocates memory for the largest numbers of
+/// cells and runs that these outlines can draw.
 void RayGrid::share_out(std::span<const Vec2> vertices) {
   double cells = 0;
   double runs = 0;
@@ -453,8 +455,9 @@ void RayGrid::redraw(std::span<const Vec2> vertices, std::span<const Pose> poses
   forget_empty_regions(used.load());
 }
 
-/// Draws the slot's runs into a region. The region must equal the base except in the blocks that were redrawn
-/// last time: these are restored first.
+/// Draws the slot's runs into a region, and empties the slot's list of runs. The region must equal `base`
+/// except in the blocks that the previous call for this slot redrew (Slot::redrawn). These blocks are first
+/// restored from `base`.
 void RayGrid::assemble(Region& region, const Region& base, const Drawing& drawing, Slot& slot) {
   for_each_bit(slot.redrawn, [&](std::uint32_t b) {
     region.cells[b] = base.cells[b];
@@ -575,7 +578,8 @@ GridHit RayGrid::cast(const GridRay& ray) const {
   GridHit hit{ray.range_max, 0};
   Line line(ray, cells_.cell_m);
   if (!line.starts_on_grid()) return hit;
-  // Copies of what does not change: the compiler reads `line` again after each call of met_in_block().
+  // Copies of members of `line` that do not change, because the compiler would read the members again after
+  // each call of met_in_block().
   const std::int32_t step_x = line.step_x;
   const std::int32_t step_y = line.step_y;
   const std::int64_t back = 2 * k_block * line.across;

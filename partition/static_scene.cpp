@@ -65,8 +65,9 @@ EdgeGrid::EdgeGrid(std::span<const FixedEdge> edges, const GridGeometry& geometr
 }
 
 /// Classifies the cells of a solid's box as inside or outside the solid, or as unknown if an edge may cross
-/// the cell. A cell that no edge crosses is wholly inside or wholly outside. Two such cells next to each
-/// other are on the same side, so that edges need to be counted only for the first cell of a sequence.
+/// the cell. A cell that no edge crosses is wholly inside or wholly outside. If two such cells are next to
+/// each other, both are inside or both are outside. In each row of cells, edges are therefore counted only
+/// for the first cell of a sequence of such cells. If the box has more than 2^20 cells, `covers` stays empty.
 void StaticScene::cover_cells(const Solid& solid, Strips& strips) const {
   constexpr double k_most_cells = 1 << 20;
   const Cell low = cover_grid_.cell(strips.box.min);
@@ -150,7 +151,7 @@ StaticScene::StaticScene(std::vector<FixedSolid> solids, double cell_m) : solids
                 });
     cover_cells(fixed.solid, strips);
   }
-  constexpr double k_piece = 4;  // width of the pieces of outlines, in cells
+  constexpr double k_piece = 4;  // the argument piece_m of FixedOutlines, in cells
   outlines_ = FixedOutlines(seen, k_piece * cell_m);
   hidden_outlines_ = FixedOutlines(hidden, k_piece * cell_m);
   std::vector<Box> boxes;
@@ -221,7 +222,8 @@ bool StaticScene::overlaps_solid(std::size_t solid, const PlacedShape& shape) co
 bool StaticScene::blocks(std::size_t solid, const PlacedShape& before, const PlacedShape& there) const {
   if (!overlaps_solid(solid, before)) return true;
   const auto is_deep = [&](const PlacedShape& placed) {
-    // Its memory is reused, because steps call this for every body that touches an obstacle.
+    // thread_local, so that its memory is reused: this code runs in every tick for each body that touches an
+    // obstacle.
     thread_local ObstacleShape inner;
     inner.pieces.resize(1);
     ConvexPrism& inner_piece = inner.pieces.front();

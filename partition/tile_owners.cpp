@@ -55,7 +55,9 @@ std::vector<TileOwners::Key> TileOwners::random_cut(std::span<const Key> keys, u
     const Key key = keys.empty() ? 0 : keys[random.below(static_cast<std::uint32_t>(keys.size()))];
     cut.push_back(key);
     if (cut.size() + 1 == ranks) break;
-    // The rank that begins at `key` owns no tile (next 0), only the tile of `key` (1), or any tiles (2, 3).
+    // The next rank begins at `key`. If `next` is 0, the rank after it also begins at `key`, so the first of
+    // the two owns no tile. If `next` is 1, the rank after it begins at key + 1, so the first of the two owns
+    // only the tile of `key`. Otherwise the first of the two may own any number of tiles.
     if (const std::uint32_t next = random.below(4); next < 2) cut.push_back(key + next);
   }
   std::ranges::sort(cut);
@@ -74,7 +76,9 @@ Box TileOwners::box_of(Cell tile) const {
   return box;
 }
 
-/// The tiles of other ranks than the owner of `tile` that are within `distance` of the tile.
+/// The tiles that do not belong to the owner of `tile` and that may be within `distance` (m) of a point of
+/// `tile`, sorted by their owners. Some of them are farther away. The result is cached for each tile until
+/// `distance` changes.
 const std::vector<TileOwners::Foreign>& TileOwners::foreign_near(Cell tile, double distance) const {
   if (distance != distance_) {
     foreign_.clear();
