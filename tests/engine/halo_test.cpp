@@ -758,21 +758,27 @@ std::string error_of_tick(std::uint64_t tick, World& world, std::uint64_t& throw
   return text;
 }
 
-TEST_F(HaloOfMixers, AnEffectThatThrowsEndsTheTickOnAllRanks) {
-  const Simulation simulation = load_mixers();
+/// Expects that a hook that throws in this tick (error_of_tick()) ends the tick with the same error, which
+/// contains `text`, for any ranks as for one, and that the world then restarts with the same bits.
+void expect_same_error(const Simulation& simulation, std::uint64_t tick, std::uint64_t& throws_at,
+                       const std::string& text) {
   const WorldSpec& spec = simulation.world().spec();
   Diagnostics diagnostics(spec.files);
   World whole(spec, simulation.registry(), {.threads = 1}, diagnostics);
-  const std::string expected = error_of_tick(10, whole, Mixer::throws_at);
-  EXPECT_THAT(expected, HasSubstr("spilled"));
+  const std::string expected = error_of_tick(tick, whole, throws_at);
+  EXPECT_THAT(expected, HasSubstr(text));
   whole.reset();
   const std::vector<Hashes> log = halo_log(whole, 20);
   for (const HaloTeam& team : k_experiment_teams) {
     HaloRanks ranks(spec, simulation.registry(), team);
-    EXPECT_EQ(error_of_tick(10, ranks.world(), Mixer::throws_at), expected) << name_of(team);
+    EXPECT_EQ(error_of_tick(tick, ranks.world(), throws_at), expected) << name_of(team);
     ranks.world().reset();
     expect_equal_logs(halo_log(ranks.world(), 20), log, "after the error, " + name_of(team));
   }
+}
+
+TEST_F(HaloOfMixers, AnEffectThatThrowsEndsTheTickOnAllRanks) {
+  expect_same_error(load_mixers(), 10, Mixer::throws_at, "spilled");
 }
 
 class HaloOfAWorld : public ::testing::TestWithParam<std::string_view> {};
@@ -842,10 +848,10 @@ constexpr std::string_view k_turnover = R"({
 
 class HaloOfATurnover : public test::ScratchTest {
  protected:
-  Simulation load() const {
+  Simulation load(const Registry& registry = test::registry()) const {
     SimulationOptions options;
     options.threads = 1;
-    return Simulation(write("turnover.json", std::string(k_turnover)), options);
+    return Simulation(write("turnover.json", std::string(k_turnover)), options, registry);
   }
 };
 
@@ -925,23 +931,7 @@ struct UnluckySpawner {
 
 // In tick 6, doors request births.
 TEST_F(HaloOfATurnover, ABirthThatThrowsEndsTheTickOnAllRanks) {
-  SimulationOptions options;
-  options.threads = 1;
-  const Simulation simulation(write("turnover.json", std::string(k_turnover)), options,
-                              UnluckySpawner::registry());
-  const WorldSpec& spec = simulation.world().spec();
-  Diagnostics diagnostics(spec.files);
-  World whole(spec, simulation.registry(), {.threads = 1}, diagnostics);
-  const std::string expected = error_of_tick(6, whole, UnluckySpawner::throws_at);
-  EXPECT_THAT(expected, HasSubstr("stillborn"));
-  whole.reset();
-  const std::vector<Hashes> log = halo_log(whole, 18);
-  for (const HaloTeam& team : k_experiment_teams) {
-    HaloRanks ranks(spec, simulation.registry(), team);
-    EXPECT_EQ(error_of_tick(6, ranks.world(), UnluckySpawner::throws_at), expected) << name_of(team);
-    ranks.world().reset();
-    expect_equal_logs(halo_log(ranks.world(), 18), log, "after the error, " + name_of(team));
-  }
+  expect_same_error(load(UnluckySpawner::registry()), 6, UnluckySpawner::throws_at, "stillborn");
 }
 
 TEST(Halo, SaysWhyAWorldIsReplicated) {
