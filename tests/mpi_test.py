@@ -137,6 +137,21 @@ class OnProcesses:
             self.assertEqual(json.loads(done.stdout)["rank_form"], "distributed")
             self.assertEqual(lines_of(self.folder / "distributed.log"), lines_of(self.folder / "lives.log"))
 
+    def test_pushed_bodies_have_the_same_bits_on_distributed_ranks(self):
+        world = json.loads(WORLD)
+        world["types"]["wanderer"]["drive"]["pushes"] = 2
+        world["types"]["puck"] = {"size_m": [0.1, 0.1, 0.05], "pushable": True}
+        world["populations"].append({"name": "p", "type": "puck", "count": 200,
+                                     "place": {"rule": "uniform", "region_m": [[-4, -4], [4, 4]]}})
+        (self.folder / "pucks.json").write_text(json.dumps(world))
+        self.plain("run", "pucks.json", "--threads", 1, "--hash-log", "pucks.log", "--quiet")
+        for ranks in (2, 3):
+            done = self.run_on(ranks, "run", "pucks.json", "--threads", 1, "--distribute", "--tile-size", 1, "--hash-log",
+                               "distributed.log", "--json")
+            self.assertEqual(done.returncode, 0, done.stderr)
+            self.assertEqual(json.loads(done.stdout)["rank_form"], "distributed")
+            self.assertEqual(lines_of(self.folder / "distributed.log"), lines_of(self.folder / "pucks.log"))
+
     def test_a_world_that_cannot_be_distributed_is_replicated(self):
         world = json.loads(WORLD)
         world["ranging"] = "grid"

@@ -226,8 +226,6 @@ class Conflicts::Resolver {
     else
       wait(conflicts_.still_waiting_.get(), waiting);
   }
-  /// Number of pushes that the resolved rows have recorded so far: entries in use of Conflicts::pushes_.
-  std::size_t push_count() const { return push_count_; }
   /// Begins the next round. Returns the number of rows that the previous round left waiting; 0: all rows are
   /// resolved.
   std::size_t next_round() {
@@ -477,7 +475,6 @@ class Conflicts::Resolver {
   std::atomic<std::size_t> waiting_count_ = 0;
   std::atomic<std::uint32_t> others_count_ = 0;
   std::atomic<std::uint64_t> largest_zone_ = 0;  // bits of a radius, m
-  std::atomic<std::size_t> push_count_ = 0;
 };
 
 }  // namespace troupe::engine

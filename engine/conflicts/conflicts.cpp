@@ -16,13 +16,13 @@ constexpr std::size_t k_batch = 128;  // rows per task
 
 }  // namespace
 
-void Conflicts::reserve(std::size_t rows, const Pushables& pushables) {
+void Conflicts::reserve(std::size_t rows, std::size_t most_pushes, const Pushables& pushables) {
   resolutions_.resize(rows);
   if (pushables.any()) {
     zones_.resize(rows);
     pushes_of_.resize(rows);
     pushed_last_.resize(rows);
-    pushes_.resize(std::max(pushes_.size(), pushables.most));
+    pushes_.resize(std::max(pushes_.size(), most_pushes));
   }
   if (rows <= reserved_) return;
   reserved_ = rows;
@@ -53,7 +53,8 @@ void Conflicts::resolve(const Crowd& crowd, const partition::StaticScene& scene,
   const std::size_t rows = crowd.motions.size();
   for (const Push& push : pushes()) pushed_last_[push.row] = 0;
   push_count_ = 0;
-  reserve(rows, crowd.pushables);  // after the loop, which may need more rows than there are now
+  // After the loop, which may need more rows than there are now. Each row may get a place from another rank.
+  reserve(rows, crowd.pushables.most + (border ? rows : 0), crowd.pushables);
   constexpr std::uint32_t k_last_round = 1u << 29;  // Resolution stores a round in 30 bits
   if (base_ + rounds_ > k_last_round) {
     std::ranges::fill(resolutions_, Resolution());
@@ -74,8 +75,9 @@ void Conflicts::resolve(const Crowd& crowd, const partition::StaticScene& scene,
   if (crowd.pushables.any()) {
     for_each(rows, 16 * k_batch,
              [&](std::size_t first, std::size_t last) { resolver.bound_zones(first, last); });
-    for_each(order.size(), k_batch, [&](std::size_t first, std::size_t last) {
-      for (std::size_t i = first; i < last; ++i) resolver.find_zone(order[i]);
+    const std::span<const std::uint32_t> all = index.order();  // ghosts too, for widen_zone()
+    for_each(all.size(), k_batch, [&](std::size_t first, std::size_t last) {
+      for (std::size_t i = first; i < last; ++i) resolver.find_zone(all[i]);
     });
     for_each(order.size(), k_batch, [&](std::size_t first, std::size_t last) {
       for (std::size_t i = first; i < last; ++i) resolver.widen_zone(order[i]);
@@ -92,6 +94,7 @@ void Conflicts::resolve(const Crowd& crowd, const partition::StaticScene& scene,
   }
   if (border) {
     finish_with(*border, resolver, parallel);
+    border->exchange_places(*this);
   } else {
     while (const std::size_t waiting = resolver.next_round()) {
       for_each(waiting, 4 * k_batch, [&](std::size_t first, std::size_t last) {
@@ -101,7 +104,6 @@ void Conflicts::resolve(const Crowd& crowd, const partition::StaticScene& scene,
     }
   }
   rounds_ = resolver.round() - base_ - 1;
-  push_count_ = resolver.push_count();
   for (const Push& push : pushes())
     longest_ = std::max(longest_, (push.position - crowd.transforms[push.row].position).norm());
 }
@@ -132,6 +134,26 @@ void Conflicts::finish_with(Border& border, Resolver& resolver, partition::Paral
     received_round_ = resolver.round() - base_ - 1;
     if (has_ghosts_left) has_ghosts_left = border.exchange(*this);
   }
+}
+
+void Conflicts::receive(std::uint32_t row, Outcome outcome, std::span<const Push> pushes) {
+  resolutions_[row] = {base_ + received_round_, outcome};
+  if (zones_.empty()) return;
+  zones_[row] = Zone::may_push;  // not plain, so that movers of lower priority look for its pushes
+  pushes_of_[row] = {static_cast<std::uint32_t>(push_count_), static_cast<std::uint32_t>(pushes.size())};
+  for (const Push& push : pushes) {
+    pushes_[push_count_] = push;
+    pushed_last_[push.row] = static_cast<std::uint32_t>(++push_count_);
+  }
+}
+
+void Conflicts::receive_place(const Push& push) {
+  std::uint32_t& last = pushed_last_[push.row];
+  if (last == 0) {
+    pushes_[push_count_].row = push.row;
+    last = static_cast<std::uint32_t>(++push_count_);
+  }
+  pushes_[last - 1].position = push.position;
 }
 
 }  // namespace troupe::engine

@@ -139,10 +139,14 @@ class Conflicts {
     virtual std::span<const std::uint32_t> begin(std::span<const Motion> motions,
                                                  std::span<const std::uint32_t> order) = 0;
     /// Called when this rank can resolve no row before it knows more outcomes of ghosts, and finally when it
-    /// has resolved all its rows. Sends outcome() of its rows to the ranks that have ghosts of them, and
-    /// passes the outcomes of ghosts that it receives to receive(). Returns false if the outcomes of all
-    /// ghosts are known and those of all own rows were sent.
+    /// has resolved all its rows. Sends outcome() and pushes_by() of its rows to the ranks that have ghosts
+    /// of them, and passes what it receives about ghosts to receive(). Pushes of the same body must be
+    /// received in the order of the rounds (round_of()) in which they were made. Returns false if the
+    /// outcomes of all ghosts are known and those of all own rows were sent.
     virtual bool exchange(Conflicts& conflicts) = 0;
+    /// Called last. Passes the final position of each pushed body that has a row here to receive_place():
+    /// this rank may have no ghost of the body that pushed it last.
+    virtual void exchange_places(Conflicts& conflicts) = 0;
   };
 
   /// Resolves all motions of a tick, on the threads of `parallel`. The index must contain the rows with their
@@ -150,13 +154,14 @@ class Conflicts {
   /// not block other bodies. This function does not change the poses in `crowd`: the caller does so
   /// afterwards, according to outcome() and pushes().
   ///
-  /// border: the connection to the other ranks, if `crowd` has ghosts; the crowd must then have no pushable
-  /// bodies
+  /// border: the connection to the other ranks, if `crowd` has ghosts
   void resolve(const Crowd& crowd, const partition::StaticScene& scene, const partition::BodyIndex& index,
                partition::Parallel& parallel, Border* border = nullptr);
-  /// Stores the outcome of the motion of a ghost. Border::exchange() calls this for each outcome that it
-  /// receives.
-  void receive(std::uint32_t row, Outcome outcome) { resolutions_[row] = {base_ + received_round_, outcome}; }
+  /// Stores the outcome of the motion of a ghost, and the pushes that it made of bodies that have a row here.
+  /// Border::exchange() calls this for each outcome that it receives.
+  void receive(std::uint32_t row, Outcome outcome, std::span<const Push> pushes);
+  /// Stores the final position of a pushed body. Border::exchange_places() calls this.
+  void receive_place(const Push& push);
 
   /// Overwrites all data of earlier ticks with junk. Tests call this to show that no outcome of the next
   /// resolution depends on these data. Afterwards, and until the next resolution, outcomes and longest() have
@@ -179,6 +184,14 @@ class Conflicts {
   /// Whether a push is the last one of its row. `push` must be a reference to an element of pushes(), not a
   /// copy.
   bool is_last(const Push& push) const { return pushed_last_[push.row] == &push - pushes_.data() + 1u; }
+  /// The pushes that a row of this rank has made as a pusher.
+  std::span<const Push> pushes_by(std::size_t row) const {
+    if (zones_.empty() || zones_[row] == Zone::plain || outcome(row) != Outcome::moved) return {};
+    return {pushes_.data() + pushes_of_[row].first, pushes_of_[row].count};
+  }
+  /// The round in which the row of a motion was resolved. Rows that depend on it were resolved in later
+  /// rounds.
+  std::uint32_t round_of(std::size_t row) const { return resolutions_[row].round(); }
 
  private:
   class Resolver;
@@ -222,7 +235,7 @@ class Conflicts {
   enum class Zone : std::uint8_t { plain, pushes, may_push };
   static constexpr std::size_t k_max_far = 64;
 
-  void reserve(std::size_t rows, const Pushables& pushables);
+  void reserve(std::size_t rows, std::size_t most_pushes, const Pushables& pushables);
   void finish_with(Border& border, Resolver& resolver, partition::Parallel& parallel);
 
   // One per row. The count of rounds continues from tick to tick, so entries of earlier ticks need not be
@@ -251,7 +264,7 @@ class Conflicts {
   std::vector<Zone> zones_;
   std::vector<PushesOf> pushes_of_;
   std::vector<Push> pushes_;
-  std::size_t push_count_ = 0;
+  std::size_t push_count_ = 0;  // entries in use of pushes_. Accessed atomically while threads resolve rows
   std::vector<std::uint32_t>
       pushed_last_;  // one per row: index of its last push in pushes_, plus 1; 0: none. Accessed atomically
 };

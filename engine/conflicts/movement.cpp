@@ -15,17 +15,19 @@ void Movement::build() {
   motions_.resize(state_.row_count());
   free_circles_.resize(state_.row_count());
   if (std::ranges::none_of(state_.types, &BodyType::pushable)) return;
-  pushables_ = {};
+  // The sizes are those of all bodies of the world, and stay when rows go to other ranks.
+  const bool is_first = pushables_.thinnest == 0;
+  if (is_first) pushables_.thinnest = std::numeric_limits<double>::infinity();
   is_pushable_.clear();
   push_limits_.clear();
-  pushables_.thinnest = std::numeric_limits<double>::infinity();
+  pushables_.most = 0;
   for (std::size_t r = 0; r < state_.row_count(); ++r) {
     const BodyType& t = state_.type(Row(r));
     const bool is_pushable = t.pushable && !t.obstacle.empty();
     is_pushable_.push_back(is_pushable);
     push_limits_.push_back(t.drive ? t.drive->pushes : 0);
     pushables_.most += push_limits_.back();
-    if (!is_pushable) continue;
+    if (!is_first || !is_pushable) continue;
     pushables_.radius = std::max(pushables_.radius, t.obstacle.radius);
     pushables_.thinnest = std::min(pushables_.thinnest, t.obstacle.thinnest);
   }

@@ -231,7 +231,7 @@ bool Conflicts::Resolver::push(Mover& mover) {
     }
   }
   if (count == 0) return true;
-  const std::size_t first = push_count_.fetch_add(count, std::memory_order_relaxed);
+  const std::size_t first = atomic(conflicts_.push_count_).fetch_add(count, std::memory_order_relaxed);
   conflicts_.pushes_of_[mover.row] = {static_cast<std::uint32_t>(first), static_cast<std::uint32_t>(count)};
   for (std::size_t i = 0; i < count; ++i) {
     conflicts_.pushes_[first + i] = {set[i].row, set[i].now};

@@ -79,11 +79,12 @@ void DistributedRows::adopt_all(MessageReader message, bool is_in_tick) {
 // ---- The tick
 
 /// Leaves on each rank only its own rows and its ghosts. Distributes the rows if rank 0 has all of them, if
-/// bodies were born or have jumped, or if a device now has a longer reach (World::set()) than the ghosts
-/// cover.
+/// bodies were born, have jumped or were pushed far, or if a device now has a longer reach (World::set())
+/// than the ghosts cover.
 void DistributedRows::redistribute(bool have_jumped) {
   const bool have_come = std::exchange(are_born_, false);
-  const bool must_distribute = std::exchange(is_on_rank_0_, false) || have_come || have_jumped;
+  const bool must_distribute =
+      std::exchange(is_on_rank_0_, false) || have_come || have_jumped || halo_.lacks_ghosts();
   if (!must_distribute && leads() && halo_.is_complete()) halo_.forget_completion();
   if (must_distribute || world_.longest_reach() > halo_.reach()) halo_.distribute(0);
 }
@@ -132,8 +133,9 @@ void DistributedRows::get_written(unsigned from, MessageReader& message) {
 
 bool DistributedRows::prepare_motions(std::span<const std::uint64_t> times) {
   if (!times.empty()) halo_.balance(times);
+  const bool lacks_rows = effects_.find_targets();
   const std::uint64_t distributions = halo_.counts().distributions;
-  halo_.prepare_motions(longest_, !times.empty());
+  halo_.prepare_motions(longest_, !times.empty() || lacks_rows, effects_.guests());
   effects_.begin(halo_.counts().distributions != distributions);
   return !times.empty();
 }

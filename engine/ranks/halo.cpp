@@ -1,6 +1,7 @@
 #include "engine/ranks/halo.hpp"
 
 #include "base/random.hpp"
+#include "engine/kinds/step_error.hpp"
 
 #include <fmt/format.h>
 
@@ -33,24 +34,33 @@ constexpr double k_skin_motions = 16;
       "please report it");
 }
 
-struct Extent {
-  double reach = 0;   // longest reach of a device, m
-  double radius = 0;  // largest radius of a body, m
-};
+}  // namespace
 
-Extent extent_of(const World& world) {
+Halo::Extent Halo::extent_of(const World& world) {
   Extent extent{.reach = world.longest_reach()};
-  for (const BodyType& type : world.types())
-    if (type.runs()) extent.radius = std::max({extent.radius, type.radius, type.obstacle.radius});
+  std::size_t limit = 0;
+  double pushed = 0;
+  for (const BodyType& type : world.types()) {
+    if (!type.runs()) continue;
+    extent.radius = std::max({extent.radius, type.radius, type.obstacle.radius});
+    if (type.drive) limit = std::max<std::size_t>(limit, type.drive->pushes);
+    if (!type.pushable) continue;
+    extent.has_pushable = true;
+    pushed = std::max(pushed, type.obstacle.radius);
+  }
+  extent.push_reach = 2 * static_cast<double>(limit) * pushed;
   return extent;
 }
 
-/// The coverage (class Halo) without a skin, m. longest: longest motion of a body in this tick, m
-double least_coverage(const Extent& extent, double longest) {
-  return std::max(extent.reach + extent.radius, 2 * extent.radius) + 2 * longest + k_slack_m;
+double Halo::Extent::zone(double longest) const { return longest + radius + push_reach + k_slack_m; }
+
+double Halo::Extent::of_motions(double longest) const {
+  return std::max(2 * radius + 2 * longest, has_pushable ? 3 * zone(longest) : 0.0);
 }
 
-}  // namespace
+double Halo::Extent::of_all(double longest) const {
+  return std::max(reach + radius + 2 * longest, of_motions(longest)) + k_slack_m;
+}
 
 std::string why_replicated(const World& world) {
   const WorldSpec& spec = world.spec();
@@ -60,7 +70,6 @@ std::string why_replicated(const World& world) {
     const auto of_type = [&](std::string_view what) {
       return fmt::format("robots of type \"{}\" {}", spec.types[t].name, what);
     };
-    if (type.pushable) return fmt::format("bodies of type \"{}\" can be pushed", spec.types[t].name);
     if (!type.joints.empty()) return of_type("have joints");
     if (type.carries) return of_type("can carry bodies");
     for (const BodyType::Controller& controller : type.controllers)
@@ -69,8 +78,8 @@ std::string why_replicated(const World& world) {
                                    controller.kind->name));
     for (const BodyType::Device& device : type.devices) {
       const DeviceKind& kind = *device.kind;
-      if (kind.joints_moved != nullptr || (kind.apply != nullptr && kind.scope != ApplyScope::trees))
-        return of_type(fmt::format("have the device \"{}\" of the kind \"{}\", which acts on other bodies",
+      if (kind.joints_moved != nullptr || (kind.apply != nullptr && kind.scope == ApplyScope::anything))
+        return of_type(fmt::format("have the device \"{}\" of the kind \"{}\", which can change any bodies",
                                    device.name, kind.name));
       if (!std::isfinite(device.prepared.reach_m))
         return of_type(fmt::format("have the device \"{}\" of the kind \"{}\", whose reach has no limit",
@@ -90,22 +99,18 @@ Halo::Halo(World& world, std::span<StateTable> tables, std::vector<std::size_t> 
       post_(std::move(post)),
       cut_seed_(cut_seed),
       skin_m_(skin_m),
+      extent_(extent_of(world)),
       own_(world.rows()),
       shown_(post_.ranks),
       seen_(post_.ranks),
       shown_rows_(post_.ranks),
       seen_rows_(post_.ranks),
       to_send_(post_.ranks),
-      to_receive_(post_.ranks) {
-  const Extent extent = extent_of(world);
-  reach_ = extent.reach;
-  radius_ = extent.radius;
-}
+      to_receive_(post_.ranks) {}
 
 HaloPlan plan_halo(const World& world, unsigned ranks, double longest_motion) {
-  HaloPlan plan{
-      .coverage_m = least_coverage(extent_of(world), longest_motion) + k_skin_motions * longest_motion,
-      .ranks = std::vector<HaloPlan::Rank>(ranks)};
+  HaloPlan plan{.coverage_m = Halo::extent_of(world).of_all(longest_motion) + k_skin_motions * longest_motion,
+                .ranks = std::vector<HaloPlan::Rank>(ranks)};
   std::vector<TileOwners::Key> keys;
   for (std::size_t r = 0; r < world.rows(); ++r)
     if (world.is_there(Row(r)))
@@ -143,8 +148,9 @@ void Halo::choose_coverage(double longest) {
     Random random(*cut_seed_, stream_id("ranks", "skin"), 0, static_cast<std::uint32_t>(world_.tick()));
     skin = random.below(random.below(2) == 0 ? 4 : 32) * longest;
   }
-  coverage_ = least_coverage({reach_, radius_}, longest) + skin_m_.value_or(skin);
+  coverage_ = extent_.of_all(longest) + skin_m_.value_or(skin);
   moved_ = 0;
+  lacks_ghosts_ = false;
 }
 
 void Halo::divide() {
@@ -175,11 +181,18 @@ void Halo::divide() {
   note_neighbours();
 }
 
-/// Sets `near` to the ranks that must have a row as a ghost, in ascending order: none if its body is unborn
-/// or dead.
+/// Sets `near` to the ranks that must have a row as a ghost, in ascending order. An unborn or dead body is a
+/// ghost only as a guest.
 void Halo::find_ranks_near(Row row, std::vector<unsigned>& near) const {
   near.clear();
   if (world_.is_there(row)) owners_.find_near(position(row), coverage_, near);
+  if (guests_.empty()) return;
+  const auto own_guests = std::ranges::equal_range(guests_, world_.body(row), {}, &Guest::body);
+  if (own_guests.empty()) return;
+  for (const Guest& guest : own_guests) near.push_back(owners_.owner(guest.host));
+  std::erase(near, owners_.owner(position(row)));
+  std::ranges::sort(near);
+  near.erase(std::unique(near.begin(), near.end()), near.end());
 }
 
 /// Divides the ground among the ranks at random. All ranks compute the same division, because it depends only
@@ -254,9 +267,11 @@ Halo::Arrival Halo::get_row(MessageReader& message) const {
   return arrival;
 }
 
-void Halo::distribute(double longest) {
+void Halo::distribute(double longest, std::span<const Guest> guests) {
   const unsigned self = post_.rank;
-  reach_ = world_.longest_reach();
+  guests_.assign(guests.begin(), guests.end());
+  std::ranges::sort(guests_, {}, &Guest::body);
+  extent_.reach = world_.longest_reach();
   if (cut_seed_) cut_again();
   choose_coverage(longest);
   std::vector<BodyId> leaving;
@@ -354,17 +369,19 @@ double Halo::longest_motion() const {
   return sqrt(longest2) * world_.tick_s();
 }
 
-void Halo::prepare_motions(double longest, bool distributes) {
+void Halo::prepare_motions(double longest, bool distributes, std::span<const Guest> guests) {
   ++counts_.ticks;
-  const bool covers_motions = 2 * radius_ + 2 * longest + 2 * moved_ + k_slack_m <= coverage_;
-  const bool covers_sensing = reach_ + radius_ + 2 * (moved_ + longest) + k_slack_m <= coverage_;
+  const bool covers_motions = extent_.of_motions(longest) + 2 * moved_ + k_slack_m <= coverage_;
+  const bool covers_sensing =
+      extent_.reach + extent_.radius + 2 * (moved_ + longest) + k_slack_m <= coverage_;
   distributes = distributes || !covers_motions || !covers_sensing;
   if (cut_seed_) {
     Random random(*cut_seed_, stream_id("ranks", "when"), 0, static_cast<std::uint32_t>(world_.tick()));
     distributes = distributes || random.below(32) == 0;
   }
-  if (distributes) distribute(longest);
+  if (distributes) distribute(longest, guests);
   moved_ += longest;
+  longest_ = longest;
   counts_.own += own_;
   counts_.ghosts += world_.rows() - own_;
   counts_.neighbours += neighbours_;
@@ -430,13 +447,18 @@ bool Halo::exchange(Conflicts& conflicts) {
   ++counts_.rounds;
   for (const unsigned to : active) {
     MessageWriter message = post_.begin(Order::outcomes);
-    std::erase_if(to_send_[to], [&](std::uint32_t i) {
-      const Conflicts::Outcome outcome = conflicts.outcome(shown_rows_[to][i]);
-      if (outcome == Conflicts::Outcome::stands) return false;  // the row moves: not yet resolved
-      message.put(i);
-      message.put(outcome);
-      return true;
+    const std::vector<std::uint32_t>& rows = shown_rows_[to];
+    const auto resolved = std::ranges::stable_partition(to_send_[to], [&](std::uint32_t i) {
+      return conflicts.outcome(rows[i]) == Conflicts::Outcome::stands;  // the row moves: not yet resolved
     });
+    if (extent_.has_pushable)
+      std::ranges::stable_sort(resolved, {}, [&](std::uint32_t i) { return conflicts.round_of(rows[i]); });
+    for (const std::uint32_t i : resolved) {
+      message.put(i);
+      message.put(conflicts.outcome(rows[i]));
+      if (extent_.has_pushable) put_pushes(message, conflicts.pushes_by(rows[i]));
+    }
+    to_send_[to].erase(resolved.begin(), resolved.end());
     post_.send(to, std::make_shared<const partition::Message>(message.take()));
   }
   bool is_open = false;
@@ -447,11 +469,65 @@ bool Halo::exchange(Conflicts& conflicts) {
       const auto outcome = received.rest.get<Conflicts::Outcome>();
       if (i >= seen_rows_[from].size() || to_receive_[from] == 0) throw_bad_message();
       --to_receive_[from];
-      conflicts.receive(seen_rows_[from][i], outcome);
+      if (extent_.has_pushable) get_pushes(received.rest);
+      conflicts.receive(seen_rows_[from][i], outcome, pushes_);
     }
     is_open = is_open || !to_send_[from].empty() || to_receive_[from] > 0;
   }
   return is_open;
+}
+
+void Halo::put_pushes(MessageWriter& message, std::span<const Conflicts::Push> pushes) const {
+  message.put(static_cast<std::uint64_t>(pushes.size()));
+  for (const Conflicts::Push& push : pushes) {
+    message.put(world_.body(Row(push.row)));
+    message.put(push.position.x());
+    message.put(push.position.y());
+  }
+}
+
+/// Sets pushes_ to the pushes that put_pushes() has appended, without those of bodies that have no row here.
+void Halo::get_pushes(MessageReader& message) {
+  pushes_.clear();
+  for (auto count = message.get<std::uint64_t>(); count > 0; --count) {
+    const auto body = message.get<BodyId>();
+    const auto x = message.get<double>();
+    const auto y = message.get<double>();
+    if (world_.location(body) == RowLocation::here) pushes_.push_back({world_.row(body).value, {x, y}});
+  }
+}
+
+/// Each rank sends the last pushes of those bodies that its own rows have pushed last. It has the row of each
+/// such body, and those of all its pushers, if no body was pushed farther in this tick than two zones (class
+/// Halo, `pushes`): all ranks learn how far bodies were pushed.
+void Halo::exchange_places(Conflicts& conflicts) {
+  if (!extent_.has_pushable) return;
+  double farthest = 0;  // distance of a push from the position before this tick, m
+  pushes_.clear();
+  for (std::size_t row = 0; row < own_; ++row)
+    for (const Conflicts::Push& push : conflicts.pushes_by(row)) {
+      farthest = std::max(farthest, (push.position - position(Row(push.row))).norm());
+      if (conflicts.is_last(push)) pushes_.push_back(push);
+    }
+  MessageWriter own = post_.begin(Order::places);
+  own.put(farthest);
+  put_pushes(own, pushes_);
+  post_.send_to_all(std::move(own));
+  for (unsigned from = 0; from < post_.ranks; ++from) {
+    if (from == post_.rank) continue;
+    ReceivedOrder received = post_.receive(Order::places, from);
+    farthest = std::max(farthest, received.rest.get<double>());
+    get_pushes(received.rest);
+    for (const Conflicts::Push& push : pushes_) conflicts.receive_place(push);
+  }
+  if (farthest > 2 * extent_.zone(longest_))
+    throw StepError(
+        fmt::format("tick {}: several robots pushed one body by {:.3g} m in one tick, too far for ranks that "
+                    "divide the robots among themselves: run this world without --distribute",
+                    world_.tick(), farthest));
+  if (farthest <= longest_) return;
+  moved_ += farthest - longest_;
+  lacks_ghosts_ = extent_.reach + extent_.radius + 2 * moved_ + k_slack_m > coverage_;
 }
 
 std::uint64_t Halo::hash(std::span<const std::uint32_t> rows, std::span<const std::uint8_t> is_known) const {

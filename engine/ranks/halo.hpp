@@ -17,8 +17,8 @@
 
 namespace troupe::engine {
 
-/// Returns why the rows of a world cannot be distributed among ranks (class Halo), for example `bodies can be
-/// born or die`. An empty text: the rows can be distributed.
+/// Returns why the rows of a world cannot be distributed among ranks (class Halo), for example `robots of
+/// type "lifter" have joints`. An empty text: the rows can be distributed.
 std::string why_replicated(const World& world);
 
 /// How the rows of a world would be divided among ranks (class Halo).
@@ -52,16 +52,44 @@ HaloPlan plan_halo(const World& world, unsigned ranks, double longest_motion);
 ///         the ghosts remain valid for some ticks. When twice the sum of the longest motions of these ticks
 ///         exceeds that margin (the skin), all ranks distribute the rows again. All ranks know the longest
 ///         motion of the tick before any body moves, so they decide alike.
-/// lives   Unborn and dead bodies have no ghosts. The row of an unborn body belongs to the rank that owns the
-///         origin of the world, and that of a dead body to the rank that owns the place where it died. A
-///         birth is a jump of an unborn body: all ranks know of it, and distribute the rows before the next
-///         sensing.
+/// guests  A row that a device acts on from any distance (ApplyScope::any_target) is also a ghost on the rank
+///         that owns the body of the device, until the rows are distributed again (Guest).
+/// lives   Unborn and dead bodies have no ghosts, except as guests. The row of an unborn body belongs to the
+///         rank that owns the origin of the world, and that of a dead body to the rank that owns the place
+///         where it died. A birth is a jump of an unborn body: all ranks know of it, and distribute the rows
+///         before the next sensing.
 /// moves   Each rank resolves the motions of its own rows. A motion that depends on a ghost waits for the
 ///         outcome, which the owner sends when it is known (Conflicts::Border).
+/// pushes  A motion that may push bodies depends on all bodies in its *zone* (class Conflicts, `source`), on
+///         all movers whose zones overlap it, and on the bodies that these movers push. In a world with
+///         pushable bodies, the coverage is therefore at least three times the radius of the largest zone.
+///         The owner of a mover sends its pushes together with its outcome. Not every rank with a ghost of a
+///         pushed body has ghosts of all pushers, so at the end all ranks exchange the final positions.
 ///
 /// No result depends on which rank owns a row, on the skin, or on how often rows are distributed.
 class Halo : public Conflicts::Border {
  public:
+  /// A body whose row must be on the rank that owns the ground at a point, however far away the body is.
+  struct Guest {
+    BodyId body;
+    Vec2 host = Vec2::Zero();  ///< the point, m, world frame
+  };
+  /// How far bodies can affect one another, m. longest: longest motion of a body in the tick, m
+  struct Extent {
+    double reach = 0;           ///< longest reach of a device
+    double radius = 0;          ///< largest radius of a body
+    double push_reach = 0;      ///< distance at which a body can push bodies that it does not touch
+    bool has_pushable = false;  ///< whether the world has pushable bodies
+
+    double zone(double longest) const;  ///< upper bound on the radius of a zone (class Conflicts, `source`)
+    /// Distance at which bodies can affect the outcome of a motion.
+    double of_motions(double longest) const;
+    /// Distance at which bodies can affect each other in the tick and in the sensing of the next one: the
+    /// coverage without a skin.
+    double of_all(double longest) const;
+  };
+  static Extent extent_of(const World& world);  ///< the extent for all bodies of a world
+
   /// All rows of `world` must be in this World, and why_replicated(world) must be empty. `world` and
   /// `tables`, its state tables, must outlive this object. Call divide() next.
   ///
@@ -74,9 +102,11 @@ class Halo : public Conflicts::Border {
   /// Keeps the own rows and the ghosts of a world that is complete on all ranks. Needs no messages.
   void divide();
   /// Gives each row to the rank that owns the place of its body, and makes the ghosts again. Before and after
-  /// the call, the own rows are those in [0, own()). longest: upper bound on the motions of all bodies in the
-  /// next tick, m
-  void distribute(double longest);
+  /// the call, the own rows are those in [0, own()).
+  ///
+  /// longest: upper bound on the motions of all bodies in the next tick, m
+  /// guests: the same on all ranks, in any order
+  void distribute(double longest, std::span<const Guest> guests = {});
   /// Upper bound on the length of the motions that own rows will propose in this tick, m.
   double longest_motion() const;
   /// Gives the ranks ground on which they would all take about the same time, on the assumption that all rows
@@ -84,11 +114,15 @@ class Halo : public Conflicts::Border {
   /// unit; the same on all ranks. distribute() must follow.
   void balance(std::span<const std::uint64_t> times);
   /// Called when all ranks know the longest motion of all bodies in this tick, before any body moves.
-  /// Distributes the rows if the ghosts could otherwise be too few, or if `distributes` is true.
-  void prepare_motions(double longest, bool distributes);
+  /// Distributes the rows if the ghosts could otherwise be too few, or if `distributes` is true. guests: see
+  /// distribute()
+  void prepare_motions(double longest, bool distributes, std::span<const Guest> guests);
 
-  std::size_t own() const { return own_; }  ///< number of own rows
-  double reach() const { return reach_; }   ///< longest reach of a device for which the ghosts suffice, m
+  std::size_t own() const { return own_; }        ///< number of own rows
+  double reach() const { return extent_.reach; }  ///< longest reach for which the ghosts suffice, m
+  /// Whether bodies were pushed so far in the last tick that the rows must be distributed before any device
+  /// senses again. The same on all ranks.
+  bool lacks_ghosts() const { return lacks_ghosts_; }
   /// Appends the data that rank `to` needs before the phase move of those own rows that it has as ghosts:
   /// their rows in the tables with Sharing::sent.
   void put_shown(unsigned to, partition::MessageWriter& message) const;
@@ -140,12 +174,15 @@ class Halo : public Conflicts::Border {
   std::span<const std::uint32_t> begin(std::span<const Motion> motions,
                                        std::span<const std::uint32_t> order) override;
   bool exchange(Conflicts& conflicts) override;
+  void exchange_places(Conflicts& conflicts) override;
 
  private:
   struct Arrival {  // a row that another rank has sent, or that changes from own to ghost
     World::RowState state;
     Vec2 position;
   };
+  void put_pushes(partition::MessageWriter& message, std::span<const Conflicts::Push> pushes) const;
+  void get_pushes(partition::MessageReader& message);
   void put_row(partition::MessageWriter& message, Row row) const;
   Arrival get_row(partition::MessageReader& message) const;
   void choose_coverage(double longest);
@@ -163,14 +200,16 @@ class Halo : public Conflicts::Border {
   std::optional<std::uint64_t> cut_seed_;
   std::optional<double> skin_m_;
 
-  double reach_ = 0;   // World::longest_reach() when the rows were last distributed, m
-  double radius_ = 0;  // largest radius of a body, m
+  Extent extent_;  // its reach is World::longest_reach() when the rows were last distributed
   std::vector<partition::TileOwners::Key> keys_;  // of the bodies at tick 0, ascending; only with cut_seed_
   partition::TileOwners owners_;
   std::size_t own_ = 0;
   bool is_complete_ = true;
-  double coverage_ = 0;  // m: see class Halo
-  double moved_ = 0;     // upper bound on the distance that a body moved since the last distribution, m
+  std::vector<Guest> guests_;  // of the last distribution, in the order of bodies
+  double coverage_ = 0;        // m: see class Halo
+  double longest_ = 0;         // longest motion of a body in this tick that its drive proposed, m
+  bool lacks_ghosts_ = false;  // lacks_ghosts()
+  double moved_ = 0;           // upper bound on the distance that a body moved since the last distribution, m
   // One entry per rank: bodies of own rows that the rank has as ghosts, and of ghosts that the rank owns;
   // both in the order of ids. And the same as rows.
   std::vector<std::vector<BodyId>> shown_;
@@ -181,8 +220,9 @@ class Halo : public Conflicts::Border {
   // not yet sent; and the number of those whose outcome is not yet received.
   std::vector<std::vector<std::uint32_t>> to_send_;
   std::vector<std::size_t> to_receive_;
-  std::vector<std::uint32_t> order_;  // result of begin()
-  std::uint64_t neighbours_ = 0;      // number of ranks with which this rank has ghosts in common
+  std::vector<std::uint32_t> order_;     // result of begin()
+  std::vector<Conflicts::Push> pushes_;  // scratch: result of get_pushes()
+  std::uint64_t neighbours_ = 0;         // number of ranks with which this rank has ghosts in common
   RankCounts counts_;
 };
 

@@ -26,10 +26,14 @@ namespace troupe::engine {
 /// Births and deaths are effects too. They change no other state, so the ranks only learn of them here: every
 /// rank then carries them out (World::resolve_lives()).
 ///
+/// The rank that owns the source of an effect must have the row of the target. If the target is within the
+/// reach of the device, the rank has it, as own row or ghost. A device of the scope ApplyScope::any_target
+/// can act on bodies farther away. Its targets become guests of the rank (Halo::Guest): if a rank lacks the
+/// row of one, the ranks distribute the rows before any body moves.
+///
 /// All ranks know all effects of the tick, and which rank owns each source and target. They therefore agree
-/// on all messages without asking. Worlds in which devices act on bodies beyond their reach are not
-/// distributed (why_replicated()), because the rank that owns the source of an effect must have the row of
-/// the target.
+/// on all messages without asking. Worlds with devices that can change any bodies (ApplyScope::anything) are
+/// not distributed (why_replicated()).
 class SharedEffects {
  public:
   /// effects: those of `world`. World, halo and effects must outlive this object.
@@ -37,14 +41,22 @@ class SharedEffects {
       : world_(world), halo_(halo), effects_(effects), post_(std::move(post)) {}
 
   /// Called after the phase decide, on all ranks: notes the effects that devices on this rank have emitted.
-  /// Throws StepError if a target is not on this rank: it is beyond the reach that the device declares.
+  /// Throws StepError if a target is not on this rank, and therefore beyond the reach that the device
+  /// declares, unless the scope of the device is ApplyScope::any_target.
   void note();
   /// Appends the noted effects.
   void put(partition::MessageWriter& message) const;
   /// Reads the effects that put() of another rank has appended, and adds them to the effects of the world.
   void get(partition::MessageReader& message);
-  /// Called when the effects of all ranks are known, before any body moves. is_new: whether the rows were
-  /// distributed since note()
+  /// Called on all ranks when they know the effects of all ranks: finds the owners of the targets whose rows
+  /// are not on the rank of their source. Returns whether there are such targets, so that the rows must be
+  /// distributed.
+  bool find_targets();
+  /// The targets of the effects of devices that can act from any distance. The same on all ranks; valid after
+  /// find_targets().
+  std::span<const Halo::Guest> guests() const { return guests_; }
+  /// Called after find_targets(), when no row will change its owner before the next tick, and before any body
+  /// moves. is_new: whether the rows were distributed since note()
   void begin(bool is_new);
   /// Applies `effects`, those of all ranks in their order, except births and deaths; `apply` applies one of
   /// them. Throws on all ranks if `apply` throws on any rank: StepError, or the exception itself on the rank
@@ -59,6 +71,10 @@ class SharedEffects {
     Vec2 position = Vec2::Zero();  // before the motion of this tick, m, world frame
   };
   void note(BodyId body);
+  static void put_affected(partition::MessageWriter& message, std::span<const Affected> some);
+  void get_affected(partition::MessageReader& message);
+  void unite();
+  bool acts_anywhere(const Effect& effect) const;
   Affected* find(BodyId body);
   void bring(Affected& body, unsigned to);
   void show();
@@ -70,7 +86,13 @@ class SharedEffects {
   std::size_t own_ = 0;    // number of the noted effects, which come first in effects_
   std::size_t noted_ = 0;  // number of elements of affected_ after note()
   SharedError error_;
-  std::vector<Affected> affected_;  // after note(): by own effects; after begin(): by all, in order of ids
+  // After note(): bodies affected by own effects. After find_targets(): by those of all ranks, in order of
+  // ids.
+  std::vector<Affected> affected_;
+  // Targets whose rows are not on the rank of their source: own_lacking_ of own effects, then of other ranks.
+  std::vector<BodyId> lacking_;
+  std::size_t own_lacking_ = 0;
+  std::vector<Halo::Guest> guests_;  // guests()
 };
 
 }  // namespace troupe::engine

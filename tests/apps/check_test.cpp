@@ -111,10 +111,8 @@ TEST_F(CheckProgram, SaysWhetherTheRobotsAreDistributed) {
     return lines_of(outcome.out)[1];
   };
   EXPECT_EQ(form("room.world"), "form of the ranks: distributed");
-  EXPECT_EQ(
-      form(TROUPE_SOURCE_DIR "/worlds/colony.json"),
-      "form of the ranks: replicated, because robots of type \"food\" have the device \"flags\" of the kind "
-      "\"flags\", which acts on other bodies");
+  EXPECT_EQ(form(TROUPE_SOURCE_DIR "/worlds/lift.world"),
+            "form of the ranks: replicated, because robots of type \"position\" have joints");
 }
 
 TEST_F(CheckProgram, BadInputIsExitCode2) {
