@@ -92,8 +92,9 @@ void add_check_options(CLI::App& check, CheckOptions& options) {
   check
       .add_flag(
           "--amnesia", options.amnesia,
-          "Also compare runs with junk in data derived from the state, with a world rebuilt after each\n"
-          "tick, and with bodies at other places in memory")
+          "Also compare runs that must not differ: after each tick, one replaces all data computed from\n"
+          "the state by junk and computes them again, one builds the world anew from the state, and one\n"
+          "moves the bodies to other places in memory")
       ->disable_flag_override();
   check
       .add_flag("--reach", options.reach,

@@ -17,12 +17,14 @@
 #include <nlohmann/json.hpp>
 
 #include <algorithm>
+#include <cerrno>
 #include <cstdio>
 #include <fstream>
 #include <iterator>
 #include <optional>
 #include <string>
 #include <string_view>
+#include <system_error>
 
 namespace troupe::apps {
 namespace fs = std::filesystem;
@@ -43,15 +45,22 @@ Examples:
 
 constexpr std::size_t k_start_bytes = 4096;
 
+/// Throws InputError with the reason that errno gives.
+[[noreturn]] void throw_unreadable(const fs::path& file) {
+  const std::string reason = errno == 0 ? "unknown reason" : std::generic_category().message(errno);
+  throw InputError(fmt::format("{}: error: cannot be read: {}", file.string(), reason));
+}
+
 /// Returns the first bytes of a file, at most k_start_bytes. Throws InputError if it cannot be read.
 std::string start_of(const fs::path& file) {
   if (const Result<> readable = worldio::check_readable(file); !readable)
     throw InputError(fmt::format("{}: error: {}", file.string(), readable.error().text));
+  errno = 0;
   std::ifstream stream(file, std::ios::binary);
   std::string start(k_start_bytes, '\0');
   stream.read(start.data(), k_start_bytes);
   start.resize(static_cast<std::size_t>(stream.gcount()));
-  if (!stream.eof() && !stream) throw InputError(fmt::format("{}: error: cannot be read", file.string()));
+  if (!stream.eof() && !stream) throw_unreadable(file);
   return start;
 }
 
@@ -59,10 +68,10 @@ std::string start_of(const fs::path& file) {
 std::string all_of(const fs::path& file) {
   if (const Result<> readable = worldio::check_readable(file, worldio::k_most_input_bytes); !readable)
     throw InputError(fmt::format("{}: error: {}", file.string(), readable.error().text));
+  errno = 0;
   std::ifstream stream(file, std::ios::binary);
   std::string text{std::istreambuf_iterator<char>(stream), {}};
-  if (stream.bad() || !stream.is_open())
-    throw InputError(fmt::format("{}: error: cannot be read", file.string()));
+  if (stream.bad() || !stream.is_open()) throw_unreadable(file);
   return text;
 }
 

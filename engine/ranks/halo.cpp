@@ -187,9 +187,10 @@ void Halo::find_ranks_near(Row row, std::vector<unsigned>& near) const {
   near.clear();
   if (world_.is_there(row)) owners_.find_near(position(row), coverage_, near);
   if (guests_.empty()) return;
-  const auto own_guests = std::ranges::equal_range(guests_, world_.body(row), {}, &Guest::body);
-  if (own_guests.empty()) return;
-  for (const Guest& guest : own_guests) near.push_back(owners_.owner(guest.host));
+  auto guest = std::ranges::lower_bound(guests_, world_.body(row), {}, &Guest::body);
+  if (guest == guests_.end() || guest->body != world_.body(row)) return;
+  for (; guest != guests_.end() && guest->body == world_.body(row); ++guest)
+    near.push_back(owners_.owner(guest->host));
   std::erase(near, owners_.owner(position(row)));
   std::ranges::sort(near);
   near.erase(std::unique(near.begin(), near.end()), near.end());
@@ -448,17 +449,20 @@ bool Halo::exchange(Conflicts& conflicts) {
   for (const unsigned to : active) {
     MessageWriter message = post_.begin(Order::outcomes);
     const std::vector<std::uint32_t>& rows = shown_rows_[to];
-    const auto resolved = std::ranges::stable_partition(to_send_[to], [&](std::uint32_t i) {
-      return conflicts.outcome(rows[i]) == Conflicts::Outcome::stands;  // the row moves: not yet resolved
+    std::vector<std::uint32_t>& moving = to_send_[to];
+    const auto resolved = std::stable_partition(moving.begin(), moving.end(), [&](std::uint32_t i) {
+      return conflicts.outcome(rows[i]) == Conflicts::Outcome::stands;  // it moves: not yet resolved
     });
     if (extent_.has_pushable)
-      std::ranges::stable_sort(resolved, {}, [&](std::uint32_t i) { return conflicts.round_of(rows[i]); });
-    for (const std::uint32_t i : resolved) {
-      message.put(i);
-      message.put(conflicts.outcome(rows[i]));
-      if (extent_.has_pushable) put_pushes(message, conflicts.pushes_by(rows[i]));
+      std::stable_sort(resolved, moving.end(), [&](std::uint32_t a, std::uint32_t b) {
+        return conflicts.round_of(rows[a]) < conflicts.round_of(rows[b]);
+      });
+    for (auto i = resolved; i != moving.end(); ++i) {
+      message.put(*i);
+      message.put(conflicts.outcome(rows[*i]));
+      if (extent_.has_pushable) put_pushes(message, conflicts.pushes_by(rows[*i]));
     }
-    to_send_[to].erase(resolved.begin(), resolved.end());
+    moving.erase(resolved, moving.end());
     post_.send(to, std::make_shared<const partition::Message>(message.take()));
   }
   bool is_open = false;

@@ -204,6 +204,7 @@ TEST_F(Info, OtherFilesAreNoneOfOurs) {
     EXPECT_THAT(error_of(name), StartsWith(name + what)) << name;
   EXPECT_EQ(error_of("nowhere"), "nowhere: error: there is no such file\n");
   EXPECT_EQ(error_of("."), ".: error: this is a folder, not a file\n");
+  EXPECT_EQ(error_of("/proc/self/mem"), "/proc/self/mem: error: cannot be read: Input/output error\n");
 }
 
 TEST_F(Info, HelpSaysWhatItTakes) {

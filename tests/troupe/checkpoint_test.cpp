@@ -74,6 +74,27 @@ class Checkpoint : public test::ScratchTest {
   fs::path file_ = folder_ / "run.h5";
 };
 
+/// A controller that counts its decisions, and the same in a later version, which also keeps its luck.
+struct Newer {
+  struct Memory {
+    std::uint32_t decisions = 0;
+    double luck = 1;
+    TROUPE_FIELDS(decisions, luck)
+  };
+  void operator()(Memory& memory, const engine::Percept&, Random&, engine::Actions&) const {
+    ++memory.decisions;
+  }
+};
+struct Older {
+  struct Memory {
+    std::uint32_t decisions = 0;
+    TROUPE_FIELDS(decisions)
+  };
+  void operator()(Memory& memory, const engine::Percept&, Random&, engine::Actions&) const {
+    ++memory.decisions;
+  }
+};
+
 struct Scene {
   std::string name;
   fs::path world;
@@ -363,6 +384,25 @@ TEST_F(Checkpoint, AStateThatIsNotTheOneThatWasSavedIsNotTakenUp) {
   EXPECT_THROW(world.restore(7, {}, 12345, fails), std::runtime_error);
   EXPECT_EQ(world.tick(), 0u);
   EXPECT_EQ(simulation.state_hash(), at_start);
+}
+
+TEST_F(Checkpoint, NamesAFieldThatTheRunDoesNotHave) {
+  engine::Registry newer = make_registry();
+  newer.controllers.push_back(engine::make_controller_kind<Newer>("counter", "counts"));
+  engine::Registry older = make_registry();
+  older.controllers.push_back(engine::make_controller_kind<Older>("counter", "counts"));
+  const std::string world = R"({"troupe": 1,
+    "types": {"bot": {"size_m": [0.4, 0.3, 0.25], "drive": {"kind": "diff"}, "controller": {"kind": "counter"}}},
+    "models": [{"name": "a", "type": "bot"}]})";
+  Simulation(write("own.json", world), {}, newer).save(file_);
+  try {
+    Simulation::resume(file_, {}, older);
+    FAIL() << "resumed";
+  } catch (const InputError& error) {
+    EXPECT_THAT(error.what(),
+                HasSubstr("has the field \"luck\", which this run does not have: resume with the "
+                          "version and the plug-ins that saved the checkpoint"));
+  }
 }
 
 TEST_F(Checkpoint, RefusesWhatIsNoCheckpoint) {

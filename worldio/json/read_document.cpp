@@ -317,7 +317,7 @@ void ObjectReader::read_contours(const DocumentKey& key, const JsonCursor& at) {
     Ring ring = read_points(JsonCursor(at, i, (*list)[i]), key.least, key.most);
     if (!ring.empty()) contours.push_back(std::move(ring));
   }
-  if (list->empty()) at.expected("at least one outline, [[x, y], ...]");
+  if (list->empty()) at.expected("at least one outline, such as [[[0, 0], [1, 0], [0, 1]]]");
   if (!list->empty() && contours.size() == list->size()) member<std::vector<Ring>>(key) = std::move(contours);
 }
 

@@ -155,13 +155,14 @@ void read_table(const Hdf5Group& group, StateTable& table) {
   if (group.dataset(std::string(k_id)).read<std::uint32_t>() != ids_of(table, rows))
     group.fail("has other bodies than the world in this file: the file is damaged");
   const std::vector<std::string> names = group.names();
-  std::size_t known = 1;  // the ids
+  std::vector<std::string> unknown = names;
+  std::erase(unknown, std::string(k_id));
   for (std::size_t f = 0; f < table.fields().size(); ++f) {
     const StateField& field = table.fields()[f];
     // An older checkpoint may lack a sparse field that was added to Troupe later. The field is then zero.
     const bool is_there = std::ranges::find(names, hdf5_name(field.name)) != names.end();
     if (!is_there && field.sparse) continue;
-    ++known;
+    std::erase(unknown, hdf5_name(field.name));
     const Hdf5Dataset dataset = group.dataset(hdf5_name(field.name));
     if (dataset.row_values() != field.columns || dataset.element() != field.element)
       dataset.fail(fmt::format(
@@ -180,10 +181,11 @@ void read_table(const Hdf5Group& group, StateTable& table) {
     for (std::size_t i = 0; i < rows.size(); ++i)
       std::memcpy(table.cell<std::byte>(rows[i], f).data(), values.data() + i * width, width);
   }
-  if (names.size() != known)
-    group.fail(
-        "does not have the same fields as the world: the file is damaged, or another version of Troupe or of "
-        "a plug-in wrote it");
+  if (!unknown.empty())
+    group.fail(fmt::format(
+        "has the field \"{}\", which this run does not have: resume with the version and the plug-ins that "
+        "saved the checkpoint",
+        unknown.front()));
 }
 
 std::uint64_t hash_of(const std::string& text) {

@@ -190,8 +190,11 @@ constexpr auto k_rows = std::to_array<StageRow>({
     {"position", "gps_origin", honoured,
      "added by Troupe: 1 gives the poses of \"gps\" in the frame of `localization_origin`"},
     {"position", "odom_error", fixed,
-     "[x y z a], with a in `unit_angle`, as in Stage; default: random for each robot, from the seed of the "
-     "world, not from the clock"},
+     "[x y z a]: errors of the odometry relative to the motion forward, sideways and upwards (z has no "
+     "effect), "
+     "and of its turns, with a in `unit_angle`, as in Stage; default: random for each robot, from the seed "
+     "of "
+     "the world, not from the clock"},
     {"position", "odom_heading", honoured,
      "added by Troupe: the heading along which odometry adds the motion of a tick. \"new\": the heading "
      "after the turn of that tick, as in Stage; \"old\": the heading before the turn, along which robots "
