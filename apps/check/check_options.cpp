@@ -93,7 +93,7 @@ void add_check_options(CLI::App& check, CheckOptions& options) {
       .add_flag(
           "--amnesia", options.amnesia,
           "Also compare runs that must not differ: after each tick, one replaces all data computed from\n"
-          "the state by junk and computes them again, one builds the world anew from the state, and one\n"
+          "the state by junk and computes them again, one builds the world again from the state, and one\n"
           "moves the bodies to other places in memory")
       ->disable_flag_override();
   check
