@@ -176,7 +176,8 @@ class Planted(unittest.TestCase):
         names = [name for name, _ in builds.planted_faults()]
         self.assertEqual(names, ["address_tie", "birth_memory", "float_sum", "libm_sine", "light_reach", "odometry_at_birth", "racing_read",
                                  "rank_birth_order", "rank_effect_order", "rank_float_sum", "rank_ghost_old", "rank_message_early", "rank_message_order",
-                                 "rank_outcome_early", "rank_skin_thin", "rank_state_old", "rank_undeclared", "rank_world_of_one", "row_kept"])
+                                 "rank_outcome_early", "rank_push_lost", "rank_skin_thin", "rank_state_old", "rank_undeclared",
+                                 "rank_world_of_one", "row_kept"])
         for name in names:
             with self.subTest(name=name), tempfile.TemporaryDirectory() as folder:
                 patch = builds.PLANTED / f"{name}.patch"
@@ -189,7 +190,8 @@ class Planted(unittest.TestCase):
     def test_worlds_belong_to_faults(self):
         names = {name for name, _ in builds.planted_faults()}
         worlds = {file.stem for file in builds.PLANTED.glob("*.json")}
-        self.assertEqual(worlds, {"light_reach", "rank_birth_order", "rank_effect_order", "rank_outcome_early", "rank_skin_thin"})
+        self.assertEqual(worlds, {"light_reach", "rank_birth_order", "rank_effect_order", "rank_outcome_early", "rank_push_lost",
+                                  "rank_skin_thin"})
         self.assertLessEqual(worlds, names)
 
     def test_a_fault_is_looked_for_in_its_own_world(self):
