@@ -173,7 +173,7 @@ TEST_F(Profiles, AreWholeWhenTheRunIsStopped) {
   write("room.world", k_room);
   const Outcome outcome = troupe_until(
       {"run", "room.world", "--for", "1e6", "--quiet", "--profile", "trace.json", "--hash-log", "h.log"},
-      "h.log", 30, SIGINT);
+      "h.log", 40, SIGINT);
   EXPECT_EQ(outcome.code, 3);
   const Trace trace(read("trace.json"));
   EXPECT_GE(trace.ticks.size(), 20u);
