@@ -905,6 +905,52 @@ TEST_F(HaloOfARoom, RobotsPushBodiesAcrossBorders) {
   }
 }
 
+/// Rows of bars that two robots push towards each other from both ends. Each robot can push half of the bars
+/// of its row, so that only one of the two can move when the halves meet, however far away the other robot
+/// is.
+std::string halo_rows_of_bars() {
+  std::string models;
+  for (int i = 0; i < 24; ++i) {
+    const double x = 0.37 * (i % 8);
+    const double y = 0.2 * i;
+    for (const int side : {-1, 1}) {
+      for (int k = 0; k < 3; ++k)
+        models += fmt::format(R"(, {{"name": "b{}", "type": "bar", "pose": {{"x_m": {}, "y_m": {}}}}})",
+                              models.size(), x + side * (0.1775 + 0.301 * k), y);
+      models += fmt::format(
+          R"(, {{"name": "s{}", "type": "shover", "pose": {{"x_m": {}, "y_m": {}, "heading_deg": {}}}}})",
+          models.size(), x + side * 0.99, y, side < 0 ? 0 : 180);
+    }
+  }
+  return R"({
+  "troupe": 1, "title": "Rows of bars",
+  "types": {
+    "wall": {"size_m": [0.2, 2, 1]},
+    "bar": {"size_m": [0.3, 0.05, 0.2], "pushable": true},
+    "shover": {"size_m": [0.09, 0.08, 0.2], "drive": {"kind": "diff", "pushes": 3},
+      "controller": {"kind": "script", "legs": [{"until_s": 1000, "forward_mps": 0.1}]}}
+  },
+  "models": [{"name": "wall", "type": "wall", "pose": {"x_m": 5.7}})" +
+         models + "]}";
+}
+
+TEST_F(HaloOfARoom, PushersDependOnPushersFarAway) {
+  SimulationOptions options;
+  options.threads = 1;
+  const Simulation simulation(write("rows.json", halo_rows_of_bars()), options);
+  const WorldSpec& spec = simulation.world().spec();
+  Diagnostics diagnostics(spec.files);
+  World whole(spec, simulation.registry(), {.threads = 1}, diagnostics);
+  const std::vector<Hashes> expected = halo_log(whole, 20);
+  EXPECT_EQ(whole.stalled_count(), 48u) << "the halves of all rows have met";
+  for (const unsigned ranks : {2u, 3u, 5u, 7u})
+    for (const std::optional<std::uint64_t> seed : {std::optional<std::uint64_t>(), {1}, {2}, {3}}) {
+      const HaloTeam team{ranks, 1, seed, 0.0, 0.25, {}};
+      HaloRanks halo(spec, simulation.registry(), team);
+      expect_equal_logs(halo_log(halo.world(), 20), expected, name_of(team));
+    }
+}
+
 class HaloOfAWorld : public ::testing::TestWithParam<std::string_view> {};
 
 TEST_P(HaloOfAWorld, GivesTheSameBits) {
