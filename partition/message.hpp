@@ -1,5 +1,7 @@
 #pragma once
 
+#include "base/geometry.hpp"
+
 #include <cstddef>
 #include <cstdint>
 #include <cstring>
@@ -35,6 +37,11 @@ class MessageWriter {
     put(static_cast<std::uint64_t>(text.size()));
     put_bytes(std::as_bytes(std::span(text)));
   }
+  /// Appends a point: its x and its y.
+  void put_point(const Vec2& point) {
+    put(point.x());
+    put(point.y());
+  }
   void reserve(std::size_t bytes) { message_.reserve(bytes); }  ///< allocates room for a whole message
   std::size_t size() const { return message_.size(); }          ///< length so far, bytes
   Message take() { return std::move(message_); }                ///< moves the message out; size() is then 0
@@ -43,8 +50,8 @@ class MessageWriter {
   Message message_;
 };
 
-/// Reads values from a message, in the order in which a MessageWriter appended them. get(), get_bytes() and
-/// get_text() throw std::logic_error if fewer bytes are left than they need. The message must outlive this
+/// Reads values from a message, in the order in which a MessageWriter appended them. The functions get...()
+/// throw std::logic_error if fewer bytes are left than they need. The message must outlive this
 /// object.
 class MessageReader {
  public:
@@ -68,6 +75,11 @@ class MessageReader {
   std::string get_text() {
     const std::span<const std::byte> text = take(get<std::uint64_t>());
     return {reinterpret_cast<const char*>(text.data()), text.size()};
+  }
+  /// Reads a point that put_point() appended.
+  Vec2 get_point() {
+    const auto x = get<double>();
+    return {x, get<double>()};
   }
   bool is_done() const { return rest_.empty(); }  ///< whether all bytes have been read
 

@@ -118,6 +118,16 @@ class OnProcesses:
         self.plain("run", "room.json", "--for", 4, "--hash-log", "longer.log", "--quiet")
         self.assertEqual(lines_of(self.folder / "resumed.log")[-1], lines_of(self.folder / "longer.log")[-1])
 
+    def expect_same_bits_on_distributed_ranks(self, world):
+        (self.folder / "world.json").write_text(json.dumps(world))
+        self.plain("run", "world.json", "--threads", 1, "--hash-log", "plain.log", "--quiet")
+        for ranks in (2, 3):
+            done = self.run_on(ranks, "run", "world.json", "--threads", 1, "--distribute", "--tile-size", 1, "--hash-log",
+                               "distributed.log", "--json")
+            self.assertEqual(done.returncode, 0, done.stderr)
+            self.assertEqual(json.loads(done.stdout)["rank_form"], "distributed")
+            self.assertEqual(lines_of(self.folder / "distributed.log"), lines_of(self.folder / "plain.log"))
+
     def test_births_and_deaths_have_the_same_bits_on_distributed_ranks(self):
         world = json.loads(WORLD)
         world["types"]["wanderer"]["devices"] = [{"name": "pack", "kind": "power_pack", "capacity_J": 40, "mass_kg": 1, "when_empty": "die"}]
@@ -128,14 +138,7 @@ class OnProcesses:
                                      "place": {"rule": "grid", "region_m": [[-2, -2], [2, 2]], "pitch_m": 4}})
         world["at"] = [{"time_s": 1, "add": {"population": "w", "count": 5, "region_m": [[-3, -3], [3, 3]]}},
                        {"time_s": 2, "remove": {"population": "w", "share": 0.2}}]
-        (self.folder / "lives.json").write_text(json.dumps(world))
-        self.plain("run", "lives.json", "--threads", 1, "--hash-log", "lives.log", "--quiet")
-        for ranks in (2, 3):
-            done = self.run_on(ranks, "run", "lives.json", "--threads", 1, "--distribute", "--tile-size", 1, "--hash-log",
-                               "distributed.log", "--json")
-            self.assertEqual(done.returncode, 0, done.stderr)
-            self.assertEqual(json.loads(done.stdout)["rank_form"], "distributed")
-            self.assertEqual(lines_of(self.folder / "distributed.log"), lines_of(self.folder / "lives.log"))
+        self.expect_same_bits_on_distributed_ranks(world)
 
     def test_pushed_bodies_have_the_same_bits_on_distributed_ranks(self):
         world = json.loads(WORLD)
@@ -143,14 +146,7 @@ class OnProcesses:
         world["types"]["puck"] = {"size_m": [0.1, 0.1, 0.05], "pushable": True}
         world["populations"].append({"name": "p", "type": "puck", "count": 200,
                                      "place": {"rule": "uniform", "region_m": [[-4, -4], [4, 4]]}})
-        (self.folder / "pucks.json").write_text(json.dumps(world))
-        self.plain("run", "pucks.json", "--threads", 1, "--hash-log", "pucks.log", "--quiet")
-        for ranks in (2, 3):
-            done = self.run_on(ranks, "run", "pucks.json", "--threads", 1, "--distribute", "--tile-size", 1, "--hash-log",
-                               "distributed.log", "--json")
-            self.assertEqual(done.returncode, 0, done.stderr)
-            self.assertEqual(json.loads(done.stdout)["rank_form"], "distributed")
-            self.assertEqual(lines_of(self.folder / "distributed.log"), lines_of(self.folder / "pucks.log"))
+        self.expect_same_bits_on_distributed_ranks(world)
 
     def test_a_world_that_cannot_be_distributed_is_replicated(self):
         world = json.loads(WORLD)

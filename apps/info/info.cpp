@@ -20,11 +20,11 @@
 #include <cerrno>
 #include <cstdio>
 #include <fstream>
-#include <iterator>
 #include <optional>
 #include <string>
 #include <string_view>
 #include <system_error>
+#include <utility>
 
 namespace troupe::apps {
 namespace fs = std::filesystem;
@@ -69,10 +69,9 @@ std::string all_of(const fs::path& file) {
   if (const Result<> readable = worldio::check_readable(file, worldio::k_most_input_bytes); !readable)
     throw InputError(fmt::format("{}: error: {}", file.string(), readable.error().text));
   errno = 0;
-  std::ifstream stream(file, std::ios::binary);
-  std::string text{std::istreambuf_iterator<char>(stream), {}};
-  if (stream.bad() || !stream.is_open()) throw_unreadable(file);
-  return text;
+  std::optional<std::string> text = worldio::read_file(file);
+  if (!text) throw_unreadable(file);
+  return std::move(*text);
 }
 
 /// Returns the first word of a text in the syntax of Stage worlds, skipping comments; empty if the text

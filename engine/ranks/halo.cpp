@@ -251,8 +251,7 @@ void Halo::balance(std::span<const std::uint64_t> times) {
 
 void Halo::put_row(MessageWriter& message, Row row) const {
   message.put(world_.body(row));
-  message.put(position(row).x());
-  message.put(position(row).y());
+  message.put_point(position(row));
   const std::vector<std::byte> bytes = world_.row_bytes(row);
   message.put(static_cast<std::uint64_t>(bytes.size()));
   message.put_bytes(bytes);
@@ -261,8 +260,7 @@ void Halo::put_row(MessageWriter& message, Row row) const {
 Halo::Arrival Halo::get_row(MessageReader& message) const {
   Arrival arrival;
   arrival.state.body = message.get<BodyId>();
-  arrival.position.x() = message.get<double>();
-  arrival.position.y() = message.get<double>();
+  arrival.position = message.get_point();
   arrival.state.bytes.resize(message.get<std::uint64_t>());
   message.get_bytes(arrival.state.bytes);
   return arrival;
@@ -485,8 +483,7 @@ void Halo::put_pushes(MessageWriter& message, std::span<const Conflicts::Push> p
   message.put(static_cast<std::uint64_t>(pushes.size()));
   for (const Conflicts::Push& push : pushes) {
     message.put(world_.body(Row(push.row)));
-    message.put(push.position.x());
-    message.put(push.position.y());
+    message.put_point(push.position);
   }
 }
 
@@ -495,9 +492,8 @@ void Halo::get_pushes(MessageReader& message) {
   pushes_.clear();
   for (auto count = message.get<std::uint64_t>(); count > 0; --count) {
     const auto body = message.get<BodyId>();
-    const auto x = message.get<double>();
-    const auto y = message.get<double>();
-    if (world_.location(body) == RowLocation::here) pushes_.push_back({world_.row(body).value, {x, y}});
+    const Vec2 place = message.get_point();
+    if (world_.location(body) == RowLocation::here) pushes_.push_back({world_.row(body).value, place});
   }
 }
 

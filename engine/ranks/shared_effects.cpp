@@ -67,8 +67,7 @@ void SharedEffects::put_affected(MessageWriter& message, std::span<const Affecte
   for (const Affected& each : some) {
     message.put(each.body);
     message.put(each.owner);
-    message.put(each.position.x());
-    message.put(each.position.y());
+    message.put_point(each.position);
   }
 }
 
@@ -78,8 +77,7 @@ void SharedEffects::get_affected(MessageReader& message) {
     Affected& each = affected_.emplace_back();
     each.body = message.get<BodyId>();
     each.owner = message.get<unsigned>();
-    each.position.x() = message.get<double>();
-    each.position.y() = message.get<double>();
+    each.position = message.get_point();
   }
 }
 

@@ -176,6 +176,26 @@ std::string halo_room(std::size_t robots, double half_m, const std::string& extr
 const std::vector<HaloTeam> k_experiment_teams{
     {1, 1, {}, {}}, {2, 1, {}, {}}, {3, 2, {}, 0.0}, {7, 1, 2, 0.3}};
 
+/// Expects that all teams compute a world with the same bits as one rank with all rows, in the ticks from
+/// tick 0 on, and also in each further run after World::reset().
+void expect_same_bits(const Simulation& simulation, std::uint64_t ticks, const std::vector<HaloTeam>& teams,
+                      int runs = 1, const HaloProgram& program = {}) {
+  const WorldSpec& spec = simulation.world().spec();
+  ASSERT_EQ(why_replicated(simulation.world()), "");
+  Diagnostics diagnostics(spec.files);
+  World whole(spec, simulation.registry(), {.threads = 1}, diagnostics);
+  const std::vector<Hashes> expected = halo_log(whole, ticks, program);
+  for (const HaloTeam& team : teams) {
+    HaloRanks ranks(spec, simulation.registry(), team);
+    for (int run = 0; run < runs; ++run) {
+      if (run > 0) ranks.world().reset();
+      expect_equal_logs(halo_log(ranks.world(), ticks, program), expected,
+                        name_of(team) + ", run " + std::to_string(run));
+      if (::testing::Test::HasFatalFailure()) return;
+    }
+  }
+}
+
 class HaloOfARoom : public test::ScratchTest {
  protected:
   Simulation load(std::size_t robots, double half_m, const std::string& extra = {}) const {
@@ -762,16 +782,7 @@ class HaloOfMixers : public HaloOfARoom {
 };
 
 TEST_F(HaloOfMixers, EffectsHaveOneOrderOnAllRanks) {
-  const Simulation simulation = load_mixers();
-  const WorldSpec& spec = simulation.world().spec();
-  ASSERT_EQ(why_replicated(simulation.world()), "");
-  Diagnostics diagnostics(spec.files);
-  World whole(spec, simulation.registry(), {.threads = 1}, diagnostics);
-  const std::vector<Hashes> expected = halo_log(whole, 30);
-  for (const HaloTeam& team : k_experiment_teams) {
-    HaloRanks ranks(spec, simulation.registry(), team);
-    expect_equal_logs(halo_log(ranks.world(), 30), expected, name_of(team));
-  }
+  expect_same_bits(load_mixers(), 30, k_experiment_teams);
 }
 
 /// Advances a world from tick 0 until this tick, in which a hook throws if its `throws_at` is that tick.
@@ -809,17 +820,7 @@ void expect_same_error(const Simulation& simulation, std::uint64_t tick, std::ui
 }
 
 TEST_F(HaloOfMixers, EffectsOnDistantBodiesHaveOneOrderOnAllRanks) {
-  const Simulation simulation = load_mixers(far_mixer_kind());
-  const WorldSpec& spec = simulation.world().spec();
-  ASSERT_EQ(why_replicated(simulation.world()), "");
-  Diagnostics diagnostics(spec.files);
-  World whole(spec, simulation.registry(), {.threads = 1}, diagnostics);
-  const std::vector<Hashes> expected = halo_log(whole, 30);
-  for (const HaloTeam& team : all_teams(1)) {
-    HaloRanks ranks(spec, simulation.registry(), team);
-    expect_equal_logs(halo_log(ranks.world(), 30), expected, name_of(team));
-    if (HasFatalFailure()) return;
-  }
+  expect_same_bits(load_mixers(far_mixer_kind()), 30, all_teams(1));
 }
 
 TEST_F(HaloOfMixers, AKindThatCanChangeAnyBodiesIsNotDistributed) {
@@ -957,17 +958,9 @@ TEST_P(HaloOfAWorld, GivesTheSameBits) {
   SimulationOptions options;
   options.threads = 1;
   const Simulation simulation(k_halo_worlds / GetParam(), options);
-  const WorldSpec& spec = simulation.world().spec();
-  ASSERT_EQ(why_replicated(simulation.world()), "");
-  std::uint64_t ticks = spec.bodies.size() > 500 ? 10 : 40;
+  std::uint64_t ticks = simulation.world().spec().bodies.size() > 500 ? 10 : 40;
   if (GetParam() == "failures.json") ticks = 260;  // its last intervention is at 25 s
-  Diagnostics diagnostics(spec.files);
-  World whole(spec, simulation.registry(), {.threads = 1}, diagnostics);
-  const std::vector<Hashes> expected = halo_log(whole, ticks);
-  for (const HaloTeam& team : std::vector<HaloTeam>{{3, 1, {}, {}}, {5, 1, 7, {}}}) {
-    HaloRanks ranks(spec, simulation.registry(), team);
-    expect_equal_logs(halo_log(ranks.world(), ticks), expected, name_of(team));
-  }
+  expect_same_bits(simulation, ticks, {{3, 1, {}, {}}, {5, 1, 7, {}}});
 }
 
 INSTANTIATE_TEST_SUITE_P(Worlds, HaloOfAWorld,
@@ -1048,24 +1041,10 @@ TEST_F(HaloOfATurnover, BirthsAndDeathsAreTheSameOnAllRanks) {
 }
 
 // Until the packs are empty, which is when the robots die that no drain and no intervention has removed.
-TEST_F(HaloOfATurnover, RunsAndResetsGiveTheSameBits) {
-  const Simulation simulation = load();
-  const WorldSpec& spec = simulation.world().spec();
-  Diagnostics diagnostics(spec.files);
-  World whole(spec, simulation.registry(), {.threads = 1}, diagnostics);
-  const std::vector<Hashes> expected = halo_log(whole, 60);
-  for (const HaloTeam& team : k_experiment_teams) {
-    HaloRanks ranks(spec, simulation.registry(), team);
-    expect_equal_logs(halo_log(ranks.world(), 60), expected, name_of(team));
-    ranks.world().reset();
-    expect_equal_logs(halo_log(ranks.world(), 60), expected, "after reset, " + name_of(team));
-  }
-}
+TEST_F(HaloOfATurnover, RunsAndResetsGiveTheSameBits) { expect_same_bits(load(), 60, k_experiment_teams, 2); }
 
 // Rank 0 has all rows when the program spawns or removes bodies, and the other ranks follow.
 TEST_F(HaloOfATurnover, ProgramsSpawnAndRemoveBodies) {
-  const Simulation simulation = load();
-  const WorldSpec& spec = simulation.world().spec();
   const auto program = [](World& world) {
     world.gather();
     const double x = 0.4 * static_cast<double>(world.tick() % 16) - 3;
@@ -1073,13 +1052,7 @@ TEST_F(HaloOfATurnover, ProgramsSpawnAndRemoveBodies) {
     for (std::size_t r = 0; r < world.rows(); ++r)
       if (world.body(Row(r)).value == 2 * world.tick()) world.remove(Row(r));
   };
-  Diagnostics diagnostics(spec.files);
-  World whole(spec, simulation.registry(), {.threads = 1}, diagnostics);
-  const std::vector<Hashes> expected = halo_log(whole, 30, program);
-  for (const HaloTeam& team : k_experiment_teams) {
-    HaloRanks ranks(spec, simulation.registry(), team);
-    expect_equal_logs(halo_log(ranks.world(), 30, program), expected, name_of(team));
-  }
+  expect_same_bits(load(), 30, k_experiment_teams, 1, program);
 }
 
 // Devices act on bodies that are unborn, alive or dead, and that are born or die in the same tick.
@@ -1092,17 +1065,7 @@ TEST_F(HaloOfATurnover, DevicesActOnDistantBodies) {
   SimulationOptions options;
   options.threads = 1;
   const Simulation simulation(write("turnover.json", text), options, registry);
-  const WorldSpec& spec = simulation.world().spec();
-  ASSERT_EQ(why_replicated(simulation.world()), "");
-  Diagnostics diagnostics(spec.files);
-  World whole(spec, simulation.registry(), {.threads = 1}, diagnostics);
-  const std::vector<Hashes> expected = halo_log(whole, 40);
-  for (const HaloTeam& team : k_experiment_teams) {
-    HaloRanks ranks(spec, simulation.registry(), team);
-    expect_equal_logs(halo_log(ranks.world(), 40), expected, name_of(team));
-    ranks.world().reset();
-    expect_equal_logs(halo_log(ranks.world(), 40), expected, "after reset, " + name_of(team));
-  }
+  expect_same_bits(simulation, 40, k_experiment_teams, 2);
 }
 
 /// The kind `spawner`, whose hook `born` throws in one tick for every third door. Doors are far from one
