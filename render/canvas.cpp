@@ -391,6 +391,28 @@ ZInterval heights_of_layers(std::span<const AnyLayer> layers) {
   return all.min < all.max ? all : ZInterval{all.min, all.min + 1};
 }
 
+/// An interval of the depth buffer, from 0 (nearest) to 1 (farthest).
+struct DepthInterval {
+  double near = 0;
+  double far = 1;
+};
+
+/// Divides a depth interval into parts of equal size.
+class DepthParts {
+ public:
+  DepthParts(const DepthInterval& all, std::size_t parts)
+      : far_(all.far), size_((all.far - all.near) / static_cast<double>(parts)) {}
+  /// Returns the farthest part at the first call, and then the part in front of the previous one.
+  DepthInterval next() {
+    const double far = std::exchange(far_, far_ - size_);
+    return {std::max(far_, 0.0), far};
+  }
+
+ private:
+  double far_;
+  double size_;
+};
+
 bool is_on_top(const AnyLayer& any) {
   if (const auto* flat = std::get_if<Layer>(&any)) return flat->on_top;
   const auto* points = std::get_if<PointLayer>(&any);
@@ -514,20 +536,17 @@ struct Canvas::Impl {
     }
   }
 
-  /// Draws the layers into one tile of the picture. The caller has shifted the viewport to the tile. A layer
-  /// that is on top begins a nearer part of the depth range: clearing the depth buffer instead would take
-  /// most of the time of a picture.
-  void draw_tile(std::span<const AnyLayer> layers,
-                 const std::vector<std::unique_ptr<Uploaded>>& uploaded) const {
-    gl.glClear(GL_COLOR_BUFFER_BIT | GL_DEPTH_BUFFER_BIT);
-    const auto parts = static_cast<double>(1 + std::ranges::count_if(layers, is_on_top));
-    double part = 0;
-    gl.glDepthRange((parts - 1) / parts, 1);
+  void set_depths(const DepthInterval& depths) const { gl.glDepthRange(depths.near, depths.far); }
+
+  /// Draws the layers into one tile of the picture, with these depths. The caller has shifted the viewport to
+  /// the tile and cleared it. A layer that is on top begins a nearer part of the depths: clearing the depth
+  /// buffer instead would take most of the time of a picture.
+  void draw_tile(std::span<const AnyLayer> layers, const std::vector<std::unique_ptr<Uploaded>>& uploaded,
+                 const DepthInterval& depths = {}) const {
+    DepthParts parts(depths, 1 + static_cast<std::size_t>(std::ranges::count_if(layers, is_on_top)));
+    set_depths(parts.next());
     for (std::size_t i = 0; i < layers.size(); ++i) {
-      if (is_on_top(layers[i])) {
-        ++part;
-        gl.glDepthRange((parts - part - 1) / parts, (parts - part) / parts);
-      }
+      if (is_on_top(layers[i])) set_depths(parts.next());
       std::visit([this](const auto& layer) { set_up(layer); }, layers[i]);
       uploaded[i]->draw();
       gl.glDepthMask(GL_TRUE);
@@ -540,6 +559,7 @@ struct Canvas::Impl {
   void draw_once(std::span<const AnyLayer> layers, const std::vector<std::unique_ptr<Uploaded>>& uploaded,
                  int columns, int rows, int width, std::uint8_t* into) const {
     gl.glBindFramebuffer(GL_FRAMEBUFFER, several.name);
+    gl.glClear(GL_COLOR_BUFFER_BIT | GL_DEPTH_BUFFER_BIT);
     draw_tile(layers, uploaded);
     gl.glBindFramebuffer(GL_DRAW_FRAMEBUFFER, single.name);
     gl.glBlitFramebuffer(0, 0, columns, rows, 0, 0, columns, rows, GL_COLOR_BUFFER_BIT, GL_NEAREST);
@@ -548,16 +568,25 @@ struct Canvas::Impl {
     gl.glReadPixels(0, 0, columns, rows, GL_RGBA, GL_UNSIGNED_BYTE, into);
   }
 
-  /// Does the same as draw_once(), but draws the tile once for each sample.
+  /// Does the same as draw_once(), but draws the tile once for each sample. Without solid layers, each sample
+  /// is drawn nearer than the one before, and the depth buffer is cleared only once, which saves 1 ms for
+  /// 1280 x 720 pixels. Solid layers need all of its precision.
   void draw_per_sample(const Projection& projection, std::span<const AnyLayer> layers,
                        const std::vector<std::unique_ptr<Uploaded>>& uploaded, int columns, int rows,
                        std::uint8_t* into) {
     gl.glBindFramebuffer(GL_FRAMEBUFFER, single.name);
     gl.glPixelStorei(GL_PACK_ROW_LENGTH, columns);
     const std::size_t row_bytes = 4 * static_cast<std::size_t>(columns);
+    const bool has_solids = std::ranges::any_of(
+        layers, [](const AnyLayer& any) { return std::holds_alternative<SolidLayer>(any); });
+    DepthParts parts({}, has_solids ? 1 : k_samples);
+    DepthInterval depths = parts.next();
     for (std::size_t s = 0; s < k_samples; ++s) {
       set_shift(projection, 0.5F - k_sample_places[s][0], 0.5F - k_sample_places[s][1]);
-      draw_tile(layers, uploaded);
+      const bool is_nearer = s > 0 && !has_solids;
+      if (is_nearer) depths = parts.next();
+      gl.glClear(is_nearer ? GL_COLOR_BUFFER_BIT : GL_COLOR_BUFFER_BIT | GL_DEPTH_BUFFER_BIT);
+      draw_tile(layers, uploaded, depths);
       samples[s].resize(row_bytes * static_cast<std::size_t>(rows));
       gl.glReadPixels(0, 0, columns, rows, GL_RGBA, GL_UNSIGNED_BYTE, samples[s].data());
     }

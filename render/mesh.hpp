@@ -6,8 +6,11 @@ namespace troupe::render {
 
 /// What body_mesh() draws in addition to the faces.
 struct MeshStyle {
-  float edge = 0;     ///< width of the outline of each contour, pixels; 0: no outline
-  float halo = 0;     ///< width of a white line drawn under the outline, pixels; 0: no line
+  float edge = 0;  ///< width of the outline of each contour, pixels; 0: no outline
+  float halo = 0;  ///< width of a white line drawn under the outline, pixels; 0: no line
+  /// Shapes narrower than this have no outline, except the widest shape of the type, m. An outline would hide
+  /// the colour of a shape that is hardly wider than the outline, such as that of an LED.
+  double smallest_outlined = 0;
   bool mark = false;  ///< whether there is a heading mark: a triangle at the front that points forward
 };
 

@@ -135,6 +135,28 @@ TEST(Draw, OutlinesAreDarkerAndRedWhenStalled) {
   EXPECT_EQ(stage.at(1.5, 0.5), k_blue_pixel);
 }
 
+// At 100 pixels a metre, this shape is 3 pixels wide.
+TEST(Draw, SmallShapesAreNotHiddenByTheirOutlines) {
+  Stage stage;
+  stage.scene.types[0].shapes.push_back(
+      FrameShape{Solid{{rectangle(-0.205, -0.205, -0.175, -0.175)}, {0.2, 0.3}}, Color{0, 1, 0, 1}});
+  stage.frame.mobile = {body_at(0, {0.5, 0.5, 0, 0}, k_blue)};
+  stage.draw();
+  EXPECT_EQ(stage.at(0.31, 0.31), (Pixel{0, 255, 0}));
+  EXPECT_EQ(stage.at(0.5, 0.5), k_blue_pixel);
+}
+
+TEST(Draw, RobotsOfSmallShapesOnlyHaveOutlines) {
+  Stage stage;
+  stage.scene.types = {type_of({rectangle(-0.2, -0.02, -0.16, 0.02)}, true)};
+  stage.scene.types[0].shapes.push_back(
+      FrameShape{Solid{{rectangle(0.16, -0.02, 0.2, 0.02)}, {0, 0.2}}, std::nullopt});
+  stage.frame.mobile = {body_at(0, {0.5, 0.5, 0, 0}, k_blue)};
+  stage.frame.mobile[0].stalled = true;
+  stage.draw();
+  EXPECT_GT(stage.count([](const Pixel& p) { return p[0] > 150 && p[1] < 80 && p[2] < 80; }), 0);
+}
+
 TEST(Draw, AStalledRobotIsSeenWhateverItsColour) {
   const std::array<Color, 4> colors = {Color{0.88F, 0.13F, 0.13F, 1}, Color{1, 1, 1, 1}, k_blue,
                                        Color{0, 0, 0, 1}};
