@@ -1,7 +1,6 @@
 #include "engine/ranks/halo.hpp"
 
 #include "base/random.hpp"
-#include "engine/kinds/step_error.hpp"
 
 #include <fmt/format.h>
 
@@ -9,7 +8,6 @@
 #include <cmath>
 #include <memory>
 #include <set>
-#include <stdexcept>
 #include <utility>
 
 namespace troupe::engine {
@@ -27,12 +25,6 @@ constexpr double k_slack_m = 1e-3;
 // can approach each other by two such motions per tick, so rows are distributed about once in half as many
 // ticks.
 constexpr double k_skin_motions = 16;
-
-[[noreturn]] void throw_bad_message() {
-  throw std::logic_error(
-      "internal error: a message between ranks has the rows of other bodies; this is no error of your input: "
-      "please report it");
-}
 
 }  // namespace
 
@@ -105,8 +97,7 @@ Halo::Halo(World& world, std::span<StateTable> tables, std::vector<std::size_t> 
       seen_(post_.ranks),
       shown_rows_(post_.ranks),
       seen_rows_(post_.ranks),
-      to_send_(post_.ranks),
-      to_receive_(post_.ranks) {}
+      border_(world, post_, extent_.has_pushable) {}
 
 HaloPlan plan_halo(const World& world, unsigned ranks, double longest_motion) {
   HaloPlan plan{.coverage_m = Halo::extent_of(world).of_all(longest_motion) + k_skin_motions * longest_motion,
@@ -150,7 +141,7 @@ void Halo::choose_coverage(double longest) {
   }
   coverage_ = extent_.of_all(longest) + skin_m_.value_or(skin);
   moved_ = 0;
-  lacks_ghosts_ = false;
+  border_.take_pushed();  // bodies were pushed before this distribution
 }
 
 void Halo::divide() {
@@ -368,8 +359,17 @@ double Halo::longest_motion() const {
   return sqrt(longest2) * world_.tick_s();
 }
 
+/// Adds to moved_ by how much bodies were pushed farther in the last tick than their drives moved any body.
+void Halo::note_pushes() { moved_ += std::max(0.0, border_.take_pushed() - longest_); }
+
+bool Halo::lacks_ghosts() {
+  note_pushes();
+  return extent_.reach + extent_.radius + 2 * moved_ + k_slack_m > coverage_;
+}
+
 void Halo::prepare_motions(double longest, bool distributes, std::span<const Guest> guests) {
   ++counts_.ticks;
+  note_pushes();
   const bool covers_motions = extent_.of_motions(longest) + 2 * moved_ + k_slack_m <= coverage_;
   const bool covers_sensing =
       extent_.reach + extent_.radius + 2 * (moved_ + longest) + k_slack_m <= coverage_;
@@ -381,6 +381,7 @@ void Halo::prepare_motions(double longest, bool distributes, std::span<const Gue
   if (distributes) distribute(longest, guests);
   moved_ += longest;
   longest_ = longest;
+  border_.begin_tick({own_, shown_rows_, seen_rows_}, 2 * extent_.zone(longest));
   counts_.own += own_;
   counts_.ghosts += world_.rows() - own_;
   counts_.neighbours += neighbours_;
@@ -420,114 +421,6 @@ void Halo::get_state(MessageReader& message, BodyId body) {
   for (StateTable& table : tables_)
     if (const std::optional<std::size_t> at = world_.find_in(table, row))
       message.get_bytes({table.row(*at), table.row_bytes()});
-}
-
-std::span<const std::uint32_t> Halo::begin(std::span<const Motion> motions,
-                                           std::span<const std::uint32_t> order) {
-  for (unsigned rank = 0; rank < post_.ranks; ++rank) {
-    to_send_[rank].clear();
-    for (std::uint32_t i = 0; i < shown_rows_[rank].size(); ++i)
-      if (motions[shown_rows_[rank][i]].moves) to_send_[rank].push_back(i);
-    to_receive_[rank] = static_cast<std::size_t>(
-        std::ranges::count_if(seen_rows_[rank], [&](std::uint32_t row) { return motions[row].moves; }));
-  }
-  return rows_within(order, {0, own_}, order_);
-}
-
-/// Exchanges one message with each rank to which this rank still has to send outcomes, or from which it still
-/// has to receive some. Both ranks of such a pair count the same motions, so they send each other the same
-/// number of messages. A message may contain no outcome, because the outcomes of the sender may depend on
-/// those of a third rank.
-bool Halo::exchange(Conflicts& conflicts) {
-  std::vector<unsigned> active;
-  for (unsigned rank = 0; rank < post_.ranks; ++rank)
-    if (!to_send_[rank].empty() || to_receive_[rank] > 0) active.push_back(rank);
-  if (active.empty()) return false;
-  ++counts_.rounds;
-  for (const unsigned to : active) {
-    MessageWriter message = post_.begin(Order::outcomes);
-    const std::vector<std::uint32_t>& rows = shown_rows_[to];
-    std::vector<std::uint32_t>& moving = to_send_[to];
-    const auto resolved = std::stable_partition(moving.begin(), moving.end(), [&](std::uint32_t i) {
-      return conflicts.outcome(rows[i]) == Conflicts::Outcome::stands;  // it moves: not yet resolved
-    });
-    if (extent_.has_pushable)
-      std::stable_sort(resolved, moving.end(), [&](std::uint32_t a, std::uint32_t b) {
-        return conflicts.round_of(rows[a]) < conflicts.round_of(rows[b]);
-      });
-    for (auto i = resolved; i != moving.end(); ++i) {
-      message.put(*i);
-      message.put(conflicts.outcome(rows[*i]));
-      if (extent_.has_pushable) put_pushes(message, conflicts.pushes_by(rows[*i]));
-    }
-    moving.erase(resolved, moving.end());
-    post_.send(to, std::make_shared<const partition::Message>(message.take()));
-  }
-  bool is_open = false;
-  for (const unsigned from : active) {
-    ReceivedOrder received = post_.receive(Order::outcomes, from);
-    while (!received.rest.is_done()) {
-      const auto i = received.rest.get<std::uint32_t>();
-      const auto outcome = received.rest.get<Conflicts::Outcome>();
-      if (i >= seen_rows_[from].size() || to_receive_[from] == 0) throw_bad_message();
-      --to_receive_[from];
-      if (extent_.has_pushable) get_pushes(received.rest);
-      conflicts.receive(seen_rows_[from][i], outcome, pushes_);
-    }
-    is_open = is_open || !to_send_[from].empty() || to_receive_[from] > 0;
-  }
-  return is_open;
-}
-
-void Halo::put_pushes(MessageWriter& message, std::span<const Conflicts::Push> pushes) const {
-  message.put(static_cast<std::uint64_t>(pushes.size()));
-  for (const Conflicts::Push& push : pushes) {
-    message.put(world_.body(Row(push.row)));
-    message.put_point(push.position);
-  }
-}
-
-/// Sets pushes_ to the pushes that put_pushes() has appended, without those of bodies that have no row here.
-void Halo::get_pushes(MessageReader& message) {
-  pushes_.clear();
-  for (auto count = message.get<std::uint64_t>(); count > 0; --count) {
-    const auto body = message.get<BodyId>();
-    const Vec2 place = message.get_point();
-    if (world_.location(body) == RowLocation::here) pushes_.push_back({world_.row(body).value, place});
-  }
-}
-
-/// Each rank sends the last pushes of those bodies that its own rows have pushed last. It has the row of each
-/// such body, and those of all its pushers, if no body was pushed farther in this tick than two zones (class
-/// Halo, `pushes`): all ranks learn how far bodies were pushed.
-void Halo::exchange_places(Conflicts& conflicts) {
-  if (!extent_.has_pushable) return;
-  double farthest = 0;  // distance of a push from the position before this tick, m
-  pushes_.clear();
-  for (std::size_t row = 0; row < own_; ++row)
-    for (const Conflicts::Push& push : conflicts.pushes_by(row)) {
-      farthest = std::max(farthest, (push.position - position(Row(push.row))).norm());
-      if (conflicts.is_last(push)) pushes_.push_back(push);
-    }
-  MessageWriter own = post_.begin(Order::places);
-  own.put(farthest);
-  put_pushes(own, pushes_);
-  post_.send_to_all(std::move(own));
-  for (unsigned from = 0; from < post_.ranks; ++from) {
-    if (from == post_.rank) continue;
-    ReceivedOrder received = post_.receive(Order::places, from);
-    farthest = std::max(farthest, received.rest.get<double>());
-    get_pushes(received.rest);
-    for (const Conflicts::Push& push : pushes_) conflicts.receive_place(push);
-  }
-  if (farthest > 2 * extent_.zone(longest_))
-    throw StepError(
-        fmt::format("tick {}: several robots pushed one body by {:.3g} m in one tick, too far for ranks that "
-                    "divide the robots among themselves: run this world without --distribute",
-                    world_.tick(), farthest));
-  if (farthest <= longest_) return;
-  moved_ += farthest - longest_;
-  lacks_ghosts_ = extent_.reach + extent_.radius + 2 * moved_ + k_slack_m > coverage_;
 }
 
 std::uint64_t Halo::hash(std::span<const std::uint32_t> rows, std::span<const std::uint8_t> is_known) const {

@@ -1,8 +1,8 @@
 #pragma once
 
 #include "base/ids.hpp"
-#include "engine/conflicts/conflicts.hpp"
 #include "engine/ranks/orders.hpp"
+#include "engine/ranks/rank_border.hpp"
 #include "engine/ranks/rank_work.hpp"
 #include "engine/world/world.hpp"
 #include "partition/message.hpp"
@@ -59,7 +59,7 @@ HaloPlan plan_halo(const World& world, unsigned ranks, double longest_motion);
 ///         where it died. A birth is a jump of an unborn body: all ranks know of it, and distribute the rows
 ///         before the next sensing.
 /// moves   Each rank resolves the motions of its own rows. A motion that depends on a ghost waits for the
-///         outcome, which the owner sends when it is known (Conflicts::Border).
+///         outcome, which the owner sends when it is known (class RankBorder).
 /// pushes  A motion that may push bodies depends on all bodies in its *zone* (class Conflicts, `source`), on
 ///         all movers whose zones overlap it, and on the bodies that these movers push. In a world with
 ///         pushable bodies, the coverage is therefore at least three times the radius of the largest zone.
@@ -67,7 +67,7 @@ HaloPlan plan_halo(const World& world, unsigned ranks, double longest_motion);
 ///         pushed body has ghosts of all pushers, so at the end all ranks exchange the final positions.
 ///
 /// No result depends on which rank owns a row, on the skin, or on how often rows are distributed.
-class Halo : public Conflicts::Border {
+class Halo {
  public:
   /// A body whose row must be on the rank that owns the ground at a point, however far away the body is.
   struct Guest {
@@ -122,7 +122,9 @@ class Halo : public Conflicts::Border {
   double reach() const { return extent_.reach; }  ///< longest reach for which the ghosts suffice, m
   /// Whether bodies were pushed so far in the last tick that the rows must be distributed before any device
   /// senses again. The same on all ranks.
-  bool lacks_ghosts() const { return lacks_ghosts_; }
+  bool lacks_ghosts();
+  /// The exchange of outcomes of motions. prepare_motions() must have been called in this tick.
+  Conflicts::Border& border() { return border_; }
   /// Appends the data that rank `to` needs before the phase move of those own rows that it has as ghosts:
   /// their rows in the tables with Sharing::sent.
   void put_shown(unsigned to, partition::MessageWriter& message) const;
@@ -156,7 +158,11 @@ class Halo : public Conflicts::Border {
   void own_none();
 
   /// What was counted on this rank; without `messages` and `bytes`, which are 0.
-  const RankCounts& counts() const { return counts_; }
+  RankCounts counts() const {
+    RankCounts counts = counts_;
+    counts.rounds = border_.rounds();
+    return counts;
+  }
 
   /// hash_shown(): sum of the hashes of the own rows that rank `to` has as ghosts. hash_seen(): sum of the
   /// hashes of the ghosts here that rank `from` owns. Only tables t with is_known[t] != 0 count. Between two
@@ -170,22 +176,15 @@ class Halo : public Conflicts::Border {
   }
   ///@}
 
-  // ---- Called by Conflicts
-  std::span<const std::uint32_t> begin(std::span<const Motion> motions,
-                                       std::span<const std::uint32_t> order) override;
-  bool exchange(Conflicts& conflicts) override;
-  void exchange_places(Conflicts& conflicts) override;
-
  private:
   struct Arrival {  // a row that another rank has sent, or that changes from own to ghost
     World::RowState state;
     Vec2 position;
   };
-  void put_pushes(partition::MessageWriter& message, std::span<const Conflicts::Push> pushes) const;
-  void get_pushes(partition::MessageReader& message);
   void put_row(partition::MessageWriter& message, Row row) const;
   Arrival get_row(partition::MessageReader& message) const;
   void choose_coverage(double longest);
+  void note_pushes();
   void find_ranks_near(Row row, std::vector<unsigned>& near) const;
   void cut_again();
   void note_neighbours();
@@ -208,7 +207,6 @@ class Halo : public Conflicts::Border {
   std::vector<Guest> guests_;  // of the last distribution, in the order of bodies
   double coverage_ = 0;        // m: see class Halo
   double longest_ = 0;         // longest motion of a body in this tick that its drive proposed, m
-  bool lacks_ghosts_ = false;  // lacks_ghosts()
   double moved_ = 0;           // upper bound on the distance that a body moved since the last distribution, m
   // One entry per rank: bodies of own rows that the rank has as ghosts, and of ghosts that the rank owns;
   // both in the order of ids. And the same as rows.
@@ -216,14 +214,9 @@ class Halo : public Conflicts::Border {
   std::vector<std::vector<BodyId>> seen_;
   std::vector<std::vector<std::uint32_t>> shown_rows_;
   std::vector<std::vector<std::uint32_t>> seen_rows_;
-  // One entry per rank: of the rows in the lists above, the indices of those that move and whose outcome is
-  // not yet sent; and the number of those whose outcome is not yet received.
-  std::vector<std::vector<std::uint32_t>> to_send_;
-  std::vector<std::size_t> to_receive_;
-  std::vector<std::uint32_t> order_;     // result of begin()
-  std::vector<Conflicts::Push> pushes_;  // scratch: result of get_pushes()
-  std::uint64_t neighbours_ = 0;         // number of ranks with which this rank has ghosts in common
-  RankCounts counts_;
+  RankBorder border_;
+  std::uint64_t neighbours_ = 0;  // number of ranks with which this rank has ghosts in common
+  RankCounts counts_;             // without `rounds`
 };
 
 }  // namespace troupe::engine

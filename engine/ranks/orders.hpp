@@ -27,8 +27,8 @@ enum class Order : std::uint8_t {
   together,    ///< in a tick: the rows for Replica::on_rank_0(), to rank 0 and back
   exchange,    ///< in a tick: the values that the sender has written to the rows that it owns
   rows,        ///< in a tick: rows that go to another rank, and ghosts (Halo::distribute())
-  outcomes,    ///< in a tick: outcomes of motions of own rows that are ghosts of the receiver
-  places,      ///< in a tick: final positions of pushed bodies (Halo::exchange_places())
+  outcomes,    ///< in a tick: outcomes of motions of own rows that are ghosts of the receiver (RankBorder)
+  places,      ///< in a tick: final positions of pushed bodies (RankBorder)
   candidates,  ///< in a tick: own rows among which an intervention chooses at random
   effects,     ///< in a tick: rows that effects change (SharedEffects)
   births,      ///< in a tick: whether places on the ground of the sender are free (RankRows::lowest_trial())

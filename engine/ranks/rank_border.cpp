@@ -1,0 +1,156 @@
+#include "engine/ranks/rank_border.hpp"
+
+#include "engine/kinds/step_error.hpp"
+#include "engine/world/world.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <memory>
+#include <stdexcept>
+#include <utility>
+
+namespace troupe::engine {
+namespace {
+
+using partition::MessageReader;
+using partition::MessageWriter;
+
+[[noreturn]] void throw_bad_message() {
+  throw std::logic_error(
+      "internal error: a message between ranks has the rows of other bodies; this is no error of your input: "
+      "please report it");
+}
+
+}  // namespace
+
+RankBorder::RankBorder(World& world, const RankPost& post, bool has_pushable)
+    : world_(world),
+      post_(post),
+      has_pushable_(has_pushable),
+      to_send_(post.ranks),
+      to_receive_(post.ranks) {}
+
+void RankBorder::begin_tick(const Rows& rows, double farthest) {
+  rows_ = rows;
+  farthest_ = farthest;
+}
+
+double RankBorder::take_pushed() { return std::exchange(pushed_, 0.0); }
+
+std::span<const std::uint32_t> RankBorder::begin(std::span<const Motion> motions,
+                                                 std::span<const std::uint32_t> order) {
+  for (unsigned rank = 0; rank < post_.ranks; ++rank) {
+    const std::vector<std::uint32_t>& shown = rows_.shown[rank];
+    to_send_[rank].clear();
+    for (std::uint32_t i = 0; i < shown.size(); ++i)
+      if (motions[shown[i]].moves) to_send_[rank].push_back(i);
+    to_receive_[rank] = static_cast<std::size_t>(
+        std::ranges::count_if(rows_.seen[rank], [&](std::uint32_t row) { return motions[row].moves; }));
+  }
+  return rows_within(order, {0, rows_.own}, order_);
+}
+
+/// Exchanges one message with each rank to which this rank still has to send outcomes, or from which it still
+/// has to receive some. Both ranks of such a pair count the same motions, so they send each other the same
+/// number of messages. A message may contain no outcome, because the outcomes of the sender may depend on
+/// those of a third rank.
+bool RankBorder::exchange(Conflicts& conflicts) {
+  const auto is_open = [&](unsigned rank) { return !to_send_[rank].empty() || to_receive_[rank] > 0; };
+  std::vector<unsigned> active;
+  for (unsigned rank = 0; rank < post_.ranks; ++rank)
+    if (is_open(rank)) active.push_back(rank);
+  if (active.empty()) return false;
+  ++rounds_;
+  for (const unsigned to : active) send_outcomes(to, conflicts);
+  for (const unsigned from : active) receive_outcomes(from, conflicts);
+  return std::ranges::any_of(active, is_open);
+}
+
+/// Sends the outcomes that are known and not yet sent. With pushable bodies, they are sorted by rounds, and
+/// the pushes follow each outcome.
+void RankBorder::send_outcomes(unsigned to, const Conflicts& conflicts) {
+  MessageWriter message = post_.begin(Order::outcomes);
+  const std::vector<std::uint32_t>& rows = rows_.shown[to];
+  std::vector<std::uint32_t>& moving = to_send_[to];
+  const auto resolved = std::stable_partition(moving.begin(), moving.end(), [&](std::uint32_t i) {
+    return conflicts.outcome(rows[i]) == Conflicts::Outcome::stands;  // it moves: not yet resolved
+  });
+  if (has_pushable_)
+    std::stable_sort(resolved, moving.end(), [&](std::uint32_t a, std::uint32_t b) {
+      return conflicts.round_of(rows[a]) < conflicts.round_of(rows[b]);
+    });
+  for (auto i = resolved; i != moving.end(); ++i) {
+    message.put(*i);
+    message.put(conflicts.outcome(rows[*i]));
+    if (has_pushable_) put_pushes(message, conflicts.pushes_by(rows[*i]));
+  }
+  moving.erase(resolved, moving.end());
+  post_.send(to, std::make_shared<const partition::Message>(message.take()));
+}
+
+void RankBorder::receive_outcomes(unsigned from, Conflicts& conflicts) {
+  ReceivedOrder received = post_.receive(Order::outcomes, from);
+  const std::vector<std::uint32_t>& rows = rows_.seen[from];
+  while (!received.rest.is_done()) {
+    const auto i = received.rest.get<std::uint32_t>();
+    const auto outcome = received.rest.get<Conflicts::Outcome>();
+    if (i >= rows.size() || to_receive_[from] == 0) throw_bad_message();
+    --to_receive_[from];
+    if (has_pushable_) get_pushes(received.rest);
+    conflicts.receive(rows[i], outcome, pushes_);
+  }
+}
+
+void RankBorder::put_pushes(MessageWriter& message, std::span<const Conflicts::Push> pushes) const {
+  message.put(static_cast<std::uint64_t>(pushes.size()));
+  for (const Conflicts::Push& push : pushes) {
+    message.put(world_.body(Row(push.row)));
+    message.put_point(push.position);
+  }
+}
+
+/// Sets pushes_ to the pushes that put_pushes() has appended, without those of bodies that have no row here.
+void RankBorder::get_pushes(MessageReader& message) {
+  pushes_.clear();
+  for (auto count = message.get<std::uint64_t>(); count > 0; --count) {
+    const auto body = message.get<BodyId>();
+    const Vec2 place = message.get_point();
+    if (world_.location(body) == RowLocation::here) pushes_.push_back({world_.row(body).value, place});
+  }
+}
+
+/// Each rank sends the last pushes of those bodies that its own rows have pushed last. It has the row of each
+/// such body, and those of all its pushers, if no body was pushed farther than begin_tick() allows (class
+/// Halo, `pushes`): all ranks learn how far bodies were pushed.
+void RankBorder::exchange_places(Conflicts& conflicts) {
+  if (!has_pushable_) return;
+  const auto pushed = [&](const Conflicts::Push& push) {
+    return (push.position - world_.transform(Row(push.row)).position).norm();
+  };
+  pushed_ = 0;
+  pushes_.clear();
+  for (std::size_t row = 0; row < rows_.own; ++row)
+    for (const Conflicts::Push& push : conflicts.pushes_by(row)) {
+      pushed_ = std::max(pushed_, pushed(push));
+      if (conflicts.is_last(push)) pushes_.push_back(push);
+    }
+  MessageWriter own = post_.begin(Order::places);
+  own.put(pushed_);
+  put_pushes(own, pushes_);
+  post_.send_to_all(std::move(own));
+  for (unsigned from = 0; from < post_.ranks; ++from) {
+    if (from == post_.rank) continue;
+    ReceivedOrder received = post_.receive(Order::places, from);
+    pushed_ = std::max(pushed_, received.rest.get<double>());
+    get_pushes(received.rest);
+    for (const Conflicts::Push& push : pushes_) conflicts.receive_place(push);
+  }
+  if (pushed_ > farthest_)
+    throw StepError(
+        fmt::format("tick {}: several robots pushed one body by {:.3g} m in one tick, too far for ranks that "
+                    "divide the robots among themselves: run this world without --distribute",
+                    world_.tick(), pushed_));
+}
+
+}  // namespace troupe::engine
