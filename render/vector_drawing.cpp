@@ -103,7 +103,7 @@ void add(Paths& paths, const Layer& layer) {
       if (a.offset_x == 0 && a.offset_y == 0) {
         paths.add_triangle({place(a.x, a.y), place(b.x, b.y), place(c.x, c.y)}, z, color);
       } else {  // a stroke: two triangles, made by add_stroke()
-        const double width = std::hypot(c.offset_x - b.offset_x, c.offset_y - b.offset_y);
+        const double width = Vec2(c.offset_x - b.offset_x, c.offset_y - b.offset_y).norm();
         paths.add_line(place(a.x, a.y), place(b.x, b.y), width, z, color);
         i += 3;
       }

@@ -32,7 +32,7 @@ double highest_speed(const engine::World& world) {
           most = std::max(most, std::abs(drive->params[static_cast<std::size_t>(field)].number()));
       return most;
     };
-    highest = std::max(highest, drive->kind == "omni" ? std::hypot(limit("x"), limit("y")) : limit("x"));
+    highest = std::max(highest, drive->kind == "omni" ? Vec2(limit("x"), limit("y")).norm() : limit("x"));
   }
   return highest;
 }
