@@ -4,7 +4,9 @@
     live_view.py TROUPE
 
 Prints how many pictures of 2,000 robots a viewer receives in a second. Then prints the speed of a world of 100,000 robots with
-a viewer, and with a viewer that does not read, relative to the speed without a viewer.
+a viewer, and with a viewer that does not read, relative to the speed without a viewer; by how much the resident memory of the
+program grows while a viewer reads nothing for a minute; and, if there is a Chromium, for how long the scripts of the page run
+per picture of 10,000 robots, and how many pictures the page draws in a second. Chromium draws in software.
 """
 
 import os
@@ -16,6 +18,7 @@ from pathlib import Path
 
 ROOT = Path(__file__).resolve().parent.parent
 sys.path.insert(0, str(ROOT))
+from tests.support.chromium import Page, find  # noqa: E402
 from tests.support.websocket import Socket  # noqa: E402
 
 WORLD = ROOT / "worlds" / "hospital-10cm.json"  # has space for 100,000 robots
@@ -30,20 +33,29 @@ class View:
     def __init__(self, troupe, folder, robots, *arguments):
         command = [troupe, "view", WORLD, "--robots", str(robots), "--threads", "1", "--out", folder, *map(str, arguments)]
         self.process = subprocess.Popen(command, stdout=subprocess.PIPE, text=True, preexec_fn=on(PROCESSORS[0]))
-        address = ""
-        while not address:
+        self.address = ""
+        while not self.address:
             line = self.process.stdout.readline()
             if not line:
                 sys.exit(f"live_view.py: error: the program ended with {self.process.wait()} before it printed an address")
             if line.startswith("  view "):
-                address = line.split()[1]
-        self.port, self.token = int(address.split(":")[2].split("/")[0]), address.split("#")[1]
+                self.address = line.split()[1]
+        self.port, self.token = int(self.address.split(":")[2].split("/")[0]), self.address.split("#")[1]
 
     def open(self):
         viewer = Socket(self.port, timeout=600)
         viewer.send(self.token)
         viewer.receive()
         return viewer
+
+    def memory(self):
+        """Returns the resident memory, bytes."""
+        pages = int(Path(f"/proc/{self.process.pid}/statm").read_text().split()[1])
+        return pages * os.sysconf("SC_PAGE_SIZE")
+
+    def end(self):
+        self.process.kill()
+        self.process.wait()
 
 
 def pictures_per_second(troupe, folder, seconds=10):
@@ -56,9 +68,47 @@ def pictures_per_second(troupe, folder, seconds=10):
             viewer.send('{"do": "drawn"}')
             count += 1
             size += len(message)
-    view.process.kill()
-    view.process.wait()
+    view.end()
     return count / seconds, size / count
+
+
+def growth(troupe, folder, seconds=60):
+    """Returns by how much the memory grows while a viewer does not read, bytes."""
+    view = View(troupe, folder, 2000, "--rate", 0)
+    with view.open():
+        time.sleep(5)  # until all memory that every run needs is allocated
+        before = view.memory()
+        time.sleep(seconds)
+        after = view.memory()
+    view.end()
+    return after - before
+
+
+def in_browser(troupe, folder, seconds=20):
+    """Returns the duration of scripts per picture, s, and the number of pictures per second."""
+    view = View(troupe, folder, 10000)
+    with Page(find()) as page:
+        # The page confirms each picture that it has drawn.
+        page.call("Page.addScriptToEvaluateOnNewDocument", source="""
+            window.drawn = 0;
+            const send = WebSocket.prototype.send;
+            WebSocket.prototype.send = function (text) {
+              if (text.startsWith('{"do":"drawn"')) window.drawn += 1;
+              return send.call(this, text);
+            };""")
+        page.open_address(view.address)
+        page.wait("window.drawn > 20")
+        page.call("Performance.enable")
+
+        def metrics():
+            found = {each["name"]: each["value"] for each in page.call("Performance.getMetrics")["metrics"]}
+            return found["Timestamp"], found["ScriptDuration"], page.run("window.drawn")
+
+        before = metrics()
+        time.sleep(seconds)
+        passed, scripts, drawn = (after - start for after, start in zip(metrics(), before))
+    view.end()
+    return scripts / drawn, drawn / passed
 
 
 def speed(troupe, folder, world_s, watch):
@@ -95,6 +145,12 @@ def main():
             ticks, pictures = speed(troupe, folder, world_s, watch)
             size = f", {len(pictures)} pictures of {sum(pictures) / len(pictures) / 1000:.0f} kB" if pictures else ""
             print(f"100,000 robots: {ticks:.2f} ticks/s with {name}, {alone:.2f} without: {ticks / alone:.3f}{size}")
+        print(f"2,000 robots: {growth(troupe, folder) / 1e6:.2f} MB more memory after a minute with a viewer that does not read")
+        if not find():
+            print("10,000 robots in Chromium: NOT MEASURED: there is no Chromium")
+            return
+        script_s, rate = in_browser(troupe, folder)
+        print(f"10,000 robots in Chromium: {1000 * script_s:.2f} ms of scripts per picture, {rate:.1f} pictures a second")
 
 
 if __name__ == "__main__":
