@@ -1099,8 +1099,10 @@ class InABrowser(unittest.TestCase):
     def test_parts_have_the_colours_that_they_show(self):
         mast = {"name": "mast", "size_m": [0.5, 0.5, 0.1], "pose": {"z_m": 0.2},
                 "devices": [{"name": "lamp", "kind": "led", "shows": [0, 0.6, 0.2]}]}
+        spot = {"name": "spot", "size_m": [0.015, 0.015, 0.01], "pose": {"x_m": 0.4, "z_m": 0.2},
+                "devices": [{"name": "spot", "kind": "led", "shows": [0, 1, 0]}]}
         world = {"troupe": 1, "bounds_m": [[-2, -2], [2, 2]],
-                 "types": {"bot": {"size_m": [1, 1, 0.2], "color": [0.1, 0.2, 0.8], "drive": {"kind": "diff"}, "parts": [mast]},
+                 "types": {"bot": {"size_m": [1, 1, 0.2], "color": [0.1, 0.2, 0.8], "drive": {"kind": "diff"}, "parts": [mast, spot]},
                            "plain": {"size_m": [0.5, 0.5, 0.2], "color": [0.1, 0.2, 0.8], "drive": {"kind": "diff"}}},
                  "models": [{"name": "b", "type": "bot", "pose": {"x_m": 1}}, {"name": "p", "type": "plain", "pose": {"x_m": -1}},
                             {"name": "a", "type": "bot", "pose": {"x_m": -1, "y_m": 1}}]}
@@ -1128,6 +1130,11 @@ class InABrowser(unittest.TestCase):
             page.wait("!troupe.state().playing && troupe.state().line")
             wait_for("b", top, (255, 0, 0))
             wait_for("a", top, (0, 153, 51))
+            x, y = (round(at) for at in page.run("troupe.screenPlace('a', [0.4, 0, 0.21])"))
+            picture = Picture(page.screenshot((x - 5, y - 5, x + 5, y + 5)))
+            near = [picture.at(column, row) for column in range(10) for row in range(10)]
+            self.assertIn((0, 255, 0), near, "the small part has its colour")
+            self.assertNotIn((0, 153, 0), near, "no edges, which are darker, hide the colour of the small part")
             for name, shift in (("a", (-0.4, -0.4, 0.2)), ("b", (-0.4, -0.4, 0.2)), ("p", (-0.12, -0.12, 0.2))):
                 self.assertEqual(pixel(name, shift), (26, 51, 204), name)
             self.assertEqual(page.problems, [])

@@ -41,6 +41,23 @@ class MeshBuilder {
   }
 }
 
+class EdgeBuilder extends MeshBuilder {
+  widths = [];
+
+  /** `width`: see widthOf() */
+  addEdge([ax, ay, bx, by], z, paint, width) {
+    this.add(ax, ay, z, UP, paint);
+    this.add(bx, by, z, UP, paint);
+    this.widths.push(width, width);
+  }
+
+  build() {
+    const geometry = super.build();
+    geometry.setAttribute("width", new BufferAttribute(new Float32Array(this.widths), 1));
+    return geometry;
+  }
+}
+
 function paintOf(shape) {
   if (!shape.color) return [0, 0, 0, BODY];
   return [...bytesOf(shape.color).map((byte) => byte / 255), OWN];
@@ -104,9 +121,8 @@ function holds(corners, x, y) {
   return left === corners.length / 2 || right === corners.length / 2;
 }
 
-/** Adds a triangle at the front that points forward, in a colour that contrasts with the shape below it. Adds nothing if
- *  this shape is of another part than `shown` (see meshesOf()). */
-function addMark(mesh, shapes, shown) {
+/** The rectangle around shapes: its length (along x) and width (along y), and `box`, its least x and y and largest x and y. */
+function extentOf(shapes) {
   const box = [Infinity, Infinity, -Infinity, -Infinity];
   for (const shape of shapes)
     for (const corners of shape.walls)
@@ -116,7 +132,19 @@ function addMark(mesh, shapes, shown) {
         box[2] = Math.max(box[2], corners[i]);
         box[3] = Math.max(box[3], corners[i + 1]);
       }
-  const [length, width] = [box[2] - box[0], box[3] - box[1]];
+  return { length: box[2] - box[0], width: box[3] - box[1], box };
+}
+
+/** The longer side of the rectangle around a shape, as a fraction of the diameter of its type. */
+function widthOf(shape, type, step) {
+  const { length, width } = extentOf([shape]);
+  return (Math.max(length, width) * step) / (2 * type.radius_m);
+}
+
+/** Adds a triangle at the front that points forward, in a colour that contrasts with the shape below it. Adds nothing if
+ *  this shape is of another part than `shown` (see meshesOf()). */
+function addMark(mesh, shapes, shown) {
+  const { length, width, box } = extentOf(shapes);
   if (!(length > 0 && width > 0)) return;
   const half = 0.26 * Math.min(length, width);
   const y = (box[1] + box[3]) / 2;
@@ -140,7 +168,11 @@ const ALL = null;
 
 function addType(type, step, faces, edges, joint = ALL, shown = ALL) {
   const inMetres = (corners) => corners.map((x) => x * step);
+  const widths = type.shapes.map((shape) => widthOf(shape, type, step));
+  const widest = widths.reduce((most, width) => Math.max(most, width), 0);
   const all = type.shapes
+    // The edges of the widest shape are drawn whenever those of the body are.
+    .map((shape, i) => ({ ...shape, width: widths[i] === widest ? 1 : widths[i] }))
     .filter((shape) => joint === ALL || (shape.joint ?? ROOT) === joint)
     .map((shape) => ({ ...shape, tops: shape.tops.map(inMetres), walls: shape.walls.map(inMetres) }))
     .sort((a, b) => a.z_m[1] - b.z_m[1]);
@@ -152,10 +184,7 @@ function addType(type, step, faces, edges, joint = ALL, shown = ALL) {
     for (const corners of pieces) addTop(faces, corners, high, paint);
     for (const corners of shape.walls) {
       addWall(faces, corners, low, high, paint);
-      eachEdge(corners, (ax, ay, bx, by) => {
-        edges.add(ax, ay, high, UP, paint);
-        edges.add(bx, by, high, UP, paint);
-      });
+      eachEdge(corners, (...ends) => edges.addEdge(ends, high, paint, shape.width));
     }
   }
   if (type.mobile && all.length > 0 && (joint === ALL || joint === ROOT)) addMark(faces, all, shown);
@@ -169,7 +198,7 @@ function addType(type, step, faces, edges, joint = ALL, shown = ALL) {
  */
 export function meshesOf(type, step, joint = ALL, shown = ALL) {
   const faces = new MeshBuilder();
-  const edges = new MeshBuilder();
+  const edges = new EdgeBuilder();
   addType(type, step, faces, edges, joint, shown);
   return { faces: faces.build(), edges: edges.build() };
 }
@@ -177,7 +206,7 @@ export function meshesOf(type, step, joint = ALL, shown = ALL) {
 /** Meshes of many fixed bodies in the world's frame and in their colours, merged into one. */
 export function meshesOfAll(bodies, types, step) {
   const faces = new MeshBuilder();
-  const edges = new MeshBuilder();
+  const edges = new EdgeBuilder();
   for (const body of bodies) {
     for (const mesh of [faces, edges]) mesh.standAt(body);
     addType(types[body.type], step, faces, edges);

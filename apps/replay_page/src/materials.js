@@ -93,16 +93,18 @@ export function facesMaterial(radius, smallest) {
   });
 }
 
-/** Edges of bodies; not drawn on tiny ones, whose colour they would hide. */
+/** Edges of bodies; not drawn around tiny shapes, whose colour they would hide. The attribute `width` is that of the shape, as
+ *  a fraction of the width of the body. */
 export function edgesMaterial(radius, smallest) {
   return new ShaderMaterial({
     uniforms: { ...shared, radius: { value: radius }, smallest: { value: smallest } },
     vertexShader: `${PLACE}
+      attribute float width;
       void main() {
         float seen = across();
         vec3 own = shown(paint.w < 0.5 ? tint : paint.rgb);
         color = mix(0.6 * own, mix(own, vec3(1.0), 0.35), dark);
-        gl_Position = pose.w > 1e8 || seen < ${LEAST_WITH_EDGES}.0
+        gl_Position = pose.w > 1e8 || seen * width < ${LEAST_WITH_EDGES}.0
             ? NOWHERE : projectionMatrix * viewMatrix * place(seen);
       }`,
     fragmentShader: `
