@@ -135,7 +135,7 @@ void add_flat_mobile(std::vector<AnyLayer>& layers, const SceneMeshes& meshes, c
                                          k_smallest_robot * framing.stroke, shown.stalls);
   for (std::size_t type = 0; type < scene.types.size(); ++type) {
     if (by_type.moving[type].empty() && by_type.stalled[type].empty()) continue;
-    MeshStyle style{.smallest_outlined = k_smallest_outlined * framing.stroke / framing.pixels_per_metre};
+    MeshStyle style{.least_edged = k_smallest_outlined * framing.stroke / framing.pixels_per_metre};
     if (across[type] >= k_smallest_outlined)
       style.edge = static_cast<float>(framing.stroke * std::clamp(0.08 * across[type], 0.8, 1.6));
     style.mark = shown.headings && scene.types[type].mobile && across[type] >= k_smallest_marked;

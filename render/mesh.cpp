@@ -48,14 +48,6 @@ std::vector<const FrameShape*> upwards(const FrameType& type) {
   return shapes;
 }
 
-/// The longer side of the axis-aligned rectangle around a shape, m.
-double width_of(const FrameShape& shape) {
-  Box extent;
-  for (const Ring& ring : shape.solid.contours)
-    for (const Vec2& p : ring) extent.extend(p);
-  return extent.empty() ? 0 : extent.size().maxCoeff();
-}
-
 /// Adds the heading mark: a triangle at the front of the body, above all shapes, in a colour that contrasts
 /// with the shape below the mark.
 void add_mark(Mesh& mesh, std::span<const FrameShape* const> upwards) {
@@ -101,6 +93,13 @@ Rgba contrasting(Rgba fill) {
   return luma > 150 ? k_ink : k_white;
 }
 
+double width_of(const Solid& solid) {
+  Box extent;
+  for (const Ring& ring : solid.contours)
+    for (const Vec2& p : ring) extent.extend(p);
+  return extent.empty() ? 0 : extent.size().maxCoeff();
+}
+
 Pieces pieces_of(const FrameType& type) {
   Pieces pieces;
   for (const FrameShape& shape : type.shapes) pieces.push_back(convex_pieces(shape.solid));
@@ -110,9 +109,9 @@ Pieces pieces_of(const FrameType& type) {
 Mesh body_mesh(const FrameType& type, const Pieces& pieces, const MeshStyle& style) {
   Mesh mesh;
   const std::vector<const FrameShape*> shapes = upwards(type);
-  double smallest_outlined = 0;
-  for (const FrameShape* shape : shapes) smallest_outlined = std::max(smallest_outlined, width_of(*shape));
-  smallest_outlined = std::min(smallest_outlined, style.smallest_outlined);
+  double least_edged = 0;
+  for (const FrameShape* shape : shapes) least_edged = std::max(least_edged, width_of(shape->solid));
+  least_edged = std::min(least_edged, style.least_edged);
   for (const FrameShape* shape : shapes) {
     const Rgba own = shape->color ? to_rgba(*shape->color) : Rgba{};
     const Paint fill = shape->color ? Paint::own : Paint::body;
@@ -120,7 +119,7 @@ Mesh body_mesh(const FrameType& type, const Pieces& pieces, const MeshStyle& sty
     for (const ConvexPrism& piece : pieces[static_cast<std::size_t>(shape - type.shapes.data())]) {
       add_convex(mesh, piece.outline, shape->solid.z.max, fill, own);
     }
-    if (width_of(*shape) < smallest_outlined) continue;
+    if (width_of(shape->solid) < least_edged) continue;
     if (style.halo > 0) add_outlines(mesh, shape->solid, style.halo, Paint::own, k_white);
     if (style.edge > 0) add_outlines(mesh, shape->solid, style.edge, edge, darker(own));
   }

@@ -8,9 +8,10 @@ namespace troupe::render {
 struct MeshStyle {
   float edge = 0;  ///< width of the outline of each contour, pixels; 0: no outline
   float halo = 0;  ///< width of a white line drawn under the outline, pixels; 0: no line
-  /// Shapes narrower than this have no outline, except the widest shape of the type, m. An outline would hide
-  /// the colour of a shape that is hardly wider than the outline, such as that of an LED.
-  double smallest_outlined = 0;
+  /// Shapes shorter than this along both x and y, m, have no outline, except the widest shape of the type.
+  /// The outline would hide the colour of a shape that is hardly wider than the outline, such as that of an
+  /// LED.
+  double least_edged = 0;
   bool mark = false;  ///< whether there is a heading mark: a triangle at the front that points forward
 };
 
@@ -21,6 +22,9 @@ Rgba to_rgba(const Color& color);
 Rgba darker(Rgba fill);
 /// A colour that is readable on `fill`: white if `fill` is dark, near black if it is light.
 Rgba contrasting(Rgba fill);
+
+/// The longer side of the axis-aligned rectangle around a solid, m; 0 if the solid is empty.
+double width_of(const Solid& solid);
 
 /// The convex pieces of each shape of a type, in the order of the shapes. Callers compute the pieces once per
 /// type and keep them, because the computation takes long for large floor plans.

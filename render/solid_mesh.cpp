@@ -105,13 +105,6 @@ void close_cracks(SolidMesh& mesh, const FrameShape& shape, const std::vector<Co
                  at(piece.outline[(i + 1) % piece.outline.size()], shape.solid.z.max), width, paint, own);
 }
 
-double width_of(const Solid& solid) {
-  Box extent;
-  for (const Ring& ring : solid.contours)
-    for (const Vec2& p : ring) extent.extend(p);
-  return extent.empty() ? 0 : extent.size().maxCoeff();
-}
-
 /// A copy of the type that has only its highest shape, on top of which the heading mark is drawn.
 FrameType topmost(const FrameType& type) {
   FrameType top{.mobile = type.mobile, .radius = type.radius};
