@@ -65,8 +65,9 @@ struct Pushables {
 ///         poses a body moves less than the thickness of its parts, so no other body, however thin, passes
 ///         through it completely. A thin body may pass through a corner of a part, at a depth of less than a
 ///         quarter of the part's width.
-/// pushing A pushable body does not block a body that can push (the pusher), unless the two overlap at the
-///         pusher's old pose. Either the pushable body gives way, or the whole motion is blocked and no body
+/// pushing A body that can push (a pusher) pushes only if a pushable body was in its zone (see `source`)
+///         before the tick. A pushable body does not block a pusher, unless the two overlap at the pusher's
+///         old pose. Either the pushable body gives way, or the whole motion is blocked and no body
 ///         moves. The pusher goes through n = ceil(displacement / (width of the thinnest part of the pusher
 ///         and of all pushable bodies / 4)) equally spaced poses. A pass at one of these poses goes through
 ///         the pusher and the bodies that it pushes, in the order in which they were first met. Each of them
@@ -230,8 +231,10 @@ class Conflicts {
     std::uint32_t count;
   };
   /// Whether the zone of a mover (see `source`, above) contains pushable bodies. `plain`: it contains none.
-  /// `pushes`: it contains some. `may_push`: it contains none at first, but another body may push one into
-  /// it.
+  /// `pushes`: it contains some. `may_push`: it contains none before the tick, but another body may push one
+  /// into it, which then blocks the mover: only movers whose zones are `pushes` push (class Conflicts,
+  /// `pushing`). Otherwise, a body could be pushed from one zone to the next without a limit, and no mover
+  /// could be known to be out of reach of all pushes.
   enum class Zone : std::uint8_t { plain, pushes, may_push };
   static constexpr std::size_t k_max_far = 64;
 

@@ -180,7 +180,8 @@ bool Conflicts::Resolver::meet(std::uint32_t a, const PlacedShape& at_a, std::ui
 /// Returns whether the motion of the mover is free, or becomes free by pushing other bodies. In the second
 /// case, records the pushes.
 bool Conflicts::Resolver::push(Mover& mover) {
-  const std::size_t limit = crowd_.pushables.limits[mover.row];
+  const std::size_t limit =
+      conflicts_.zones_[mover.row] == Zone::pushes ? crowd_.pushables.limits[mover.row] : 0;
   const Vec2 from = mover.from.position();
   const double reach = zone_radius(mover.row);
   conflicts_.pushes_of_[mover.row] = {};

@@ -31,23 +31,22 @@ constexpr double k_skin_motions = 16;
 Halo::Extent Halo::extent_of(const World& world) {
   Extent extent{.reach = world.longest_reach()};
   std::size_t limit = 0;
-  double pushed = 0;
   for (const BodyType& type : world.types()) {
     if (!type.runs()) continue;
     extent.radius = std::max({extent.radius, type.radius, type.obstacle.radius});
     if (type.drive) limit = std::max<std::size_t>(limit, type.drive->pushes);
     if (!type.pushable) continue;
     extent.has_pushable = true;
-    pushed = std::max(pushed, type.obstacle.radius);
+    extent.pushable_radius = std::max(extent.pushable_radius, type.obstacle.radius);
   }
-  extent.push_reach = 2 * static_cast<double>(limit) * pushed;
+  extent.push_reach = 2 * static_cast<double>(limit) * extent.pushable_radius;
   return extent;
 }
 
 double Halo::Extent::zone(double longest) const { return longest + radius + push_reach + k_slack_m; }
 
 double Halo::Extent::of_motions(double longest) const {
-  return std::max(2 * radius + 2 * longest, has_pushable ? 3 * zone(longest) : 0.0);
+  return std::max(2 * radius + 2 * longest, has_pushable ? 3 * zone(longest) + pushable_radius : 0.0);
 }
 
 double Halo::Extent::of_all(double longest) const {

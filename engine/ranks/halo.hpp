@@ -62,9 +62,11 @@ HaloPlan plan_halo(const World& world, unsigned ranks, double longest_motion);
 ///         outcome, which the owner sends when it is known (class RankBorder).
 /// pushes  A motion that may push bodies depends on all bodies in its *zone* (class Conflicts, `source`), on
 ///         all movers whose zones overlap it, and on the bodies that these movers push. In a world with
-///         pushable bodies, the coverage is therefore at least three times the radius of the largest zone.
-///         The owner of a mover sends its pushes together with its outcome. Not every rank with a ghost of a
-///         pushed body has ghosts of all pushers, so at the end all ranks exchange the final positions.
+///         pushable bodies, the coverage is therefore at least three times the radius of the largest zone,
+///         plus the largest radius of a pushable body: such a body is in a zone as soon as its circle touches
+///         the zone. The owner of a mover sends its pushes together with its outcome. Not every rank with a
+///         ghost of a pushed body has ghosts of all pushers, so at the end all ranks exchange the final
+///         positions.
 ///
 /// No result depends on which rank owns a row, on the skin, or on how often rows are distributed.
 class Halo {
@@ -76,10 +78,11 @@ class Halo {
   };
   /// How far bodies can affect one another, m. longest: longest motion of a body in the tick, m
   struct Extent {
-    double reach = 0;           ///< longest reach of a device
-    double radius = 0;          ///< largest radius of a body
-    double push_reach = 0;      ///< distance at which a body can push bodies that it does not touch
-    bool has_pushable = false;  ///< whether the world has pushable bodies
+    double reach = 0;            ///< longest reach of a device
+    double radius = 0;           ///< largest radius of a body
+    double push_reach = 0;       ///< distance at which a body can push bodies that it does not touch
+    bool has_pushable = false;   ///< whether the world has pushable bodies
+    double pushable_radius = 0;  ///< largest radius of a pushable body
 
     double zone(double longest) const;  ///< upper bound on the radius of a zone (class Conflicts, `source`)
     /// Distance at which bodies can affect the outcome of a motion.

@@ -88,9 +88,18 @@ inline std::optional<Vec2> leave(const std::vector<ConvexPrism>& a, const Pose& 
   return way;
 }
 
+/// Distance from the origin of a body to its farthest vertex.
+inline double radius_of(const std::vector<ConvexPrism>& pieces) {
+  double radius = 0;
+  for (const ConvexPrism& piece : pieces)
+    for (const Vec2& v : piece.outline) radius = std::max(radius, std::hypot(v.x(), v.y()));
+  return radius;
+}
+
 /// The rule of docs/pushing.md, one body after the other. `by_priority` false: the wrong rule that goes by
-/// ids.
-inline PushAnswer resolve_pushing(const PushQuestion& question, bool by_priority = true) {
+/// ids. `only_near` false: the wrong rule by which robots also push what came from far away in the tick.
+inline PushAnswer resolve_pushing(const PushQuestion& question, bool by_priority = true,
+                                  bool only_near = true) {
   using enum engine::Conflicts::Outcome;
   const Question& q = question.base;
   const std::size_t count = q.motions.size();
@@ -107,6 +116,20 @@ inline PushAnswer resolve_pushing(const PushQuestion& question, bool by_priority
   double thinnest = std::numeric_limits<double>::infinity();
   for (std::size_t i = 0; i < count; ++i)
     if (question.pushable[i]) thinnest = std::min(thinnest, q.bodies[i]->thinnest);
+  std::vector<double> radii;
+  for (const std::vector<ConvexPrism>& pieces : question.pieces) radii.push_back(radius_of(pieces));
+  double largest = 0;  // radius of a pushable body
+  for (std::size_t i = 0; i < count; ++i)
+    if (question.pushable[i]) largest = std::max(largest, radii[i]);
+  /// Was something to push within reach of i before the tick?
+  const auto has_something_near = [&](std::size_t i) {
+    const double zone = std::sqrt(squared(q.motions[i].from, q.motions[i].to)) + radii[i] +
+                        2 * static_cast<double>(question.limits[i]) * largest + 1e-6;
+    for (std::size_t o = 0; o < count; ++o)
+      if (question.pushable[o] && std::sqrt(squared(q.motions[i].from, q.motions[o].from)) <= zone + radii[o])
+        return true;
+    return false;
+  };
 
   std::vector<Blocks> walls;
   for (const Solid& wall : q.walls) walls.push_back(place({wall}, {}));
@@ -143,8 +166,9 @@ inline PushAnswer resolve_pushing(const PushQuestion& question, bool by_priority
       continue;
     }
     std::vector<bool> gives_way(count);
+    const bool may_push = question.limits[i] > 0 && (!only_near || has_something_near(i));
     for (std::size_t o = 0; o < count; ++o)
-      gives_way[o] = question.limits[i] > 0 && question.pushable[o] && !overlap(placed[i], placed[o]);
+      gives_way[o] = may_push && question.pushable[o] && !overlap(placed[i], placed[o]);
     const auto is_free = [&] {
       for (const Pose& pose : poses_of_motion(m, *q.bodies[i])) {
         const Blocks there = body(i, pose);

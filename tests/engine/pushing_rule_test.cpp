@@ -240,6 +240,51 @@ TEST_F(PushingRule, LargeCrowdsAreResolvedAsTheRuleSays) {
   EXPECT_GT(tally.deep, 0u);
 }
 
+// Robots that drive many times their length in a tick hand a puck on to one another. It can so come from far
+// away to a robot that had no puck near it: it blocks this robot.
+TEST_F(PushingRule, APuckFromFarAwayBlocks) {
+  Tally tally;
+  std::size_t from_afar = 0;
+  for (std::uint64_t seed = 1; seed <= 600 / k_thrift; ++seed) {
+    SCOPED_TRACE("seed " + std::to_string(seed));
+    Draw draw(8'300'000 + seed);
+    PushCrowd crowd;
+    crowd.seed = seed;
+    crowd.kinds.push_back(make_kind({{{rectangle(-0.05, -0.15, 0.05, 0.15)}, {0, 0.2}}}));
+    crowd.kinds.push_back(make_kind({{{random_star(draw, 9, 0.06, 1)}, {0, 0.2}}}));
+    const auto add = [&](std::size_t kind, const Pose& from, double length) {
+      crowd.add(crowd.kinds[kind], from);
+      crowd.pushable.push_back(kind == 1);
+      crowd.limits.push_back(kind == 1 ? 0 : 1);
+      crowd.motions.back() = {from, compose(from, {length, 0, 0, 0}), 0, length > 0};
+    };
+    Vec2 puck(0, 0);
+    add(1, {0, 0, 0, 0}, 0);
+    for (int i = 0; i < 4; ++i) {
+      const double heading = draw.real(-k_pi, k_pi);
+      const double length = draw.real(0.5, 3);
+      const Vec2 ahead(std::cos(heading), std::sin(heading));
+      const Vec2 from = puck - ahead * (i == 0 ? 0.2 : length * draw.real(0.4, 1));
+      add(0, {from.x(), from.y(), 0, heading}, length);
+      puck = from + ahead * (length + 0.1);
+    }
+    const PushQuestion before = crowd.ask();
+    std::vector<bool> overlapped(crowd.size());
+    for (std::size_t i = 1; i < crowd.size(); ++i)
+      overlapped[i] = overlap(place(crowd.bodies[0]->blocks, before.base.motions[0].from),
+                              place(crowd.bodies[i]->blocks, before.base.motions[i].from));
+    compare(crowd, tally);
+    if (HasFatalFailure()) return;
+    from_afar += resolve_pushing(before, true, false).outcomes != resolve_pushing(before).outcomes;
+    for (std::size_t i = 1; i < crowd.size(); ++i)
+      ASSERT_TRUE(overlapped[i] || !overlap(place(crowd.bodies[0]->blocks, poses_[0]),
+                                            place(crowd.bodies[i]->blocks, poses_[i])))
+          << "robot " << i;
+  }
+  tally.report();
+  EXPECT_GT(from_afar, 0u) << "no puck came from far away";
+}
+
 // Over many ticks: nothing that was apart ever overlaps, and nothing goes through a wall.
 TEST_F(PushingRule, NothingOverlapsAndNothingLeavesARoom) {
   Tally tally;
