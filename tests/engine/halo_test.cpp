@@ -196,6 +196,14 @@ void expect_same_bits(const Simulation& simulation, std::uint64_t ticks, const s
   }
 }
 
+/// Teams of 5 and 7 ranks with small tiles, each with many random divisions of the ground.
+std::vector<HaloTeam> teams_of_random_ground() {
+  std::vector<HaloTeam> teams;
+  for (std::uint64_t seed = 1; seed <= 20; ++seed)
+    for (const unsigned ranks : {5u, 7u}) teams.push_back({ranks, 1, seed, 0.0, 0.20284491381982728, {}});
+  return teams;
+}
+
 class HaloOfARoom : public test::ScratchTest {
  protected:
   Simulation load(std::size_t robots, double half_m, const std::string& extra = {}) const {
@@ -950,6 +958,65 @@ TEST_F(HaloOfARoom, PushersDependOnPushersFarAway) {
       HaloRanks halo(spec, simulation.registry(), team);
       expect_equal_logs(halo_log(halo.world(), 20), expected, name_of(team));
     }
+}
+
+struct HaloPlace {
+  std::string name;
+  Pose pose;  ///< with the heading in degrees
+};
+
+/// A world of pucks and of short rods that drive straight ahead, many times their length in a tick. The names
+/// of the rods begin with R, those of the pucks with P.
+std::string halo_rods(int seed, double speed_mps, const std::vector<HaloPlace>& places) {
+  std::string models;
+  for (const auto& [name, pose] : places)
+    models += fmt::format(
+        R"({}{{"name": "{}", "type": "{}", "pose": {{"x_m": {}, "y_m": {}, "heading_deg": {}}}}})",
+        models.empty() ? "" : ", ", name, name[0] == 'R' ? "rod" : "puck", pose.x, pose.y, pose.heading);
+  return fmt::format(R"({{
+  "troupe": 1, "title": "Rods", "seed": {}, "tick_s": 1,
+  "types": {{
+    "puck": {{"disc": {{"radius_m": 0.1, "height_m": 0.2, "corners": 16}}, "pushable": true}},
+    "rod": {{"blocks": [{{"points_m": [[-0.05, -0.02], [0.1, -0.02], [0.1, 0.02], [-0.05, 0.02]], "z_m": [0, 0.2]}}],
+      "drive": {{"kind": "diff", "pushes": 1, "velocity_max_x_mps": 100}},
+      "controller": {{"kind": "script", "legs": [{{"until_s": 100, "forward_mps": {}}}]}}}}
+  }},
+  "models": [{}]}})",
+                     seed, speed_mps, models);
+}
+
+// Found by a search among random worlds: the origin of P2 is outside of the zone of R4, but its circle
+// touches the zone. So R4 may push and R3 must wait for it, while R1 and R2 hand on P1 to where R3 drives.
+TEST_F(HaloOfARoom, APuckTouchesAZoneFromOutside) {
+  SimulationOptions options;
+  options.threads = 1;
+  const Simulation simulation(
+      write("edge.json", halo_rods(4, 5,
+                                   {{"R1", {0.17925912878244077, 0.05110421642723839, 0, 45}},
+                                    {"R2", {2.3005794723420836, 5.283694397207691, 0, -45}},
+                                    {"R3", {10.951625346270673, 2.9412512503874955, 0, -164.98163936884933}},
+                                    {"P1", {0.32209469858212336, 0.193939786226921, 0, 0}},
+                                    {"R4", {21.185658169778282, 5.686967373767586, 0, 15.018360631150669}},
+                                    {"P2", {26.395395493906612, 7.0847017778020165, 0, 0}}})),
+      options);
+  expect_same_bits(simulation, 2, teams_of_random_ground());
+}
+
+// Found by a search among random worlds: R1 to R4 hand on P1 in one tick, until it lies where R5 drives.
+TEST_F(HaloOfARoom, APuckIsHandedOnFromZoneToZone) {
+  SimulationOptions options;
+  options.threads = 1;
+  const Simulation simulation(
+      write("relay.json", halo_rods(62, 1,
+                                    {{"R1", {-0.2809094784922, -0.32073404431409736, 0, 45}},
+                                     {"R2", {0.4247830891319745, 0.6706296629094424, 0, -45}},
+                                     {"R3", {1.130475656756149, -0.3207340443140973, 0, 45}},
+                                     {"R4", {1.8361682243803232, 0.6706296629094424, 0, -45}},
+                                     {"R5", {4.058898276396545, -0.3042673707297409, 0, 174.74596978215544}},
+                                     {"P1", {0.09964253946370416, 0.0598179736418068, 0, 0}},
+                                     {"P2", {3.859240679385118, -0.28590725211294893, 0, 0}}})),
+      options);
+  expect_same_bits(simulation, 2, teams_of_random_ground());
 }
 
 class HaloOfAWorld : public ::testing::TestWithParam<std::string_view> {};
