@@ -97,7 +97,7 @@ std::string version_text() {
   std::string usable;
   for (const std::string& name : partition::simd_targets().usable)
     usable += fmt::format("{}{}", usable.empty() ? "" : " ", name);
-  return fmt::format("{} simd {} (of {})", version_line(), partition::simd_target(), usable);
+  return fmt::format("{} simd {} (available: {})", version_line(), partition::simd_target(), usable);
 }
 
 /// Adds every command to the parser `app`, which then fills ProgramCommand::options.
@@ -128,7 +128,8 @@ int told(int code) {
   const bool flushed = std::fflush(stdout) == 0 && std::ferror(stdout) == 0 && std::cout.flush().good();
   if (!flushed && code != k_bad_input)
     throw std::runtime_error(
-        "standard output cannot be written: the disk may be full, or the reader has ended");
+        "cannot write to standard output: the disk may be full, or the program that reads the output has "
+        "ended");
   return code;
 }
 

@@ -80,7 +80,7 @@ std::vector<ProgramCommand> program_commands() {
                    "Check that results do not depend on the number of threads or ranks or the tile size",
                    add_check_options, check_shipped),
       row("diff", "Find the first tick at which two hash logs or recordings differ", add_diff_options, diff),
-      row("repair", "Make a truncated recording readable for standard HDF5 tools", add_repair_options,
+      row("repair", "Make a truncated recording readable by standard HDF5 tools", add_repair_options,
           repair),
       row("convert", "Write a world in another format: .world or .json", add_convert_options, convert),
       row("render", "Draw a world, a checkpoint or a recording", add_render_options, render_pictures),

@@ -25,9 +25,10 @@ Reads the world IN and writes it as OUT. The endings of the file names select th
 .json the format of docs/world-format.md. A run of OUT gives the same hash log as a run of IN; if the hash logs may
 differ, a warning is printed.
 
-JSON can express every .world file: macros and included files are expanded, images stay images, and all values are in SI
-units. If OUT is a .world file, a feature of IN that Stage's syntax cannot express is an error, and nothing is written.
-JSON to JSON writes a normal form, in which populations are listed body by body.
+JSON can express every .world file: macros and included files are expanded, bitmaps remain names of image files, and all
+values are in SI units. If OUT is a .world file, a feature of IN that Stage's syntax cannot express is an error, and
+nothing is written. If both files are .json, OUT has a normal form, which lists the bodies of each population one by
+one.
 
 Exit codes: 0 written; 2 the world cannot be loaded or expressed in the format of OUT, or OUT exists or is not writable.
 

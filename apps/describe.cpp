@@ -55,7 +55,9 @@ std::string value_text(const Value& value) {
     std::string operator()(const std::vector<std::string>& x) const {
       return fmt::format("[{}]", fmt::join(x, " "));
     }
-    std::string operator()(const std::vector<engine::Record>& x) const { return x.empty() ? "[]" : "below"; }
+    std::string operator()(const std::vector<engine::Record>& x) const {
+      return x.empty() ? "[]" : "see below";
+    }
   };
   return std::visit(Visitor{}, value.v);
 }
@@ -112,7 +114,7 @@ void add_lines(const FieldTable& table, const std::string& indent, std::vector<L
     // A block that the world file omits has the default values of its fields, which the following lines list.
     const bool defaulted_block = field.type == FieldType::record && !field.fallback.given();
     const std::string fallback = field.optional    ? "none"
-                                 : defaulted_block ? "below"
+                                 : defaulted_block ? "see below"
                                                    : value_text(field.fallback);
     lines.push_back({indent + key_text(field), fallback, range_text(field), std::string(field.text)});
     if (block) add_lines(*field.record, indent + "  ", lines);
@@ -194,10 +196,10 @@ std::string others_text(const engine::DeviceKind& kind) {
                         fmt::join(kind.reads, ", "));
   if (kind.apply != nullptr) {
     constexpr std::array<std::string_view, 3> k_scopes{
-        "its own body, one target within its reach, and all bodies that carry or are carried by one of these "
-        "two",
-        "its own body, one target anywhere in the world, and all bodies that carry or are carried by one of "
-        "these two",
+        "the body that has the device, one target body within the reach of the device (the distance up to "
+        "which the device reads other bodies), and all bodies that carry these two or are carried by them",
+        "the body that has the device, one target body anywhere in the world, and all bodies that carry these "
+        "two or are carried by them",
         "any body"};
     text += fmt::format("  changes: {}\n", k_scopes[static_cast<std::size_t>(kind.scope)]);
   }
@@ -292,8 +294,8 @@ std::string describe_kind(const Registry& registry, std::string_view name) {
   if (const auto* kind = registry.fault(name)) text += kind_text("fault", *kind);
   if (text.find("\n  key ") != std::string::npos)
     text +=
-        "Defaults and ranges are in the unit at the end of the key; JSON also accepts the endings in "
-        "brackets.\n";
+        "The ending of a key, such as _m, is the unit of its default and range; in JSON, the key may also have "
+        "one of the endings in parentheses.\n";
   if (const auto* kind = registry.model(name))
     text += (text.empty() ? "" : "\n") + model_text(registry, *kind);
   if (text.empty()) {
@@ -311,7 +313,7 @@ std::string describe_kind(const Registry& registry, std::string_view name) {
 void add_describe_options(CLI::App& command, DescribeOptions& options) {
   command
       .add_option("KIND", options.kind,
-                  "Model, sensor, device, drive, controller, measure or fault; default: list all")
+                  "Name of a model, sensor, device, drive, controller, measure or fault (default: list all)")
       ->option_text(" ");
   command.add_flag("--schema", options.schema, "Print the JSON Schema of worlds, for editors and programs");
   add_plugin_path_option(command, options.plugin_path);

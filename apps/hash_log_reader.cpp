@@ -16,7 +16,8 @@ namespace troupe::apps {
 namespace {
 
 constexpr std::string_view k_form =
-    "TICK STATE pose=... velocity=... sensor=... memory=..., 16 hex digits each";
+    "TICK STATE pose=HASH velocity=HASH sensor=HASH memory=HASH, with 16 lower-case hexadecimal digits for "
+    "STATE and each HASH";
 constexpr std::size_t k_shown = 120;  // largest number of bytes of a line that an error quotes
 
 /// Reads a hash. Returns nothing if the text is not exactly 16 lower-case hexadecimal digits.
@@ -68,8 +69,8 @@ std::optional<HashLogReader::Line> HashLogReader::next() {
   }
   Line line = parse(text);
   if (last_tick_ && line.tick != *last_tick_ + 1)
-    fail(fmt::format("tick {} follows tick {}: lines are missing or repeated, the log is damaged", line.tick,
-                     *last_tick_));
+    fail(fmt::format("tick {} follows tick {}: the log is damaged, because lines are missing or repeated",
+                     line.tick, *last_tick_));
   last_tick_ = line.tick;
   return line;
 }

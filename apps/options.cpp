@@ -152,7 +152,7 @@ void add_run_settings(CLI::App& app, WorldOptions& options) {
               constexpr std::uint32_t k_most = 1000000;
               const auto count = number<std::uint32_t>(text);
               if (!count || *count > k_most)
-                refuse("--spare", text, fmt::format("a number of bodies from 0 to {}", k_most));
+                refuse("--spare", text, fmt::format("a number of robots from 0 to {}", k_most));
               options.simulation.spare = *count;
             });
   add_set_option(app, "Change a value of the world: a JSON pointer and a value; repeatable",
@@ -175,14 +175,15 @@ void add_rank_seed_option(CLI::App& app, WorldOptions& options) {
 
 void add_distribute_option(CLI::App& app, WorldOptions& options) {
   app.add_flag("--distribute", options.simulation.distribute,
-               "With several ranks: each has only its own robots and those near them, if the world allows it")
+               "With several ranks: each rank has only its own robots and the robots near them, if the world "
+               "allows it")
       ->disable_flag_override();
 }
 
 void add_rank_limit_option(CLI::App& app, double& limit_s) {
   add_value(
       app, "--rank-limit", "S",
-      "Under mpirun or srun: fail after waiting S s of real time for another rank (default: 600)",
+      "Under mpirun or srun: fail after waiting S seconds of real time for another rank (default: 600)",
       [&limit_s](const std::string& text) { limit_s = positive_seconds("--rank-limit", text, "a time"); })
       ->group("Advanced");
 }
@@ -212,7 +213,7 @@ double end_of(const WorldOptions& options, const Simulation& simulation) {
 
 void add_simd_option(CLI::App& app) {
   add_value(app, "--simd", "scalar|ssse3|sse4|avx2|avx512|neon|sve",
-            "Instruction set for range finding (default: TROUPE_SIMD, else the best available)",
+            "Instruction set for range finding (default: environment variable TROUPE_SIMD, else the best)",
             [](const std::string& text) {
               try {
                 partition::use_simd_target(text);
@@ -235,7 +236,8 @@ void obey_simd_variable() {
 
 void add_plugin_path_option(CLI::App& app, std::vector<std::filesystem::path>& path) {
   add_values(app, "--plugin-path", "DIR[:DIR]",
-             "Folders with plug-ins, searched before TROUPE_PLUGIN_PATH and STAGEPATH; repeatable",
+             "Folders with plug-ins, searched before those in the environment variables TROUPE_PLUGIN_PATH and "
+             "STAGEPATH; repeatable",
              [&path](const std::string& text) {
                if (text.starts_with('-') || text.find_first_not_of(':') == text.npos)
                  refuse("--plugin-path", text, "a list of folders, as in --plugin-path build:/opt/swarm");

@@ -155,7 +155,7 @@ std::string write_replay_page(const ReplayOptions& options) {
     for (const std::string& name : options.fields)
       if (const auto present = worldio::present_name(name, recording))
         fmt::print(stderr,
-                   "{}: warning: --fields: \"{}\" is the spelling of an earlier version: the name is now "
+                   "{}: warning: --fields: \"{}\" is a name of an earlier version of Troupe; the name is now "
                    "\"{}\"\n",
                    options.recording.string(), name, *present);
     data = worldio::replay_data(recording, {.most_bytes = room(options.max_mb), .fields = options.fields});

@@ -102,7 +102,8 @@ class Redirect {
     char* const words[] = {program.data(), file.data(), nullptr};
     pid_t child = 0;
     if (posix_spawnp(&child, "xdg-open", nullptr, nullptr, words, environ) != 0) {
-      fmt::print(stderr, "troupe view: warning: xdg-open not found: open the address in a browser\n");
+      fmt::print(stderr,
+                 "troupe view: warning: xdg-open was not found: open the printed address in a browser\n");
       return;
     }
     std::thread([child] {
@@ -124,8 +125,8 @@ Simulation load(const ViewOptions& options) {
   if (is_checkpoint &&
       (simulation.seed || simulation.ranging || !simulation.robots.empty() || simulation.spare > 0))
     throw InputError(
-        fmt::format("{}: error: --seed, --raytracer, --robots and --spare are only for worlds; a checkpoint "
-                    "keeps the values of the run that wrote it: omit these options",
+        fmt::format("{}: error: --seed, --raytracer, --robots and --spare are only for world files; a "
+                    "checkpoint keeps the values of the run that wrote it: omit these options",
                     options.world.string()));
   if (is_checkpoint)
     return Simulation::resume(options.world, {.threads = options.simulation.threads,
@@ -197,7 +198,7 @@ void add_view_options(CLI::App& view, ViewOptions& options) {
               const auto rate = finite(text);
               if (!rate || (*rate != 0 && (*rate < live::k_least_rate || *rate > live::k_most_rate)))
                 refuse("--rate", text,
-                       fmt::format("0, or a rate from {} to {}, times real time", live::k_least_rate,
+                       fmt::format("0, or a multiple of real time from {} to {}", live::k_least_rate,
                                    live::k_most_rate));
               options.rate = *rate;
             });

@@ -173,7 +173,8 @@ std::vector<std::string> Diagnostics::warnings() const {
   for (std::size_t i = 0; i < findings_.size(); ++i) {
     if (findings_[i].severity != Severity::warning) continue;
     lines.push_back(text(findings_[i]));
-    if (repeats_[i] > 0) lines.back() += fmt::format(" (and {} more)", repeats_[i]);
+    if (repeats_[i] > 0)
+      lines.back() += fmt::format(" (and {} more such warning{})", repeats_[i], repeats_[i] == 1 ? "" : "s");
   }
   return lines;
 }

@@ -120,10 +120,13 @@ class Diagnostics {
   };
   std::size_t kin_of(const Inheritable& part);
   bool is_heir(std::size_t heir, std::size_t base) const;
-  /// Replaces the names of parts in a message by those of the parts at the ends of their chains of bases.
-  /// Returns the index in kin_ of the part that the message is about; empty if it names none.
+  /// Finds the part of the input that a message is about: the part with whose path the message begins, or
+  /// else the first part whose name the message quotes. Replaces this path or name in the message with that
+  /// of the last part in the chain of bases of the found part. Returns the index in kin_ of the found part;
+  /// empty if the message names no part in kin_.
   std::optional<std::size_t> to_common_base(std::string& message) const;
-  /// Whether an earlier finding says the same; see inherits(). May change the message of the earlier one.
+  /// Whether an earlier finding reports the same error or warning in inherited content; the new finding must
+  /// then be dropped. Replaces the message of the earlier finding with `message` where inherits() says so.
   bool is_inherited(Severity severity, Where where, const std::string& message);
 
   bool thorough_;

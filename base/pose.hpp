@@ -23,7 +23,7 @@ struct Pose {
   friend bool operator==(const Pose&, const Pose&) = default;
 };
 
-/// The pose of what has none, such as a body that is not in the world: four NaNs.
+/// The pose of an object that has no pose, such as a body that is not in the world: four NaNs.
 inline constexpr Pose k_nowhere{k_nan, k_nan, k_nan, k_nan};
 
 /// A rotation stored as its sine and cosine, for use on many points.
@@ -33,7 +33,7 @@ struct Rotation {
 
   Rotation() = default;
   explicit Rotation(double heading) : Rotation(sincos(heading)) {}  ///< the rotation by a heading in radians
-  /// Creates the rotation by a heading of which the sine and cosine are known.
+  /// Creates the rotation by a heading whose sine and cosine are given.
   explicit Rotation(const SinCos& heading) : cos(heading.cos), sin(heading.sin) {}
   /// Transforms a displacement from the rotated frame to its parent frame.
   Vec2 operator*(const Vec2& v) const { return {v.x() * cos - v.y() * sin, v.x() * sin + v.y() * cos}; }
@@ -69,9 +69,9 @@ inline Pose compose(const Pose& pose_a_b, const Pose& pose_b_c) {
   return compose(pose_a_b, Transform(pose_a_b), pose_b_c);
 }
 
-/// Returns the direction in which a point lies from a pose, as an angle from the heading of the pose, in
-/// [-pi, pi]: positive to the left. Pose and point are in the same frame. At the position of the pose itself
-/// the direction is that of the x axis of the frame.
+/// Returns the bearing of a point seen from a pose: the angle from the heading of the pose to the direction
+/// of the point, rad, in [-pi, pi], positive to the left. Pose and point are given in the same frame. If the
+/// point is at the position of the pose, the x axis of this frame is used as its direction.
 inline double bearing_of(const Pose& from, const Vec2& to) {
   return wrap_angle(atan2(to.y() - from.y, to.x() - from.x) - from.heading);
 }

@@ -191,11 +191,11 @@ class ViewServer::Impl::Connection : public std::enable_shared_from_this<Connect
     host_ = view_of(request[http::field::host]);
     if (!server_.is_allowed(host_, socket_)) {
       server_.backend.refused(
-          "a request whose Host header names neither this machine nor a host of --allow-host");
+          "a request whose Host header names neither this machine nor a host given with --allow-host");
       return respond(
           http::status::forbidden,
-          "The Host header of this request names neither this machine nor a host of --allow-host (in Python: "
-          "hosts): give the host there.\n");
+          "The Host header of this request names neither this machine nor a host given with --allow-host (in "
+          "Python: hosts): to allow this host, give it with this option.\n");
     }
     if (websocket::is_upgrade(request)) {
       const std::string_view origin = view_of(request[http::field::origin]);
@@ -204,7 +204,8 @@ class ViewServer::Impl::Connection : public std::enable_shared_from_this<Connect
         server_.backend.refused("a WebSocket opened by a page of another origin");
         return respond(
             http::status::forbidden,
-            "The Origin header of this request names another page: connect from the page of this program.\n");
+            "The Origin header of this request names another site: connect from the page that this program "
+            "serves.\n");
       }
       if (request.target() != "/live")
         return respond(http::status::not_found, "Unknown path: the WebSocket is at /live.\n");

@@ -22,8 +22,9 @@ struct ViewFrames {
 class ViewBackend {
  public:
   virtual ~ViewBackend() = default;
-  /// Called when a client has sent a valid token, unless 16 clients are connected already: the server then
-  /// disconnects the new client. Returns the first text that the server sends to the client.
+  /// Called when a client has sent a valid token. Returns the first text that the server sends to the client.
+  /// If 16 clients are connected already, the server disconnects the new client and does not call this
+  /// function.
   virtual std::string opened(std::uint64_t client, bool may_steer) = 0;
   /// Called when a client has sent a text.
   virtual void received(std::uint64_t client, bool may_steer, std::string_view text) = 0;
@@ -71,7 +72,8 @@ class ViewServer {
   /// Host and port under which programs on this machine reach the server, as in a URL: "127.0.0.1:34567".
   std::string authority() const;
   /// Sends a text frame to a client; does nothing if the client has disconnected. May be called on any
-  /// thread. A client that does not read its texts is disconnected instead when 256 of them are queued.
+  /// thread. If 256 texts are already queued because the client does not read them, the client is
+  /// disconnected instead.
   void send(std::uint64_t client, std::string text);
   /// Announces a new picture. The server then calls ViewBackend::picture() for each client that can receive
   /// one. May be called on any thread.

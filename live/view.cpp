@@ -679,7 +679,7 @@ void View::Impl::carry_out(std::uint64_t client, const Act& act) {
   if (const auto holder = holders_.find(act.whom);
       is_hold && holder != holders_.end() && holder->second != client)
     throw ActRefused(
-        fmt::format("another viewer drives \"{}\": wait until that viewer releases it", act.whom));
+        fmt::format("another viewer drives \"{}\": wait until that viewer releases the robot", act.whom));
   simulation_.act(act);
   session_->add(simulation_, act);
   if (act.kind == Act::Kind::hold) holders_[act.whom] = client;

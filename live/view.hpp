@@ -43,7 +43,7 @@ class View {
     /// connection is not encrypted.
     std::string bind;
     std::vector<std::string> hosts;  ///< names of proxies through which browsers reach the page
-    double rate = 1;                 ///< limit of the speed, times real time, above 0; or 0: no limit
+    double rate = 1;                 ///< greatest speed, in multiples of real time; 0: no limit
     /// Folder for the session file, and for the recordings and checkpoints that viewers request. It must
     /// exist; empty: the current folder.
     std::filesystem::path folder;

@@ -20,10 +20,10 @@ namespace troupe::live {
 /// Returns the state of a body as JSON: name, pose, the fields of all its components, the ranges of its
 /// rangers, and the commands to its devices. Each component has the members component (its name in the
 /// state), name (engine::given_name()), runs (false for a sensor that does not run, whose values are NaN) and
-/// fields. Of a field, at most 2048 columns are listed; of commands, only fields of at most 4 columns, and
-/// none if the body is not alive. For static geometry, such as a wall, which has no row in the state tables,
-/// returns only the name, that the body is alive, and an empty list of components. Throws std::out_of_range
-/// if there is no body with this id.
+/// fields. At most the first 2048 columns of a field are listed. Commands are listed only if the body is
+/// alive, and only their fields of at most 4 columns. Static geometry, such as a wall, has no row in the
+/// state tables: the result then has only the name, the member `alive` with the value true, and an empty list
+/// of components. Throws std::out_of_range if there is no body with this id.
 nlohmann::ordered_json inspection(Simulation& simulation, BodyId id);
 
 /// A value of the state by which a viewer colours robots.

@@ -57,7 +57,7 @@ std::vector<engine::ModelKind> model_kinds() {
        .color = red},
       {.name = "position", .text = "a body with a drive", .size = base, .color = red},
       {.name = "radio",
-       .text = "sends messages to the radios in range, and receives theirs",
+       .text = "sends messages to the radios in range, and receives their messages",
        .size = {0.1, 0.1, 0.1},
        .color = {0, 0, 0, 1},
        .has_default_body = false,

@@ -6,7 +6,7 @@
 
 namespace troupe::partition {
 
-/// Makes a table of permutations of the lanes of a SIMD vector: one for each bit mask of kLanes bits, in the
+/// Makes a table with one permutation of the lanes of a SIMD vector for each bit mask of kLanes bits, in the
 /// order of the masks. A permutation moves the lanes that its mask selects to the front of the vector and
 /// keeps their order. If kBytes is 1, a permutation has one entry per lane of the result: the index of the
 /// lane that moves to this place. Otherwise a lane has kBytes bytes, and a permutation has one entry per byte

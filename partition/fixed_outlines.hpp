@@ -16,18 +16,18 @@ struct FixedEdge {
   std::uint32_t solid;  ///< the solid of the edge: index into StaticScene::solids()
 };
 
-/// The outlines of the static scene, for rangers and other sensors. The outlines are divided into pieces:
-/// short chains of edges, each with an enclosing circle. A grid indexes the circles by the cells of their
-/// centres. A ranger skips a piece if its beams cannot reach the circle of the piece, as it does for bodies.
-/// An edge longer than `piece_m` (see the constructor) is a piece of its own, which several circles together
-/// enclose. The edge is not cut, because cutting would change the bits of readings. A default-constructed
-/// object has no pieces.
+/// The outlines of the static scene (all solids that do not move), for rangers and other sensors. The
+/// outlines are divided into pieces: short chains of edges, each with an enclosing circle. A grid indexes the
+/// circles by the cells of their centres. A ranger skips a piece if its beams cannot reach the circle of the
+/// piece, as it does for bodies. An edge longer than `piece_m` (see the constructor) is a piece of its own,
+/// which several circles together enclose. The edge is not cut, because cutting would change the bits of
+/// readings. A default-constructed object has no pieces.
 class FixedOutlines {
  public:
   FixedOutlines() = default;
   /// edges: in the order of the outlines; only consecutive edges that share an end are joined to a piece.
   /// piece_m: side of the cells of the grid, and largest diagonal of the bounding box of a piece that has
-  /// several edges, metres, above 0. It affects the speed, never a reading.
+  /// several edges, metres, above 0. piece_m affects the speed, never a reading.
   FixedOutlines(std::span<const FixedEdge> edges, double piece_m);
 
   /// The grid of the circles' centres.

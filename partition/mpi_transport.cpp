@@ -121,7 +121,7 @@ MpiTransport::MpiTransport(const std::filesystem::path& module)
   if (impl_->mpi.start(&impl_->rank, &impl_->ranks, library.data(), library.size()) != 0)
     throw std::runtime_error(module.string() +
                              ": MPI cannot be initialised; set TROUPE_MPI to a module that was built with "
-                             "the MPI of the launcher");
+                             "the MPI library of the launcher (mpirun, srun, ...)");
   impl_->library = library.data();
   impl_->library.resize(std::min(impl_->library.size(), impl_->library.find_first_of(",\n")));
   std::ranges::replace(impl_->library, '\t', ' ');

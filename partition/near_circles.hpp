@@ -39,11 +39,12 @@ struct CircleArrays {
   }
 };
 
-/// The candidates of a sensor: the circles of bodies, and of pieces of static outlines, that reach into the
-/// disc within which the sensor looks. This class is for searches in a few directions: fiducial finders,
-/// light sensors, rangers with wide beams, and the walls between two radios. Rangers with thin beams use
-/// NearbyOutlines instead, which shares one search among all rangers in a block of cells. Not thread-safe.
-/// Keep one object per thread and reuse it: its arrays keep their memory.
+/// The circles that reach into the disc within which a sensor looks: those that enclose bodies, and those
+/// that enclose pieces (short chains of edges) of static outlines. The sensor can detect no other body or
+/// piece. This class is for searches in a few directions: fiducial finders, light sensors, rangers with wide
+/// beams, and the walls between two radios. Rangers with thin beams use NearbyOutlines instead, which shares
+/// one search among all rangers in a block of cells. Not thread-safe. Keep one object per thread and reuse
+/// it: its arrays keep their memory.
 class NearCircles {
  public:
   /// Begins an empty list for a disc. centre: the centre of the disc, world frame, m. reach: its radius, m.

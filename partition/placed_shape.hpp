@@ -50,8 +50,9 @@ class PlacedShape {
   const Vec2& position() const { return transform_.position; }  ///< origin of its frame, m, world frame
   double z() const { return z_; }                               ///< height of its frame, m, world frame
 
-  /// Calls visit(piece, polygon) for each piece until a call returns true; returns whether a call did.
-  /// `polygon` holds the vertices of the piece in the world frame: a span of vertices or a PlacedRing.
+  /// Calls visit(piece, polygon) for each piece (a convex prism) of the shape until a call returns true;
+  /// returns whether a call did. `polygon` holds the vertices of the piece in the world frame: a span of
+  /// vertices or a PlacedRing.
   template <class Visit>
   bool any_piece(Visit&& visit) const {
     const Vec2* vertices = vertices_.data();

@@ -28,10 +28,10 @@ namespace troupe::partition {
 ///
 /// For three sorts of edges this formula would divide rounding errors by rounding errors: edges hit at a
 /// grazing angle (|d x e| < 2^-8 (|ex| + |ey|)), edges that look tiny from the origin, and edges that pass
-/// very near the origin. The last two have |A| <= 2^-20 m^2, where m is the sum of the magnitudes of all
-/// coordinates. For such an edge the sides of the vertices are decided as above, so that no beam passes
-/// between edges. The range is computed in double and clamped to the distances that the edge can have. A beam
-/// that starts on an edge hits the edge, whatever the direction of the beam.
+/// very near the origin. Edges of the last two sorts have |A| <= 2^-20 m^2, where m is the sum of the
+/// magnitudes of the coordinates of a, b and o. For such an edge the sides of the vertices are decided as
+/// above, so that no beam passes between edges. The range is computed in double and clamped to the distances
+/// that the edge can have. A beam that starts on an edge hits the edge, whatever the direction of the beam.
 ///
 /// units  metres; inverse ranges in 1/m
 
@@ -63,7 +63,7 @@ struct Fan {
   const float* ox = nullptr;   ///< x of the origins, m
   const float* oy = nullptr;   ///< y of the origins, m
   std::size_t count = 0;       ///< number of beams
-  bool common_origin = false;  ///< true: all origins are 0
+  bool common_origin = false;  ///< true: all beams start at the reference point
   bool mirrored = false;       ///< true: for i < count / 2, beam i + count / 2 is opposite to beam i
   const Scan* scan = nullptr;  ///< not null if the beams form a scan
 
@@ -141,7 +141,7 @@ class EdgeBlock {
   static constexpr std::size_t k_piece = 8;  ///< most edges of a piece: kernels process this many at a time
   /// Consecutive edges of a chain that have the same enclosing circle.
   struct Piece {
-    std::uint32_t first;  ///< first vertex of its first edge
+    std::uint32_t first;  ///< number of the vertex at which its first edge begins
     std::uint32_t edges;  ///< number of edges, at most k_piece
     BeamSet met_by;       ///< the beams that may hit one of its edges
     float ranger_return;  ///< intensity that beams read from its edges

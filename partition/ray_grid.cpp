@@ -328,7 +328,7 @@ void RayGrid::draw_fixed(std::span<const FixedSolid> solids) {
       if (const double away = ring[i].cwiseAbs().maxCoeff(); !(away <= limit)) {
         constexpr auto k_text =
             "with cells of {:g} m, the grid reaches {:.0f} m from the origin, but the static scene reaches "
-            "{:.0f} m; set a larger resolution";
+            "{:.0f} m; set a resolution with larger cells";
         throw std::length_error(fmt::format(k_text, cells_.cell_m, limit, away));
       }
     }

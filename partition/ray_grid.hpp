@@ -33,8 +33,8 @@ namespace troupe::partition {
 /// A ray moves as in Stage. In squares of 32 x 32 cells in which anything is drawn, the ray follows the same
 /// kind of staircase as an edge; it jumps over empty squares. The ray ends in the first cell that has a
 /// surface that it can hit, which may be the cell of its origin. Empty blocks are skipped as a whole. This
-/// does not change which cells the ray passes, because the staircase is computed in integers. docs/sensing.md
-/// gives all rules.
+/// does not change the cells through which the ray passes, because the staircase is computed in integers.
+/// docs/sensing.md gives all rules.
 
 /// An outline of a mobile body.
 struct MovingOutline {

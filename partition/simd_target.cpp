@@ -93,7 +93,7 @@ void use_simd_target(std::string_view name) {
   throw std::invalid_argument(
       fmt::format("\"{}\" is not an instruction set {}; {} {}", name,
                   is_compiled ? "of this processor" : "that this program is compiled for",
-                  is_compiled ? "it has" : "this processor can use", list_of(targets.usable)));
+                  is_compiled ? "this processor has" : "this processor can use", list_of(targets.usable)));
 }
 
 }  // namespace troupe::partition

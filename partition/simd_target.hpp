@@ -22,8 +22,8 @@ std::string simd_target();
 
 /// Makes the kernels of the whole process run on this instruction set. Do not call it while a world is
 /// stepped. name: one of simd_targets().usable. For any other name the function throws std::invalid_argument
-/// with the usable names, such as `"avx512" is not an instruction set of this processor; it has avx2, sse4,
-/// ssse3 and scalar`.
+/// with the usable names, such as `"avx512" is not an instruction set of this processor; this processor has
+/// avx2, sse4, ssse3 and scalar`.
 void use_simd_target(std::string_view name);
 
 }  // namespace troupe::partition

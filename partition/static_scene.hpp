@@ -60,7 +60,7 @@ class StaticScene {
  public:
   StaticScene() = default;
   /// solids: in the world frame. cell_m: edge length of the cells of the index of edges, metres, above 0; the
-  /// cell sizes of other indices follow from it. It affects only the speed.
+  /// cell sizes of other indices follow from it. cell_m affects only the speed.
   StaticScene(std::vector<FixedSolid> solids, double cell_m);
 
   std::span<const FixedSolid> solids() const { return solids_; }  ///< all solids, in the order given

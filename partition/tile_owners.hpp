@@ -18,7 +18,7 @@ class TileOwners {
  public:
   using Key = std::uint64_t;  ///< number of a tile along the Hilbert curve
 
-  TileOwners() = default;  ///< one rank owns everything
+  TileOwners() = default;  ///< a single rank, which owns all tiles
   /// cut: for N ranks, N - 1 keys in ascending order. Rank r owns the tiles with keys from cut[r - 1] (rank
   /// 0: from 0) up to, but not including, cut[r] (the last rank: up to the last key). Rank r owns nothing if
   /// cut[r - 1] and cut[r] are equal.

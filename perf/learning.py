@@ -1,13 +1,15 @@
 #!/usr/bin/env python3
-"""Measures environment steps per second of 8 robots with 12 beams on one core, for batches of 1 to 4,096 copies, and the
-ticks per second of the world without an environment. One step is one tick.
+"""Measures how many environment steps per second Troupe makes on one core, for batches of 1 to 4,096 copies of a world with
+8 robots that have lidars of 12 beams. One environment step is one tick of one copy. Also measures the ticks per second of
+the same world without an environment for reinforcement learning.
 
     PYTHONPATH=build/release/lib/python3/dist-packages taskset -c 1 python3 perf/learning.py [COPIES...]
 
-The world without an environment is one Simulation whose robots get the same speeds. A batch is measured with BatchEnv.step()
-and with VectorEnv.step(), each including actions, observations, rewards and ends; copies whose episodes have ended are reset
-within the step. VectorEnv needs Gymnasium (pip install gymnasium) and is left out without it. Each figure is the median of
-five repetitions. The repetitions of the world and of the batches alternate, so that other load affects all of them equally.
+The world without an environment is one Simulation, whose robots get the same speed commands as those of the batches. A batch
+is measured with BatchEnv.step() and with VectorEnv.step(). Both include actions, observations, rewards and ends of episodes,
+and reset the copies whose episodes have ended. VectorEnv needs Gymnasium (pip install gymnasium) and is not measured without
+it. Each figure is the median of five repetitions. The repetitions of the world and of the batches alternate, so that other
+load on the machine affects all of them equally.
 """
 
 import statistics
@@ -78,12 +80,13 @@ def vector_env(copies):
 
 
 def random_actions():
-    """Returns actions from -1 to 1, 64 x robots x 2: a row is used in ACTIONS_KEPT successive steps."""
+    """Returns random actions from -1 to 1, an array of 64 x robots x 2. Each of the 64 sets of actions is used in
+    ACTIONS_KEPT successive steps."""
     return np.random.default_rng(1).uniform(-1, 1, (64, ROBOTS, 2)).astype(np.float32)
 
 
 def rate(step, least_s=0.5):
-    """Calls step(number of the step) for at least least_s seconds, and returns the number of calls per second."""
+    """Calls step(0), step(1), ... for at least least_s seconds, and returns the number of calls per second."""
     made, began = 0, time.perf_counter()
     while (passed := time.perf_counter() - began) < least_s:
         step(made)
@@ -92,7 +95,7 @@ def rate(step, least_s=0.5):
 
 
 class Batched:
-    """A BatchEnv, and its steps with random actions."""
+    """A BatchEnv whose robots get random actions."""
 
     def __init__(self, alone, copies):
         self.copies = copies
@@ -107,7 +110,7 @@ class Batched:
 
 
 class Vectorised:
-    """A VectorEnv, and its steps with random actions."""
+    """A VectorEnv whose robots get random actions."""
 
     def __init__(self, copies):
         self.copies = copies

@@ -3,10 +3,14 @@
 
     live_view.py TROUPE
 
-Prints how many pictures of 2,000 robots a viewer receives in a second. Then prints the speed of a world of 100,000 robots with
-a viewer, and with a viewer that does not read, relative to the speed without a viewer; by how much the resident memory of the
-program grows while a viewer reads nothing for a minute; and, if there is a Chromium, for how long the scripts of the page run
-per picture of 10,000 robots, and how many pictures the page draws in a second. Chromium draws in software.
+TROUPE is the path of the program. The script prints
+
+- how many pictures of 2,000 robots a viewer receives in a second;
+- the speed of a world of 100,000 robots with a viewer, and with a viewer that does not read its connection, relative to the
+  speed without a viewer;
+- by how much the resident memory of the program grows while a viewer reads nothing for a minute;
+- if Chromium is installed: how long the scripts of the page run for each picture of 10,000 robots, and how many pictures the
+  page draws in a second. Chromium draws without a GPU.
 """
 
 import os
@@ -37,7 +41,8 @@ class View:
         while not self.address:
             line = self.process.stdout.readline()
             if not line:
-                sys.exit(f"live_view.py: error: the program ended with {self.process.wait()} before it printed an address")
+                sys.exit(f"live_view.py: error: {troupe} ended with exit code {self.process.wait()} before it printed the "
+                         "address of the view")
             if line.startswith("  view "):
                 self.address = line.split()[1]
         self.port, self.token = int(self.address.split(":")[2].split("/")[0]), self.address.split("#")[1]
@@ -85,7 +90,7 @@ def growth(troupe, folder, seconds=60):
 
 
 def in_browser(troupe, folder, seconds=20):
-    """Returns the duration of scripts per picture, s, and the number of pictures per second."""
+    """Returns how long the scripts of the page run per picture, s, and how many pictures the page draws per second."""
     view = View(troupe, folder, 10000)
     with Page(find()) as page:
         # The page confirms each picture that it has drawn.
@@ -147,7 +152,7 @@ def main():
             print(f"100,000 robots: {ticks:.2f} ticks/s with {name}, {alone:.2f} without: {ticks / alone:.3f}{size}")
         print(f"2,000 robots: {growth(troupe, folder) / 1e6:.2f} MB more memory after a minute with a viewer that does not read")
         if not find():
-            print("10,000 robots in Chromium: NOT MEASURED: there is no Chromium")
+            print("10,000 robots in Chromium: NOT MEASURED, because Chromium is not installed")
             return
         script_s, rate = in_browser(troupe, folder)
         print(f"10,000 robots in Chromium: {1000 * script_s:.2f} ms of scripts per picture, {rate:.1f} pictures a second")

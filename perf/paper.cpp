@@ -37,7 +37,7 @@ namespace {
 namespace fs = std::filesystem;
 
 constexpr const char* k_footer = R"(
-A full run of five repetitions takes about an hour on a computer of 2023 with two cores, and about 2 GB of memory.
+A full run of five repetitions takes about an hour and 2 GB of memory on a computer of 2023 with two cores.
 A run with --quick takes a few seconds. Run nothing else on the machine meanwhile: other load increases the
 difference between the columns min and max.
 
@@ -54,7 +54,7 @@ struct Options {
   std::size_t repeat = 0;  // 0: not given
   std::string only;
   std::vector<unsigned> threads;
-  std::vector<std::string> simd;  // rows run on the first; the comparison of instruction sets runs on all
+  std::vector<std::string> simd;  // the first is for most rows; the comparison of instruction sets uses all
   fs::path out;
   fs::path markdown;
   fs::path hashes = fs::path(TROUPE_SOURCE_DIR) / "perf/paper_hashes.txt";
@@ -174,7 +174,7 @@ std::vector<ChildTiming> time_children(const Plan& plan, const Plan& whole, cons
     }
     out.push_back(time_child(child, arguments, options.repeat));
     const ChildReport& report = out.back().reports.front();
-    progress.keep(fmt::format("{}: {} robots, {:.3f} s, {:.1f} MB", row_name(child), report.robots,
+    progress.keep(fmt::format("{}: {} robots, loaded in {:.3f} s, {:.1f} MB", row_name(child), report.robots,
                               report.read_s + report.build_s, report.rss_bytes / 1e6));
   }
   return out;
@@ -186,8 +186,8 @@ void write_file(const fs::path& file, const std::string& text) {
   if (!stream) throw std::runtime_error(fmt::format("{}: error: cannot be written", file.string()));
 }
 
-/// Makes the kernels run on the instruction set `name`. Returns the error text if this is not possible, else
-/// an empty text, as CLI11 requires of a check.
+/// Makes the kernels run on the instruction set `name`. Returns the error text if this is not possible,
+/// otherwise an empty text. (CLI11 expects such a function as the check of an option.)
 std::string select_simd(const std::string& name) {
   try {
     partition::use_simd_target(name);
@@ -267,34 +267,36 @@ int measure(Options& options) {
 
 int paper_main(int argc, char** argv) {
   CLI::App app(
-      "Measures with Troupe what the tables of the paper on Stage (Vaughan, Massively multi-robot simulation "
-      "in Stage, 2008) show, and more.",
+      "Measures the speed of Troupe in the runs of the tables in the paper on Stage (Vaughan, Massively "
+      "multi-robot simulation in Stage, 2008), and in further runs.",
       "perf_paper");
   app.footer(k_footer);
   Options options;
   app.add_flag("--quick", options.quick,
-               "Use few robots and short times, to test that the rows run and their hashes are correct");
+               "Use few robots and short times, only to test that the rows run and that their hashes are "
+               "correct");
   app.add_option("--repeat", options.repeat,
                  "Repetitions of each row (default: 5; 1 with --quick and --write-hashes)")
       ->check(CLI::Range(1, 1000));
   app.add_option("--only", options.only, "Measure only rows whose name matches this regular expression");
   app.add_flag("--list", options.list, "Print the names of the rows and measure nothing");
   app.add_option("--threads", options.threads,
-                 "Numbers of threads, as in 1,2,4; rows are measured with each number (default: 1, and one "
-                 "thread per core)")
+                 "Numbers of threads, as in 1,2,4. Most rows are measured with each of these numbers; some, "
+                 "such as rows with pictures, only with the first (default: 1, and one thread per core)")
       ->delimiter(',')
       ->check(CLI::Range(1, 1024));
   app.add_option(
          "--simd", options.simd,
-         "Instruction sets, as in avx2,sse4. Rows run on the first one; the comparison of instruction sets "
-         "runs on each (default: all that this processor has, the best first)")
+         "Instruction sets, as in avx2,sse4. The comparison of instruction sets uses all of them, all other "
+         "rows only the first (default: all that this processor has, the best first)")
       ->delimiter(',')
       ->check(select_simd, "");
   app.add_option("--out", options.out, "Write all measurements to this file, as JSON");
   app.add_option(
       "--markdown", options.markdown,
-      "Write the tables to this file, as Markdown: between its lines `<!-- perf_paper: begin -->` and "
-      "`<!-- perf_paper: end -->`, or in place of the whole file if it has no such lines");
+      "Write the tables to this file, as Markdown. They replace the text between its lines "
+      "`<!-- perf_paper: begin -->` and `<!-- perf_paper: end -->`, or the whole file if it has no such "
+      "lines");
   app.add_flag("--write-hashes", options.write_hashes,
                "Record the hashes in the file of --hashes instead of checking them; each scene runs once");
   app.add_option("--hashes", options.hashes, "File with the expected hashes of the rows")

@@ -26,7 +26,7 @@ const std::map<std::string, double, std::less<>> k_times_s = {
     {"simd", 60},
     // Clusters are measured after k_cluster_skip_s, when they are dense, in pieces of 2 s.
     {"clusters", 2},
-    // A million robots for 60 s are 600 million robot ticks: minutes for each repetition. 5 s show the rate.
+    // 60 s of a million robots would take minutes in each repetition. 5 s are enough to measure the speed.
     {"campus", 5},
     {"watching", 60},
     {"grid", 60},

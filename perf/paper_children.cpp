@@ -140,7 +140,7 @@ void write_as_text(const Scene& scene, const std::filesystem::path& file, const 
   }
   std::ofstream stream(file, std::ios::binary);
   stream << text << std::flush;
-  if (!stream) throw std::runtime_error(fmt::format("{} cannot be written", file.string()));
+  if (!stream) throw std::runtime_error(fmt::format("{}: error: cannot be written", file.string()));
 }
 
 }  // namespace troupe::perf

@@ -20,7 +20,8 @@ HashBook::HashBook(std::filesystem::path file) : file_(std::move(file)) {
     std::uint64_t hash = 0;
     if (!(words >> scene >> tick >> std::hex >> hash))
       throw std::runtime_error(fmt::format(
-          "{}:{}: error: expected a scene, a tick and a hash, as in: hospital/1 60 0123456789abcdef",
+          "{}:{}: error: expected a scene, a tick and a hash of 16 hexadecimal digits, as in: hospital/1 60 "
+          "0123456789abcdef",
           file_.string(), number));
     record(scene, tick, hash);
   }

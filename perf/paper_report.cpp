@@ -301,7 +301,9 @@ std::string markdown(const Report& report, const std::vector<Sheet>& sheets) {
   for (const auto& [key, value] : report.machine) text += fmt::format("| {} | {} |\n", key, value);
   text += fmt::format("| repetitions | {} |\n", report.repeat);
   if (report.quick)
-    text += "\nThis is a quick run for tests, with few robots and short times, not the rows of the paper.\n";
+    text +=
+        "\nThis is a quick run for tests, with fewer robots and shorter times than in the paper. Do not use "
+        "its speeds.\n";
   for (const Sheet& sheet : sheets) {
     text += fmt::format("\n### {}\n\n{}{}", sheet.title, sheet.note, sheet.note.empty() ? "" : "\n\n");
     const auto line = [&](const std::vector<std::string>& cells) {
@@ -387,7 +389,7 @@ void write_between_marks(const std::filesystem::path& file, const std::string& t
 
 std::vector<std::string> check_hashes(const Report& report, HashBook& book, bool record) {
   std::vector<std::string> faults;
-  std::set<std::string> seen;  // scenes and ticks recorded in this run; further rows of them must agree
+  std::set<std::string> seen;  // recorded scenes and ticks; other rows with the same must have the same hash
   const auto check = [&](const std::string& scene, std::uint64_t tick, std::uint64_t hash,
                          const std::string& run) {
     const auto expected = book.find(scene, tick);
@@ -405,7 +407,8 @@ std::vector<std::string> check_hashes(const Report& report, HashBook& book, bool
   };
   for (const CaseTiming& one : report.cases) {
     for (const Timing& timing : one.timings) {
-      const std::string run = fmt::format(" ({} threads{})", timing.run.threads, with_text(timing.run));
+      const std::string run = fmt::format(" ({} thread{}{})", timing.run.threads,
+                                          timing.run.threads == 1 ? "" : "s", with_text(timing.run));
       check(timing.run.scene.name, timing.hash_tick, timing.hash, run);
       if (!timing.repeatable)
         faults.push_back(

@@ -35,8 +35,8 @@ constexpr std::size_t k_least_robots_with_phases = 100;
 double seconds(Clock::duration d) { return std::chrono::duration<double>(d).count(); }
 
 /// Draws a picture after a tick if at least 0.1 s of wall time has passed since the start of the previous
-/// picture. If drawing took longer than 0.05 s, the next picture is drawn only after a pause of the same
-/// length, so that the simulation gets at least half of the time.
+/// picture. If drawing the previous picture took longer than 0.05 s, a pause of the same length must also
+/// have passed since its end, so that the simulation gets at least half of the time.
 class Camera {
  public:
 #ifdef TROUPE_HAS_RENDER

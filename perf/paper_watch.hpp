@@ -8,10 +8,12 @@
 
 namespace troupe::perf {
 
-/// The observer of a run. It reads the state after every tick. `hashes` computes the state hash, as `troupe
-/// run --hash-log` does. `recording` records the poses, as --record does at 10 Hz: one frame per tick of 0.1
-/// s. `measures` computes, after every tick, all measures that have no required parameter, as
-/// `troupe run --measures FILE --measure-every 0` does.
+/// The observer of a run, which reads the state after every tick:
+/// - `nothing`: there is no observer.
+/// - `hashes` computes the state hash, as `troupe run --hash-log` does.
+/// - `recording` records the poses, as `troupe run --record` does, in one frame per tick of 0.1 s.
+/// - `measures` computes all measures that have no required parameter, as
+///   `troupe run --measures FILE --measure-every 0` does.
 enum class Watch : std::uint8_t { nothing, hashes, recording, measures };
 /// The name of an observer in tables and messages, such as "hashes".
 std::string_view watch_name(Watch watch);

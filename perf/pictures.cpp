@@ -1,5 +1,5 @@
-// Measures the time to draw a frame of a film, and a picture of a large swarm. The first picture is not
-// counted, because it takes longer:
+// Measures the time to draw a frame of a film, and the time to draw a picture of a large swarm. The first
+// picture of each measurement takes longer and is not counted.
 //   build/release/bin/perf_pictures
 
 #include "base/random.hpp"

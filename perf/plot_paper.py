@@ -1,6 +1,7 @@
 #!/usr/bin/env python3
-"""Draws figures 7 and 8 of the paper on Stage (perf/paper.cpp; times real time against population, both logarithmic) from the
-output of `perf_paper --out`, with values of other simulators from paper_reference.json, and the scaling with threads.
+"""Draws figures 7 and 8 of the paper on Stage (perf/paper.cpp) with the measurements that `perf_paper --out` wrote, and with
+values of other simulators from paper_reference.json. The figures show the speed, in multiples of real time, over the number
+of robots. Also draws the speed-up on several threads over the number of robots.
 
     perf/plot_paper.py build/perf/paper.json [--images docs/images]
 
@@ -45,8 +46,8 @@ def save(figure, folder, name):
 def series(rows, world, threads, frames):
     """Returns (robots, least, median, greatest speed) for each population of a world, in ascending order.
 
-    Speeds are in times real time. The list is empty if the world was not measured with this number of threads
-    and with or without frames.
+    Speeds are multiples of real time. frames: whether to return the runs with pictures or those without. The list is
+    empty if the world was not measured in this way.
     """
     points = {row["robots"]: row["times_real_time"] for row in rows
               if row["scene"].rsplit("/", 1)[0] == world and row["threads"] == threads and row["frames"] == frames

@@ -89,13 +89,13 @@ constexpr std::string_view expected() {
   else if constexpr (std::is_same_v<T, bool>)
     return "a bool";
   else if constexpr (std::is_same_v<T, std::string>)
-    return "a text";
+    return "a string";
   else if constexpr (std::is_integral_v<T>)
     return std::is_unsigned_v<T> ? "a whole number from 0" : "a whole number";
   else if constexpr (std::is_floating_point_v<T> || std::is_same_v<T, std::optional<double>>)
     return "a number";
   else
-    return "a list of texts";
+    return "a list of strings";
 }
 
 /// Reads the members of a dict into variables. A variable keeps its value if the dict lacks its member.
@@ -415,10 +415,10 @@ void bind_batch(py::module_& module) {
           },
           py::arg("which") = py::none(), py::arg("seeds") = py::tuple(),
           "Begins an episode in some copies. which: one bool per copy; None: all copies. seeds: one seed per "
-          "copy. A copy without a\nseed (None, or an empty list) begins its next episode, whose seed is "
-          "derived from the last seed that reset() got for\nthis copy (or, if it never got one, from the "
-          "seed of the world plus the index of the copy). Raises RuntimeError if\n`which` leaves out a copy "
-          "that has not begun an episode.")
+          "copy. A copy without\na seed (None, or an empty list) begins its next episode, whose seed is "
+          "derived from the last seed that reset() got for\nthis copy (or, if the copy never got one, from "
+          "the seed of the world plus the index of the copy). Raises RuntimeError\nif `which` leaves out a "
+          "copy that has not begun an episode.")
       .def(
           "step",
           [](const BatchHolder& b, const Marks& begins) {

@@ -48,7 +48,7 @@ void refuse(std::string_view name, const py::array& given, std::size_t robots, s
 std::vector<std::uint8_t> mask_of(const Where& where, std::size_t robots) {
   if (!where) return {};
   if (where->dtype().kind() != 'b' || where->ndim() != 1 || static_cast<std::size_t>(where->size()) != robots)
-    refuse(fmt::format("where, of {},", std::string(py::str(where->dtype()))), *where, robots,
+    refuse(fmt::format("where, an array of {},", std::string(py::str(where->dtype()))), *where, robots,
            "one bool per robot");
   const py::array_t<bool, py::array::c_style | py::array::forcecast> marks(*where);
   return {marks.data(), marks.data() + marks.size()};
@@ -110,11 +110,12 @@ py::dict message_command(std::span<const engine::StateField> fields, const std::
   }
   const py::array rows = py::module_::import("numpy").attr("ascontiguousarray")(message);
   if (rows.ndim() == 0 || rows.shape(0) != robots)
-    refuse("message", rows, static_cast<std::size_t>(robots), "a `bytes`, or one row per robot");
+    refuse("message", rows, static_cast<std::size_t>(robots),
+           "a bytes object, or an array with one row per robot");
   if (rows.dtype().attr("hasobject").cast<bool>())
     throw py::value_error(fmt::format(
         "message: the elements of the array are Python objects (dtype {}), whose bytes are addresses: give a "
-        "`bytes`, or an array of numbers or bytes",
+        "bytes object, or an array of numbers or bytes",
         std::string(py::str(rows.dtype()))));
   const py::ssize_t length = robots > 0 ? rows.nbytes() / robots : 0;
   const auto field = std::ranges::find(fields, "payload", &engine::StateField::name);

@@ -128,11 +128,12 @@ void bind_models(py::module_& module) {
           py::arg("forward"), py::arg("turn"), py::kw_only(), py::arg("left") = 0.0,
           "Commands accelerations in the body frame: forward and left in m/s^2, turn in rad/s^2 (for a car "
           "drive: the steering\nangle, rad). As with set_speed(), they apply from the next tick on, until "
-          "another command replaces them. Raises as\nset_speed() does.")
+          "another command replaces them. Raises the\nsame errors as set_speed().")
       .def(
           "go_to", [](HeldModel& m, const Pose& goal) { m.use().go_to(goal); }, py::arg("goal"),
           "Commands a goal pose in the frame of estimate(), m and rad: the robot drives there and stays "
-          "until another command\nreplaces this one; goal.z is ignored. Raises as set_speed() does.")
+          "until another command\nreplaces this one; goal.z is ignored. Raises the same errors as "
+          "set_speed().")
       .def(
           "speed", [](HeldModel& m) { return m.use().speed(); },
           "Velocity that the drive of this model computed in the last tick, in the body frame. It is not 0 "
@@ -162,9 +163,9 @@ void bind_models(py::module_& module) {
           "RuntimeError for a part of a body and for static geometry.")
       .def(
           "is_free", [](HeldModel& m, const Pose& pose) { return m.use().is_free(pose); }, py::arg("pose"),
-          "Whether the body would fit at this pose in the world frame: its origin inside the bounds of the "
-          "world, and without\noverlap with a wall or another body that is an obstacle. Raises RuntimeError "
-          "for a part of a body and for static\ngeometry.")
+          "Whether the body would fit at this pose in the world frame: its origin would be inside the bounds "
+          "of the world, and\nthe body would not overlap a wall or another body that is an obstacle. Raises "
+          "RuntimeError for a part of a body and\nfor static geometry.")
       .def(
           "sensors", [](HeldModel& m) { return m.use().sensors(); },
           "Names of the sensors of this model, in the order of the world file: for a body those of all its "

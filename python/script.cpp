@@ -251,7 +251,8 @@ std::size_t RobotBatch::ranger_named(const std::string& name) const {
   if (!name.empty()) return device_named(name, false);
   for (std::size_t d = 0; d < prepared_.devices.size(); ++d)
     if (!prepared_.devices[d].bearings.empty()) return d;
-  throw std::out_of_range("the controller uses no ranger: the robots have none, or `uses` does not list it");
+  throw std::out_of_range(
+      "the controller uses no ranger: the robots have no ranger, or `uses` does not list one");
 }
 
 py::array RobotBatch::ranges(const std::string& sensor) const {
@@ -505,9 +506,9 @@ void bind_script(py::module_& module) {
   py::class_<RobotBatch, std::shared_ptr<RobotBatch>>(
       module, "Robots",
       "The n robots for which a controller decides, in ascending order of their ids: the argument of "
-      "decide(). Functions that\nhave the name of a function of Swarm work as in Swarm, but only with the "
-      "devices that the controller uses\n(Controller.uses). The object can be used only during the call of "
-      "decide(); later calls raise RuntimeError.")
+      "decide(). Functions with\nthe name of a function of Swarm work as that function does, but only with "
+      "the devices that the controller uses\n(Controller.uses). The object can be used only during the call "
+      "of decide(); later calls raise RuntimeError.")
       .def("__len__", [](const RobotBatch& robots) { return robots.size(); })
       .def_property_readonly("ids", &RobotBatch::ids)
       .def_property_readonly("tick", [](const RobotBatch& robots) { return robots.batch().tick; })

@@ -255,7 +255,7 @@ py::tuple cast_many(const Holder& held,
                     double range_max, HeldModel* without) {
   if (starts.ndim() != 2 || starts.shape(1) != 4)
     throw py::value_error(
-        fmt::format("starts has shape {}; give an array of n x 4: x, y, z, heading of each ray",
+        fmt::format("starts has shape {}; give an array of n x 4: x, y, z (m) and heading (rad) of each ray",
                     std::string(py::str(starts.attr("shape")))));
   Simulation& simulation = held->use();
   const Model* passes = without != nullptr ? &without->use() : nullptr;
@@ -450,8 +450,8 @@ SimulationClass bind_simulation(py::module_& module) {
       .def_property_readonly("ranks", [](const Holder& held) { return held->use().ranks(); })
       .def_property_readonly(
           "quit_time_s", [](const Holder& held) { return held->use().quit_time_s(); },
-          "Time at which the world file ends the run, s, or None. run_for() and step() do not end at this "
-          "time.")
+          "Time at which the run ends according to the world file, s; None: the file gives no such time. "
+          "run_for() and step() do\nnot end at this time.")
       .def_property_readonly("seed", [](const Holder& held) { return held->use().seed(); })
       .def_property_readonly(
           "stopped", [](const Holder& held) { return held->use().stopped(); },
@@ -475,9 +475,9 @@ SimulationClass bind_simulation(py::module_& module) {
       .def("on_tick", &on_tick, py::arg("callback").none(true),
            "Adds a callback: callback(simulation) is called at the end of every step, after the recording of "
            "record() has received\nthe tick. None removes all callbacks. A callback may do everything that a "
-           "program may do between two steps, except calls\nof step(), run_for(), run_until(), reset() and "
-           "on_tick(), which raise RuntimeError. An exception of a callback ends the\nstep and passes on to "
-           "the caller of the step. on_tick() returns the callback, so it can be used as a "
+           "program may do between two steps, except\ncalls of step(), run_for(), run_until(), reset() and "
+           "on_tick(), which raise RuntimeError. An exception in a callback\nends the step and reaches the "
+           "caller of the step. on_tick() returns the callback, so it can be used as a "
            "decorator:\n@simulation.on_tick.")
       .def(
           "reset",
@@ -539,9 +539,10 @@ SimulationClass bind_simulation(py::module_& module) {
       .def("cast_many", &cast_many, py::arg("starts").none(false), py::arg("range_max"), py::kw_only(),
            py::arg("without") = py::none(),
            "Casts n rays. starts: n x 4, x, y, z (m) and heading (rad) of each ray in the world frame; "
-           "range_max and without are as\nin cast(). Returns two arrays: for each ray the distance at which "
-           "it meets a surface, m (range_max if it meets nothing),\nand the id of the body that it meets "
-           "(int64; -1 if it meets nothing). Raises ValueError as cast() does, and for another\nshape.")
+           "range_max and without are\nas in cast(). Returns two arrays: for each ray the distance at which "
+           "it meets a surface, m (range_max if it meets\nnothing), and the id of the body that it meets "
+           "(int64; -1 if it meets nothing). Raises ValueError as cast() does, and\nfor `starts` of another "
+           "shape.")
       .def(
           "set_poses",
           [](const Holder& held, const std::vector<std::pair<HeldModel, Pose>>& poses) {
@@ -635,7 +636,7 @@ SimulationClass bind_simulation(py::module_& module) {
            py::arg("color_range") = py::none(), py::arg("background") = "paper",
            "Draws the world into a file: .svg or .pdf, which show the world only from straight above, or, "
            "with any other ending,\nPNG. width and height are in pixels; docs/pictures.md describes the "
-           "other options. Raises ValueError for a size below 1\nand for unknown names (InputError), and "
+           "other options. Raises ValueError for a size below\n1, InputError for unknown names, and "
            "RuntimeError if the file cannot be written or a library is missing.")
       .def("picture", &picture, py::arg("width") = 1280, py::arg("height") = 720, py::kw_only(),
            py::arg("camera") = "top", py::arg("layers") = "", py::arg("center_m") = py::none(),
@@ -643,8 +644,8 @@ SimulationClass bind_simulation(py::module_& module) {
            py::arg("color_range") = py::none(), py::arg("background") = "paper",
            "Draws the world into an array: height x width x 3, uint8, RGB, row 0 on top. width and height "
            "are in pixels;\ndocs/pictures.md describes the other options. Raises ValueError for a size below "
-           "1, for unknown names (InputError) and\nfor the background \"transparent\", and RuntimeError if "
-           "the library OSMesa is missing.");
+           "1 and for the background\n\"transparent\", InputError for unknown names, and RuntimeError if the "
+           "library OSMesa is missing.");
   return simulation;
 }
 

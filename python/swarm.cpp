@@ -55,7 +55,7 @@ void set_poses(HeldSwarm& held, const Numbers& poses, const Where& where) {
   Swarm& swarm = held.use();
   const std::size_t n = swarm.size();
   if (poses.ndim() != 2 || static_cast<std::size_t>(poses.shape(0)) != n || poses.shape(1) != 4)
-    refuse("poses", poses, n, "x, y, z, heading per robot");
+    refuse("poses", poses, n, "x, y, z (m) and heading (rad) per robot");
   swarm.set_poses({reinterpret_cast<const Pose*>(poses.data()), n}, mask_of(where, n));
 }
 
@@ -115,9 +115,10 @@ void bind_swarm(py::module_& module, SimulationClass& simulation) {
       module, "Swarm",
       "A group of robots of one simulation, in ascending order of their ids. Its functions correspond to "
       "those of Model, but\none call is for all robots. They return new arrays, with one row per robot (n "
-      "rows), also for robots that are not in the\nworld. Commands take one number for all robots or one "
-      "number per robot; arrays of other shapes raise ValueError. Their\nparameter `where` selects robots by "
-      "one bool per robot; None selects all. Commands skip robots that are not in the\nworld.")
+      "rows), also for robots that are not in\nthe world. Commands take one number for all robots or one "
+      "number per robot; arrays of other shapes raise ValueError.\nThe parameter `where` of a command "
+      "selects robots by one bool per robot; None selects all. Commands skip robots that\nare not in the "
+      "world.")
       .def("__len__", [](const HeldSwarm& s) { return s.swarm.size(); })
       .def("__repr__", [](const HeldSwarm& s) { return fmt::format("<Swarm of {} robots>", s.swarm.size()); })
       .def_property_readonly("ids",
@@ -212,17 +213,18 @@ void bind_swarm(py::module_& module, SimulationClass& simulation) {
            "RuntimeError for a swarm without robots.")
       .def("command", &command_device, py::arg("device"), py::kw_only(), py::arg("where") = py::none(),
            "Sets fields of the commands of a device by name: swarm.command(\"lamp\", shows=1, "
-           "red=brightness). A value is one\nnumber for all robots or one per robot. For a field of several "
-           "columns it is one row for all robots, one row per\nrobot, or, for a field of bytes, a `bytes` or "
-           "a list of one `bytes` per robot, padded with zeros. Other fields keep\ntheir values. The "
-           "commands apply from the next step on. Raises LookupError for an unknown device or field, "
-           "and\nValueError for values that do not fit.")
+           "red=brightness). A value is one number\nfor all robots or one per robot. For a field of several "
+           "columns it is one row for all robots, one row per robot, or,\nfor a field of bytes, a bytes "
+           "object or a list of one bytes object per robot, padded with zeros. Other fields keep\ntheir "
+           "values. The commands apply from the next step on. Raises LookupError for an unknown device or "
+           "field, and\nValueError for values that do not fit.")
       .def("say", &say, py::arg("message"), py::arg("device") = "radio", py::kw_only(),
            py::arg("where") = py::none(),
            "Sets the messages that the radios named `device` send in each tick from the next one on, until "
-           "another command: a\n`bytes` for all robots, or an array with one row per robot, whose bytes are "
-           "the message. command(device, mode=2) makes\nradios silent. Raises ValueError for a message that "
-           "is longer than the parameter `payload` of the radios.")
+           "another command\nreplaces them. message: a bytes object, which is the message of all robots, or "
+           "an array with one row per robot, whose\nbytes are the message of the robot. command(device, "
+           "mode=2) makes radios silent. Raises ValueError for a message that\nis longer than the parameter "
+           "`payload` of the radios.")
       .def("heard", &heard, py::arg("dtype"), py::arg("device") = "radio",
            "The messages that the radios named `device` heard in the last tick, as two arrays of shape (n, "
            "most_heard): the messages\nas elements of the NumPy type `dtype`, and bools, True where there is "

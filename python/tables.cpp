@@ -116,7 +116,7 @@ Table table_of(const Holder& held, const std::string& component, const std::stri
   std::vector<std::string_view> types;
   for (const Table& table : found) types.push_back(table.type);
   throw std::invalid_argument(
-      fmt::format("robots of {1} types have the component {0}; give the parameter type, one of: {2}",
+      fmt::format("robots of {1} types have the component {0}; give the parameter `type`: one of {2}",
                   component, types.size(), comma_list(types)));
 }
 

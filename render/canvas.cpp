@@ -158,7 +158,7 @@ GLuint link_program(const Gl& gl, const char* vertex_shader) {
     std::array<char, 1024> log{};
     gl.glGetProgramInfoLog(program, static_cast<GLsizei>(log.size()), nullptr, log.data());
     throw std::runtime_error(
-        fmt::format("cannot draw: OpenGL cannot link Troupe's shaders; install a newer version of OSMesa: {}",
+        fmt::format("cannot draw: OpenGL cannot link Troupe's shaders: {}; install a newer version of OSMesa",
                     log.data()));
   }
   return program;

@@ -16,9 +16,9 @@ struct Camera {
   bool perspective = false;  ///< true: perspective view; false: parallel (orthographic) view
   double pitch = 0;          ///< rad, 0 to pi/2: 0 looks straight down, pi/2 looks horizontally
   double yaw = 0;            ///< rad, counter-clockwise seen from above; 0: +y is upwards in the picture
-  /// World point in the picture's centre, m; views from above ignore its z. If not given: with `across_m`,
-  /// the centre of the region that View::region describes; else a point such that the whole region is
-  /// visible.
+  /// World point in the picture's centre, m; views from above ignore its z. If only `across_m` is given, the
+  /// picture's centre shows the centre of the region that View::region describes. If neither is given, the
+  /// whole region is visible.
   std::optional<Eigen::Vector3d> center;
   /// Width, m, above 0, of the part of the world that the picture shows at the distance of `center`. If not
   /// given, the scale is the one at which the whole region that View::region describes fits into the picture;
@@ -73,9 +73,9 @@ struct View {
   int height = 720;  ///< height of the picture, pixels
   /// World region that must be visible, m. In a view from above, the region fills the picture in one
   /// direction, x or y; in the other direction more of the world may be visible. Other views show the region
-  /// with a margin. If not given, the region is FrameScene::bounds, extended by FrameScene::limits if
-  /// Layers::bounds is set, with a margin; if these are empty, it is 10 m x 10 m about the origin. The
-  /// members `center`, `across_m` and `eye` of the camera take precedence.
+  /// with a margin. If not given, the region is FrameScene::bounds with a margin; if Layers::bounds is set,
+  /// the region also contains FrameScene::limits. If the scene has neither, the region is 10 m x 10 m about
+  /// the origin. The members `center`, `across_m` and `eye` of the camera take precedence.
   std::optional<Box> region;
   Camera camera;
   Layers layers;

@@ -40,11 +40,11 @@ Mesh body_mesh(const engine::FrameType& type, const Pieces& pieces, const MeshSt
 Mesh silhouette(Mesh mesh);
 
 /// Adds a line from a to b at the height z. The square ends of the line extend beyond a and b by half the
-/// width, so that corners close. a and b are in mesh units, z is in m, the width is in pixels. own: the
-/// colour for Paint::own.
+/// width, so that corners close. a and b are in mesh units (of Instance::size pixels each), z is in m, the
+/// width is in pixels. own: the colour for Paint::own.
 void add_stroke(Mesh& mesh, const Vec2& a, const Vec2& b, double z, double width, Paint paint, Rgba own = {});
-/// Adds a filled rectangle with the lower left corner `min` and the upper right corner `max`, in mesh units,
-/// at the height 0 and in the colour `own`.
+/// Adds a filled rectangle with the lower left corner `min` and the upper right corner `max`, in mesh units
+/// (of Instance::size pixels each), at the height 0 and in the colour `own`.
 void add_rectangle(Mesh& mesh, const Vec2& min, const Vec2& max, Rgba own);
 
 }  // namespace troupe::render

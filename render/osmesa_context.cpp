@@ -36,7 +36,7 @@ Function symbol(void* library, const char* name) {
   void* const address = dlsym(library, name);
   if (!address) {
     throw std::runtime_error(
-        fmt::format("cannot draw: OSMesa has no {}; OpenGL 3.3 needs Mesa 12 or later "
+        fmt::format("cannot draw: the installed OSMesa has no function {}; OpenGL 3.3 needs Mesa 12 or later "
                     "(Debian, Ubuntu: apt install libosmesa6)",
                     name));
   }
@@ -64,8 +64,8 @@ void* open_osmesa(std::span<const char* const> library_names) {
     reasons += fmt::format("{}{}", reasons.empty() ? "" : "; ", reason ? reason : name);
   }
   throw std::runtime_error(
-      fmt::format("cannot draw: OSMesa is not installed (Debian, Ubuntu: apt install libosmesa6); "
-                  "maps as .svg or .pdf do not need it: {}",
+      fmt::format("cannot draw: OSMesa is not installed (Debian, Ubuntu: apt install libosmesa6): {}; "
+                  "maps as .svg or .pdf do not need OSMesa",
                   reasons));
 }
 

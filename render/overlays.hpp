@@ -13,8 +13,9 @@ namespace troupe::render {
 /// near, the grid extends 5 lines from Projection::origin() in each direction.
 SolidLayer solid_grid(const engine::FrameScene& scene, const Projection& projection, double pitch,
                       Rgba color);
-/// The distance between grid lines for this view, m: a RoundLength that is at least 48 strokes long at
-/// Projection::floor_center(). It is 2 m if that point is behind the viewer.
+/// The distance between grid lines for this view, m: a length of 1, 2 or 5 times a power of ten (RoundLength)
+/// that is at least 48 strokes (Framing::stroke) long in the picture at Projection::floor_center(). If that
+/// point is behind the viewer, the distance is 2 m.
 double grid_pitch(const Projection& projection);
 
 /// Appends layers with those overlays on the floor that `shown` selects: coverage, density, tiles, cells,

@@ -72,8 +72,8 @@ const Cairo& cairo() {
       void* const address = dlsym(library, name);
       if (!address)
         throw std::runtime_error(fmt::format(
-            "cannot draw a PDF: this cairo has no {}; version 1.16 is needed (Debian, Ubuntu: apt "
-            "install libcairo2)",
+            "cannot draw a PDF: the installed cairo has no function {}; version 1.16 or later is needed "
+            "(Debian, Ubuntu: apt install libcairo2)",
             name));
       function = reinterpret_cast<std::remove_reference_t<decltype(function)>>(address);
     };

@@ -26,8 +26,8 @@ SolidMesh shadow_mesh(const SolidMesh& mesh);
 /// The interval of heights of the shapes of a type, body frame, m; [0, 0] without shapes.
 ZInterval heights_of(const engine::FrameType& type);
 
-/// Adds a line from a to b (mesh units); `width` is in pixels. own: the colour for Paint::own. corner:
-/// Corner::stroke or Corner::rim.
+/// Adds a line from a to b, which are in mesh units (of SolidInstance::scale metres each); `width` is in
+/// pixels. own: the colour for Paint::own. corner: Corner::stroke or Corner::rim.
 void add_stroke(SolidMesh& mesh, const Eigen::Vector3d& a, const Eigen::Vector3d& b, double width,
                 Paint paint, Rgba own = {}, Corner corner = Corner::stroke);
 /// Adds an unlit triangle (Corner::plain) of the colour `own`.

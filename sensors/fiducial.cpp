@@ -51,7 +51,7 @@ struct FiducialFinder {
           "field of view: half of it is to the left and half to the right of the finder's heading");
       d.member<&Params::key>("key", "only models with this `fiducial_key` are found");
       d.member<&Params::ignore_zloc>(
-          "ignore_zloc", "true: also find targets that are wholly above or below the finder's height");
+          "ignore_zloc", "true: targets that are wholly above or below the finder's height are found too");
       d.member<&Params::most_targets>(
           "most_targets", within(1, 1000),
           "number of targets that the readings list, the nearest first; `count` counts all targets in sight");

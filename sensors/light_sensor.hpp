@@ -8,7 +8,7 @@ namespace troupe::sensors {
 
 /// The fields of a light sensor's readings, in order.
 enum LightSensorField : std::size_t {
-  k_light_brightness,  ///< f32 per direction: brightness (no unit), 0 if no light, see light_sensor_kind()
+  k_light_brightness,  ///< f32 per direction: brightness (no unit), 0 without light, see light_sensor_kind()
   k_light_sources,     ///< u32: number of lights in sight
 };
 

@@ -101,7 +101,8 @@ struct Radio {
       d.member<&Params::wall_loss>("wall_loss_dB", within(0, 1000),
                                    "loss for each wall between the radios, if `walls` is `weaken`");
       d.member<&Params::beacon>(
-          "beacon", "true: sends an empty message in each tick until a controller sets another message");
+          "beacon",
+          "true: the radio sends an empty message in each tick until a controller sets another message");
     }
   };
 
@@ -615,7 +616,7 @@ Result<> Radio::bind_part(const engine::TypeSpec& type, std::uint32_t) {
 DeviceKind radio_kind() {
   return engine::make_device_kind<Radio>("radio",
                                          "sends messages to other radios in range, and receives their "
-                                         "messages with range and bearing of the sender");
+                                         "messages with the range and bearing of each sender");
 }
 
 }  // namespace troupe::sensors

@@ -45,7 +45,7 @@ struct TransducerExtras {
   double noise_relative = 0;  ///< standard deviation of a second normal error, as a fraction of the reading
   double noise_proportional = 0;  ///< bound of a uniform error, as a fraction of the reading
   double least = 0;               ///< lower readings are raised to this value, m; 0: none
-  double beam_width = 0;          ///< if above 0: opening angle of each beam, rad
+  double beam_width = 0;          ///< opening angle of each beam, rad; 0: beams without width
   Vec2 origin = Vec2::Zero();     ///< point where its beams start, body frame, m
   double z = 0;                   ///< height of its beams, body frame, m
   std::vector<double> headings;   ///< headings of the beams, body frame, rad; empty if they have no width

@@ -85,8 +85,9 @@ class Mirror(Apt):
         self.assertEqual(self.found("sid"), ["http://near.example:81/", ""])
 
     def test_no_source_is_an_error(self):
-        self.assertEqual(self.error(), "scripts/debian-mirror: error: no source of packages of bookworm, component main, from http, "
-                                       f"https or file, in {self.folder}/sources.list and {self.folder}/parts/; found: none\n")
+        self.assertEqual(self.error(), "scripts/debian-mirror: error: apt has no source of the suite bookworm with the component "
+                                       "main and a URI that begins with http:, https: or file:, in "
+                                       f"{self.folder}/sources.list and {self.folder}/parts/; found: none\n")
         self.write("sources.list", "deb http://first.example/debian trixie main contrib\n")
         self.assertIn("; found: http://first.example/debian/ trixie main, http://first.example/debian/ trixie contrib\n",
                       self.error())

@@ -73,9 +73,9 @@ class Refused(unittest.TestCase):
         for more, expected in [
             ({"soaks": {}}, "/worlds/0/soaks: unknown key; known: excluded, for, gallery, golden, moves, perf, prove, slow, soak, "
                             "tests, world"),
-            ({"slow": 1}, "/worlds/0/slow: 1 is of the wrong type"),
+            ({"slow": 1}, "/worlds/0/slow: expected true or false, found 1"),
             ({"prove": [{"wait": 1}]}, "/worlds/0/prove/0/wait: unknown key; known: quick, ranging, weight"),
-            ({"golden": [{"ticks": True}]}, "/worlds/0/golden/0/ticks: true is of the wrong type"),
+            ({"golden": [{"ticks": True}]}, "/worlds/0/golden/0/ticks: expected a whole number, found true"),
             ({"golden": [{"ticks": 5, "ranging": "fast"}]}, "/worlds/0/golden/0/ranging: \"fast\"; known: grid"),
             ({"tests": {"same_bits": [{"robots": 5}]}}, "/worlds/0/tests/same_bits/0: the key \"ticks\" is missing"),
             ({"gallery": [{"name": "a", "at_s": 5, "looks": ""}]}, "/worlds/0/gallery/0/looks: unknown key; known: at_s, look, name"),
@@ -91,7 +91,7 @@ class Refused(unittest.TestCase):
 
     def test_a_world_without_a_row_or_with_two(self):
         self.assertEqual(self.faults(self.GOOD, worlds=("a.json", "b.world")),
-                         ["scenes.json: error: /worlds: there is no row for b.world, which lies in worlds"])
+                         ["scenes.json: error: /worlds: there is no row for b.world, which is in the folder worlds"])
         self.assertEqual(self.faults(self.GOOD, self.GOOD), ["scenes.json: error: /worlds: a.json has two rows"])
 
     def test_what_is_no_manifest(self):

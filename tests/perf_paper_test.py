@@ -37,7 +37,7 @@ class Paper(unittest.TestCase):
     def test_a_wrong_hash_fails_every_run_of_the_row(self):
         run = self.run_row(hashes=f"{ROW} 60 0123456789abcdef\n")
         self.assertEqual(run.returncode, 1)
-        self.assertIn(f"{ROW} at tick 60 (1 threads): WRONG HASH ", run.stderr)
+        self.assertIn(f"{ROW} at tick 60 (1 thread): WRONG HASH ", run.stderr)
         self.assertIn("expected 0123456789abcdef", run.stderr)
 
     def test_an_unknown_hash_fails_and_is_recorded_on_purpose_only(self):

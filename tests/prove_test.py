@@ -115,7 +115,7 @@ class Proofs(unittest.TestCase):
         with tempfile.TemporaryDirectory() as name:
             folder = pathlib.Path(name)
             for ran, asked, fault in (("sse4", "sse4", None), ("avx2", "sse4", "must run on sse4, but ran on avx2"),
-                                      ("", "sse4", "must run on sse4, but ran on an unknown one")):
+                                      ("", "sse4", "must run on sse4, but ran on an unknown instruction set")):
                 program = folder / "program"
                 head = f"# simd: {ran}\n" if ran else ""
                 log = "\n".join(LOG)

@@ -160,7 +160,7 @@ class Steered(unittest.TestCase):
             self.assertEqual(log[int(last.split()[0])], last)
             refused = subprocess.run([TROUPE, "view", view.folder / "c.h5", "--seed", "7"], capture_output=True, text=True)
             self.assertEqual(refused.returncode, 2)
-            self.assertIn("c.h5: error: --seed, --raytracer, --robots and --spare are only for worlds", refused.stderr)
+            self.assertIn("c.h5: error: --seed, --raytracer, --robots and --spare are only for world files", refused.stderr)
             refused = subprocess.run([TROUPE, "run", view.world, "--set", "/mortal=true", "--session", view.session],
                                      capture_output=True, text=True)
             self.assertEqual(refused.returncode, 2)
@@ -634,7 +634,7 @@ class Attacked(unittest.TestCase):
             self.assertEqual(caught.exception.args[0], 403)
         for host in ("127.0.0.1", "localhost:8000", "[::1]:8000"):
             self.assertEqual(self.get(host=host)[0], 200, host)
-        self.assert_said_once("whose Host header names neither this machine nor a host of --allow-host")
+        self.assert_said_once("whose Host header names neither this machine nor a host given with --allow-host")
 
     def test_other_addresses(self):
         with View("--bind", "127.0.0.2", "--allow-host", "proxy.example") as view:

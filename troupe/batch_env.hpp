@@ -147,15 +147,16 @@ struct BatchSpec {
 ///          content changes with each step() and reset()
 /// copies   each copy is a Simulation of the world with its own seed, which runs on one thread. Its results
 ///          have the same bits for any number of threads and copies
-/// robots   the policies drive the robots of teams, which do not run the controllers of the world file. Other
-///          robots run their controllers. All sensors of robots of teams run
+/// robots   the policies drive the robots of teams: these robots do not run their controllers of the world
+///          file, and all their sensors run. Other robots run their controllers
 /// end      a robot is finished when one of the ends of its team holds or when it dies; its death itself
 ///          gives no reward. From then on its reward is 0, its actions are ignored, its drive is commanded to
 ///          stop (if an action of the team commands the drive), and its devices keep their last commands. A
 ///          program may finish further robots by writing 1 to terminated() between two steps
-/// over     a copy is over when all robots of its teams that are in the world are finished, when its episode
-///          reaches `seconds`, or when a condition of the world's `stop_when` holds, which finishes all
-///          robots of the teams. step() begins the next episode of a copy only if the caller requests it
+/// over     a copy is over when its episode reaches `seconds`, or when no robot of its teams is both in the
+///          world and unfinished (over() has the exact rule). If a condition of the world's `stop_when`
+///          holds, all robots of the teams are finished, and so the copy is over. step() begins the next
+///          episode of a copy only if the caller requests it
 /// begin    each episode begins with one tick in which the policies give no commands, so that sensors have
 ///          readings
 /// seeds    the first episode of a copy has the seed given to reset(), or else the seed of the world plus the
@@ -210,10 +211,9 @@ class BatchEnv {
   std::span<const std::uint8_t> alive(std::size_t team) const;
   /// One per copy: 1 if the episode has reached BatchSpec::seconds, else 0.
   std::span<const std::uint8_t> truncated() const;
-  /// One per copy: 1 if the copy is over, else 0. A copy is over if its episode is truncated, or if all
-  /// robots of its teams that are in the world are finished. In the second case, at least one robot of its
-  /// teams, in the world or dead, must be finished. Each call takes into account what the caller has written
-  /// to terminated().
+  /// One per copy: 1 if the copy is over, else 0. A copy is over if its episode is truncated, or if at least
+  /// one robot of its teams, in the world or not, is finished and no robot of its teams that is in the world
+  /// is unfinished. Each call takes into account what the caller has written to terminated().
   std::span<const std::uint8_t> over();
   /// Names of the columns of measures(), as in Measures::columns(); empty if BatchSpec::measures is empty.
   std::vector<std::string> measure_columns() const;

@@ -40,7 +40,7 @@ constexpr std::array<PictureLayer, 24> k_layers = {{
     {"clock", true, "the simulated time"},
     {"speed", false, "speed as a multiple of real time: of the film or, in a single picture, of the run"},
     {"legend", true, "the colour scale of --color-by, with the unit"},
-    {"bounds", true, "the outline of the world's bounds, if it has them"},
+    {"bounds", true, "the outline of the world's bounds, if the world has bounds"},
     {"types", false, "a legend of the types of robots: colour, name and number of robots"},
     {"scans", false, "areas that rangers scan, as transparent surfaces"},
     {"beams", false, "scans of rangers, one line per beam"},
@@ -277,8 +277,8 @@ struct Pictures::Impl {
     if (camera == "window") {
       if (!source.window())
         refuse(
-            "the camera \"window\" needs a world file with the entry window; other cameras: fit, follow:all, "
-            "follow:NAME, perspective, top");
+            "the camera \"window\" needs a world file with the entry \"window\"; other cameras: fit, "
+            "follow:all, follow:NAME, perspective, top");
       const Window window(*source.window());
       look_through(window, view);
       if (const std::string& name = window.value("follow").text(); !name.empty()) {

@@ -126,8 +126,9 @@ class Pictures {
   /// position between the two ticks, from 0 (`earlier`) to 1 (`later`).
   static Shot between(const Shot& earlier, const Shot& later, double share);
 
-  /// Checks that write() can write a file of this name: writes a small picture to a file next to it, and
-  /// removes this file. Throws as write() and draw() do. Call it before a long run, to find errors early.
+  /// Checks that write() can write a file of this name: writes a small picture to another file in the same
+  /// folder, and removes that file. Throws as write() and draw() do. Call it before a long run, to find
+  /// errors early.
   void rehearse(const std::filesystem::path& file);
   /// Returns a picture of width() x height() pixels: 8-bit RGBA, four bytes per pixel, row by row from the
   /// top. Throws std::runtime_error if the library OSMesa is missing (the text names the package to install),

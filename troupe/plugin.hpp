@@ -49,8 +49,9 @@
 ///     TROUPE_MEASURE("crowding", Crowding)
 ///
 /// engine/sensing/sensing_view.hpp and engine/sensing/sight.hpp document the functions by which a sensor or
-/// another device reads the world. engine/world/world.hpp documents the functions by which a measure reads
-/// the world, and by which the functions `apply`, `born` and `draw` of a DeviceKind read and change it.
+/// another device reads the world. engine/world/world.hpp documents the class World. A measure and the
+/// function `draw` of a DeviceKind read the world through this class; the functions `apply` and `born` of a
+/// DeviceKind read and change the world through it.
 
 namespace troupe {
 
@@ -93,8 +94,8 @@ namespace facts = engine::facts;
 #pragma GCC visibility push(hidden)
 namespace plugin {
 
-/// An element of a linked list of kinds of this library. There are three lists, of controllers, devices and
-/// measures; `Kind` is ControllerKind, DeviceKind or MeasureKind.
+/// An element of a linked list of the kinds that this library registers. There are three lists, of
+/// controllers, devices and measures; `Kind` is ControllerKind, DeviceKind or MeasureKind.
 template <class Kind>
 struct Entry {
   using Make = Kind (*)(std::string_view name);  ///< a function that returns a kind and gives it this name
@@ -116,7 +117,7 @@ engine::ControllerKind kind_of(std::string_view name) {
   if constexpr (requires { C::text; }) text = C::text;
   static_assert(
       !requires { C::parameters(); },
-      "parameters() is not called any more: describe a `struct Params` instead, docs/controllers.md");
+      "parameters() is not called any more: describe a `struct Params` instead (docs/controllers.md)");
   return engine::make_controller_kind<C>(name, text);
 }
 

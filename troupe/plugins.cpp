@@ -136,7 +136,7 @@ struct Plugins::Loaded : Library {
     std::vector<std::string_view> known = controllers.known();
     for (const std::string_view known_name : devices.known()) known.push_back(known_name);
     for (const std::string_view known_name : measures.known()) known.push_back(known_name);
-    return fmt::format("no {}, but {}", what, comma_list(known));
+    return fmt::format("{}, but no {}", comma_list(known), what);
   }
 };
 
@@ -245,8 +245,8 @@ Result<> Plugins::open(Loaded& library) {
   if (const Result<> is_right = check_fp_environment(); was_right && !is_right) {
     restore_fp_environment();
     warnings_.push_back(
-        fmt::format("{}: warning: was linked with -ffast-math, which changed the arithmetic of the thread "
-                    "that loaded it ({}); Troupe has restored the arithmetic",
+        fmt::format("{}: warning: this plug-in was linked with -ffast-math, which changed the arithmetic of "
+                    "the thread that loaded the plug-in ({}); Troupe has restored the arithmetic",
                     library.file.string(), is_right.error().text));
   }
   if (!handle) return load_error(absolute);

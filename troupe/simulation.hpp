@@ -68,9 +68,9 @@ struct SimulationOptions {
   std::optional<std::uint64_t> seed;
   /// How rangers compute ranges. Not set: as the world file states.
   std::optional<RangingEngine> ranging;
-  /// New numbers of robots of populations: pairs of the name of a population and its number of robots. An
-  /// empty name means the only population of the world. Loading the world throws InputError if no population
-  /// has a given name, and for an empty name if the world has several populations or none.
+  /// New sizes of populations: pairs of the name of a population and its new number of robots. An empty name
+  /// means the only population of the world. Loading the world throws InputError if no population has a given
+  /// name, and for an empty name if the world has several populations or none.
   std::vector<std::pair<std::string, std::size_t>> robots;
   /// Values of the world file to replace: pairs of a JSON pointer (a path in the file, RFC 6901) and a JSON
   /// value, such as {"/populations/0/count", "500"}.
@@ -103,11 +103,11 @@ struct SimulationOptions {
   /// move to random ranks during the run. The seed determines the delays, the order of the messages and the
   /// ranks of the robots. No simulated result depends on it.
   std::optional<std::uint64_t> rank_seed;
-  /// A clock with which the ranks of this process measure how long the work for their own robots takes. It
-  /// returns the present time, s, from any fixed origin, and is called on the threads of all ranks, each of
-  /// which passes the number of its rank. With a clock, robots move to other ranks if the ranks take unequal
-  /// times, and rank_work() and rank_statistics() contain times. Null: no clock. No result depends on the
-  /// clock.
+  /// A clock with which the ranks of this process measure how long the work for their own robots takes. The
+  /// function returns the present time, s, from any fixed origin. It is called on the threads of all ranks,
+  /// with the number of the calling rank as its argument. With a clock, robots move to other ranks if the
+  /// ranks take unequal times, and rank_work() and rank_statistics() contain times. Null: no clock. No result
+  /// depends on the clock.
   std::function<double(unsigned rank)> rank_clock;
   /// The processes that compute the world together; this process is rank 0 of them. Only the program `troupe`
   /// sets this option (docs/cluster.md). Null: this process computes the world alone.

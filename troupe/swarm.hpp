@@ -75,13 +75,13 @@ class Swarm {
   /// size, and std::logic_error if the ranger of a robot does not run; call subscribe() before the first
   /// step.
   void ranges(std::span<float> out, std::string_view sensor = {}) const;
-  /// Returns the headings of the beams of the ranger named `sensor` of the first robot, in the frame of this
+  /// Returns the headings of the beams of the first robot's ranger named `sensor`, in the frame of this
   /// ranger, rad, in the order of ranges(). An empty name means the first ranger. The result is empty for a
   /// swarm without robots. Throws std::out_of_range if the first robot has no such ranger.
   std::vector<double> bearings(std::string_view sensor = {}) const;
-  /// Returns an upper bound of the ranges of the ranger named `sensor` of the first robot, m: the largest
-  /// range_max of its transducers, plus the distances by which the ranger and its transducers are away from
-  /// the origin of the body. 0 for a swarm without robots. Throws as bearings() does.
+  /// Returns an upper bound of the ranges that the first robot's ranger named `sensor` can measure, m: the
+  /// largest range_max of its transducers, plus the distances by which the ranger and its transducers are
+  /// away from the origin of the body. 0 for a swarm without robots. Throws as bearings() does.
   double range_bound(std::string_view sensor = {}) const;
   /// Returns the description (name, type, columns, unit) of the field `field` of the readings of the first
   /// robot's device named `device`. An empty `device` means the first device of this robot that has this

@@ -232,9 +232,8 @@ WorldBuilder& WorldBuilder::wall(const Vec2& from, const Vec2& to, double thickn
   const double length = std::sqrt(along.squaredNorm());
   if (!(length > 0))
     throw std::invalid_argument(fmt::format(
-        "wall(): the end points ({}, {}) and ({}, {}) m have the distance {}: give different, finite "
-        "points",
-        from.x(), from.y(), to.x(), to.y(), length));
+        "wall(): the end points must be finite and different, found ({}, {}) m and ({}, {}) m", from.x(),
+        from.y(), to.x(), to.y()));
   const std::string name = fmt::format("wall{}", ++walls_);
   type(name).size(length, thickness, height).color("gray40");
   const Vec2 middle = (from + to) / 2;

@@ -43,7 +43,7 @@ ConvertedWorld convert_world(const std::filesystem::path& from, const std::files
     diagnostics.error(
         {diagnostics.files()->add(to.string()), 0},
         fmt::format("the name of a world file must end in .world (Stage's syntax) or .json, found \"{}\"",
-                    ending));
+                    to.filename().string()));
     return {};
   }
   engine::WorldSpec spec = load_world(from, registry, options, diagnostics);

@@ -15,7 +15,7 @@
 namespace troupe::worldio {
 
 /// A function that places the populations of a loaded world again, with another seed. A population is a group
-/// of bodies of one type that a rule places in a region; its reserve are bodies that are born later. The
+/// of bodies of one type that a rule places in a region; the bodies of its reserve are born later. The
 /// argument `bodies` must be a copy of WorldSpec::bodies of this world. For each body of a population, the
 /// function overwrites the pose and, if colours of the population are random, the colour in `bodies` with the
 /// values that follow from `seed`. Bodies of a reserve keep their poses. The function throws InputError if a
@@ -26,9 +26,9 @@ using PlaceAgain = std::function<void(std::vector<engine::BodySpec>& bodies, std
 /// Options of the functions that load a world, among them the changes that the command line makes to it.
 struct LoadOptions {
   std::optional<std::uint64_t> seed;  ///< replaces the seed of the world
-  /// New numbers of bodies of populations: pairs of the name of a population and its number of bodies. An
-  /// empty name means the only population of the world. An unknown name is an error, as is any entry for a
-  /// world without populations, such as a `.world` file.
+  /// New sizes of populations: pairs of the name of a population and its new number of bodies. An empty name
+  /// means the only population of the world. An unknown name is an error, as is any entry for a world without
+  /// populations, such as a `.world` file.
   std::vector<std::pair<std::string, std::size_t>> robots;
   /// Values that replace values of the world, or are added to it: pairs of a JSON pointer to the value in the
   /// JSON world and the new value as JSON text, such as {"/populations/0/count", "500"}. A new value that is

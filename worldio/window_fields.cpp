@@ -24,7 +24,9 @@ struct Switch {
 };
 
 constexpr Switch k_switches[] = {
-    {"show_data", false, "sensor data are drawn, see the four switches that name this one"},
+    {"show_data", false,
+     "sensor data are drawn: those that `show_ranger_ranges`, `show_fiducial`, `show_gripper_data` and "
+     "`blobfinder_vis` switch on"},
     {"show_blocks", true},
     {"show_clock", true, "the world time is drawn"},
     {"show_flags", true},

@@ -112,7 +112,7 @@ std::vector<Variant> load(const CheckOptions& options, const engine::Registry& r
     const unsigned threads = options.threads.front();
     add(threads, tile_size_m, Memory::forgotten, ", junk in derived data");
     add(threads, tile_size_m, Memory::remade, ", world rebuilt");
-    add(threads, tile_size_m, Memory::shuffled, ", rows shuffled");
+    add(threads, tile_size_m, Memory::shuffled, ", bodies moved in memory");
   }
   if (options.reach) {
     Variant& variant = add(1, options.tile_sizes_m.front(), Memory::kept, ", bodies beyond reach hidden");
@@ -236,7 +236,7 @@ void print_table(std::vector<Variant>& variants, const Decisions* decisions) {
     row(variant.name, fmt::format("{}", variant.world().tick()), variant.differs ? "DIFFERS" : "same bits",
         variant.error ? "-" : hex(variant.world().hashes().state));
   if (decisions)
-    row(fmt::format("{} decisions, each 3 times", decisions->count()),
+    row(fmt::format("{} decisions, each made 3 times", decisions->count()),
         fmt::format("{}", variants.front().simulation.tick()), decisions->differ() ? "DIFFERS" : "same bits",
         "-");
 }
@@ -284,7 +284,7 @@ ExitCode check_checked(const CheckOptions& options, const engine::Registry& regi
             variants, [](const Variant& variant) { return variant.simulation.ranks() > 1; });
         several != variants.end()) {
       const RankStatistics ranks = several->simulation.rank_statistics();
-      fmt::print("form of the ranks: {}\n",
+      fmt::print("robot data of the ranks: {}\n",
                  ranks.is_distributed ? std::string("distributed")
                                       : fmt::format("replicated, because {}", ranks.why_replicated));
     }

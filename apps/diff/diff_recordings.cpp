@@ -105,15 +105,17 @@ void print_differences(const RecordingReader& first, std::size_t i, const Record
   fmt::print("differs at tick {} ({:.10g} s):\n", first.ticks()[i], first.times_s()[i]);
   for (const Difference& difference : differences) {
     const std::size_t bodies = distinct(difference.bodies);
-    fmt::print("{}: {} of \"{}\" (id {}) is {}, not {}; {}\n", difference.component, difference.field,
-               first.names()[difference.body], first.ids()[difference.body],
-               engine::value_text(difference.second), engine::value_text(difference.first),
+    fmt::print("{}: {} of \"{}\" (id {}) is {} in {}, but {} in {}; {}\n", difference.component,
+               difference.field, first.names()[difference.body], first.ids()[difference.body],
+               engine::value_text(difference.second), second.file().string(),
+               engine::value_text(difference.first), first.file().string(),
                bodies == 1 ? "1 body differs" : fmt::format("{} bodies differ", bodies));
   }
   if (differences.empty())
     fmt::print(
-        "the state hash is {}, not {}: the state differs in a field that is not recorded in both files\n",
-        hex(second.hashes()[j]), hex(first.hashes()[i]));
+        "the state hash is {} in {}, but {} in {}: the state differs in a field that is not recorded in both "
+        "files\n",
+        hex(second.hashes()[j]), second.file().string(), hex(first.hashes()[i]), first.file().string());
 }
 
 /// Returns the recording that ends earlier than the other recording by at least one of its recording
@@ -162,8 +164,9 @@ ExitCode compare_frames(const RecordingReader& first, const RecordingReader& sec
                (ended == &first ? second : first).file().string(), begin);
     return k_failed;
   }
-  fmt::print("same bits, tick {} to {}, in {} frames of {}; the last state has the hash {}\n", begin,
-             first.ticks()[last], frames, components_of(pairs), hex(first.hashes()[last]));
+  fmt::print("same bits, tick {} to {}, in {} frame{} of {}; the last state has the hash {}\n", begin,
+             first.ticks()[last], frames, frames == 1 ? "" : "s", components_of(pairs),
+             hex(first.hashes()[last]));
   return k_finished;
 }
 

@@ -37,7 +37,7 @@ of measures or events, or a profile. The type is detected from the content; the 
 Prints the type, the program that wrote the file, its world, seed, robots, ticks and fields, and whether the file is
 complete or was cut off, for example by a full disk or because the run was killed.
 
-Exit codes: 0 printed; 2 not a file of Troupe, or it cannot be read.
+Exit codes: 0 printed; 2 the file is not one that Troupe reads or writes, or cannot be read.
 
 Examples:
   troupe info worlds/hospital.json
@@ -129,7 +129,7 @@ void add_info_options(CLI::App& command, InfoOptions& options) {
   command
       .add_option_function<std::string>(
           "FILE", [&options](const std::string& text) { options.file = text; },
-          "File that Troupe has written or can read")
+          "File that Troupe reads or writes")
       ->option_text(" ")
       ->required();
   add_plugin_path_option(command, options.plugin_path);
@@ -140,8 +140,8 @@ ExitCode info(const InfoOptions& options) {
   const std::optional<Summary> summary = summary_of(options);
   if (!summary)
     throw InputError(fmt::format(
-        "{}: error: not a file of Troupe: expected a world (Stage's or JSON), a hash log, a recording, a "
-        "checkpoint, a table of measures or events, or a profile",
+        "{}: error: not a file that Troupe reads or writes: expected a world (Stage's or JSON), a hash log, a "
+        "recording, a checkpoint, a table of measures or events, or a profile",
         file.string()));
   fmt::print("{}\n", file.string());
   for (const auto& [name, value] : *summary) fmt::print("  {:<18} {}\n", name, value);

@@ -142,8 +142,8 @@ class CameraOutput : public ClonedOutput<CameraOutput> {
  public:
   void add_options(CLI::App& app, RunOptions&) override {
     CLI::Option* folder = add_value(app, "--camera-png", "DIR",
-                                    "Write PNGs of the colours and depths of each running camera into a "
-                                    "folder, at intervals",
+                                    "Write the colour and depth images of each running camera to a folder, as "
+                                    "PNG files, at intervals",
                                     [this](const std::string& text) {
                                       if (text.empty() || text.starts_with('-'))
                                         refuse("--camera-png", text, "the name of a folder");

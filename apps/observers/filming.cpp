@@ -119,7 +119,7 @@ void Filming::finish() {
 }
 
 std::string Filming::result() const {
-  return fmt::format("{}: {} pictures, {} s", film_.string(), grouped(frames_),
+  return fmt::format("{}: {} picture{}, {} s", film_.string(), grouped(frames_), frames_ == 1 ? "" : "s",
                      four_digits(static_cast<double>(frames_) / fps_));
 }
 

@@ -197,7 +197,8 @@ void Profile::flush() {
 std::string Profile::warning() const {
   if (left_out_.empty()) return {};
   return fmt::format(
-      "{}: warning: omitted to keep the file small: {}; --profile-ticks selects the ticks to profile",
+      "{}: warning: to keep the file small, the profile omits: {} (--profile-ticks selects the ticks to "
+      "profile)",
       file_.string(), left_out_);
 }
 

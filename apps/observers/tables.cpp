@@ -94,8 +94,7 @@ Measures remembering(const fs::path& file, const Simulation& simulation, Measure
   } else if (goes_on(file, simulation) && !measures.memory().empty()) {
     fail(
         "this table cannot be continued: the checkpoint has no data of earlier ticks for the measures of "
-        "this "
-        "run, because it was saved without them: give the option a new file");
+        "this run, because it was saved without them: give --measures a new file");
   }
   return measures;
 }
@@ -168,7 +167,8 @@ class MeasuresOutput : public ClonedOutput<MeasuresOutput> {
                   "Write a table of measures, by default with one line per simulated second",
                   [this](const std::string& text) { file_ = file_name("--measures", text); });
     add_values(app, "--measure", "NAME[:OF],...",
-               "Measures, optionally of type or population OF; repeatable (default: the world's, else all)",
+               "Measures, optionally of type or population OF; repeatable (default: the world's, else all that "
+               "need no parameters)",
                [this](const std::string& text) { add_names(text); })
         ->needs(measures);
     add_value(app, "--measure-every", "S",
@@ -222,7 +222,7 @@ class EventsOutput : public ClonedOutput<EventsOutput> {
  public:
   void add_options(CLI::App& app, RunOptions&) override {
     add_value(app, "--events", "FILE.csv",
-              "Write a table, one line per event (a robot is stalled, held at the bounds of the world, ...)",
+              "Write a table of events, one per line (a robot is stalled or held at the world's bounds, ...)",
               [this](const std::string& text) { file_ = file_name("--events", text); });
   }
   std::vector<fs::path*> names(RunOptions&) override { return {&file_}; }

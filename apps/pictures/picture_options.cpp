@@ -219,7 +219,9 @@ void set_times(PictureFiles& pictures, const char* option, const std::string& te
     const std::size_t end = std::min(text.find(',', start), text.size());
     const std::optional<double> time = finite(std::string_view(text).substr(start, end - start));
     if (!time || *time < 0 || *time > engine::k_most_seconds)
-      refuse(option, text, fmt::format("a list of simulated times in seconds, as in {} 0,60,600", option));
+      refuse(option, text,
+             fmt::format("a list of simulated times in seconds, each from 0 to {}, as in {} 0,60,600",
+                         engine::k_most_seconds, option));
     times.push_back(*time);
     start = end + 1;
   }

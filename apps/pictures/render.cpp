@@ -200,7 +200,7 @@ void render_checked(const RenderOptions& options) {
     const std::string& value = wanted.look.color_by;
     if (const auto present = run.present_name(value))
       fmt::print(stderr,
-                 "{}: warning: --color-by: \"{}\" is the spelling of an earlier version: the name is now "
+                 "{}: warning: --color-by: \"{}\" is a name of an earlier version of Troupe; the name is now "
                  "\"{}\"\n",
                  options.world.string(), value, *present);
     if (!wanted.snapshot.empty()) draw_recording(options, run);

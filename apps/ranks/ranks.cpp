@@ -217,8 +217,8 @@ std::vector<std::string> meet(MpiTransport& transport, double limit_s) {
             rank, hosts.back(), version_there, hosts.front(), version);
       else if (contents_there != contents)
         difference = fmt::format(
-            "troupe: error: rank {} on {} runs another build of {} than rank 0 on {}: start the same file on "
-            "all ranks",
+            "troupe: error: rank {} on {} runs another build of {} than rank 0 on {}: start the same program "
+            "file on all ranks",
             rank, hosts.back(), version, hosts.front());
       else if (given_there != given)
         difference = fmt::format(

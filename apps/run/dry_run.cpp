@@ -93,24 +93,26 @@ std::string dry_run_text(const DryRun& run) {
   };
   line("robots", grouped(run.robots));
   line("ticks", fmt::format("{}, until {:.10g} s", grouped(run.ticks), run.end_s));
-  line("memory", fmt::format("{} MiB with the whole world, of which state tables {} MiB",
+  line("memory", fmt::format("{} MiB with the whole world, of which {} MiB are state tables",
                              four_digits(mib(static_cast<double>(run.world_bytes))),
                              four_digits(mib(static_cast<double>(run.state_bytes)))));
   if (run.ranks == 1) return text;
   line("ranks", grouped(run.ranks));
-  line("robots per rank", fmt::format("{} own", of_rank(run.own)));
+  line("robots per rank", of_rank(run.own));
   if (!run.is_distributed) {
-    line("form", "replicated: each rank has the whole world" +
-                     (run.why_replicated.empty() ? "" : ", because " + run.why_replicated));
+    line("robot data", "replicated: each rank has all robots" +
+                           (run.why_replicated.empty() ? "" : ", because " + run.why_replicated));
     return text;
   }
-  line("ghosts", fmt::format("{} per rank: copies of robots of other ranks within {} m of its ground",
+  line("ghosts", fmt::format("{} per rank: copies of robots of other ranks, up to {} m from the region of "
+                             "the rank",
                              of_rank(run.ghosts), four_digits(run.coverage_m)));
-  line("neighbours", fmt::format("{} ranks", of_rank(run.neighbours)));
+  line("neighbours", fmt::format("{} neighbouring ranks per rank", of_rank(run.neighbours)));
   const Report::PerRank bytes = run.rank_state_bytes();
   line("state per rank", fmt::format("{} MiB in the state tables, for own robots and ghosts",
                                      of_rank({mib(bytes.mean), mib(bytes.most)})));
-  line("form", "distributed: each rank loads the whole world, and then has only its own robots and ghosts");
+  line("robot data",
+       "distributed: each rank loads the whole world, and then has only its own robots and ghosts");
   return text;
 }
 

@@ -125,22 +125,23 @@ std::string summary_text(const Report& report) {
          fmt::format("{}, {}, imbalance {:.2f}", per_rank_text(own, "own"),
                      per_rank_text(report.per_rank(&RankCounts::ghosts), "ghosts"), own.imbalance()));
     line("neighbours",
-         fmt::format("{} per rank, {}", per_rank_text(report.per_rank(&RankCounts::neighbours), "ranks"),
-                     per_rank_text(report.per_rank(&RankCounts::rounds), "rounds per tick")));
-    line("form",
-         fmt::format("distributed: {} ghosts (copies of robots of other ranks) per own robot; robots changed "
-                     "ranks {} time{}",
+         fmt::format("{}, {}, per rank and tick",
+                     per_rank_text(report.per_rank(&RankCounts::neighbours), "neighbouring ranks"),
+                     per_rank_text(report.per_rank(&RankCounts::rounds), "rounds of messages")));
+    line("robot data",
+         fmt::format("distributed: {} ghosts (copies of robots of other ranks) per own robot; robots divided "
+                     "among the ranks {} time{}",
                      four_digits(report.ghosts_per_own()), report.ranks.distributions,
                      report.ranks.distributions == 1 ? "" : "s"));
   } else if (!report.ranks.why_replicated.empty())
-    line("form", fmt::format("replicated, because {}", report.ranks.why_replicated));
+    line("robot data", fmt::format("replicated on each rank, because {}", report.ranks.why_replicated));
   line("peak memory",
        fmt::format("{} MiB", four_digits(static_cast<double>(report.peak_rss_bytes) / (1024.0 * 1024.0))));
   line("stalled", fmt::format("{} ({})", grouped(s.stalled),
                               percent(static_cast<double>(s.stalled), static_cast<double>(s.robots))));
   if (s.held_at_bounds > 0) line("held at bounds", grouped(s.held_at_bounds));
   line("mean displacement", fmt::format("{} m", four_digits(s.mean_displacement_m)));
-  if (!report.checkpoint.empty()) line("saved in", report.checkpoint);
+  if (!report.checkpoint.empty()) line("checkpoint", report.checkpoint);
   line("state hash", hash_text(report.hashes.state));
   return text;
 }

@@ -50,8 +50,9 @@ near them. --ranks is for testing a world before it runs on several processes (d
 --threads is faster.
 
 --dry-run loads the world on one rank, checks that the outputs can be written, prints the number of ticks and the memory
-of the loaded world, and ends. With --ranks N it also prints how many robots each of N ranks would have, and with
---distribute how many copies of robots of other ranks, and of how many ranks. It computes no tick and writes no file.
+of the loaded world, and ends. With --ranks N it also prints how many robots each of N ranks would compute. With
+--distribute it also prints how many copies of robots of other ranks each rank would have, and from how many ranks
+these copies would come. It computes no tick and writes no file.
 
 A checkpoint contains the state and the world. troupe resume needs no other file and continues with the same bits as an
 uninterrupted run. Each checkpoint is written to a temporary file that then replaces the previous checkpoint, so a valid
@@ -123,7 +124,7 @@ void add_output_options(CLI::App& app, RunOptions& options) {
   add_distribute_option(app, options);
   add_rank_seed_option(app, options);
   add_value(app, "--rank-balance", "time|off",
-            "time: slower ranks give robots to faster ranks; off: they do not (default: time)",
+            "time: slower ranks give robots to faster ranks; off: speeds have no effect (default: time)",
             [&options](const std::string& text) {
               if (text != "time" && text != "off") refuse("--rank-balance", text, "time or off");
               options.balances_ranks = text == "time";
@@ -158,7 +159,7 @@ void add_clock_options(CLI::App& app, RunOptions& options) {
               options.world_rate = text == "world";
               if (!options.world_rate && (!rate || *rate < k_least || *rate > engine::k_most_rate))
                 refuse("--rate", text,
-                       fmt::format("a rate from {} to {}, times real time, or world", k_least,
+                       fmt::format("a multiple of real time from {} to {}, or the word world", k_least,
                                    engine::k_most_rate));
               options.rate = rate.value_or(0);
             });
@@ -213,7 +214,7 @@ void add_resume_options(CLI::App& resume, RunOptions& options) {
   add_simd_option(resume);
   resume
       .add_flag("--across-plugins", options.across_plugins,
-                "Resume even if plug-ins were rebuilt since the checkpoint")
+                "Resume even if plug-ins were rebuilt since the checkpoint was saved")
       ->disable_flag_override();
   add_session_option(resume, options);
   add_clock_options(resume, options);

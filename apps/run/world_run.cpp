@@ -331,7 +331,8 @@ void WorldRun::print_summary(bool is_one_of_several) const {
     for (const std::string& warning : standstill_warnings(simulation_, report_.world))
       fmt::print(stderr, "{}\n", warning);
   if (session_ && session_->left() > 0 && !options_.quiet)
-    fmt::print(stderr, "{}: warning: the run ended before the last {} actions of the session were applied\n",
+    fmt::print(stderr,
+               "{}: warning: the run ended before all actions of the session were applied: {} remained\n",
                options_.session.string(), session_->left());
   if (options_.json)
     fmt::print("{}", summary_json(report_));
@@ -343,7 +344,7 @@ void WorldRun::print_summary(bool is_one_of_several) const {
   }
   if (std::fflush(stdout) != 0)
     throw std::runtime_error(
-        fmt::format("standard output cannot be written: {}", std::generic_category().message(errno)));
+        fmt::format("cannot write to standard output: {}", std::generic_category().message(errno)));
 }
 
 void WorldRun::after_summary() const {

@@ -471,9 +471,9 @@ ExitCode sweep_checked(SweepOptions options, RankDeal& deal) {
   if (lost > 0) {
     fmt::print(
         stderr,
-        "{}: error: the results of {} finished runs are missing, so there is no table: another program "
+        "{}: error: the results of {} finished run{} are missing, so there is no table: another program "
         "has removed or replaced files in this folder; repeat the command\n",
-        options.folder.string(), lost);
+        options.folder.string(), lost, lost == 1 ? "" : "s");
     return k_failed;
   }
   return table.failed.empty() ? k_finished : k_failed;

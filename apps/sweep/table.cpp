@@ -149,9 +149,10 @@ void write_series(const SweepTable& table, const std::vector<std::string>& measu
     for (const auto& [run, outcome] : table.outcomes) {  // in the order of runs
       const std::optional<std::string> rows = worldio::read_file(series_file(folder, run));
       if (!rows)
-        refuse_output(series_file(folder, run),
-                      "it contained the samples of this run, but was removed: repeat the command, which "
-                      "makes the run again");
+        throw OutputError(
+            fmt::format("{}: error: the file with the samples of run {} cannot be read: repeat the command, "
+                        "which makes the run again if the file is missing",
+                        series_file(folder, run).string(), run));
       write(*rows);
     }
     whole.sync();

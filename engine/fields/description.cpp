@@ -24,7 +24,7 @@ const void* at(const void* object, const Field& field) {
 }
 
 const MemberType& member_of(const Field& field) {
-  if (field.member == nullptr) contradicts(field.name, "gives no access to a member of a struct");
+  if (field.member == nullptr) contradicts(field.name, "names no member of a struct that can be read or set");
   return *field.member;
 }
 

@@ -211,10 +211,9 @@ void World::build_intervention(Experiment::Intervention& intervention, const Reg
       std::vector<std::string_view> known;
       for (const ReserveSpec& each : state_.spec.reserves) known.push_back(each.population);
       error(known.empty()
-                ? fmt::format(
-                      "no body can be added to \"{}\": no population has a \"reserve\"; give this one a "
-                      "\"reserve\"",
-                      spec.whom.name)
+                ? fmt::format("no body can be added to \"{}\": no population has a \"reserve\"; give this "
+                              "population a \"reserve\"",
+                              spec.whom.name)
                 : unknown_name("population with a reserve", spec.whom.name, known));
     }
     if (!spec.pose && !spec.region && !state_.spec.bounds)
@@ -319,7 +318,8 @@ void World::build_conditions() {
                "factor on the velocity of the drive; 0: the velocity is not changed",
                offsetof(Condition, speed)},
               {"dead", Element::u32, 1, "",
-               "devices that do not work: bit d for device d of the type, from 0", offsetof(Condition, dead)},
+               "devices that do not work: bit d stands for device d of the type, counted from 0",
+               offsetof(Condition, dead)},
               {"out", Element::u8, 1, "",
                "reasons why the devices, controllers and drive of the body are stopped; bit 0: disabled, "
                "bit 1: dropped out; 0: they run",

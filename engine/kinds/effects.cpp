@@ -17,9 +17,10 @@ void Effects::emit(const Effect& effect) {
   const std::size_t at = count_.fetch_add(1, std::memory_order_relaxed);
   if (at >= most_)
     throw std::length_error(
-        "the devices emitted more than " + std::to_string(most_) +
-        " effects in a tick, the number that their kinds declare: declare more in the kind "
-        "(DeviceKind::Prepared::most_effects)");
+        "the devices emitted more effects in a tick than their kinds declare, which is " +
+        std::to_string(most_) +
+        " for all devices together: set a larger DeviceKind::Prepared::most_effects in the kind of the "
+        "device");
   effects_[at] = effect;
 }
 

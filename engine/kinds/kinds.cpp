@@ -19,12 +19,19 @@ const Kind* find(const std::vector<Kind>& kinds, std::string_view name) {
 
 std::vector<StateField> command_fields() {
   return {
-      {"x", Element::f64, 1, "m/s", "commanded value, forward", offsetof(Command, x)},
-      {"y", Element::f64, 1, "m/s", "left", offsetof(Command, y)},
-      {"turn", Element::f64, 1, "rad/s", "counter-clockwise", offsetof(Command, turn)},
-      {"mode", Element::u8, 1, "", "0: speeds, 1: accelerations (m/s^2, rad/s^2), 2: a goal (m, rad)",
+      {"x", Element::f64, 1, "m/s", "forward speed or acceleration, or x of the goal pose: see `mode`",
+       offsetof(Command, x)},
+      {"y", Element::f64, 1, "m/s", "speed or acceleration to the left, or y of the goal pose: see `mode`",
+       offsetof(Command, y)},
+      {"turn", Element::f64, 1, "rad/s",
+       "turn rate or angular acceleration, counter-clockwise, or heading of the goal pose: see `mode`; for a "
+       "car drive, the steering angle (rad)",
+       offsetof(Command, turn)},
+      {"mode", Element::u8, 1, "",
+       "meaning of x, y and turn: 0: speeds, 1: accelerations (m/s^2, rad/s^2), 2: a goal pose (m, rad)",
        offsetof(Command, mode), true},
-      {"off", Element::u32, 1, "", "devices that are switched off: bit d for device d of the type, from 0",
+      {"off", Element::u32, 1, "",
+       "devices that are switched off: bit d stands for device d of the type, counted from 0",
        offsetof(Command, off), true}};
 }
 

@@ -83,13 +83,12 @@ struct LocalizationParams {
         "source of the robot's estimated pose: `gps` is its true pose, `odom` is wheel odometry");
     d.member<&LocalizationParams::localization_origin>(
         "localization_origin", meters, fixed,
-        "origin of the frame of the estimated pose: [x, y] in the world frame; without it ([]) that frame is "
-        "the world frame with `gps`, and the robot's first pose with `odom`");
+        "origin of the frame of the estimated pose: [x, y] in the world frame; if it is [], `gps` uses the "
+        "world frame, and `odom` uses a frame at the robot's first pose");
     d.member<&LocalizationParams::localization_origin_heading>(
         "localization_origin_heading", radians, fixed,
         "heading of the frame of the estimated pose, in the world frame; used only if `localization_origin` "
-        "is "
-        "given");
+        "is given");
     d.member<&LocalizationParams::odom_error>("odom_error", fixed,
                                               "relative errors of `odom`, [forward, left, turn]; with [] "
                                               "each robot has random errors, from -0.015 to "

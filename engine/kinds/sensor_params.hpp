@@ -52,7 +52,7 @@ struct TransducerParams {
     d.member<&TransducerParams::apply_range_min>("apply_range_min",
                                                  "true: readings below range_min are raised to range_min");
     d.member<&TransducerParams::beam_width>("beam_width", radians, within(0, k_pi),
-                                            "opening angle of each beam, as of a sonar: the reading is the "
+                                            "opening angle of each beam, as in a sonar: the reading is the "
                                             "distance to the nearest surface within "
                                             "this angle");
     d.member<&TransducerParams::noise_relative>(

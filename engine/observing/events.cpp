@@ -9,9 +9,10 @@ namespace troupe::engine {
 std::span<const EventKind> event_kinds() {
   using enum EventType;
   static constexpr std::array<EventKind, 10> kinds{{
-      {stall_ends, "stall_ends", "after blocked motions, the robot moved, had no command to move, or died"},
+      {stall_ends, "stall_ends", "after blocked motions, the robot moved, its velocity was 0, or it died"},
       {held_ends, "held_ends",
-       "after motions that were out of bounds, the robot moved, had no command to move, or died"},
+       "after motions that would have left the bounds of the world, the robot moved, its velocity was "
+       "0, or it died"},
       {stall_begins, "stall_begins", "the motion of the robot was blocked: something was in its way"},
       {held_begins, "held_begins",
        "the motion of the robot would have left the bounds of the world, so it stayed in place"},

@@ -71,8 +71,8 @@ MeasureSet::MeasureSet(World& world, const Registry& registry, std::span<const M
     std::string column = column_name(spec, *kind);
     if (column == "tick" || column == "time_s") {  // the first columns of every table of measures
       error(
-          fmt::format("a measure cannot have the column \"{}\", which is the time in "
-                      "tables of measures: give it another \"name\"",
+          fmt::format("a measure cannot have the column \"{}\", which contains the time in tables of "
+                      "measures: give the measure another \"name\"",
                       column));
       continue;
     }

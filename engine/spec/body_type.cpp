@@ -109,8 +109,8 @@ void connect_supplies(const TypeSpec& spec, const Registry& registry, BodyType& 
       diagnostics.error(
           spec.parts[device.part].where,
           fmt::format(
-              "device \"{}\" ({}) has no power supply: add a {} to its part, or to a part that carries "
-              "this part",
+              "device \"{}\" ({}) has no power supply: add a {} to the part of the device, or to a part that "
+              "carries that part",
               device.name, device.kind->name, fmt::join(supply_names(registry), " or a ")));
   }
   if (type.drive) type.drive->supply = supplies.front();
@@ -173,8 +173,9 @@ class TypeCompiler {
         diagnostics_.error(
             part.where,
             fmt::format("type \"{}\": part \"{}\" refers to joint {}, counted from 0, but the type has "
-                        "{} joints",
-                        spec_.name, part.name, part.joint, spec_.joints.size()));
+                        "{} joint{}",
+                        spec_.name, part.name, part.joint, spec_.joints.size(),
+                        spec_.joints.size() == 1 ? "" : "s"));
   }
 
   void check_thickness() {
@@ -307,7 +308,8 @@ class TypeCompiler {
     const std::optional<std::size_t> drive = drive_of(spec_, type_, controller.part);
     if (kind->needs_drive && !type_.drive && !drive) {
       diagnostics_.error(controller.where,
-                         fmt::format("controller \"{}\" needs a drive, but type \"{}\" has none: give it one",
+                         fmt::format("controller \"{}\" needs a drive, but type \"{}\" has none: add a "
+                                     "drive to the type",
                                      controller.kind, spec_.name));
       return;
     }
@@ -415,7 +417,7 @@ Result<ControllerKind::Prepared> prepare_controller(const ControllerKind& kind,
   for (std::size_t& s : prepared->devices) {
     if (s >= shown.size())  // a bug in the kind
       return Error{fmt::format(
-          "chose the device with index {}, but was given only {} devices (counted from 0): correct "
+          "chose the device with index {} (counted from 0), but was given only {} devices: correct "
           "the code of the controller",
           s, shown.size())};
     s = shown[s];

@@ -44,8 +44,8 @@ std::string too_few_places(const PopulationSpec& population, std::size_t placed)
           ? fmt::format("the region has no further free cell (it has {:.0f} cells)", grid_cells(rule))
           : fmt::format("none of {} random poses for the next body was free{}", rule.trials,
                         rule.kind == PlacementRule::Kind::free_floor ? " and on the reachable floor" : "");
-  return fmt::format("placed {} of {} bodies: {}; enlarge the region or lower the count", placed,
-                     population.count, why);
+  return fmt::format("placed {} of {} {}: {}; enlarge the region or lower the count", placed,
+                     population.count, population.count == 1 ? "body" : "bodies", why);
 }
 
 /// Sets the colour of body i of a population if its colours are random.

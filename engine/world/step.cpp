@@ -17,10 +17,10 @@ namespace {
 std::string_view asked_for(ControlMode mode) {
   switch (mode) {
     case ControlMode::velocity: break;
-    case ControlMode::acceleration: return "an acceleration";
-    case ControlMode::position: return "to a goal";
+    case ControlMode::acceleration: return "an acceleration that is not a finite number";
+    case ControlMode::position: return "to drive to a goal pose that is not finite";
   }
-  return "a speed";
+  return "a speed that is not a finite number";
 }
 
 Velocity scaled(const Velocity& v, double by) { return {v.x * by, v.y * by, v.turn * by}; }
@@ -160,10 +160,9 @@ void World::actuate() {
     for_enabled(state_, rows, [&](std::span<const Row> enabled) { actuate_rows(enabled, type); });
   });
   if (const BodyId id(faulty.load()); id.valid()) {
-    throw StepError(
-        fmt::format("tick {}: robot \"{}\" was commanded {} that is not a finite number", state_.now.tick,
-                    state_.spec.name(id), asked_for(commands()[row(id).index()].mode)),
-        id);
+    throw StepError(fmt::format("tick {}: robot \"{}\" was commanded {}", state_.now.tick,
+                                state_.spec.name(id), asked_for(commands()[row(id).index()].mode)),
+                    id);
   }
 }
 

@@ -70,9 +70,9 @@ void add_common_tables(WorldState& state) {
       state.bodies);
   state.tables.emplace_back(
       "velocity", HashGroup::velocity, Layout::rows,
-      std::vector<StateField>{{"x", Element::f64, 1, "m/s", "forward, as the drive computed it"},
-                              {"y", Element::f64, 1, "m/s", "left"},
-                              {"turn", Element::f64, 1, "rad/s", "counter-clockwise"}},
+      std::vector<StateField>{{"x", Element::f64, 1, "m/s", "forward speed, as the drive computed it"},
+                              {"y", Element::f64, 1, "m/s", "speed to the left"},
+                              {"turn", Element::f64, 1, "rad/s", "turn rate, counter-clockwise"}},
       state.bodies);
   state.tables.emplace_back("command", HashGroup::velocity, Layout::rows, command_fields(), state.bodies,
                             sizeof(Command));
@@ -88,14 +88,15 @@ void add_carrier_table(WorldState& state) {
   state.carrier_table = state.tables.size();
   state.tables.emplace_back(
       "carrier", HashGroup::pose, Layout::rows,
-      sparse(
-          {{"carrier", Element::u32, 1, "", "id of the body that carries this body, plus 1; 0: none"},
-           {"joint", Element::u32, 1, "",
-            "joint of the carrier that holds this body, counted from 1; 0: none"},
-           {"x", Element::f64, 1, "m", "in the frame of the carrier, moved by the joint if `joint` is not 0"},
-           {"y", Element::f64, 1, "m", "in the same frame as x"},
-           {"z", Element::f64, 1, "m", "in the same frame as x"},
-           {"heading", Element::f64, 1, "rad", "in the same frame as x"}}),
+      sparse({{"carrier", Element::u32, 1, "", "id of the body that carries this body, plus 1; 0: none"},
+              {"joint", Element::u32, 1, "",
+               "joint of the carrier that holds this body, counted from 1; 0: none"},
+              {"x", Element::f64, 1, "m",
+               "position of this body in the frame of the carrier; if `joint` is not 0, this frame moves "
+               "with the joint"},
+              {"y", Element::f64, 1, "m", "in the same frame as x"},
+              {"z", Element::f64, 1, "m", "in the same frame as x"},
+              {"heading", Element::f64, 1, "rad", "in the same frame as x"}}),
       state.bodies);
 }
 

@@ -124,9 +124,10 @@ struct Beeclust {
 }  // namespace
 
 engine::ControllerKind beeclust_controller() {
-  return engine::make_controller_kind<Beeclust>("beeclust",
-                                                "aggregate where the ground is bright: wait on meeting "
-                                                "another robot, the longer the brighter the ground");
+  return engine::make_controller_kind<Beeclust>(
+      "beeclust",
+      "aggregate where the ground is bright: wait when another robot is met, and wait longer on brighter "
+      "ground");
 }
 
 }  // namespace troupe::models

@@ -73,7 +73,7 @@ struct BrazilNut {
       count = device.prepared.percepts[k_light_brightness].columns;
       return count >= k_least_directions;
     });
-    if (!has_eye) return Error{"needs a light sensor of three directions or more"};
+    if (!has_eye) return Error{"needs a light sensor with three directions or more"};
     const double heading = devices[choice.chosen().front()].pose.heading;
     for (std::size_t k = 0; k < count; ++k)
       directions.push_back(sincos(heading + 2 * k_pi * static_cast<double>(k) / static_cast<double>(count)));

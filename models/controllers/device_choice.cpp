@@ -45,7 +45,7 @@ Error DeviceChoice::no_scanner() const {
     const std::string_view why = claimed_[d]                ? "is read by another controller"
                                  : beams >= k_least_samples ? "has no beam ahead"
                                                             : "has too few beams";
-    text += fmt::format("; \"{}\" ({} beams) {}", devices_[d].name, beams, why);
+    text += fmt::format("; \"{}\" ({} beam{}) {}", devices_[d].name, beams, beams == 1 ? "" : "s", why);
   }
   return {has_ranger ? text : text + "; the robot has no ranger"};
 }

@@ -4,10 +4,10 @@
 
 namespace troupe::models {
 
-/// Flocking of robots with a ring of sonars, as in Stage's pioneer_flocking. A robot turns in the direction
-/// of free space: the direction of the vector sum of its beams to the front and to the sides, where the
-/// length of each vector is the reading of the beam. While the way is free, the robot also drives, and turns
-/// to the heading of the nearest robot that its fiducial finder reports.
+/// Flocking of robots with a ring of sonars, as in Stage's pioneer_flocking. A robot turns towards free
+/// space. The direction of free space is that of the sum of vectors along the beams to the front and to the
+/// sides; the length of each vector is the reading of its beam. While the way is free, the robot also drives,
+/// and turns to the heading of the nearest robot that its fiducial finder reports.
 ///
 /// needs  a ranger with beams ahead and to both sides, and a fiducial finder. The controller takes the first
 ///        such ranger with eight or more transducers, or, if there is none, the first such ranger

@@ -36,8 +36,8 @@ struct Gradient {
       using namespace engine::facts;
       using enum engine::Unit;
       d.member<&Params::beacon>("beacon",
-                                "true: the robot is a beacon, which stands still and from which hops are "
-                                "counted");
+                                "true: the robot is a beacon: it stands still, and other robots count their "
+                                "radio hops to it");
       d.member<&Params::spacing>(
           "spacing", meters, within(0, 10'000),
           "a robot settles (stands still for good) only where the nearest settled robot that it hears is at "
@@ -47,8 +47,8 @@ struct Gradient {
       describe_min_front(d);
       d.member<&Params::patience>(
           "patience", within(1, 1'000'000),
-          "number of decisions without a confirming message after which a robot forgets its number of hops "
-          "to the beacon");
+          "number of decisions after which a robot recomputes its number of hops to the beacon, if no "
+          "message has confirmed this number in the meantime");
     }
   };
   struct Memory {
@@ -73,7 +73,7 @@ struct Gradient {
 
   Result<std::vector<std::size_t>> choose(std::span<const DeviceInfo> devices, std::vector<bool>& claimed) {
     DeviceChoice choice(devices, claimed);
-    if (!choice.take_kind("radio")) return Error{"needs a radio"};
+    if (!choice.take_kind("radio")) return Error{"needs a radio (a device of kind \"radio\")"};
     if (!params.beacon) {
       const Result<Scanner> taken = choice.take_scanner(3);
       // A robot without a ranger is meant to stand still. A ranger that cannot be used is an error: otherwise
@@ -172,7 +172,7 @@ struct Gradient {
 engine::ControllerKind gradient_controller() {
   return engine::make_controller_kind<Gradient>(
       "gradient",
-      "settle within radio range of settled robots, and count the radio hops from there to a beacon");
+      "settle (stand still) within radio range of settled robots, and count the radio hops to a beacon");
 }
 
 }  // namespace troupe::models

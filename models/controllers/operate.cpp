@@ -180,7 +180,7 @@ struct Operate {
 }  // namespace
 
 engine::ControllerKind operate_controller() {
-  return engine::make_controller_kind<Operate>("operate", "operate grippers and actuators by timed orders");
+  return engine::make_controller_kind<Operate>("operate", "operate grippers and actuators at given times");
 }
 
 }  // namespace troupe::models

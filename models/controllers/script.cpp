@@ -42,8 +42,9 @@ struct Script {
 
     static constexpr void describe(engine::Description<Params>& d) {
       d.member<&Params::law>("law",
-                             "timed: the speeds in `legs`; line: 0.5 m/s straight ahead; wave: forward speed "
-                             "and turn rate that change every few decisions");
+                             "how the robot drives. timed: at the speeds in `legs`; line: straight ahead at "
+                             "0.5 m/s; wave: at a forward speed and a turn rate that change every few "
+                             "decisions");
       d.member<&Params::legs>("legs",
                               "for the law `timed`: periods with constant speeds, one after another; after "
                               "the last one the robot stands still");
@@ -85,7 +86,8 @@ struct Script {
 }  // namespace
 
 engine::ControllerKind script_controller() {
-  return engine::make_controller_kind<Script>("script", "drive open loop by timed speeds or a fixed law");
+  return engine::make_controller_kind<Script>(
+      "script", "drive without sensors, at given speeds for given times or by a fixed law");
 }
 
 }  // namespace troupe::models

@@ -66,8 +66,8 @@ struct Waypoints {
           "goals in the order in which the robot visits them, in the frame of its estimated pose");
       // `near` is at least 0.03 m, because drives stop within 0.02 m of a goal in x and in y.
       d.member<&Params::near>("near", meters, at_least(0.03),
-                              "distance, by the estimated pose, within which the robot has reached a goal "
-                              "that has neither `at` nor `speed`");
+                              "the robot has reached a goal that has neither `at` nor `speed` when its "
+                              "estimated pose is within this distance of the goal");
       d.member<&Params::again>("again",
                                "true: after the last goal the robot starts again with the first; false: it "
                                "stays at the last goal");
@@ -201,7 +201,7 @@ struct Waypoints {
     if (goal.speed > speed_max)
       return Error{
           fmt::format("its `speed` is {:g} m/s, but the drive reaches {:g} m/s in its slowest direction: "
-                      "give a lower one",
+                      "give a lower `speed`",
                       goal.speed, speed_max)};
     if (i == 0 || !(goal.at_s > 0)) return {};
     const Goal& before = params.goals[i - 1];
@@ -224,8 +224,8 @@ struct Waypoints {
 }  // namespace
 
 engine::ControllerKind waypoints_controller() {
-  engine::ControllerKind kind =
-      engine::make_controller_kind<Waypoints>("waypoints", "go from goal to goal by the estimated pose");
+  engine::ControllerKind kind = engine::make_controller_kind<Waypoints>(
+      "waypoints", "drive from goal to goal, using the estimated pose");
   for (engine::StateField& field : kind.memory) field.sparse = field.name != "goal";
   return kind;
 }

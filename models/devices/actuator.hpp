@@ -19,7 +19,7 @@ struct ActuatorCommand {
 
   static constexpr void describe(engine::Description<ActuatorCommand>& d) {
     d.member<&ActuatorCommand::mode>("mode", "0: `goal` is a velocity; 1: `goal` is a position");
-    d.member<&ActuatorCommand::goal>("goal", "velocity, m/s or rad/s, or position, m or rad");
+    d.member<&ActuatorCommand::goal>("goal", "velocity (m/s or rad/s) or position (m or rad): see `mode`");
   }
 };
 
@@ -37,8 +37,8 @@ struct ActuatorState {
         "position", "position of the joint, m (linear) or rad (rotational); 0 is the pose in the world file");
     d.member<&ActuatorState::velocity>("velocity", "velocity in this tick, m/s or rad/s; 0 if stalled");
     d.member<&ActuatorState::asked>(
-        "asked", "position at the end of this tick unless its motion is blocked, m or rad");
-    d.member<&ActuatorState::stalled>("stalled", "1: its motion in this tick was blocked");
+        "asked", "position at the end of this tick unless the motion of the joint is blocked, m or rad");
+    d.member<&ActuatorState::stalled>("stalled", "1: the motion of the joint in this tick was blocked");
   }
 };
 

@@ -72,7 +72,7 @@ struct Brush {
 
 DeviceKind brush_kind() {
   return engine::make_device_kind<Brush>(
-      "brush", "paints the zone (flat coloured body) below it, if the zone carries an `led`");
+      "brush", "paints the zone (a flat coloured body) below it, if the zone carries an `led`");
 }
 
 }  // namespace troupe::models

@@ -17,10 +17,10 @@ struct BrushCommand {
   float blue = 0;           ///< amount of blue, from 0 to 1; other values are clamped, NaN to 0
 
   static constexpr void describe(engine::Description<BrushCommand>& d) {
-    d.member<&BrushCommand::paints>("paints", "1: paints the zone below the brush in each tick");
-    d.member<&BrushCommand::red>("red", "colour to paint with, from 0 to 1");
-    d.member<&BrushCommand::green>("green", "as red");
-    d.member<&BrushCommand::blue>("blue", "as red");
+    d.member<&BrushCommand::paints>("paints", "1: the brush paints the zone below it in each tick");
+    d.member<&BrushCommand::red>("red", "amount of red in the paint, from 0 to 1");
+    d.member<&BrushCommand::green>("green", "amount of green in the paint, from 0 to 1");
+    d.member<&BrushCommand::blue>("blue", "amount of blue in the paint, from 0 to 1");
   }
 
   /// Makes the brush paint with this colour from the next tick on. r, g, b: red, green and blue, each from 0
@@ -33,7 +33,8 @@ struct BrushState {
   std::uint64_t painted = 0;  ///< number of ticks in which the brush changed the colour of a zone
 
   static constexpr void describe(engine::Description<BrushState>& d) {
-    d.member<&BrushState::painted>("painted", "number of ticks in which it changed the colour of a zone");
+    d.member<&BrushState::painted>("painted",
+                                   "number of ticks in which the brush changed the colour of a zone");
   }
 };
 

@@ -91,7 +91,7 @@ struct Flags {
             .percepts =
                 {{"received", Element::u64, 1, "", "number of flags received from other bodies since tick 0"},
                  {"count", Element::u32, 1, "", "number of flags in the list"},
-                 {"request", Element::u32, 1, "", "`request` of the command that was carried out last"},
+                 {"request", Element::u32, 1, "", "`request` of the last command that was carried out"},
                  {"colors", Element::u32, most, "", "colour of each flag, the first flag first: 0xRRGGBBAA"},
                  {"sizes", Element::f32, most, "m", "size of each flag"}},
             .most_effects = 1};

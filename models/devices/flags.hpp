@@ -38,7 +38,8 @@ struct FlagCommand {
   static constexpr void describe(engine::Description<FlagCommand>& d) {
     using enum engine::Unit;
     d.member<&FlagCommand::request>("request", "number of operations requested so far");
-    d.member<&FlagCommand::target>("target", "id of the other body of `take` and `give`");
+    d.member<&FlagCommand::target>(
+        "target", "id of the body from which `take` takes a flag, or to which `give` gives a flag");
     d.member<&FlagCommand::color>("color", "colour of the flag that `push` adds, 0xRRGGBBAA");
     d.member<&FlagCommand::size>("size", meters, "size of the flag that `push` adds");
     d.member<&FlagCommand::verb>("verb", "operation: 0: none, 1: push, 2: pop, 3: take, 4: give");
@@ -55,7 +56,7 @@ struct FlagCommand {
   }
 };
 
-/// Indices of the fields of the state of a list of flags.
+/// The fields of the state of the device `flags`, in order.
 enum FlagField : std::size_t {
   k_flag_received,  ///< u64: number of flags that other bodies gave (`give`) to the list since tick 0
   k_flag_count,     ///< u32: number of flags in the list

@@ -59,9 +59,9 @@ struct GripperState {
     d.member<&GripperState::paddles>("paddles",
                                      "state of the paddles: 0: open, 1: closing, 2: closed, 3: opening");
     d.member<&GripperState::lift>("lift", "state of the lift: 0: down, 1: rising, 2: up, 3: sinking");
-    d.member<&GripperState::stalled>("stalled", "1: its motion in this tick was blocked");
-    d.member<&GripperState::taken>("taken",
-                                   "1: it could not grip a body, because another gripper holds that body");
+    d.member<&GripperState::stalled>("stalled", "1: the motion of the gripper in this tick was blocked");
+    d.member<&GripperState::taken>(
+        "taken", "1: the gripper could not grip a body, because another gripper holds that body");
     d.member<&GripperState::beam_inner>("beam_inner",
                                         "1: a body with gripper_return breaks the beam near the base");
     d.member<&GripperState::beam_outer>("beam_outer",
@@ -70,13 +70,15 @@ struct GripperState {
         "contact_left", "1: a body with gripper_return touches the left paddle's inner face");
     d.member<&GripperState::contact_right>(
         "contact_right", "1: a body with gripper_return touches the right paddle's inner face");
-    d.member<&GripperState::held>("held", "id + 1 of the body that it holds; 0: none");
+    d.member<&GripperState::held>("held", "id + 1 of the body that the gripper holds; 0: none");
     d.member<&GripperState::paddle_position>("paddle_position", "from 0 (open) to 1 (closed)");
     d.member<&GripperState::lift_position>("lift_position", "from 0 (down) to 1 (up)");
-    d.member<&GripperState::asked_paddle>("asked_paddle",
-                                          "paddle position, 0 to 1, at the end of this tick unless blocked");
-    d.member<&GripperState::asked_lift>("asked_lift",
-                                        "lift position, 0 to 1, at the end of this tick unless blocked");
+    d.member<&GripperState::asked_paddle>(
+        "asked_paddle",
+        "position of the paddles, from 0 to 1, at the end of this tick unless their motion is blocked");
+    d.member<&GripperState::asked_lift>(
+        "asked_lift",
+        "position of the lift, from 0 to 1, at the end of this tick unless its motion is blocked");
   }
 };
 

@@ -78,7 +78,7 @@ struct Remover {
       is_known = is_known || types[t] != 0;
     }
     if (is_known) return {};
-    return Error{fmt::format("removes {}", unknown_name("type", params.of, known))};
+    return Error{fmt::format("refers to an {}", unknown_name("type", params.of, known))};
   }
 
   bool takes(const SensingView& view, Row row) const {

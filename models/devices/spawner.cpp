@@ -80,7 +80,9 @@ struct Spawner {
     const bool has_flags = std::ranges::any_of(
         type.devices, [](const engine::DeviceSpec& device) { return device.kind == "flags"; });
     if (has_flags) return {};
-    return Error{"has \"per_flags\", which counts flags, but its body has no device of kind \"flags\""};
+    return Error{
+        "has \"per_flags\", which counts flags, but its body has no device of kind \"flags\": add such a "
+        "device, or remove \"per_flags\""};
   }
 
   Result<> bind_world(const engine::WorldSpec& world) {
@@ -93,11 +95,11 @@ struct Spawner {
     for (const engine::ReserveSpec& other : world.reserves) known.push_back(other.population);
     if (known.empty())
       return Error{
-          fmt::format("spawns \"{}\", but no population of this world has a \"reserve\": give this one a "
-                      "\"reserve\"",
+          fmt::format("spawns \"{}\", but no population of this world has a \"reserve\": give this "
+                      "population a \"reserve\"",
                       params.population)};
     return Error{
-        fmt::format("spawns {}", unknown_name("population with a reserve", params.population, known))};
+        fmt::format("refers to an {}", unknown_name("population with a reserve", params.population, known))};
   }
 
   Pose place(const DeviceBatch& batch, std::size_t i) const {

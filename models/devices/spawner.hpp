@@ -8,8 +8,8 @@
 
 namespace troupe::models {
 
-/// The command of a spawner. For each 1 by which a controller increases `request`, one more birth becomes
-/// due.
+/// The command of a spawner. A controller requests n births by increasing `request` by n: n more births then
+/// become due.
 struct SpawnerCommand {
   std::uint32_t request = 0;  ///< number of births requested so far
 
@@ -40,13 +40,12 @@ struct SpawnerState {
                                   "number of bodies that it has spawned since the birth of its own body");
     d.member<&SpawnerState::owed>("owed", "number of births that are due but have not succeeded yet");
     d.member<&SpawnerState::refused>("refused",
-                                     "number of tries that failed: the place was occupied or out of bounds");
-    d.member<&SpawnerState::request>("request",
-                                     "number of requested births of the command that was carried out last");
+                                     "number of failed births: the place was occupied or out of bounds");
+    d.member<&SpawnerState::request>("request", "`request` of the last command that was carried out");
     d.member<&SpawnerState::last>("last", "id + 1 of the body that it spawned last; 0: none");
-    d.member<&SpawnerState::status>(
-        "status",
-        "result of its last try: 0: none, 1: born, 2: occupied or out of bounds, 3: the reserve is used up");
+    d.member<&SpawnerState::status>("status",
+                                    "result of the last attempted birth: 0: none, 1: born, 2: occupied or "
+                                    "out of bounds, 3: the reserve is used up");
   }
 };
 

@@ -185,11 +185,12 @@ Result<> MotionParams::check() const {
     std::string_view name;
   };
   for (const Limits& limits :
-       {Limits{velocity_min_x, velocity_max_x, "velocity_x"},
-        Limits{velocity_min_y, velocity_max_y, "velocity_y"}, Limits{turn_min, turn_max, "turn"},
-        Limits{acceleration_min_x, acceleration_max_x, "acceleration_x"},
-        Limits{acceleration_min_y, acceleration_max_y, "acceleration_y"},
-        Limits{turn_acceleration_min, turn_acceleration_max, "turn_acceleration"}})
+       {Limits{velocity_min_x, velocity_max_x, "velocity_min_x, velocity_max_x"},
+        Limits{velocity_min_y, velocity_max_y, "velocity_min_y, velocity_max_y"},
+        Limits{turn_min, turn_max, "turn_min, turn_max"},
+        Limits{acceleration_min_x, acceleration_max_x, "acceleration_min_x, acceleration_max_x"},
+        Limits{acceleration_min_y, acceleration_max_y, "acceleration_min_y, acceleration_max_y"},
+        Limits{turn_acceleration_min, turn_acceleration_max, "turn_acceleration_min, turn_acceleration_max"}})
     if (limits.low > limits.high)
       return Error{
           fmt::format("{}: lower bound {:g} exceeds upper bound {:g}", limits.name, limits.low, limits.high)};

@@ -13,10 +13,10 @@ engine::FaultKind dead_sensors_fault();
 /// 0 and at most 1. Odometry measures the slower motion, so the fault adds no odometry error.
 engine::FaultKind slow_wheels_fault();
 
-/// A robot whose devices, controllers and drive all stop at a random time after the start of the fault that
-/// the world file gives. The time is exponentially distributed with the mean 1 / `rate` (`rate` in 1/s). With
-/// the parameter `for` (s) above 0, each failure lasts `for` seconds, and the robot then works until its next
-/// failure. With 0, the failure is permanent.
+/// A robot whose devices, controllers and drive all stop at a random time. The time from the start of the
+/// fault (the key `from` in the world file) to the first failure is exponentially distributed; the parameter
+/// `rate` (1/s) is the inverse of its mean. With the parameter `for` (s) above 0, each failure lasts `for`
+/// seconds, and the robot then works until its next failure. With 0, the failure is permanent.
 engine::FaultKind drop_out_fault();
 
 }  // namespace troupe::models

@@ -38,7 +38,7 @@ class Coverage : public Measure {
 
     static constexpr void describe(engine::Description<Params>& d) {
       d.member<&Params::cell>("cell", Unit::meters, engine::facts::within(0.001, k_world_reach_m),
-                              "edge length of the square cells");
+                              "edge length of the square cells into which the ground is divided");
     }
   };
 

@@ -217,9 +217,10 @@ class OfState : public OfRobots {
 
     static constexpr void describe(engine::Description<Params>& d) {
       using namespace engine::facts;
-      d.member<&Params::component>("component", required,
-                                   "name of a component of the state: \"pose\", the name of a device, or "
-                                   "\"wander/0\", the memory of the first controller, of kind `wander`");
+      d.member<&Params::component>(
+          "component", required,
+          "name of a component of the state: \"pose\", the name of a device, or "
+          "\"wander/0\" for the memory of the first controller if its kind is `wander`");
       d.member<&Params::field>("field", required, "name of a field of that component");
       d.member<&Params::column>("column", within(0, 1e6),
                                 "index of the element, from 0, if the field is an array");

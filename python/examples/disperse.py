@@ -54,10 +54,10 @@ def main(file="worlds/hospital.json", seconds="10"):
         seconds_of["C++"] += time.process_time() - between
         if ours.state_hash() != theirs.state_hash():
             sys.exit(f"tick {ours.tick}: {ours.hashes()}\nand in C++: {theirs.hashes()}")
-    print(f"{len(swarm)} robots, {ours.tick} ticks, state {ours.state_hash():016x} both times")
+    print(f"{len(swarm)} robots, {ours.tick} ticks, state {ours.state_hash():016x} in both simulations")
     for name, taken in seconds_of.items():
-        print(f"{name:5} {taken / ours.tick * 1e3:6.2f} ms of processor time a tick")
-    print(f"ratio {seconds_of['NumPy'] / seconds_of['C++']:6.2f}")
+        print(f"{name:5} {taken / ours.tick * 1e3:6.2f} ms of processor time per tick")
+    print(f"ratio NumPy / C++ {seconds_of['NumPy'] / seconds_of['C++']:6.2f}")
 
 
 if __name__ == "__main__":

@@ -61,7 +61,7 @@ def test(weights, copies=8):
 
 def main():
     parser = argparse.ArgumentParser(description=__doc__.split("\n")[0])
-    parser.add_argument("--seeds", type=int, nargs="+", default=[1, 2, 3])
+    parser.add_argument("--seeds", type=int, nargs="+", default=[1, 2, 3], help="seeds, one training per seed (1 2 3)")
     parser.add_argument("--generations", type=int, default=40, help="number of generations per seed (40)")
     parser.add_argument("--reach", type=float, default=50.0, help="least mean return in the test of the last generation; if a seed gets less, the exit code is 1 (50)")
     parser.add_argument("--out", type=pathlib.Path, help="folder for the results")
@@ -81,7 +81,7 @@ def main():
             with open(options.out / "dispersion.csv", "w", newline="") as file:
                 csv.writer(file).writerows([("seed", "generation", "processor_s", "median", "best"), *rows])
     if missed:
-        sys.exit(f"return {options.reach} not reached from the seeds {missed}")
+        sys.exit(f"the mean return of the last test is below {options.reach} for the seeds {missed}")
 
 
 if __name__ == "__main__":

@@ -1,4 +1,4 @@
-"""Where the files are that come with the package."""
+"""Finds the files that come with the package."""
 
 import pathlib
 

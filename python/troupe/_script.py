@@ -63,7 +63,7 @@ def measure(function: _Function) -> _Function: ...
 def measure(*, unit: str = ..., name: Optional[str] = ...) -> Callable[[_Function], _Function]: ...
 def measure(function: Optional[Callable[..., Any]] = None, *, unit: str = "", name: Optional[str] = None) -> Any:
     """Declares a function of a script as a measure: the argument of the function is a Swarm with the robots for which
-    the measure is computed, its result a number.
+    the measure is computed, and its result is a number.
 
         @troupe.measure(unit="m")
         def reach(robots):

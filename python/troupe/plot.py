@@ -96,7 +96,8 @@ def series_by(folder: _File, measure: Optional[str] = None,
     if head[:2] != ["run", "time_s"] or len(head) < 3:
         raise PlotError(f"{series_file}: error: this is not the series of a sweep: it must begin with run,time_s")
     if "run" not in table_head or "seed" not in table_head:
-        raise PlotError(f"{os.path.join(folder, 'table.csv')}: error: this is not the table of a sweep: it has no column run or seed")
+        raise PlotError(f"{os.path.join(folder, 'table.csv')}: error: this is not the table of a sweep: it "
+                        "must have the columns run and seed")
     measure = _column_of(measure, head[2:]) if measure else head[2]
     parameters = table_head[1:table_head.index("seed")]
     values = {row[0]: dict(zip(table_head, row)) for row in table}

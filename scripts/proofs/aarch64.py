@@ -23,7 +23,8 @@ class Processor:
     tick_s: float
 
 
-# From the most informative to the slowest. `max` is qemu's own processor, with all features that it can emulate.
+# Ordered by usefulness: shorter checks use only the first processors. `max` is not a real processor: it has all features that
+# qemu can emulate.
 PROCESSORS = (
     Processor("cortex-a57", "no SVE", "neon", 0.3),
     Processor("a64fx", "SVE of 512 bits", "sve", 0.5),
@@ -42,7 +43,7 @@ def check_tools():
 
 
 def versions():
-    """Returns the versions of the compiler, the emulator and the Arm libraries, on which the result may depend, one text each."""
+    """Returns one text for each tool and Arm library on which the result may depend, with its version."""
     packages = dict(line.split()[:2] for line in PACKAGES.read_text().splitlines()[1:])
     first_lines = [subprocess.run([tool, "--version"], capture_output=True, text=True).stdout.splitlines()[0] for tool in TOOLS]
     return [*first_lines, *(f"{name} {packages[name]}" for name in ("libc6", "libstdc++6", "libhwy1", "libtbb12"))]
@@ -50,8 +51,8 @@ def versions():
 
 @dataclass(frozen=True)
 class Moved(Variant):
-    """A run that begins on this machine's processor, with the release build, and is resumed from a checkpoint under the
-    emulator."""
+    """A run that begins on this machine's processor, with the release build. It is saved in a checkpoint, and the Arm program
+    resumes it under the emulator."""
 
     def _call(self, arguments):
         begins = arguments[0] == "run"
@@ -72,7 +73,7 @@ def proof_of(processor):
 
 
 def move_of(processor, ticks):
-    # simd is not checked: the header of the log is that of the part on this machine.
+    # simd is not checked, because the first part of the run, on this machine, wrote the header of the hash log.
     variant = replace(emulated(processor, 2, Moved), restarts=(ticks // 2,), simd="")
     return Proof(f"T2 resumed on aarch64, {processor.cpu.partition(',')[0]}", "saved by x86-64 in the middle; 2 threads",
                  (variant,))
@@ -92,5 +93,5 @@ def disassembled():
     done = subprocess.run(["aarch64-linux-gnu-objdump", "--disassemble", "--no-show-raw-insn", *map(str, libraries)],
                           capture_output=True, text=True)
     if done.returncode != 0 or not libraries:
-        raise Fault(f"objdump: {done.stderr.strip() or 'no libraries'}")
+        raise Fault(f"{FOLDER}: cannot disassemble the libraries: {done.stderr.strip() or 'there are none'}")
     return done.stdout

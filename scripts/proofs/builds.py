@@ -44,15 +44,15 @@ def planted_faults(names=()):
     The description is the text before the diff. Raises Fault for a name that no patch has."""
     faults = {file.stem: file.read_text().split("\ndiff ")[0].strip() for file in sorted(PLANTED.glob("*.patch"))}
     if unknown := [name for name in names if name not in faults]:
-        raise Fault(f"{PLANTED}: there is no planted fault {', '.join(unknown)}; known: {', '.join(faults)}")
+        raise Fault(f"--planted: there is no planted fault {', '.join(unknown)}; known: {', '.join(faults)}")
     return [(name, faults[name]) for name in names or faults]
 
 
 def with_planted(name):
-    """Builds the program, its variant with the hostile scheduler (variants.py) and the MPI modules, all with the planted fault
-    of this name. Returns the path of the program. All faults share one build folder, so that only the sources that two
-    successive faults change are compiled again; each call replaces the programs of the call before. Raises Fault if the patch
-    does not apply or the build fails."""
+    """Builds the program, its variant with the hostile scheduler (variants.py) and the MPI modules, from sources with the
+    planted fault of this name. Returns the path of the program. All faults share one build folder, so each call replaces the
+    programs of the previous call, and compiles only the sources that the previous or the new fault changes. Raises Fault if
+    the patch does not apply or the build fails."""
     sources = ROOT / "build" / "planted" / "sources"
     files = subprocess.run(["git", "ls-files", "-z", "--cached", "--others", "--exclude-standard"], cwd=ROOT, check=True, capture_output=True, text=True).stdout
     for file in filter(None, files.split("\0")):
@@ -64,9 +64,9 @@ def with_planted(name):
 
 
 def accepts_a_world_of_one(program):
-    """Whether the program, which has a planted fault, accepts that a launcher starts three processes with the module of another
-    MPI, so that each process sees only itself. Runs the tests in tests/mpi_test.py that expect an error in this case; returns
-    whether they fail."""
+    """Whether the program, which has a planted fault, accepts a wrong MPI module. With the module of another MPI than that of
+    the launcher, each of three processes behaves as the only one. Runs the tests in tests/mpi_test.py that expect an error in
+    this case, and returns whether they fail."""
     name = "test_a_world_of_one_under_a_launcher_of_three_is_an_error"
     test = [ROOT / "tests" / "mpi_test.py", program, f"OpenMpi.{name}", f"Mpich.{name}"]
     done = subprocess.run([sys.executable, *map(str, test)], capture_output=True, text=True)
@@ -87,8 +87,8 @@ def copy_if_changed(source, target):
 
 
 def calls_libm(program):
-    """Whether tests/symbols_test.py finds functions of libm in the libraries of the program's build that compute the state
-    (all but the renderer)."""
+    """Whether tests/symbols_test.py finds functions of libm in the libraries from which the program was linked. The library
+    `render` is left out, because it does not compute the state."""
     folder = pathlib.Path(program).parent.parent
     libraries = [library for library in sorted(folder.glob("*/libtroupe_*.a")) if library.parent.name != "render"]
     test = [ROOT / "tests" / "symbols_test.py", *libraries]

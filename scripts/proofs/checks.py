@@ -9,10 +9,10 @@ import random
 
 THREADS = (1, 2, 3, 8)
 TILES = (0, 0.6, 0.9, 2.3, 17.3)  # m; 0: automatic
-# Checks that are an option of `troupe check`, with one thread and one tile size.
+# Checks that `troupe check` makes with one option, on one thread and with one tile size.
 OPTIONS = {"controllers": "--controllers", "amnesia": "--amnesia", "reach": "--reach"}
-# Probabilities that a world is also computed by several ranks, that a session is recorded and repeated in it, and that its
-# controllers are checked, if not those of all worlds.
+# The probability that a world is also computed by several ranks, that a session is recorded in the world and repeated, and
+# that the controllers of the world are checked (with --controllers, those of all worlds are).
 RANKS = 0.5
 SESSIONS = 0.35
 CONTROLLERS = 0.1
@@ -60,8 +60,9 @@ def plan(seed, index, ticks, program_only=False, controllers=False):
 
 
 def plan_of_ranks(seed, index, *_):
-    """Returns the checks of a random world, as plan() does, for `scripts/prove --ranks`: only runs on several numbers of ranks
-    and threads, with three seeds of delays, and with two more for ranks that have only their own robots and those near them."""
+    """Returns the checks of a random world, as plan() does, for `scripts/prove --ranks`. There are five checks, each with
+    several numbers of ranks and threads and with its own random delays of messages: in three checks each rank has all robots,
+    in two checks only its own robots and those near them (`--distribute`)."""
     draws = random.Random(f"ranks {seed} {index}")
     return [{"check": "ranks", "ranks": [1, 2, 3, 4, 7], "threads": [1, 2], "seed": draws.randrange(1 << 32),
              "distribute": distribute} for distribute in (False, False, False, True, True)]
@@ -80,8 +81,10 @@ def difference(expected, got, whole=True):
             continue
         tick = int(a.split()[0])
         groups = [x.split("=")[0] for x, y in zip(a.split()[2:], b.split()[2:]) if x != y]
-        return tick, f"differs from tick {tick} on, in {', '.join(groups) or 'its form'}: expected {a}; got {b}"
+        return tick, (f"differs from tick {tick} on, in {', '.join(groups) or 'the format of the line'}: expected {a}; "
+                      f"got {b}")
     if whole and len(expected) - start != len(got):
         tick = int((expected[start:] or expected)[min(len(got), len(expected) - start - 1)].split()[0])
-        return tick, f"has {len(got)} lines from tick {start} on, the run on one thread has {len(expected) - start}"
+        return tick, (f"the hash log has {len(got)} lines from tick {start} on, that of the run on one thread has "
+                      f"{len(expected) - start}")
     return None

@@ -6,7 +6,7 @@ from collections import Counter
 from .random_worlds import PART_FAMILIES, pairs_of
 from .sessions import ACTS
 
-# Names of the program's events.
+# Events of `troupe run --events` that have another name in the pairs of kind and event.
 EVENTS = {"birth": "born", "death": "dies", "fails": "disabled", "recovers": "enabled"}
 
 
@@ -94,5 +94,5 @@ class Coverage:
     def summary(self):
         kinds = [kind for kind in self.kinds.all() if self.kind_counts[kind.family, kind.name]]
         return (f"{len(kinds)} of {len(self.kinds.all())} kinds, "
-                f"{sum(self.pairs[pair] > 0 for pair in self.wanted_pairs)} of {len(self.wanted_pairs)} pairs of a kind of "
-                f"{', '.join(PART_FAMILIES)} and an event")
+                f"{sum(self.pairs[pair] > 0 for pair in self.wanted_pairs)} of {len(self.wanted_pairs)} pairs of a kind "
+                f"({', '.join(PART_FAMILIES)}) and an event")

@@ -1,5 +1,5 @@
-"""Runs proofs (variants.py): compares the hash logs of all runs of a world, line by line, with that of its first run, and the last
-hash with the golden hash, the expected one in worlds/golden_hashes.txt."""
+"""Runs proofs (variants.py). Compares the hash log of each run of a world, line by line, with that of the first run. Compares
+the last hash of the first run with the golden hash, which is the expected hash in worlds/golden_hashes.txt."""
 
 from .runs import Fault, difference, state_of
 from .table import Progress, print_row
@@ -8,7 +8,7 @@ from .table import Progress, print_row
 def hold(world, proofs, ticks, folder, golden=None, robots=None):
     """Runs the variants of the proofs in one world and prints one row of the table per proof. Yields each proof with a list of
     the differences, as texts. folder: folder for the files of the runs. golden: the result of read_golden(), with which the
-    last hash of the first run is compared; None: no comparison. robots: number of robots; None: that of the world. Raises
+    last hash of the first run is compared; None: no comparison. robots: number of robots; None: the number in the world. Raises
     Fault if the first run fails."""
     progress = Progress(sum(len(proof.variants) for proof in proofs))
     expected = None
@@ -40,7 +40,7 @@ def hold(world, proofs, ticks, folder, golden=None, robots=None):
 def compare_golden(world, ticks, state, golden, where, robots=None):
     known = golden.get((world.key, robots, ticks))
     if known is None:
-        return [f"{world.key}: no golden hash of tick {ticks}; scripts/prove --golden writes it"]
+        return [f"{world.key}: worlds/golden_hashes.txt has no golden hash of tick {ticks}; scripts/prove --golden computes it"]
     if known != state:
-        return [f"{where}: tick {ticks} has the state {state}, the golden hash is {known}"]
+        return [f"{where}: the state hash at tick {ticks} is {state}, the golden hash is {known}"]
     return []

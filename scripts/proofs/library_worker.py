@@ -1,5 +1,6 @@
 #!/usr/bin/env python3
-"""Runs checks of worlds with Troupe's Python module, all variants in one process. Reads and writes one JSON text per line.
+"""Runs checks of worlds (checks.py) with Troupe's Python module, in this process. Reads a request from standard input and
+writes an answer to standard output, each as one line of JSON:
 
     in   {"world": {...}, "folder": "...", "program": "...", "ticks": 40, "checks": [...], "cover": true}
     out  {"invalid": the reason why the world cannot be loaded}, or
@@ -8,7 +9,7 @@
           "acts": [kinds of the acts that were carried out in sessions], "ticks": ticks of the plain run, "stopped": the line
           with the error that ended the plain run, or ""}
 
-It is a separate process because a world may crash it. scripts/proofs/random_proof.py starts it.
+scripts/proofs/random_proof.py starts this script as a process of its own, because a world may crash the process.
 """
 
 import json
@@ -26,8 +27,8 @@ from sessions import Viewer  # noqa: E402
 
 
 def names_of_living(simulation):
-    """Returns the names of all bodies that are in the world, except static geometry; also of bodies that no swarm contains
-    because they have no drive."""
+    """Returns the names of all bodies that are in the world, except static bodies. Bodies without a drive are included, although
+    no swarm contains them."""
     ids = sorted({int(id) for table in simulation.tables() for id in table.ids})
     return [model.name for model in map(simulation.model, ids) if model.is_alive()]
 

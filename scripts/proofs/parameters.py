@@ -1,5 +1,5 @@
-"""Random parameters of kinds. Each parameter follows its schema; parameters that depend on one another follow a rule of
-the kind."""
+"""Random parameters of kinds. Most parameters are drawn according to their JSON Schema. Parameters that depend on one another
+or on the world are drawn by functions for single kinds (Parameters._FAMILY_KIND)."""
 
 import math
 
@@ -12,7 +12,7 @@ SHAPE = {"transducers", "bumpers", "width", "height", "payload", "directions", "
          "most_blobs", "when_empty", "min_position", "max_position", "axis"}
 SHAPE_OF = {"ranger": {"intensity"}, "dynamic": {"count", "reach_m"}}
 
-# Further settings of controllers, with names of models in the world.
+# Further parameters that `set` may change, for controllers whose parameters name models of the world.
 SET_OF = {"fasr2": [{"task2": ""}, {"task": "green"}], "collector": [{"sink": "sink1"}, {"charger": 9}, {"puck": 2}],
           "fasr": [{"source": "sink", "sink": "source"}]}
 COLORS = ("red", "SteelBlue", "gold", "LimeGreen", "black", "white", "gray40")

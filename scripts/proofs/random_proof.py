@@ -23,8 +23,9 @@ from .table import clock
 
 KEPT = ROOT / "build" / "prove" / "random"
 WORKER = pathlib.Path(__file__).resolve().parent / "library_worker.py"
-# From this number of worlds on, every kind and event must have occurred; else the generator has a fault.
+# In a proof of at least this many worlds, every kind and event must occur; otherwise the generator has a fault.
 COMPLETE_AT = 2000
+# At least this fraction of the worlds must be valid.
 LEAST_VALID = 0.9
 # A check counts as hanging after this much processor time, or after this much wall time on a busy machine.
 TIMEOUT_CPU_S = 60
@@ -66,7 +67,7 @@ class Library:
         self.program, self.folder, self.module = program, folder, module
         self.interpreter = interpreter_of(module)
         if self.interpreter is None:
-            raise Fault(f"{module}: no Python module that can be loaded; build the target troupe_python")
+            raise Fault(f"{module}: there is no Python module of Troupe that can be loaded; build the target troupe_python")
         self._process = None
 
     def _start(self):
@@ -92,12 +93,13 @@ class Library:
         while b"\n" not in self._pending:
             if not select.select([output], [], [], 1)[0]:
                 if time.monotonic() > end or self._cpu_s() > cpu_end:
-                    return "hangs", f"not finished after {TIMEOUT_CPU_S} s of processor time or {TIMEOUT_S} s"
+                    return "hangs", f"not finished after {TIMEOUT_CPU_S} s of processor time or {TIMEOUT_S} s of wall time"
                 continue
             got = os.read(output, 1 << 20)
             if not got:
                 code = self._process.wait()
-                return "crash", f"the process ended with {code}: {(self.folder / 'worker.log').read_text()[-1500:].strip()}"
+                return "crash", (f"the process ended with code {code}: "
+                                 f"{(self.folder / 'worker.log').read_text()[-1500:].strip()}")
             self._pending += got
         line, self._pending = self._pending.split(b"\n", 1)
         return "told", json.loads(line)
@@ -206,7 +208,7 @@ class RandomProof:
         self.plan = plan  # what is checked, such as checks.plan()
         self.now = now  # the clock of `seconds`, in s
         self.controllers, self.kept, self.shrink, self.say = controllers, kept, shrink, say
-        # If given, a runner of a program without the planted fault: worlds that fail with it too are not counted.
+        # If given, a runner of a program without the planted fault: worlds that fail with this program too are not counted.
         self.sound = sound
         self.kinds = kinds or kinds_of(runner.program)
         self.coverage = Coverage(self.kinds)
@@ -215,7 +217,7 @@ class RandomProof:
         (runner.folder / PLAN).write_bytes(plan_image())
 
     def run(self, stop_at_first=False):
-        """Runs the proof; returns the faults as texts. stop_at_first: stops after the first world that differs."""
+        """Runs the proof, and returns one text for each error found. stop_at_first: stop after the first world that differs."""
         pairs, start = pairs_of(self.kinds), self.now()
         begun = shown = time.monotonic()
         while (self.count is None or self.made < self.count) and (self.seconds is None or self.now() - start < self.seconds):
@@ -244,7 +246,8 @@ class RandomProof:
                 break
             if time.monotonic() - shown > 60:
                 shown = time.monotonic()
-                self.say(f"  random worlds: {self.made} made, {self.differing} differ, {clock(shown - begun)} minutes passed")
+                self.say(f"  random worlds: {self.made} made, {self.differing} of them differ, {clock(shown - begun)} minutes "
+                         "passed")
         self.took_s = self.now() - start
         if self.made >= 20 and self.valid < LEAST_VALID * self.made:
             self.failed.append(f"random worlds: only {self.valid} of {self.made} could be loaded; the most frequent errors: "
@@ -258,22 +261,22 @@ class RandomProof:
     def report(self):
         """Yields lines with the number of worlds, the seed, and what occurred in the worlds. Call it after run()."""
         yield (f"random worlds: {self.made} of seed {self.seed}"
-               f"{f' from {self.first} on' if self.first else ''}, {self.valid} could be loaded "
-               f"({100 * self.valid / max(1, self.made):.1f} %), {self.checks} checks, {self.differing} of them differ, "
+               f"{f', from world {self.first} on' if self.first else ''}; {self.valid} could be loaded "
+               f"({100 * self.valid / max(1, self.made):.1f} %), with {self.checks} checks; {self.differing} worlds differ; "
                f"{clock(self.took_s)} minutes")
         if not self.runner.program_only:
             missing = self.coverage.missing()
             yield f"  occurred: {self.coverage.summary()}" + (f"; missing: {', '.join(missing[:12])}"
                                                               f"{' ...' if len(missing) > 12 else ''}" if missing else "")
         for text, times in self.invalid.most_common(5):
-            yield f"  not loaded, {times}: {text}"
+            yield f"  could not be loaded ({times} x): {text}"
 
     def _found(self, index, world, ticks, failures):
         """Writes a world that differs into a folder in `kept`, shrunk for the first check in which it differs, and adds the
         failure to the faults."""
         self.differing += 1
         failure = failures[0]
-        others = "".join(f"; also in {other['check']['check']}" for other in failures[1:])
+        others = "".join(f"; also differs in the check {other['check']['check']}" for other in failures[1:])
         folder = self.kept / f"{self.seed}-{index}-{failure['check']['check']}"
         shutil.rmtree(folder, ignore_errors=True)
         folder.mkdir(parents=True)
@@ -282,7 +285,7 @@ class RandomProof:
         case = {"world": world, "ticks": ticks, "check": failure["check"]}
         trials = 0
         if self.shrink:
-            self.say(f"  world {index} differs in {failure['check']['check']}; it is being shrunk ...")
+            self.say(f"  world {index} differs in the check {failure['check']['check']}; making the world smaller ...")
             case, trials = shrunk(self.runner, case, failure["tick"])
             again = self.runner.run(case["world"], case["ticks"], [case["check"]])
             failure = (again.get("failures") or [failure])[0]
@@ -291,8 +294,9 @@ class RandomProof:
                                                       "found": failure["text"]}, indent=1) + "\n")
         where = folder.relative_to(ROOT) if folder.is_relative_to(ROOT) else folder
         command = f"scripts/prove --random-again {shlex.quote(str(where))}"
-        text = (f"random world {index} of seed {self.seed}, {json.dumps(failure['check'])}: {failure['text']}{others}\n"
-                f"  shrunk in {trials} trials to {where}/world.json, {case['ticks']} ticks; to run it again: {command}")
+        text = (f"random world {index} of seed {self.seed}, check {json.dumps(failure['check'])}: {failure['text']}{others}\n"
+                f"  smallest world found that differs, after {trials} trials: {where}/world.json, {case['ticks']} ticks; to "
+                f"check it again: {command}")
         self.say(text)
         self.failed.append(text)
 
@@ -302,8 +306,9 @@ def is_same(failure, check):
 
 
 def shrunk(runner, case, tick=None):
-    """Returns the shrunk case and the number of trials. case: a dict with the world, the number of ticks and the check that
-    fails; the ticks, also those of checkpoints, shrink with the world. tick: the tick of the first difference, or None."""
+    """Makes a failing case smaller with a Shrinker. Returns the smaller case and the number of trials. case: a dict with the
+    world, the number of ticks and the check that fails; these ticks and the ticks of checkpoints are reduced too. tick: the
+    tick of the first difference, or None."""
 
     def fails(document):
         if set(document) != set(case) or document["ticks"] < 1 or "check" not in document["check"]:
@@ -340,7 +345,8 @@ def again(runner, folder, say=print):
         case = json.loads((folder / "case.json").read_text())
         world = json.loads((folder / "world.json").read_text())
     except (OSError, ValueError) as error:
-        raise Fault(f"{folder}: not a kept case: {error}")
+        raise Fault(f"{folder}: expected a folder in which scripts/prove has kept a random world (case.json and world.json): "
+                    f"{error}")
     (runner.folder / PLAN).write_bytes(plan_image())
     told = runner.run(world, case["ticks"], [case["check"]])
     if "invalid" in told:

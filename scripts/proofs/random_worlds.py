@@ -1,8 +1,8 @@
 """Makes small random worlds that contain every kind of part that a world can have (kinds.py).
 
-A world is determined by (seed, index). Each world has a focus: a kind of part (drive, sensor, device or controller) and an event
-that happens to a body with this part, such as its death. Successive worlds have different foci, so that every pair of kind and
-event occurs. Everything else in a world is random.
+The seed and the index of a world determine the world. Each world has a focus: a kind of part (drive, sensor, device or
+controller) and an event that happens to a body with a part of this kind, such as the death of the body. Successive worlds
+have different foci, so that every pair of kind and event occurs. Everything else in a world is random.
 """
 
 import math
@@ -17,7 +17,7 @@ EVENTS = ("born", "dies", "disabled", "enabled", "moved", "set", "carried", "res
 PART_FAMILIES = ("drive", "sensor", "device", "controller")
 PLAN = "plan.pgm"  # an image of walls, in the folder of the world
 
-# The devices that a controller needs or can use: (kind, required parameters).
+# Sensors and devices that controllers need or can use: (kind, required parameters).
 SCANNER = ("ranger", {"transducers": [{"range_max_m": 2, "fov_deg": 180, "samples": 9}]})
 RING = ("ranger", {"transducers": [{"pose": {"heading_deg": 45 * i}, "range_max_m": 2} for i in range(8)]})
 RING_OF_12 = ("ranger", {"transducers": [{"pose": {"heading_deg": 30 * i}, "range_max_m": 2} for i in range(12)]})
@@ -38,7 +38,7 @@ NEEDS = {
 EVERYTHING = [RING, SCANNER, RADIO, ("ground", {}), ("light_sensor", {"directions": 8}), ("fiducial", {}), ("flags", {}),
               ("power_pack", {}), ("gripper", {}), ("led", {})]
 COMPANIONS = {"power_contact": "power_pack", "spawner": "flags"}
-# Controllers that do not drive. A body may have such a controller together with another one.
+# Controllers of bodies without a drive.
 STANDS = {"source", "sink"}
 MODELS_NEEDED = {"fasr": ("source", "sink"), "fasr2": ("red_source", "red_sink", "green_source", "green_sink"),
                  "collector": ("sink", "sink1")}
@@ -46,7 +46,7 @@ MODELS_NEEDED = {"fasr": ("source", "sink"), "fasr2": ("red_source", "red_sink",
 
 def focus_of(pairs, seed, index):
     """Returns the focus of the world with this index: one of `pairs`, the triples (family, kind, event) of pairs_of().
-    Successive worlds take all of them in turn, in an order that depends on the seed."""
+    Successive worlds take all pairs in turn, in an order that depends on the seed."""
     order = list(range(len(pairs)))
     random.Random(f"foci {seed} {index // len(pairs)}").shuffle(order)
     return pairs[order[index % len(pairs)]]
@@ -379,8 +379,8 @@ class Generator(Parameters):
         return rounded(self.tick_s * self.draws.randint(low, max(low, high or self.ticks - 2)))
 
     def whom(self, many=True):
-        """Returns a random group of bodies, as interventions take it: mostly bodies of the type with the part of the focus.
-        many: whether it may be limited to a number or a share of the bodies."""
+        """Returns the keys with which an intervention chooses a random group of bodies. Most groups contain bodies of the type
+        `focus`. many: whether the group may be limited to a number or a fraction of these bodies."""
         populations = [each["name"] for each in self.world["populations"] if each["count"]]
         whom = {"population": "f"} if self.chance(0.7) else {"population": self.draws.choice(populations)}
         if self.chance(0.15):

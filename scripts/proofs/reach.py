@@ -1,4 +1,5 @@
-"""The reach test of the shipped worlds (`troupe check --reach`, docs/determinism.md): devices see only what they declare."""
+"""The reach test of the shipped worlds (`troupe check --reach`, docs/determinism.md): devices read only bodies within their
+reach, and only the data that they declare to read."""
 
 import json
 import math
@@ -30,8 +31,8 @@ def worlds(names):
 
 
 def prove(program, world, ticks):
-    """Makes the reach test of a world. Returns the hash of its last tick, and the fault as a text, which is empty if the test
-    passes. Raises Fault if the test cannot be made."""
+    """Makes the reach test of a world. Returns the state hash of the last tick, and a text with the error that the test found,
+    which is empty if the test passes. Raises Fault if the test cannot be made."""
     command = [program, "check", *world.arguments, "--reach", "--threads", 1, "--tile-size", "auto", "--for",
                f"{ticks * world.tick_s:.9g}"]
     done = subprocess.run([str(word) for word in command], capture_output=True, text=True)

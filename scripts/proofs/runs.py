@@ -42,7 +42,7 @@ class World:
 
 @dataclass(frozen=True)
 class Variant:
-    """One way of running a world that must not change results."""
+    """A way to run a world. All variants must give the same results."""
 
     label: str
     program: pathlib.Path
@@ -57,8 +57,8 @@ class Variant:
 
     def lines(self, world, ticks, folder, robots=None):
         """Runs the world and returns the lines of the hash log, one per tick, from tick 0. The header of the log is omitted,
-        because it may differ between variants. folder: folder for the files of the run. robots: number of robots; None: that
-        of the world. Raises Fault if the program fails or uses another instruction set than `simd`."""
+        because it may differ between variants. folder: folder for the files of the run. robots: number of robots; None: the
+        number in the world. Raises Fault if the program fails or uses another instruction set than `simd`."""
         log = folder / "run.log"
         source = ["run", *world.arguments, *(["--robots", robots] if robots is not None else [])]
         for end in (*self.restarts, ticks):
@@ -67,10 +67,11 @@ class Variant:
             self._call([*source, "--for", f"{end * world.tick_s:.9g}", "--hash-log", log, *save])
             source = ["resume", checkpoint]  # also continues the log
         if self.simd and self.simd != (ran := simd_of(log)):
-            raise Fault(f"{self.label}: kernels must run on {self.simd}, but ran on {ran}")
+            raise Fault(f"{self.label}: kernels must run on {self.simd}, but ran on {ran}, according to {log.name}")
         lines = read_log(log)
         if len(lines) != ticks + 1:
-            raise Fault(f"{world.file}: expected {ticks + 1} lines in the hash log, found {len(lines)}")
+            raise Fault(f"{world.file}: expected {ticks + 1} lines in the hash log (tick 0 and {ticks} ticks), "
+                        f"found {len(lines)}")
         return lines
 
     def _call(self, arguments):
@@ -90,7 +91,7 @@ def read_log(log):
 def simd_of(log):
     """Returns the name of the instruction set in the header of a hash log."""
     head = (line for line in pathlib.Path(log).read_text().splitlines() if line.startswith("# simd: "))
-    return next(head, "# simd: an unknown one").removeprefix("# simd: ")
+    return next(head, "# simd: an unknown instruction set").removeprefix("# simd: ")
 
 
 def state_of(line):
@@ -98,14 +99,15 @@ def state_of(line):
 
 
 def difference(expected, got):
-    """Returns the first difference between two hash logs, lists of lines, as a text; empty if the lines that both have are
-    equal."""
+    """Returns a text with the first difference between two hash logs, which are lists of lines. The text is empty if there is
+    no difference; surplus lines of the longer log are ignored."""
     for a, b in zip(expected, got):
         if a == b:
             continue
         tick = a.split()[0]
         groups = [x.split("=")[0] for x, y in zip(a.split()[2:], b.split()[2:]) if x != y]
-        return f"differs from tick {tick} on, in {', '.join(groups) or 'its form'}:\n  expected {a}\n  got      {b}"
+        return (f"differs from tick {tick} on, in {', '.join(groups) or 'the format of the line'}:\n  expected {a}\n"
+                f"  got      {b}")
     return ""
 
 

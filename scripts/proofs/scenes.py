@@ -1,7 +1,8 @@
-"""The manifest of the shipped worlds, worlds/scenes.json: the purpose of each world, and the runs that use it.
+"""Reads the manifest of the shipped worlds, worlds/scenes.json. It has a row for each world, with the purpose of the world and
+the runs in which tests and scripts use the world.
 
-docs/worlds.md describes the keys of a row. tests/support/scenes.cpp reads the same file for the tests in C++ and for perf. It
-checks `tests` and `perf`; this module checks everything else.
+docs/worlds.md describes the keys of a row. tests/support/scenes.cpp reads the same file for the tests in C++ and for perf,
+and checks the keys `tests` and `perf`; this module checks all other keys.
 """
 
 import json
@@ -24,6 +25,11 @@ PICTURE = {"name": str, "at_s": (int, float), "look": str}
 RECORDED = {"name": str, "for_s": (int, float), "record": str, "views": dict}
 
 
+# The types of values, as error messages call them.
+TYPES = {str: "a text", bool: "true or false", int: "a whole number", (int, float): "a number", list: "a list",
+         dict: "an object"}
+
+
 def is_world(file):
     return file.suffix in (".json", ".world") and file.name != FILE.name
 
@@ -41,7 +47,7 @@ class Scenes:
         try:
             manifest = json.loads(file.read_text(encoding="utf-8"))
         except (OSError, ValueError) as error:
-            raise Fault(f"{file}: error: cannot be read as JSON: {error}") from error
+            raise Fault(f"{file}: error: the file cannot be read as JSON: {error}") from error
         self._check("", manifest, {"worlds": list})
         self.rows = manifest.get("worlds", []) if not self.faults else []
         for i, row in enumerate(self.rows):
@@ -49,7 +55,7 @@ class Scenes:
         names = [row["world"] for row in self.rows] if not self.faults else []
         self.faults += [f"/worlds: {name} has two rows" for name in sorted({name for name in names if names.count(name) > 1})]
         if names:
-            self.faults += [f"/worlds: there is no row for {name}, which lies in {file.parent}"
+            self.faults += [f"/worlds: there is no row for {name}, which is in the folder {file.parent}"
                             for name in shipped(file.parent) if name not in names]
         if self.faults:
             raise Fault("\n".join(f"{file}: error: {fault}" for fault in self.faults))
@@ -65,7 +71,7 @@ class Scenes:
             if key not in known:
                 self.faults.append(f"{at}/{key}: unknown key; known: {', '.join(sorted(known))}")
             elif not isinstance(one, known[key]) or (isinstance(one, bool) and known[key] is not bool):
-                self.faults.append(f"{at}/{key}: {json.dumps(one)} is of the wrong type")
+                self.faults.append(f"{at}/{key}: expected {TYPES[known[key]]}, found {json.dumps(one)}")
         self.faults += [f"{at or '/'}: the key \"{key}\" is missing" for key in required if key not in value]
         return len(self.faults) == before
 
@@ -107,8 +113,8 @@ class Scenes:
 
     def ranked(self, names=()):
         """Returns (world, robots, ticks) of the runs of scripts/prove --ranks: one run of each shipped world, or of those with
-        the given names. robots: number of robots; None: that of the world. Worlds that are excluded from the other proofs have
-        the few robots of perf --quick."""
+        the given names. robots: number of robots; None: the number in the world. Worlds that are excluded from the other
+        proofs are run with as few robots as `perf_paper --quick` uses."""
         chosen = self.named(names)
         runs = []
         for row in self.rows:
@@ -132,7 +138,7 @@ class Scenes:
         return tuple(dict.fromkeys(runs))
 
     def slow(self):
-        """Returns the names of the worlds of which a few simulated seconds take minutes to run."""
+        """Returns the names of the worlds that take minutes to run for a few simulated seconds."""
         return tuple(row["world"] for row in self.rows if row.get("slow"))
 
     def soaked(self):

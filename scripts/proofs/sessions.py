@@ -1,6 +1,6 @@
-"""Records sessions in random worlds: a viewer connects to the live view of a simulation, as a browser does (docs/live.md), and
-between ticks moves, drives, commands, adds and removes robots and sets parameters. A session that is repeated must give the same
-bits."""
+"""Records sessions in random worlds. A viewer connects to the live view of a simulation, as a browser does (docs/live.md).
+Between ticks, the viewer moves, drives, commands, adds and removes robots, and sets parameters. Troupe records these acts
+in a session file. A run that repeats the session must give the same bits."""
 
 import json
 import pathlib
@@ -21,7 +21,8 @@ class Viewer(threading.Thread):
     before each tick. Meanwhile another thread must call step() of the simulation `ticks` times; each call waits for this
     viewer. world: the JSON world; seed: seed of the acts.
 
-    done        the kinds of the acts that were carried out; other acts were refused, for example because a place was occupied
+    done        the kinds of acts, such as "move", that were carried out at least once; an act may also be refused, for example
+                because a place was occupied
     checkpoint  the name of the checkpoint file that was saved in the session, or None
     error       the exception that ended the thread, or None
     """
@@ -123,7 +124,7 @@ class Viewer(threading.Thread):
         return {"device": device, "values": {field: [self.draws.choice((0, 1, self.draws.random())) for _ in values]}}
 
     def _setting(self):
-        """Returns the members of an act `set`: a type, and another value of a number among its parameters."""
+        """Returns the members of an act `set`: a type, and a new value for one of its numeric parameters."""
         name = self.draws.choice([name for name in self.world["types"] if name != "wall"] or ["none"])
         nothing = {"type": name, "drive": {}}
         if self._last_id < 4:

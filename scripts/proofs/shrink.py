@@ -1,5 +1,5 @@
-"""Shrinks a failing world as far as it still fails: delta debugging (Zeller and Hildebrandt, 2002) on the lists of its document,
-then each key and each number separately."""
+"""Makes a failing world as small as possible, so that it still fails. Uses delta debugging (Zeller and Hildebrandt, 2002) on
+the lists in the document of the world, then removes keys and simplifies numbers one by one."""
 
 import copy
 import time
@@ -50,8 +50,8 @@ def exists(document, path):
 
 
 class Shrinker:
-    """Makes documents smaller that still fail; shrunk(document) returns the result. `fails(document)` returns whether a
-    document still fails. It is called at most `most_trials` times, and not after `most_s` seconds."""
+    """shrunk(document) returns a smaller document that still fails. `fails` is a function of a document, which returns whether
+    the document still fails. The Shrinker calls this function at most `most_trials` times, and not after `most_s` seconds."""
 
     def __init__(self, fails, most_trials=1500, most_s=120):
         self._fails, self._left, self._end = fails, most_trials, time.monotonic() + most_s

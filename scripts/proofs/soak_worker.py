@@ -1,9 +1,8 @@
 #!/usr/bin/env python3
-"""Repeatedly loads worlds, runs and resets them, saves and resumes them, and continues recordings from checkpoints, in
-one process until it is ended.
-Prints a line of counts, as JSON, about once a second. scripts/soak starts it.
+"""Loads, runs, resets, saves and resumes worlds, and continues recordings from checkpoints, again and again in one process,
+until the process is killed. Prints counts about once a second, as one line of JSON. scripts/soak starts this script.
 
-    soak_worker.py FOLDER WORLD...    FOLDER: folder for its files
+    soak_worker.py FOLDER WORLD...    FOLDER: folder for the files that the script writes
 """
 
 import json
@@ -33,7 +32,8 @@ class Soaker:
 
     def expect(self, what, expected, simulation):
         if simulation.state_hash() != expected:
-            self.differences.append(f"{what}: tick {simulation.tick} has the state {simulation.state_hash():016x}, not {expected:016x}")
+            self.differences.append(f"{what}: the state hash at tick {simulation.tick} is {simulation.state_hash():016x}, "
+                                    f"expected {expected:016x}")
 
     def soak(self, world, turn):
         name = pathlib.Path(world).name

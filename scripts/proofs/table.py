@@ -14,8 +14,8 @@ def print_row(cells):
 
 
 class Progress:
-    """A progress line on standard error: on a terminal it is rewritten, elsewhere a new line is printed at most every 15 s.
-    total: number of runs; `done` must be increased by the caller."""
+    """A progress line on standard error. On a terminal, show() overwrites the line; elsewhere, it prints a new line, but at most
+    every 15 s. total: number of runs; the caller must increase `done` with each run."""
 
     def __init__(self, total):
         self.total, self.done, self.start, self.shown = total, 0.0, time.monotonic(), 0.0
@@ -27,8 +27,8 @@ class Progress:
             return
         self.shown = now
         elapsed = now - self.start
-        left = f", about {clock(elapsed * (self.total - self.done) / self.done)} left" if self.done else ""
-        text = f"  {what}; {clock(elapsed)} gone{left}"
+        left = f", about {clock(elapsed * (self.total - self.done) / self.done)} remain" if self.done else ""
+        text = f"  {what}; {clock(elapsed)} minutes passed{left}"
         print(f"\r{text:<120}" if self.terminal else text, end="" if self.terminal else "\n", file=sys.stderr, flush=True)
 
     def clear(self):

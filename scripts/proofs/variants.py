@@ -1,5 +1,6 @@
-"""The proofs of scripts/prove. A proof is a list of variants of a run, such as other numbers of threads, that must not change any
-bit of the state. T0, T1 and T2 in the names of proofs are the tiers of docs/determinism.md: one machine, one program, one source."""
+"""The proofs of scripts/prove. A proof is a list of variants of a run, for example with other numbers of threads. A variant must
+not change any bit of the state. T0, T1 and T2 in the names of proofs are tiers of docs/determinism.md. They say what the runs
+have in common: T0 the machine and the program, T1 the program, T2 only the sources."""
 
 import pathlib
 import shutil
@@ -28,14 +29,14 @@ def hostile(name):
 
 
 def threads_and_tiles(program, threads, tiles):
-    variants = tuple(Variant(f"{n} thread{'s' if n > 1 else ''}, tiles of {tile or 'any'} m", program, n, tile)
-                     for tile in tiles for n in threads)
+    variants = tuple(Variant(f"{n} thread{'s' if n > 1 else ''}, {f'tiles of {tile} m' if tile else 'default tiles'}",
+                             program, n, tile) for tile in tiles for n in threads)
     return Proof("T0 threads and tiles", f"{len(threads)} thread counts x {len(tiles)} tile sizes", variants)
 
 
 def ranks(base, teams):
-    """Several ranks in one process, with late, shuffled messages, and robots that change their ranks. teams: (number of ranks,
-    threads per rank, seed of the delays) of each variant."""
+    """Several ranks in one process. Messages are delayed and shuffled, and robots are moved to other ranks at random. teams:
+    (number of ranks, threads per rank, seed of the delays) of each variant."""
     variants = tuple(replace(base, label=f"{n} ranks, {threads} threads, seed {seed}", threads=threads,
                              options=("--ranks", n, "--rank-seed", seed)) for n, threads, seed in teams)
     return Proof("T0 ranks", "late, shuffled messages; robots change their ranks", variants)
@@ -62,7 +63,8 @@ def processes(base, numbers):
     for mpi, options in LAUNCHERS.items():
         launcher, module = shutil.which(f"mpirun.{mpi}"), base.program.with_name(f"libtroupe_mpi_{mpi}.so")
         if launcher is None or not module.exists():
-            print(f"NOT PROVED: processes of {mpi}: mpirun.{mpi} or {module} is missing (scripts/setup --mpi)")
+            print(f"NOT PROVED: processes of {mpi}, because mpirun.{mpi} or {module} is missing (scripts/setup --mpi installs "
+                  "MPI, the target troupe_mpi builds the module)")
             continue
         for n in (*numbers, "mixed"):
             how = ("-n", 3, "sh", "-c", MIXED, "sh") if n == "mixed" else ("-n", n)
@@ -90,7 +92,8 @@ def allocator(base):
 
 
 def surroundings(base, folder):
-    """A process with the floating-point mode of -ffast-math, another rounding mode, locale and working directory (tests/hostile/surroundings.cpp)."""
+    """A process with the floating-point mode of -ffast-math, and with another rounding mode, locale and working directory
+    than usual (tests/hostile/surroundings.cpp)."""
     locale = folder / "locale" / "de_DE.UTF-8"
     if not locale.exists():
         locale.parent.mkdir()
@@ -106,8 +109,8 @@ def surroundings(base, folder):
 
 
 def plugin(base):
-    """A plug-in that was linked with -ffast-math (tests/plugins), for a type that no robot has: its only effect is that loading it
-    turns off denormal numbers."""
+    """A plug-in that was linked with -ffast-math (tests/plugins). Only a type that no robot has uses this plug-in, so its only
+    effect is that loading it makes the processor treat denormal numbers as 0."""
     idle = '{"size_m": [0.1, 0.1, 0.1], "drive": {"kind": "diff"}, "controller": {"kind": "walker"}}'
     options = ("--set", f"/types/plugged={idle}", "--plugin-path", ROOT / "build" / "release" / "plugins" / "fast")
     variants = tuple(replace(base, label=f"plug-in linked with -ffast-math, {n} threads", threads=n, options=options) for n in (1, 2))
@@ -137,7 +140,7 @@ def restarts(base, ticks):
 
 def repetitions(base, ticks, count):
     """The last 50 ticks, repeated `count` times from a checkpoint, to find races between threads. Runs on two threads find
-    races that runs on eight threads do not."""
+    races that runs on eight threads do not find."""
     start = max(1, ticks - 50)
     variants = tuple(replace(base, label=f"stepped again, {i + 1}", threads=2, restarts=(start,)) for i in range(count))
     return Proof("T0 the same ticks again", f"{count} x {ticks - start} ticks from a checkpoint, 2 threads", variants)
@@ -157,7 +160,7 @@ def instruction_sets(base):
 
 
 def glibc(base):
-    variants = tuple(replace(base, label=f"glibc without {mask}",
+    variants = tuple(replace(base, label=f"glibc.cpu.hwcaps={mask}",
                              environment={"GLIBC_TUNABLES": f"glibc.cpu.hwcaps={mask}"}) for mask in GLIBC_MASKS)
     return Proof("T1 glibc for other processors", "GLIBC_TUNABLES: old processors, no FMA", variants)
 

@@ -85,7 +85,7 @@ TEST_F(CheckProgram, ChecksTheControllersOfARoom) {
   EXPECT_EQ(outcome.code, 0) << outcome.err;
   EXPECT_THAT(lines_of(outcome.out),
               ElementsAre(StartsWith("variant "), MatchesRegex("2 threads, .* same bits  [0-9a-f]{16}"),
-                          MatchesRegex("120 decisions, each 3 times +10  same bits  -")));
+                          MatchesRegex("120 decisions, each made 3 times +10  same bits  -")));
 }
 
 TEST_F(CheckProgram, ComparesNumbersOfRanks) {
@@ -110,9 +110,9 @@ TEST_F(CheckProgram, SaysWhetherTheRobotsAreDistributed) {
     EXPECT_EQ(outcome.code, 0) << outcome.err;
     return lines_of(outcome.out)[1];
   };
-  EXPECT_EQ(form("room.world"), "form of the ranks: distributed");
+  EXPECT_EQ(form("room.world"), "robot data of the ranks: distributed");
   EXPECT_EQ(form(TROUPE_SOURCE_DIR "/worlds/lift.world"),
-            "form of the ranks: replicated, because robots of type \"position\" have joints");
+            "robot data of the ranks: replicated, because robots of type \"position\" have joints");
 }
 
 TEST_F(CheckProgram, BadInputIsExitCode2) {
@@ -348,7 +348,8 @@ TEST_F(Check, AnHonestControllerPasses) {
   watched.controllers = true;
   const Outcome outcome = check(watched);
   EXPECT_EQ(outcome.code, 0) << outcome.out;
-  EXPECT_THAT(lines_of(outcome.out).back(), MatchesRegex("200 decisions, each 3 times +5  same bits  -"));
+  EXPECT_THAT(lines_of(outcome.out).back(),
+              MatchesRegex("200 decisions, each made 3 times +5  same bits  -"));
 }
 
 TEST_F(Check, AmnesiaFindsWhatIsRememberedOutsideOfTheState) {
@@ -371,7 +372,7 @@ TEST_F(Check, AmnesiaPassesWhereAllIsState) {
       ElementsAre(StartsWith("variant "), MatchesRegex("2 threads, automatic tiles +5  same bits  .*"),
                   MatchesRegex("2 threads, automatic tiles, junk in derived data +5  same bits  .*"),
                   MatchesRegex("2 threads, automatic tiles, world rebuilt +5  same bits  .*"),
-                  MatchesRegex("2 threads, automatic tiles, rows shuffled +5  same bits  .*")));
+                  MatchesRegex("2 threads, automatic tiles, bodies moved in memory +5  same bits  .*")));
 }
 
 TEST_F(Check, ReachFindsADeviceThatReadsFurtherThanItDeclares) {
@@ -479,8 +480,8 @@ INSTANTIATE_TEST_SUITE_P(
                       Meddling{"anything_no_target", ""},
                       Meddling{
                           "trees_far_target",
-                          "requested an effect on \"r1\", which is beyond the reach of the device: declare a "
-                          "larger reach in its kind (DeviceKind::Prepared::reach_m) or a wider scope "
+                          "requested an effect on \"r1\", which is farther away than the kind of the device "
+                          "declares: declare a larger reach (DeviceKind::Prepared::reach_m) or a wider scope "
                           "(DeviceKind::scope)"},
                       Meddling{"any_target_far_target", ""}, Meddling{"anything_far_target", ""}),
     [](const auto& meddling) {

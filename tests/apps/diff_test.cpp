@@ -136,8 +136,8 @@ TEST_F(Diff, MalformedLogsAreErrorsWithTheirLine) {
             "b.log:12: error: the last line is incomplete: the log was cut off; remove this line to compare "
             "the other lines\n");
   const std::string form =
-      " is not a line of a hash log; expected TICK STATE pose=... velocity=... sensor=... memory=..., 16 hex "
-      "digits each\n";
+      " is not a line of a hash log; expected TICK STATE pose=HASH velocity=HASH sensor=HASH memory=HASH, "
+      "with 16 lower-case hexadecimal digits for STATE and each HASH\n";
   EXPECT_EQ(error_of(header() + lines(0, 1) + "2 0123\n"), "b.log:12: error: \"2 0123\"" + form);
   std::string upper = line(0, 10);
   upper.replace(upper.find("a "), 1, "A");
@@ -147,8 +147,10 @@ TEST_F(Diff, MalformedLogsAreErrorsWithTheirLine) {
         error_of(header() + wrong),
         fmt::format("b.log:10: error: \"{}\"{}", wrong.substr(0, wrong.size() - 1).substr(0, 120), form));
   }
-  EXPECT_EQ(error_of(header() + line(0) + line(2)),
-            "b.log:11: error: tick 2 follows tick 0: lines are missing or repeated, the log is damaged\n");
+  EXPECT_EQ(
+      error_of(header() + line(0) + line(2)),
+      "b.log:11: error: tick 2 follows tick 0: the log is damaged, because lines are missing or "
+      "repeated\n");
   std::string damaged = line(1);
   damaged[damaged.size() - 2] = '7';
   EXPECT_EQ(error_of(header() + line(0) + damaged),

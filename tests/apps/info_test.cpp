@@ -193,7 +193,8 @@ TEST_F(Info, WrongWorldsTellWhatIsWrong) {
 }
 
 TEST_F(Info, OtherFilesAreNoneOfOurs) {
-  const std::string what = ": error: not a file of Troupe: expected a world (Stage's or JSON), a hash log, ";
+  const std::string what =
+      ": error: not a file that Troupe reads or writes: expected a world (Stage's or JSON), a hash log, ";
   write("notes", "Buy milk (and bread)\n");
   write("empty", "");
   write("other.json", "{\"name\": [1, 2]}");

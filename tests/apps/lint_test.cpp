@@ -229,7 +229,7 @@ TEST_F(LintTest, ReportsDefinitionsThatAreNotUsed) {
                "define slow bot( velocity_bounds [-1 1 -1 1 -1 1 -90 90] )\nslow()\n"),
       ElementsAre(
           "w.world:4: warning: macro \"fast\" is never used",
-          "parts.inc: warning: nothing of this included file is used; the file defines 2 macros: remove the "
+          "parts.inc: warning: nothing in this included file is used; the file defines 2 macros: remove the "
           "include",
           "w.world: 2 findings"));
 }

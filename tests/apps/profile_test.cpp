@@ -205,9 +205,10 @@ TEST_F(Profiles, StaySmall) {
     return Trace(std::string(std::istreambuf_iterator<char>(stream), {}));
   };
   std::size_t readable = 0;
-  EXPECT_THAT(limited(file, {.most_tasks = 100, .most_ticks = 7}, readable),
-              MatchesRegex(".*: warning: omitted to keep the file small: tasks from tick [3-7] on; "
-                           "everything from tick 8 on; --profile-ticks selects the ticks to profile"));
+  EXPECT_THAT(
+      limited(file, {.most_tasks = 100, .most_ticks = 7}, readable),
+      MatchesRegex(".*: warning: to keep the file small, the profile omits: tasks from tick [3-7] on; "
+                   "everything from tick 8 on .--profile-ticks selects the ticks to profile."));
   EXPECT_EQ(readable, 10u);
   const Trace trace = read_trace();
   EXPECT_THAT(trace.ticks, SizeIs(7));

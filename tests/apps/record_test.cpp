@@ -315,7 +315,7 @@ TEST_F(Record, DiffNamesTheFirstValueThatDiffers) {
   EXPECT_THAT(other.out,
               MatchesRegex(
                   "differs at tick [0-9]+ \\([0-9.]+ s\\):\n[a-z0-9/]+: [a-z_]+ of \".*\" \\(id [0-9]+\\) is "
-                  "0x[0-9a-f]+ \\(.*\\), not 0x[0-9a-f]+ \\(.*\\); [0-9]+ bod.*\n"));
+                  "0x[0-9a-f]+ \\(.*\\) in seed.h5, but 0x[0-9a-f]+ \\(.*\\) in first.h5; [0-9]+ bod.*\n"));
 
   record("short.h5", {"--for", "1"});
   const Outcome length = troupe({"diff", "short.h5", "a.h5"});
@@ -366,7 +366,7 @@ TEST_F(Record, RepairLeavesAloneWhatIsWhole) {
 
   write("text", "no recording");
   EXPECT_THAT(error_of({"repair", "text"}),
-              HasSubstr("text: error: has no complete HDF5 header: it is not a recording"));
+              HasSubstr("text: error: has no complete HDF5 header: the file is not a recording"));
   EXPECT_THAT(error_of({"repair", "none"}), HasSubstr("none: error: there is no such file"));
   { worldio::Hdf5File::create(path("other.h5")).create_group("data"); }
   EXPECT_THAT(error_of({"repair", "other.h5"}), HasSubstr("the file is not a recording"));

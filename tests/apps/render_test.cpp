@@ -236,16 +236,17 @@ TEST_F(Render, SaysThePresentNameOfAnEarlierSpelling) {
             0);
   const Outcome old = draw({"run.h5", "--color-by", "sensors/bot/ranger:0.ranges.3"});
   EXPECT_EQ(old.code, 0);
-  EXPECT_EQ(old.err,
-            "run.h5: warning: --color-by: \"sensors/bot/ranger:0.ranges.3\" is the spelling of an earlier "
-            "version: the name is now \"ranger:0.ranges.3\"\n");
+  EXPECT_EQ(
+      old.err,
+      "run.h5: warning: --color-by: \"sensors/bot/ranger:0.ranges.3\" is a name of an earlier version of "
+      "Troupe; the name is now \"ranger:0.ranges.3\"\n");
   const Outcome present = draw({"run.h5", "--color-by", "ranger:0.ranges.3"});
   EXPECT_EQ(present.code, 0);
   EXPECT_EQ(present.err, "");
 
   // A world has no paths of recordings, so that the spelling is an error.
   for (const char* path : {"sensors/bot/ranger:0.ranges", "bot/ranger:0/ranges"}) {
-    const std::string its_name = std::string(path) + "\": its name is \"ranger:0.ranges\"\n";
+    const std::string its_name = std::string(path) + "\": write \"ranger:0.ranges\" instead\n";
     const Outcome drawn = draw({"room.world", "--color-by", path});
     EXPECT_EQ(drawn.code, 2);
     EXPECT_THAT(drawn.err, EndsWith(": unknown value \"" + its_name));
@@ -288,7 +289,8 @@ TEST_F(Render, WhatARecordingHasNotIsRefused) {
   EXPECT_THAT(
       refusal({"run.h5", "--camera", "window"}),
       HasSubstr(
-          "run.h5: error: the camera \"window\" needs a world file with the entry window; other cameras"));
+          "run.h5: error: the camera \"window\" needs a world file with the entry \"window\"; other "
+          "cameras"));
   EXPECT_EQ(refusal({"run.h5", "--seed", "3"}),
             "run.h5: error: --seed cannot be used with a recording: omit this option (--at selects a time of "
             "the recording)\n");
@@ -332,7 +334,7 @@ TEST_F(Render, BadInputIsOneLine) {
       {{"render", "room.world", "-o", "none/q.png"},
        "none/q.png: error: cannot be written: there is no folder none"},
       {{"render", "room.world", "-o", "q.png", "--camera", "window"},
-       "room.world: error: the camera \"window\" needs a world file with the entry window"},
+       "room.world: error: the camera \"window\" needs a world file with the entry \"window\""},
   };
   for (const auto& [arguments, message] : cases) {
     const Outcome outcome = troupe(arguments);

@@ -82,7 +82,7 @@ TEST_F(ReplayPage, SaysThePresentNameOfAnEarlierSpelling) {
   };
   const auto warning = [](const std::string& old, const std::string& present) {
     return "ranges.h5: warning: --fields: \"" + old +
-           "\" is the spelling of an earlier version: the name is now \"" + present + "\"\n";
+           "\" is a name of an earlier version of Troupe; the name is now \"" + present + "\"\n";
   };
   for (const char* old : {"sensors/bot/ranger:0.ranges", "sensors/bot/ranger:0/ranges", "ranger:0/ranges"})
     EXPECT_EQ(warnings_of(old), warning(old, "ranger:0.ranges"));
@@ -126,7 +126,8 @@ TEST_F(ReplayPage, WrongInputIsRefusedBeforeAnythingIsWritten) {
                         "stall.stalled;"));
   EXPECT_THAT(error_of({"run.h5", "--fields", "pose,,stall"}), HasSubstr("is not a list of names"));
   EXPECT_THAT(error_of({"run.h5", "--max-mb", "0"}), HasSubstr("is not a size in megabytes"));
-  EXPECT_THAT(error_of({"run.h5", "--max-mb", "0.01"}), HasSubstr("not even two frames of 12 bodies fit"));
+  EXPECT_THAT(error_of({"run.h5", "--max-mb", "0.01"}), HasSubstr("too small for even two frames (bodies per "
+                                                                  "frame: 12)"));
   EXPECT_THAT(error_of({}), HasSubstr("RECORDING is required"));
 }
 

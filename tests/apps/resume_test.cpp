@@ -140,7 +140,7 @@ TEST_F(Resume, ATermSignalSavesTheState) {
                    "h.log", 40, SIGTERM);
   EXPECT_EQ(stopped.code, 3) << stopped.err;
   EXPECT_THAT(stopped.out, HasSubstr("stopped early"));
-  EXPECT_THAT(stopped.out, HasSubstr("  saved in           c.h5\n"));
+  EXPECT_THAT(stopped.out, HasSubstr("  checkpoint         c.h5\n"));
   const std::vector<std::string> before = ticks("h.log");
   const std::string end = std::to_string(static_cast<double>(before.size() + 20) / 10);
   good({"resume", "c.h5", "--for", end, "--hash-log", "h.log"});

@@ -123,10 +123,10 @@ TEST_F(Run, SummariesCountWhatAllRanksHoldAndSend) {
   for (const char* line :
        {"per rank +[0-9.,]+ messages .at most [0-9.,]+., [0-9.,]+ bytes .at most [0-9.,]+., in each tick",
         "robots per rank +4 own .at most [0-9.]+., [0-9.]+ ghosts .at most [0-9.]+., imbalance [0-9.]+",
-        "neighbours +[0-9.]+ ranks .at most [0-9.]+. per rank, [0-9.]+ rounds per tick .at most [0-9.]+.",
-        "form +distributed: [0-9.]+ ghosts .copies of robots of other ranks. per own robot; robots changed "
-        "ranks "
-        "[0-9]+ times?"})
+        "neighbours +[0-9.]+ neighbouring ranks .at most [0-9.]+., [0-9.]+ rounds of messages .at most "
+        "[0-9.]+., per rank and tick",
+        "robot data +distributed: [0-9.]+ ghosts .copies of robots of other ranks. per own robot; robots "
+        "divided among the ranks [0-9]+ times?"})
     EXPECT_THAT(lines_of(troupe(text).out), Contains(MatchesRegex("  " + std::string(line))));
 }
 
@@ -137,8 +137,9 @@ TEST_F(Run, ADryRunPrintsWhatTheRunWouldNeed) {
   EXPECT_FALSE(std::filesystem::exists(path("dry.log")));
   EXPECT_FALSE(std::filesystem::exists(path("dry.h5")));
   EXPECT_THAT(alone.out, StartsWith("options\n"));
-  for (const char* line : {"robots +12", "ticks +20, until 2 s",
-                           "memory +[0-9.]+ MiB with the whole world, of which state tables [0-9.e-]+ MiB"})
+  for (const char* line :
+       {"robots +12", "ticks +20, until 2 s",
+        "memory +[0-9.]+ MiB with the whole world, of which [0-9.e-]+ MiB are state tables"})
     EXPECT_THAT(lines_of(alone.out), Contains(MatchesRegex("  " + std::string(line))));
 
   const std::vector<std::string> options{"--for",     "0.1", "--ranks",     "3",
@@ -163,7 +164,7 @@ TEST_F(Run, ADryRunPrintsWhatTheRunWouldNeed) {
   const Outcome lift = troupe({"run", TROUPE_SOURCE_DIR "/worlds/lift.world", "--for", "1", "--ranks", "3",
                                "--distribute", "--dry-run"});
   EXPECT_EQ(lift.code, 0) << lift.err;
-  EXPECT_THAT(lines_of(lift.out), Contains(MatchesRegex("  form +replicated: each rank has the whole world, "
+  EXPECT_THAT(lines_of(lift.out), Contains(MatchesRegex("  robot data +replicated: each rank has all robots, "
                                                         "because robots of type .* have joints")));
   EXPECT_EQ(troupe({"run", "none.world", "--for", "1", "--dry-run"}).code, 2);
 }
@@ -191,7 +192,7 @@ TEST_F(Run, TheInstructionSetOfTheEnvironmentHoldsUnlessAnotherIsGiven) {
   setenv("TROUPE_SIMD", worst.c_str(), 1);
   EXPECT_EQ(json({"--for", "1"}).at("simd"), worst);
   EXPECT_EQ(json({"--for", "1", "--simd", best}).at("simd"), best);
-  EXPECT_THAT(troupe({"--version"}).out, HasSubstr(" simd " + worst + " (of " + best));
+  EXPECT_THAT(troupe({"--version"}).out, HasSubstr(" simd " + worst + " (available: " + best));
   setenv("TROUPE_SIMD", "avx9", 1);
   const Outcome refused = troupe({"run", "room.world", "--for", "1"});
   setenv("TROUPE_SIMD", "", 1);

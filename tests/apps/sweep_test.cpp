@@ -55,8 +55,8 @@ TEST_F(Sweep, RefusesColumnsOfTheSameNameBeforeTheRuns) {
   const Outcome outcome = troupe({"sweep", "same.json", "-o", "out"});
   EXPECT_EQ(outcome.code, 2);
   EXPECT_EQ(outcome.err,
-            "same.json:2: error: /parameters/0: a measure has the column \"stalls\" of the table of results: "
-            "give this parameter another \"name\"\n");
+            "same.json:2: error: /parameters/0: the table of results already has a column \"stalls\", that of "
+            "a measure: give this parameter another \"name\"\n");
   EXPECT_FALSE(std::filesystem::exists(path("out")));
 }
 

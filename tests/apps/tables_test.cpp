@@ -299,7 +299,7 @@ TEST_F(Tables, ThatCannotGoOnAreRefusedAndLeftAsTheyAre) {
       lines_of(outcome.err),
       ElementsAre(
           "m.csv: error: this table cannot be continued: the checkpoint has no data of earlier ticks for the "
-          "measures of this run, because it was saved without them: give the option a new file"));
+          "measures of this run, because it was saved without them: give --measures a new file"));
   outcome = with({"order"});
   EXPECT_EQ(outcome.code, 2);
   EXPECT_THAT(outcome.err, HasSubstr("m.csv: error: cannot be written: this table cannot be continued after "

@@ -204,8 +204,8 @@ INSTANTIATE_TEST_SUITE_P(
         WrongUsage{room({"--snapshot-at", "1"}), in_run("--snapshot-at requires --snapshot")},
         WrongUsage{room({"--fps", "10"}), in_run("--fps requires --film")},
         WrongUsage{room({"--snapshot", "p.png", "--snapshot-at", "1,x"}),
-                   in_run("--snapshot-at: \"1,x\" is not a list of simulated times in seconds, as in "
-                          "--snapshot-at 0,60,600")},
+                   in_run("--snapshot-at: \"1,x\" is not a list of simulated times in seconds, each "
+                          "from 0 to 1000000000, as in --snapshot-at 0,60,600")},
         WrongUsage{room({"--snapshot", "p.png", "--camera", "side"}),
                    in_run("--camera: unknown camera \"side\"; known: fit, follow:NAME, follow:all, "
                           "perspective, top, window")},
@@ -289,8 +289,8 @@ TEST_F(Describe, DevicesShowWhatTheyReadAndChangeOfOthers) {
                         "radio/command, runs\n"));
   EXPECT_THAT(
       troupe({"describe", "flags"}).out,
-      HasSubstr("access to bodies\n  changes: its own body, one target anywhere in the world, and all bodies "
-                "that carry or are carried by one of these two\n"));
+      HasSubstr("access to bodies\n  changes: the body that has the device, one target body anywhere in the "
+                "world, and all bodies that carry these two or are carried by them\n"));
   EXPECT_THAT(troupe({"describe", "ranger"}).out, Not(HasSubstr("access to bodies\n")));
 }
 

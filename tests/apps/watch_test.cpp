@@ -118,7 +118,8 @@ TEST_F(Watch, OtherRatesAreRefused) {
   for (const char* rate : {"0", "-1", "fast", "1x", "nan"}) {
     const Outcome outcome = troupe({"run", "w.world", "--for", "1", "--rate", rate});
     EXPECT_EQ(outcome.code, 2);
-    EXPECT_THAT(outcome.err, HasSubstr("is not a rate from 0.001 to 1000000000, times real time, or world"))
+    EXPECT_THAT(outcome.err,
+                HasSubstr("is not a multiple of real time from 0.001 to 1000000000, or the word world"))
         << rate;
   }
 }

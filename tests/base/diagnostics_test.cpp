@@ -92,7 +92,8 @@ TEST(Diagnostics, AWarningForManyPlacesIsReportedOnce) {
     if (line < 3) diagnostics.warning({file, line}, "odd");
   }
   EXPECT_THAT(diagnostics.warnings(),
-              ElementsAre("a.world:1: warning: property \"mass\" is not supported yet (and 99 more)",
+              ElementsAre("a.world:1: warning: property \"mass\" is not supported yet (and 99 more such "
+                          "warnings)",
                           "a.world:1: warning: odd", "a.world:2: warning: odd",
                           "a.world:3: warning: property \"watts\" is not supported yet"));
 }

@@ -435,14 +435,15 @@ TEST(Experiment, WhatCannotBeDoneIsToldWithItsPlace) {
   EXPECT_THAT(
       doing(at(1.5, Action::add, population("r"))),
       HasSubstr("w.json:7: error: /at/0: at 1.5 s: no body can be added to \"r\": no population has a "
-                "\"reserve\"; give this one a \"reserve\""));
+                "\"reserve\"; give this population a \"reserve\""));
   InterventionSpec outside = at(1, Action::move, model("r0"));
   outside.pose = Pose{1e6, 0, 0, 0};
   EXPECT_THAT(doing(outside),
               HasSubstr("\"r0\" would be moved to x 1000000, y 0 (m), outside the world's bounds ("));
   const FieldTable& drive = test::registry().drive("diff")->params;
-  EXPECT_THAT(doing(setting(1, TypeId(1), SettingSpec::Of::drive, drive, "velocity_max_x", -2.0)),
-              HasSubstr("drive \"diff\": velocity_x: lower bound -1 exceeds upper bound -2"));
+  EXPECT_THAT(
+      doing(setting(1, TypeId(1), SettingSpec::Of::drive, drive, "velocity_max_x", -2.0)),
+      HasSubstr("drive \"diff\": velocity_min_x, velocity_max_x: lower bound -1 exceeds upper bound -2"));
   EXPECT_THAT(doing(setting(1, TypeId(1), SettingSpec::Of::drive, drive, "localization", "odom")),
               HasSubstr("\"localization\" cannot change while the world runs"));
   EXPECT_THAT(doing(setting(1, TypeId(1), SettingSpec::Of::drive, drive, "pushes", 2)),

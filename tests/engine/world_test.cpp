@@ -130,7 +130,7 @@ TEST(World, BoundsTheWrongWayRoundAreAnError) {
   Diagnostics diagnostics;
   EXPECT_THROW(World(scene.spec, test::registry(), {.threads = 1}, diagnostics), InputError);
   EXPECT_EQ(diagnostics.text(diagnostics.findings()[0]),
-            "error: drive \"diff\": velocity_x: lower bound 1 exceeds upper bound -1");
+            "error: drive \"diff\": velocity_min_x, velocity_max_x: lower bound 1 exceeds upper bound -1");
 }
 
 TEST(World, TwoSensorsOfOneNameAreToldApart) {
@@ -300,7 +300,7 @@ TEST(World, TheReportOfOverlapsDependsOnNoThreadsAndNoCells) {
   scene.wall(0, -1, 1, 1);
   const std::string floor =
       "warning: a body extends below the floor (z = 0), which is not an obstacle: raise the body, if this is "
-      "not intended (and 349 more)";
+      "not intended (and 349 more such warnings)";
   const std::string pairs = fmt::format(
       "warning: {} pairs of bodies overlap at the start, for example \"r700\" and \"r699\"; bodies that "
       "overlap may move apart, but not closer",

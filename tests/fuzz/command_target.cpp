@@ -40,7 +40,7 @@ std::string content(const fs::path& file) {
   return {std::istreambuf_iterator<char>(stream), {}};
 }
 
-/// Whatever lies below a folder, with the files' content.
+/// All files and folders in a folder, {path relative to it: content of the file}; a folder has no content.
 using Tree = std::map<std::string, std::optional<std::string>>;
 
 int run_program(const std::vector<std::string>& arguments, const std::function<void(std::any&)>& limit) {
@@ -49,8 +49,8 @@ int run_program(const std::vector<std::string>& arguments, const std::function<v
   return apps::run_command_line(static_cast<int>(argv.size()), argv.data(), limit);
 }
 
-/// The folder in which every command line is run, made once a process and removed at its end. While it is
-/// entered, it is the working folder.
+/// The folder in which all command lines are run. The process makes it once and removes it at its end. It is
+/// the working folder from enter() to leave().
 class Scratch {
  public:
   Scratch() {
@@ -92,7 +92,7 @@ class Scratch {
     return std::ranges::any_of(
         tree(), [](const auto& entry) { return entry.first.find(".partial") != std::string::npos; });
   }
-  /// As it was before.
+  /// Restores the files that the constructor made, and removes all others.
   void restore() const {
     for (const auto& entry : fs::directory_iterator(folder_)) fs::remove_all(entry.path());
     for (const auto& [name, text] : before_) {
@@ -117,18 +117,20 @@ class Scratch {
   Tree before_;
 };
 
-/// Whether an argument may name a file outside the working folder, whatever it turns out to be the value of.
-/// The slashes of `--set=/a/b=` and `--part=1/2` cannot: as names of files these are relative.
+/// Whether an argument could name a file outside the working folder. Arguments such as `--set=/a/b=1` and
+/// `--part=1/2` are allowed: even if they were taken as file names, these names would be relative paths.
 bool may_leave_folder(const std::string& argument) {
   if (argument.find("..") != argument.npos) return true;
   if (argument.starts_with("--part=")) return false;
   if (!argument.starts_with("--set=")) return argument.find('/') != argument.npos;
-  // A world can name the file that it is recorded in: neither a slash nor an escaped one in the value.
+  // The value of a setting could be the name of an output file: it must not contain a slash or a backslash,
+  // with which JSON can escape a slash.
   const std::size_t equals = argument.find('=', std::string_view("--set=").size());
   return equals != argument.npos && argument.find_first_of("/\\", equals) != argument.npos;
 }
 
-/// Whether a value that is set could make a world large: more than three digits in a row, or an exponent.
+/// Whether the value of a setting could make a world large: whether it has more than three successive digits
+/// or an exponent.
 bool may_be_large(const std::string& value) {
   std::size_t digits = 0;
   for (const char c : value) {
@@ -154,7 +156,7 @@ void limit_run(apps::RunOptions& options) {
   if (options.worlds.size() > 3) options.worlds.resize(3);
 }
 
-/// It is over at once, without a viewer.
+/// Makes `troupe view` end at once, without waiting for a viewer.
 void limit_view(apps::ViewOptions& options) {
   limit_world(options);
   options.for_s = 0;
@@ -172,14 +174,14 @@ void limit_check(apps::CheckOptions& check) {
   if (check.tile_sizes_m.size() > 2) check.tile_sizes_m.resize(2);
 }
 
-/// The options, if they are of this command.
+/// The options as those of one command, or null if they are those of another command.
 template <class Options>
 Options* as(std::any& options) {
   const auto* shared = std::any_cast<std::shared_ptr<Options>>(&options);
   return shared ? shared->get() : nullptr;
 }
 
-/// Short runs, small worlds, and few threads.
+/// Limits the options so that runs are short, worlds small, and threads few.
 void limit(std::any& options) {
   if (auto* run = as<apps::RunOptions>(options)) limit_run(*run);
   if (auto* view = as<apps::ViewOptions>(options)) limit_view(*view);

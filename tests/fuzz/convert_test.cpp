@@ -1,4 +1,5 @@
-// What the fuzz targets' seeds load as worlds is written as JSON and read again: the same world.
+// Writes the worlds among the seeds of the fuzz targets as JSON, reads them again, and checks that they are
+// still the same worlds.
 
 #include "engine/world/world.hpp"
 #include "tests/fuzz/targets.hpp"
@@ -39,7 +40,8 @@ std::string content(const fs::path& file) {
   return {std::istreambuf_iterator<char>(stream), {}};
 }
 
-/// The states of ticks 0 and 20; nothing where the world cannot be built, as of a controller without sensors.
+/// The state hashes of ticks 0 and 20 (2 in slow builds). Empty if the world cannot be built or a step fails,
+/// for example because a controller lacks its sensors.
 std::vector<std::uint64_t> states(const engine::WorldSpec& spec, const engine::Registry& registry) {
   Diagnostics diagnostics(spec.files);
   try {
@@ -81,7 +83,7 @@ TEST(ConvertedSeeds, AreTheSameWorlds) {
       std::string faults;
       for (const Finding& finding : diagnostics.findings())
         if (finding.severity == Severity::error) faults += diagnostics.text(finding) + '\n';
-      // A text may be in any encoding in Stage's files.
+      // Texts in Stage's files may have any encoding, but JSON requires UTF-8.
       if (faults.find("is not UTF-8") != std::string::npos) continue;
       ASSERT_TRUE(document) << faults;
       ++converted;

@@ -1,5 +1,5 @@
-// The seeds of the fuzz targets, and whatever they found once, in ordinary builds and with whatever sanitizer
-// these have.
+// Runs the fuzz targets on their seeds (the corpora) and on the inputs that once revealed an error (the
+// findings), in ordinary builds and with the sanitizers of these builds.
 
 #include "tests/fuzz/targets.hpp"
 #include "tests/support/slow_build.hpp"
@@ -48,7 +48,8 @@ std::string content(const std::filesystem::path& file) {
   return {std::istreambuf_iterator<char>(stream), {}};
 }
 
-/// While one lives, what is printed goes nowhere: command lines print what the program prints.
+/// While an object of this class exists, all output of the process is discarded. It hides the output of the
+/// command lines that run_command() runs.
 class Silence {
  public:
   Silence() {
@@ -85,7 +86,7 @@ TEST_P(Corpus, IsReadToTheEnd) {
       const std::string bytes = content(file);
       const Silence silence;
       GetParam().read(bytes);
-      // Nothing that is cut off does harm either.
+      // The first quarter, half and three quarters of the input must not cause a crash either.
       for (const std::size_t part : {1, 2, 3})
         GetParam().read(std::string_view(bytes).substr(0, bytes.size() * part / 4));
       ++count;

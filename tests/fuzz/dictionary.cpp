@@ -1,5 +1,5 @@
-// Prints the dictionary of a fuzz target, made of the program's own tables: dictionary
-// json|stage|study|command.
+// Prints the dictionary of a fuzz target for libFuzzer: the keys, words and options that Troupe knows.
+//   fuzz_dictionary json|stage|study|command
 
 #include "apps/command_line.hpp"
 #include "tests/fuzz/json_mutator.hpp"
@@ -14,7 +14,7 @@
 namespace troupe::fuzz {
 namespace {
 
-/// As libFuzzer reads it: in quotes, what is not plain in hex.
+/// Prints entries in the format of libFuzzer: in quotes, with special characters as \xHH.
 void print_entries(const std::set<std::string>& entries) {
   for (const std::string& entry : entries) {
     std::string text;

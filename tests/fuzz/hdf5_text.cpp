@@ -16,7 +16,7 @@ using worldio::Hdf5Dataset;
 using worldio::Hdf5File;
 using worldio::Hdf5Group;
 
-constexpr std::size_t k_most_values = 4096;  // that are written
+constexpr std::size_t k_most_values = 4096;  // numbers of a dataset that are written
 
 template <class T>
 T number(const std::string& text) {
@@ -25,7 +25,8 @@ T number(const std::string& text) {
   return value;
 }
 
-/// The last step of a path, and the group that it lies in.
+/// Splits a path, such as /state/pose/x. Returns the group of its parent, /state/pose, which is created if it
+/// does not exist, and its last name, x. For a path of one name, such as /x, the group is /nowhere.
 std::pair<Hdf5Group, std::string> place(Hdf5File& file, const std::string& path) {
   std::istringstream steps(path);
   std::vector<std::string> names;
@@ -34,21 +35,22 @@ std::pair<Hdf5Group, std::string> place(Hdf5File& file, const std::string& path)
   if (names.empty()) throw worldio::Hdf5Error("no path");
   const std::string last = names.back();
   names.pop_back();
-  if (names.empty()) return {file.create_group("nowhere"), last};  // the root itself is no group to be moved
+  if (names.empty()) return {file.create_group("nowhere"), last};  // the root group cannot be returned
   Hdf5Group group = file.has_group(names[0]) ? file.group(names[0]) : file.create_group(names[0]);
   for (std::size_t i = 1; i < names.size(); ++i)
     group = group.has_group(names[i]) ? group.group(names[i]) : group.create_group(names[i]);
   return {std::move(group), last};
 }
 
-/// set(object) for the group or dataset of this path.
+/// Calls set(group) for the group with this path, which is created if it does not exist.
 template <class Set>
 void with_object(Hdf5File& file, const std::string& path, Set set) {
   auto [group, name] = place(file, path + "/.");
   set(group);
 }
 
-/// The first rows with the numbers of the texts; the others are there, and empty.
+/// Gives a dataset this number of rows. Writes the numbers in `texts`, repeated, into the first rows; the
+/// other rows keep the fill value.
 template <class T>
 void append_rows(Hdf5Dataset& dataset, std::size_t rows, const std::vector<std::string>& texts) {
   const std::size_t written = std::min(rows, k_most_values / std::max<std::size_t>(dataset.row_values(), 1));
@@ -59,7 +61,8 @@ void append_rows(Hdf5Dataset& dataset, std::size_t rows, const std::vector<std::
   if (dataset.rows() < rows) dataset.resize(rows);
 }
 
-/// A dataset as the rest of its line says; false where the first word is no element.
+/// Makes a dataset from the rest of its line. Returns false if `word`, the first word of the line, is not an
+/// element type such as f64, or if the number of dimensions is not 1 to 5.
 bool make_dataset(Hdf5File& file, const std::string& word, const std::string& path,
                   std::istringstream& rest) {
   std::vector<std::size_t> extent;

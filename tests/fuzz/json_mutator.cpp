@@ -19,8 +19,8 @@ namespace {
 using Json = nlohmann::ordered_json;
 using Schemas = std::vector<const Json*>;
 
-constexpr int k_most_depth = 64;   // of a document
-constexpr int k_deepest_made = 6;  // levels of what is generated
+constexpr int k_most_depth = 64;   // greatest nesting depth of a document
+constexpr int k_deepest_made = 6;  // greatest nesting depth of a generated value
 constexpr std::size_t k_most_nodes = 20000;
 
 double edge(Random& random) {
@@ -61,18 +61,19 @@ Json whole_edge(Random& random) {
   return Json(any_of(k_edges, random));
 }
 
-/// Of a document: a value, what the schema says of it, and where it hangs.
+/// A value in a document, the schemas that apply to it, and its place in the document.
 struct Node {
   Json* value;
   Schemas schemas;
-  Json* parent = nullptr;  ///< null: the root
-  std::string key;         ///< of an object
-  std::size_t index = 0;   ///< of a list
+  Json* parent = nullptr;  ///< the object or list that contains the value; null for the root
+  std::string key;         ///< key of the value, if the parent is an object
+  std::size_t index = 0;   ///< index of the value, if the parent is a list
 };
 
 bool holds(const Json& schema, const char* key) { return schema.is_object() && schema.contains(key); }
 
-/// No document, or one that nests too deeply.
+/// Parses a text. Returns a discarded value if the text is not JSON or is nested more than k_most_depth
+/// levels deep.
 Json parsed(std::string_view text) {
   bool too_deep = false;
   const auto callback = [&too_deep](int depth, Json::parse_event_t, Json&) {
@@ -83,7 +84,7 @@ Json parsed(std::string_view text) {
   return too_deep ? Json(Json::value_t::discarded) : json;
 }
 
-/// Texts need not be UTF-8 once bytes of them were mutated: the reader is to see those bytes.
+/// Returns the text of a document. Mutated texts in it may be invalid UTF-8; invalid bytes are replaced.
 std::string dumped(const Json& json) {
   try {
     return json.dump(1, ' ');
@@ -96,8 +97,8 @@ std::string dumped(const Json& json) {
 
 struct JsonMutator::Impl {
   Json schema;
-  std::vector<std::pair<std::string, const Json*>> properties;  // every key that the schema knows
-  std::vector<std::string> texts;                               // of `const` and `enum`
+  std::vector<std::pair<std::string, const Json*>> properties;  // all keys, with the schemas of their values
+  std::vector<std::string> texts;                               // the texts in `const` and `enum`
 
   void collect(const Json& node) {
     if (node.is_array())
@@ -112,7 +113,7 @@ struct JsonMutator::Impl {
     for (const auto& [key, value] : node.items()) collect(value);
   }
 
-  /// The alternatives that a schema stands for, with references resolved.
+  /// Adds to `found` the alternatives of a schema (`anyOf`, `oneOf`, `allOf`), with references resolved.
   void expand(const Json& node, Schemas& found, int depth = 0) const {
     if (depth > 20 || !node.is_object() || found.size() > 200) return;
     if (holds(node, "$ref")) {
@@ -131,7 +132,8 @@ struct JsonMutator::Impl {
     return found;
   }
 
-  /// Of alternatives that a "kind" tells apart, those of the value's own.
+  /// Returns those of the schemas whose "kind" equals that of the value; all schemas if the value has no
+  /// "kind" or if no schema has the same one.
   static Schemas fitting(const Json& value, const Schemas& schemas) {
     if (!value.is_object() || !value.contains("kind")) return schemas;
     Schemas fit;
@@ -206,7 +208,7 @@ struct JsonMutator::Impl {
     };
     if (holds(one, "required"))
       for (const Json& key : one["required"]) add(key);
-    // A quantity has a key for each unit, of which one is given.
+    // A quantity has one key per unit; exactly one of these keys must be given.
     if (holds(one, "allOf"))
       for (const Json& rule : one["allOf"]) {
         if (!holds(rule, "oneOf")) continue;
@@ -219,7 +221,7 @@ struct JsonMutator::Impl {
     return made;
   }
 
-  /// A value that fits a schema, or nearly.
+  /// Returns a random value that fits a schema, or nearly fits it.
   Json made_of(const Json& node, Random& random, int depth) const {
     const Schemas ways = expanded(node);
     if (ways.empty() || depth > k_deepest_made) return Json(whole_edge(random));
@@ -250,7 +252,8 @@ struct JsonMutator::Impl {
     return texts.empty() || chance(random, 50) ? any_of(k_texts, random) : any_of(texts, random);
   }
 
-  /// Inserts or replaces a member that the schema knows there, or anywhere.
+  /// Inserts or replaces a member of a random object: mostly a member that the schema allows in this object,
+  /// sometimes one that it allows only elsewhere.
   void insert(Json& document, Random& random) const {
     std::vector<Node> all = nodes_of(document);
     std::erase_if(all, [](const Node& node) { return !node.value->is_object(); });
@@ -327,9 +330,9 @@ struct JsonMutator::Impl {
     const Json copy_a = *a.value;
     const Json copy_b = *b.value;
     if (!a.parent || !b.parent) return;
-    // One may lie in the other: then the outer one is replaced last.
+    // If `a` was a part of `b`, it no longer exists: look for it again.
     *b.value = copy_a;
-    if (chance(random, 50)) return;  // a copy instead
+    if (chance(random, 50)) return;  // only copy `a` to the place of `b`
     std::vector<Node> now = nodes_of(document);
     const auto found = std::ranges::find(now, a.value, &Node::value);
     if (found != now.end()) *found->value = copy_b;
@@ -345,7 +348,7 @@ struct JsonMutator::Impl {
       mutate_text(text);
       value = text;
     } else {
-      // Names refer to one another: another text of the document is as good as a word of the schema.
+      // Documents contain references by name, so another text of the document may be a valid reference.
       value = chance(random, 50) ? std::string(*any_of(all, random).value) : made_text(random);
     }
   }
@@ -364,7 +367,7 @@ std::string JsonMutator::mutate(std::string_view text, std::uint32_t seed,
   Json document = parsed(text);
   if (document.is_discarded()) return {};
   Random random(seed);
-  random.discard(3);  // seeds that are near one another begin alike
+  random.discard(3);  // with nearly equal seeds, the first numbers are nearly equal
   for (std::size_t times = 1 + below(random, 3); times > 0; --times) switch (below(random, 9)) {
       case 0:
       case 1:

@@ -10,38 +10,43 @@
 
 namespace troupe::fuzz {
 
-/// Changes JSON documents as trees, guided by a JSON Schema: keys are inserted where the schema knows them,
-/// with values that fit it or lie just beyond its limits; numbers become edge values; subtrees are deleted,
-/// duplicated, swapped and generated again. Mutations of bytes alone seldom leave a document that can be
-/// read.
+/// Mutates JSON documents as trees, guided by a JSON Schema. It inserts keys where the schema allows them,
+/// with values that fit the schema or lie just outside its limits; replaces numbers by edge cases; and
+/// deletes, duplicates, swaps and generates subtrees. Random changes of bytes, in contrast, seldom result in
+/// a document that can be read.
 class JsonMutator {
  public:
-  /// The schema as worldio::world_schema() prints it: `properties`, `items`, `anyOf`, `oneOf`, `allOf`,
-  /// `const`, `enum`, limits and `$ref`s into `definitions` are understood.
+  /// schema: the text of a JSON Schema, as worldio::world_schema() returns it. The mutator uses `properties`,
+  /// `required`, `items`, `anyOf`, `oneOf`, `allOf`, `const`, `enum`, limits, and each `$ref` to a member of
+  /// `definitions`.
   explicit JsonMutator(std::string_view schema);
   ~JsonMutator();
 
-  /// Changes one text that is no key, as LLVMFuzzerMutate does with bytes. May be empty.
+  /// A function that mutates the bytes of one text value, as LLVMFuzzerMutate does. May be empty.
   using MutateText = std::function<void(std::string& text)>;
 
-  /// A mutation of `text`, a pure function of both and of what `mutate_text` does. Empty where the text is no
-  /// JSON of at most 64 levels: to be mutated otherwise. May be longer than the text.
+  /// Returns a mutation of `text`, which depends only on `text`, `seed` and the results of `mutate_text`. It
+  /// may be longer than `text`. Returns an empty text if `text` is not JSON or is nested more than 64 levels
+  /// deep; the caller then has to mutate it in another way.
   std::string mutate(std::string_view text, std::uint32_t seed, const MutateText& mutate_text) const;
-  /// `first` with a subtree of `second` in the place of one of its own, of the same key where there is one.
-  /// Empty where either is no JSON.
+  /// Returns the document `first` with one of its subtrees replaced by a random subtree of `second`. The
+  /// replaced subtree has the same key as the new one, if `first` has such a subtree. Returns an empty text
+  /// if `first` or `second` is not JSON.
   std::string cross(std::string_view first, std::string_view second, std::uint32_t seed) const;
 
-  /// Every key and every text that the schema names, sorted: a dictionary.
+  /// All keys in the schema, sorted, for the dictionary of libFuzzer.
   std::vector<std::string> keys() const;
-  std::vector<std::string> words() const;  ///< the texts
+  /// All texts that the schema lists as values (`const`, `enum`), sorted, for the same dictionary.
+  std::vector<std::string> words() const;
 
  private:
   struct Impl;
   std::unique_ptr<Impl> impl_;
 };
 
-/// The schema of worlds; and that of studies of them (docs/sweeps.md), whose measures are those of worlds.
+/// The mutator for JSON worlds.
 const JsonMutator& world_mutator();
+/// The mutator for studies (docs/sweeps.md).
 const JsonMutator& study_mutator();
 
 }  // namespace troupe::fuzz

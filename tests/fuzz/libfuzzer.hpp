@@ -11,18 +11,21 @@
 
 extern "C" std::size_t LLVMFuzzerMutate(std::uint8_t* data, std::size_t size, std::size_t most);
 
-/// Between libFuzzer and the mutators, which know nothing of it and so can be tested.
+/// Functions that connect libFuzzer with the mutators. The mutators do not depend on libFuzzer, so they can
+/// be tested without it.
 namespace troupe::fuzz {
 
-/// One mutation in five is left to libFuzzer: dictionaries and compared values come in that way only.
+/// Whether libFuzzer itself makes the mutation with this seed, which holds for one mutation in five. Only
+/// libFuzzer's mutations use dictionaries and the values that the program compares its input with.
 inline bool by_bytes(unsigned seed) { return seed % 5 == 0; }
 
+/// Copies the text to `data`, which must have space for it, and returns its size.
 inline std::size_t put(std::string_view text, std::uint8_t* data) {
   std::memcpy(data, text.data(), text.size());
   return text.size();
 }
 
-/// LLVMFuzzerCustomMutator of a JSON document.
+/// Implements LLVMFuzzerCustomMutator for JSON documents.
 inline std::size_t mutate_json(const JsonMutator& mutator, std::uint8_t* data, std::size_t size,
                                std::size_t most, unsigned seed) {
   const auto mutate_text = [](std::string& text) {
@@ -39,7 +42,8 @@ inline std::size_t mutate_json(const JsonMutator& mutator, std::uint8_t* data, s
   return LLVMFuzzerMutate(data, size, most);
 }
 
-/// LLVMFuzzerCustomCrossOver of two: 0 where there is none.
+/// Implements LLVMFuzzerCustomCrossOver for two JSON documents. Returns 0 if an input is not JSON or if the
+/// result is longer than `most` bytes.
 inline std::size_t cross_json(const JsonMutator& mutator, std::string_view first, std::string_view second,
                               std::uint8_t* out, std::size_t most, unsigned seed) {
   const std::string text = mutator.cross(first, second, seed);

@@ -37,10 +37,10 @@ constexpr std::string_view k_handshake =
     "GET /live HTTP/1.1\r\nHost: localhost\r\nUpgrade: websocket\r\nConnection: Upgrade\r\n"
     "Sec-WebSocket-Key: dGhlIHNhbXBsZSBub25jZQ==\r\nSec-WebSocket-Version: 13\r\n\r\n";
 constexpr double k_rate = 20;
-constexpr int k_inputs = 64;     // after so many inputs, the files that they have requested are removed
-constexpr time_t k_hang_s = 20;  // no connection stays open as long after its last byte
+constexpr int k_inputs = 64;     // after this many inputs, the files that the view has written are removed
+constexpr time_t k_hang_s = 20;  // a connection that stays open and silent for this time counts as hanging
 
-/// A world that a View shows while the process lives, in a scratch folder.
+/// A small world and a View that shows it until the process ends. The View writes into a scratch folder.
 class Shown {
  public:
   Shown() {
@@ -90,7 +90,7 @@ class Shown {
   int inputs_ = 0;
 };
 
-/// A text frame of a client, whose mask is 0.
+/// The bytes of a WebSocket text frame, as a client sends it, with the mask 0.
 std::string frame(std::string_view text) {
   std::string bytes = "\x81";
   if (text.size() < 126) {
@@ -126,13 +126,14 @@ class Connection {
       bytes.remove_prefix(static_cast<std::size_t>(sent));
     }
   }
-  /// Ends the sending, and reads until the program closes the connection.
+  /// Tells the program that nothing more will be sent, and reads until the program closes the connection.
+  /// Aborts the process if this takes longer than k_hang_s.
   void finish() const {
     ::shutdown(socket_, SHUT_WR);
     std::array<char, 65536> bytes{};
     for (;;) {
       const ssize_t got = ::recv(socket_, bytes.data(), bytes.size(), 0);
-      if (got < 0 && (errno == EAGAIN || errno == EWOULDBLOCK)) std::abort();  // it hangs
+      if (got < 0 && (errno == EAGAIN || errno == EWOULDBLOCK)) std::abort();  // the program hangs
       if (got <= 0) return;
     }
   }

@@ -1,5 +1,5 @@
-// The mutators of the fuzz targets: what they make is mostly a document of the same language, and reaches
-// what the seed did not have.
+// Tests the mutators of the fuzz targets: most of their results are valid documents of the same language as
+// the seed, and they contain keys that the seed does not have.
 
 #include "tests/fuzz/json_mutator.hpp"
 #include "tests/fuzz/stage_mutator.hpp"
@@ -70,7 +70,7 @@ TEST(JsonMutator, MakesDocumentsWithKeysThatTheSeedDoesNotHave) {
   }
   EXPECT_GT(made.size(), k_rounds * 9 / 10);
   EXPECT_GT(after.size(), before.size() + 100);
-  // Of values that fit their schema many make a world, as no world would of random bytes.
+  // Random changes of bytes would make hardly any world that can be loaded.
   EXPECT_GT(readable, 5u);
 }
 
@@ -125,7 +125,7 @@ TEST(StageMutator, MakesWorldsThatAreStillNested) {
   EXPECT_EQ(mutate_stage("# only a comment", 1), "");
 }
 
-// A fixed part of what libFuzzer would do for hours, in every build and with whatever sanitizer it has.
+// Reads a fixed set of mutated inputs in every build, with its sanitizers, as libFuzzer does for hours.
 TEST(Mutated, SeedsAreReadToTheEnd) {
   for (const char* seed :
        {"corpus/json/room.json", "corpus/json/experiment.json", "corpus/json/script.json"}) {

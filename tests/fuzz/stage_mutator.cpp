@@ -21,7 +21,8 @@ bool is_number(const std::string& token) {
   return std::isdigit(static_cast<unsigned char>(token[0])) != 0 || token[0] == '-' || token[0] == '.';
 }
 
-/// Words, numbers, texts with their quotes, and single marks; comments are left out.
+/// Splits a text into words, numbers, texts with their quotes, and single punctuation characters, without
+/// comments.
 Tokens tokens_of(std::string_view text) {
   Tokens tokens;
   const auto is_part = [](char c) {
@@ -62,10 +63,11 @@ std::string text_of(const Tokens& tokens) {
 
 struct Span {
   std::size_t begin = 0;
-  std::size_t end = 0;  ///< behind the last token
+  std::size_t end = 0;  ///< index after the last token
 };
 
-/// `word ( ... )` and `define word word ( ... )`, and what stands in square brackets.
+/// The blocks of a text between the brackets `open` and `close`: `word ( ... )` and
+/// `define word word ( ... )`, each with the words in front of the bracket, or `[ ... ]`.
 std::vector<Span> blocks_of(const Tokens& tokens, const char* open, const char* close) {
   std::vector<Span> blocks;
   std::vector<std::size_t> begun;
@@ -121,7 +123,7 @@ void erase(Tokens& tokens, Span span) {
                tokens.begin() + static_cast<std::ptrdiff_t>(span.end));
 }
 
-/// A property, or a block with some, inside one of the blocks or at the top level.
+/// Inserts a property, or a block with up to three properties, into a random block or at the top level.
 void insert_known(Tokens& tokens, Random& random) {
   Tokens what;
   const auto add_property = [&] {
@@ -191,7 +193,7 @@ void change_numbers(Tokens& tokens, Random& random) {
 std::string mutate_stage(std::string_view text, std::uint32_t seed) {
   Tokens tokens = tokens_of(text);
   Random random(seed);
-  random.discard(3);  // seeds that are near one another begin alike
+  random.discard(3);  // with nearly equal seeds, the first numbers are nearly equal
   for (std::size_t times = 1 + below(random, 3); times > 0 && !tokens.empty(); --times)
     switch (below(random, 6)) {
       case 0:

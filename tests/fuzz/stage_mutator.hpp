@@ -7,18 +7,18 @@
 
 namespace troupe::fuzz {
 
-/// A mutation of a Stage world by its blocks and tokens, a pure function of text and seed: blocks are
-/// duplicated, nested, swapped and deleted, properties of the known list inserted with values of their kind,
-/// numbers become edge values, words others that mean something. Empty where the text has no token. May be
-/// longer than the text.
+/// Returns a mutation of a world in Stage's syntax, which depends only on the text and the seed. The mutation
+/// duplicates, nests, replaces or deletes blocks, inserts known properties with random values, or replaces
+/// numbers by edge cases and words by other known words. It may be longer than the text. Returns an empty
+/// text if the text has no token.
 std::string mutate_stage(std::string_view text, std::uint32_t seed);
 
-/// What Stage worlds are made of: the properties of worldio::stage_rows(), model types, and the names of
-/// drives, controllers and presets.
+/// The words of worlds in Stage's syntax.
 struct StageWords {
-  std::vector<std::string> properties;
-  std::vector<std::string> types;  ///< of models, and "sensor", "block", "define", "include"
-  std::vector<std::string> texts;  ///< what stands in quotes
+  std::vector<std::string> properties;  ///< the properties of worldio::stage_rows()
+  std::vector<std::string> types;       ///< the types of models, and "sensor", "block" and "window"
+  /// Texts that stand in quotes: names of drives, controllers, files and units, and values of properties.
+  std::vector<std::string> texts;
 };
 const StageWords& stage_words();
 

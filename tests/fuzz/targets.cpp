@@ -34,7 +34,8 @@
 namespace troupe::fuzz {
 namespace {
 
-// What worlds include and draw stands beside them: tests/fuzz/files.
+// The folder of the files that worlds may include, and of the images that they may use. Worlds are read as if
+// they were files in this folder.
 const std::filesystem::path k_folder = std::filesystem::path(TROUPE_SOURCE_DIR) / "tests/fuzz/files";
 
 constexpr int k_ticks = 5;
@@ -45,13 +46,13 @@ const engine::Registry& registry() {
   return all;
 }
 
-/// An input that is refused says why, one that is taken does not.
+/// Aborts the process, which libFuzzer reports as a crash, unless `ok` is true.
 void check(bool ok) {
   if (!ok) std::abort();
 }
 
-/// What a device looks along in a tick, by what its parameters say: the beams of rangers, the columns of blob
-/// finders, the pixels of cameras.
+/// The number of rays that a device casts in a tick, estimated from its parameters: the beams of rangers, the
+/// image columns of blob finders, the pixels of cameras.
 double rays_of(const engine::FieldTable& table, const engine::Record& params) {
   double rays = 0;
   double pixels = 1;
@@ -68,7 +69,7 @@ double rays_of(const engine::FieldTable& table, const engine::Record& params) {
   return rays + pixels;
 }
 
-/// Large worlds take long, which is no finding.
+/// Whether a world is small enough to be run. A large world takes long; that would not be an error of Troupe.
 bool is_small(const engine::WorldSpec& spec) {
   std::size_t vertices = 0;
   double readings = 0;
@@ -85,7 +86,8 @@ bool is_small(const engine::WorldSpec& spec) {
   return static_cast<double>(spec.bodies.size()) <= k_most_bodies;
 }
 
-/// What was read can be written, or is told why not; the writer itself sees to it that it reads back.
+/// Checks that a world that was read can be written as JSON, or that the writer reports an error. The writer
+/// itself checks that its output can be read again.
 void write(const engine::WorldSpec& spec, const Diagnostics& diagnostics) {
   if (!is_small(spec)) return;
   Diagnostics found(diagnostics.files());
@@ -93,13 +95,15 @@ void write(const engine::WorldSpec& spec, const Diagnostics& diagnostics) {
   check(document.has_value() != found.has_errors());
 }
 
-/// Kinds of Troupe's own throw nothing but these two: all else comes out as one of them, with these words.
+/// Whether an InputError or StepError reports that a kind, such as a sensor or a controller, threw another
+/// exception. Troupe's own kinds must not do this.
 bool tells_of_a_throw(const std::exception& error) {
   const std::string_view text = error.what();
   return text.find(" threw: ") != text.npos || text.find(" threw an exception") != text.npos;
 }
 
-/// Several: what was decided in one moves bodies in the next, and what an experiment does comes later still.
+/// Makes several ticks, because a command moves a body only in the tick after it was given, and interventions
+/// happen still later.
 void make_ticks(engine::World& world) {
   for (int tick = 0; tick < k_ticks; ++tick) world.step();
   world.hashes();

@@ -691,8 +691,8 @@ TEST(Measures, SayWhatIsWrongWithThem) {
           "error: unknown type or population of robots \"trucks\"; known: m, minibot, t, truck (did you mean "
           "\"truck\"?)",
           "error: two measures have the column \"order\": give one of them another \"name\"",
-          "error: a measure cannot have the column \"tick\", which is the time in tables of measures: give "
-          "it another \"name\"",
+          "error: a measure cannot have the column \"tick\", which contains the time in tables of measures: "
+          "give the measure another \"name\"",
           AllOf(HasSubstr("error: coverage: "), HasSubstr(" million cells of 0.001 m, but at most 25 million "
                                                           "are allowed: give a larger \"cell_m\""))));
 }

@@ -158,7 +158,7 @@ TEST(Movers, WithoutObstaclesOfTheirOwnTheyPassThroughAll) {
 TEST(Movers, WhatTheyCannotKeepIsTold) {
   EXPECT_THAT(Mover({{1, 0, 0, 0, 2}}).error(),
               HasSubstr("controller \"waypoints\" cannot follow goal 1 (counted from 1): its `speed` is 2 "
-                        "m/s, but the drive reaches 1 m/s in its slowest direction: give a lower one"));
+                        "m/s, but the drive reaches 1 m/s in its slowest direction: give a lower `speed`"));
   EXPECT_THAT(Mover({{0, 0, 0, 1}, {3, 0, 0, 2}}).error(),
               HasSubstr("cannot follow goal 2 (counted from 1): it is 3 m from the goal before it, and the "
                         "robot has 1 s for this way, from the `at` plus `wait` of the goal before it to its "

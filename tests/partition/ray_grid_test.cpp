@@ -463,7 +463,7 @@ TEST(RayGrid, CellsThatMemoryCannotHoldAreRefused) {
   EXPECT_THAT(error_of({}, oracle::rectangle(0, 0, 4e4, 4e4), 1e-4), HasSubstr("; set the resolution to "));
   EXPECT_THAT(error_of({wall(1e8, 0, 1e8 + 1, 1)}, small, 0.1),
               "with cells of 0.1 m, the grid reaches 53687091 m from the origin, but the static scene "
-              "reaches 100000000 m; set a larger resolution");
+              "reaches 100000000 m; set a resolution with larger cells");
 }
 
 }  // namespace

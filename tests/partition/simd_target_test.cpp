@@ -82,8 +82,9 @@ TEST(SimdTargetDeathTest, OneThatTheProcessorLacksIsRefused) {
   const char* other = "neon";
 #endif
   GTEST_FLAG_SET(death_test_style, "threadsafe");  // a new process, in which the targets are not known yet
-  EXPECT_EXIT(choose_on_a_poor_processor(other), ::testing::ExitedWithCode(0),
-              "is not an instruction set of this processor; it has scalar; kernels run on scalar");
+  EXPECT_EXIT(
+      choose_on_a_poor_processor(other), ::testing::ExitedWithCode(0),
+      "is not an instruction set of this processor; this processor has scalar; kernels run on scalar");
 }
 
 TEST(CompressTables, MoveTheLanesThatAreSetToTheFront) {

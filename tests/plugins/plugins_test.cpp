@@ -491,7 +491,7 @@ TEST_F(PluginSensors, ThatCannotBeUsedSayWhereAndWhy) {
                     EndsWith("; there is no sonic.so in " + plugins)));
   EXPECT_EQ(error(room("walker")),
             at("3", "/kind") + plugins +
-                "/walker.so has no sensor or device \"walker\"; it has: no sensor or device, but walker");
+                "/walker.so has no sensor or device \"walker\"; it has: walker, but no sensor or device");
   EXPECT_EQ(error(room("beam_ranger:sonic")),
             at("3", "/kind") + plugins +
                 "/beam_ranger.so has no sensor or device \"beam_ranger:sonic\"; it has: beam_ranger");
@@ -519,7 +519,7 @@ TEST_F(PluginSensors, ThatCannotBeUsedSayWhereAndWhy) {
   EXPECT_EQ(error(room("led")),
             at("3", "/kind") + "\"led\" is not a sensor: move this entry to the list \"devices\"");
   EXPECT_THAT(error_of(stage_world("beam_ranger"), options({folder_of("plugins")})),
-              EndsWith("has no controller \"beam_ranger\"; it has: no controller, but beam_ranger"));
+              EndsWith("has no controller \"beam_ranger\"; it has: beam_ranger, but no controller"));
 }
 
 TEST_F(PluginSensors, HaveTheirParametersChecked) {

@@ -138,7 +138,7 @@ class Controllers(InAFolder):
         made = self.troupe("check", "w.json", "--controller", "roam.py", "--for", "1", "--threads", "1,3",
                            "--tile-size", "1,3", "--amnesia", "--controllers")
         self.assertNotIn("DIFFERS", made.stdout)
-        self.assertIn("300 decisions, each 3 times", made.stdout)
+        self.assertIn("300 decisions, each made 3 times", made.stdout)
         self.write("leaky.py", ROAM.replace("class roam", "CALLS = [0]\n\n\nclass leaky").replace(
             "        memory = robots.memory\n",
             "        memory = robots.memory\n        CALLS[0] += 1\n        memory['turn'] += 1e-3 * CALLS[0]\n"))

@@ -83,8 +83,8 @@ class Sweep(unittest.TestCase):
                     "parameters": [{"set": "/populations/0/count", "name": parameter, "values": [2]}]}
 
         for wrong, text in (
-            (study("displacement_m", "displacement"), '/parameters/0: a measure has the column "displacement_m"'),
-            (study("stalls_mean", "stalls"), '/parameters/0: a measure has the column "stalls_mean"'),
+            (study("displacement_m", "displacement"), '/parameters/0: the table of results already has a column "displacement_m", that of a measure'),
+            (study("stalls_mean", "stalls"), '/parameters/0: the table of results already has a column "stalls_mean", that of a measure'),
             (study("robots", {"kind": "stalls", "name": "run"}), 'already has a column "run": give the measure'),
             (study("robots", "stalls", {"kind": "alive", "name": "stalls_mean"}), 'already has a column "stalls_mean": give the measure'),
         ):

@@ -18,7 +18,7 @@ class Training(InAFolder):
         self.assertGreater(float(rows[-1]["median"]), float(rows[0]["median"]))
         done = train("evolve_dispersion.py", "--seeds", 7, "--generations", 1, "--reach", 1000)
         self.assertEqual(done.returncode, 1)
-        self.assertIn("return 1000.0 not reached from the seeds [7]", done.stdout)
+        self.assertIn("the mean return of the last test is below 1000.0 for the seeds [7]", done.stdout)
 
 
 if __name__ == "__main__":

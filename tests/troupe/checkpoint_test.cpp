@@ -400,8 +400,8 @@ TEST_F(Checkpoint, NamesAFieldThatTheRunDoesNotHave) {
     FAIL() << "resumed";
   } catch (const InputError& error) {
     EXPECT_THAT(error.what(),
-                HasSubstr("has the field \"luck\", which this run does not have: resume with the "
-                          "version and the plug-ins that saved the checkpoint"));
+                HasSubstr("has the field \"luck\", which this run does not have: resume with the version of "
+                          "Troupe and the plug-ins that saved the checkpoint"));
   }
 }
 
@@ -433,7 +433,8 @@ TEST_F(Checkpoint, RefusesOneThatWasCutOffOrDamagedOrIsNewer) {
   std::string newer = good;
   newer.replace(newer.find("layout 1"), 8, "layout 2");
   EXPECT_THAT(fault_of(newer),
-              HasSubstr("its layout is 2, of a newer version of Troupe; this program reads layout 1"));
+              HasSubstr("the file has layout 2, that of a newer version of Troupe; this program reads layout "
+                        "1"));
 }
 
 TEST_F(Checkpoint, ThatCannotBeWrittenLeavesTheOneBefore) {

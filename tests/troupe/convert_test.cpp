@@ -247,7 +247,8 @@ TEST_F(ConvertTest, WhatStageHasNoWordForIsNamedWithItsLine) {
                     "the value of \"most_targets\""),
           HasSubstr("w.json:8: error: a .world file cannot express this: type \"bot\": its device "
                     "\"pack\" of kind power_pack: Stage has no such device"),
-          HasSubstr("it has no device \"power\", but when the written file is")));
+          HasSubstr("it has no device \"power\" of kind power_pack, but in the written file it would have "
+                    "this device")));
 }
 
 TEST_F(ConvertTest, SecondNamesJointsAndLargeSeedsAreNamedWithTheirLines) {
@@ -341,9 +342,9 @@ position( name "n" pose [0 5 0 0]
   other_seed.set = {{"/seed", "8"}};
   convert(convert(write("one.world", "model( ctrl \"dynamic 2\" )\n"), "one.json"), "other.world",
           other_seed);
-  EXPECT_THAT(found, ElementsAre(HasSubstr("controller \"dynamic\": it adds random parts to its model "
-                                           "when the file is read, and with the seed of this world they "
-                                           "differ from those of the type")));
+  EXPECT_THAT(found, ElementsAre(HasSubstr("controller \"dynamic\": it adds random parts to its model when "
+                                           "the file is read; with the seed of this world, these parts "
+                                           "differ from the parts of the type")));
 }
 
 TEST_F(ConvertTest, NumbersOfMarkedBodiesAreKept) {

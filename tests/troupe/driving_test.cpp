@@ -98,7 +98,7 @@ TEST_F(Driving, WhatStageWorldsSayOfOriginsHolds) {
   Simulation gps(world("pose [3 4 0 0] localization_origin [1 1 0 0]"));
   EXPECT_EQ(gps.find("diff").estimate().x, 3);  // as Stage does
   EXPECT_THAT(gps.warnings(),
-              ::testing::Contains(::testing::HasSubstr("\"gps_origin 1\" applies the origin")));
+              ::testing::Contains(::testing::HasSubstr("add \"gps_origin 1\" to apply the origin")));
   Simulation honoured(world("pose [3 4 0 0] localization_origin [1 1 0 0] gps_origin 1"));
   EXPECT_EQ(honoured.find("diff").estimate().x, 2);
   Simulation odom(world("pose [3 4 0 0] localization_origin [1 1 0 0] localization \"odom\""));

@@ -255,7 +255,7 @@ TEST_F(PicturesTest, WhatTheWorldHasNotIsNamed) {
   EXPECT_EQ(
       refusal({.camera = "window"}),
       world_.string() +
-          ": error: the camera \"window\" needs a world file with the entry window; other cameras: fit, "
+          ": error: the camera \"window\" needs a world file with the entry \"window\"; other cameras: fit, "
           "follow:all, follow:NAME, perspective, top");
 }
 

@@ -125,8 +125,8 @@ TEST_F(RecordingTest, DoesNotGoOnWhereItCannot) {
   EXPECT_THAT(
       error_of<std::runtime_error>(resume),
       HasSubstr(
-          "run.h5: error: /frames/tick ends before tick 6, but the run continues at tick 15, so that frames "
-          "would be missing"));
+          "run.h5: error: /frames/tick ends before tick 6, but the run continues at tick 15, so frames would "
+          "be missing"));
   Simulation other(world_, {.robots = {{"r", 7}}});
   EXPECT_THAT(error_of<std::runtime_error>([&] { Recording::resume(folder_ / "run.h5", other); }),
               HasSubstr("run.h5: error: robots is \"8\" in the recording, but \"7\" in this run: the "

@@ -304,7 +304,7 @@ TEST_F(Sessions, AnActThatCannotBeDoneSaysWhyAndChangesNothing) {
   };
   EXPECT_THAT(setting("bat", R"({"drive": {"velocity_max_x_mps": 1}})"), HasSubstr("unknown type \"bat\""));
   EXPECT_THAT(setting("bot", R"({"drive": {"velocity_max_x_mps": -5}})"),
-              HasSubstr("velocity_x: lower bound"));
+              HasSubstr("velocity_min_x, velocity_max_x: lower bound"));
   EXPECT_THAT(setting("bot", R"({"drive": {}})"), HasSubstr("expected at least one parameter"));
   EXPECT_THAT(setting("bot", R"({"controller": {"kind": "wander", "speed_mps": 1}})"),
               HasSubstr("speed_mps"));
@@ -340,11 +340,11 @@ TEST_F(Sessions, ThatDoNotFitAreRefusedWithFileAndLine) {
                     "\n"),
               HasSubstr("s.jsonl:3: error: at tick 4: \"b0\" is not in the world"));
   for (const auto& [line, message] : std::vector<std::pair<std::string, std::string>>{
-           {R"({"tick":3,"n":2,"do":"remove","robot":"b0"})", "found action 2 after action 0"},
+           {R"({"tick":3,"n":2,"do":"remove","robot":"b0"})", "\"n\" must be 1, found 2"},
            {R"({"tick":3,"n":1,"do":"fly","robot":"b0"})", "unknown action \"fly\""},
            {R"({"tick":3,"n":1,"do":"remove","robot":"b0","x":1})", "x"},
            {R"({"tick":3,"n":1,"do":"move","robot":"b0","pose":[1,2]})",
-            "expected [x, y, z, heading], m and rad"},
+            "expected [x, y, z, heading] in m and rad"},
            {R"({"tick":-3,"n":1,"do":"remove","robot":"b0"})", "expected a whole number"},
            {R"({"tick":3,"n":1,"do":"move","robot":"b0","pose":[1e999,2,0,0]})", ""},
            {R"([1])", ""},

@@ -157,7 +157,7 @@ TEST_F(SpecSimulation, WhatIsWrongIsNamedByItsPath) {
          "error: types[2].drive.params: unknown drive \"hover\"");
   expect([](Spec& s) { s.types[2].drive->params.pop_back(); }, "error: types[2].drive.params: expected ");
   expect([](Spec& s) { s.types[2].drive->params.front() = "fast"; },
-         "the value has another type than this parameter: give a number");
+         "the value has the wrong type: expected a number");
   expect([](Spec& s) { s.types[2].devices[0].params.front().v = std::vector<engine::Record>{{}}; },
          "error: types[2].sensors[0].params.transducers[0]: expected ");
   expect([](Spec& s) { s.bodies[3].pose_world_body.x = k_nan; },

@@ -72,8 +72,9 @@ TEST_F(StageGrip, TheGripperIsABaseAndTwoPaddlesThatMove) {
     load("position( gripper( paddle_size [1 2 3] ) gripper( paddle_state [\"shut\" \"up\"] ) )");
     FAIL();
   } catch (const InputError& error) {
-    EXPECT_THAT(error.what(), HasSubstr("w.world:1: error: \"paddle_size\" needs fractions of the gripper's "
-                                        "size, above 0 and below 1, and y below 0.5"));
+    EXPECT_THAT(error.what(),
+                HasSubstr("w.world:1: error: \"paddle_size\" needs three fractions of the "
+                          "gripper's size, [x y z], each above 0 and below 1, with y below 0.5"));
     EXPECT_THAT(
         error.what(),
         HasSubstr("\"paddle_state\" needs two strings: \"open\" or \"closed\", then \"up\" or \"down\""));

@@ -147,8 +147,8 @@ std::vector<Style> styles() {
        1,
        3,
        false,
-       {"layers.world:10: warning: macro \"late_base\" is already defined, at line 4; that definition is "
-        "used: remove this one"}},
+       {"layers.world:10: warning: macro \"late_base\" is already defined at line 4; this later definition "
+        "is ignored: remove it"}},
       {"everything.world",
        11,
        7,
@@ -166,7 +166,7 @@ std::vector<Style> styles() {
        {"inc/carts.inc:149: warning: old syntax: the three values of \"origin\" are read as [x y heading]; "
         "write [x y z heading]",
         "inc/carts.inc:150: warning: old syntax: the three values of \"pose\" are read as [x y heading]; "
-        "write [x y z heading] (and 2 more)",
+        "write [x y z heading] (and 2 more such warnings)",
         "inc/carts.inc:145: warning: old syntax: the two values of \"size\" are read as [x y], with a "
         "height of 0.02 m; write [x y z]",
         "inc/plan.inc:5: warning: properties without effect on the run, because only Stage's window uses "
@@ -180,8 +180,8 @@ std::vector<Style> styles() {
        1,
        3,
        true,
-       {"inc/beacons.inc:2: warning: old syntax: the two values of \"size\" are read as [x y], with a "
-        "height of 1 m; write [x y z] (and 1 more)",
+       {"inc/beacons.inc:2: warning: old syntax: the two values of \"size\" are read as [x y], with a height "
+        "of 1 m; write [x y z] (and 1 more such warning)",
         "lab.world:12: warning: old syntax: the three values of \"pose\" are read as [x y heading]; "
         "write [x y z heading]",
         "inc/plan.inc:5: warning: properties without effect on the run, because only Stage's window uses "
@@ -242,7 +242,7 @@ std::vector<Style> styles() {
         "height of 1 m; write [x y z]",
         "old_swarm.world:14: warning: a ranger without a sensor( ... ) measures nothing: add a sensor( ... )",
         "old_swarm.world:16: warning: old syntax: the three values of \"pose\" are read as [x y heading]; "
-        "write [x y z heading] (and 9 more)",
+        "write [x y z heading] (and 9 more such warnings)",
         "old_swarm.world:3: warning: obsolete properties, ignored as in Stage: size, gui_interval, polygons, "
         "polygon[k].points, polygon[k].point[k], scount, spose[k], ssize, sview"}}};
 }

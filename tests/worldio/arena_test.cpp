@@ -142,8 +142,8 @@ TEST(WallLine, Errors) {
   };
   const std::string at = "maze.json:2: error: /floorplans/0";
   EXPECT_THAT(error_of(R"("walls_m": [[0, 0], [1, 0], [1, 0]])"),
-              ElementsAre(at + "/walls_m: a wall of no length: point 2 repeats point 1 (points are counted "
-                               "from 0): remove one of them"));
+              ElementsAre(at + "/walls_m: point 2 repeats point 1 (points are counted from 0): remove one of "
+                               "the two, because a wall of length 0 is not allowed"));
   EXPECT_THAT(error_of(R"("walls_m": [[0, 0]])"),
               ElementsAre(at + "/walls_m: expected 2 to 1000 points, found 1"));
   EXPECT_THAT(
@@ -293,12 +293,14 @@ TEST_F(IncludeTest, ErrorsNameTheirFileAndLine) {
   EXPECT_THAT(load(R"("include": ["broken.json"])").found,
               ElementsAre(testing::StartsWith("broken.json:2: error: ")));
   EXPECT_THAT(load(R"("include": ["a.json"])").found,
-              ElementsAre("sub/b.json:2: error: /include/0: a circle of includes: a.json includes sub/b.json "
-                          "includes a.json; remove one of them"));
+              ElementsAre("sub/b.json:2: error: /include/0: the files include each other in a circle: a.json "
+                          "includes sub/b.json includes a.json; remove one \"include\""));
   EXPECT_THAT(
       load("\"include\": [\"base.json\"],\n\"types\": {\"base\": {\"size_m\": [1, 1, 1]}}").found,
-      ElementsAre("maze.json:3: error: /types/base: the type is already given in base.json, line 2: choose "
-                  "another name; to change the other type, extend it with the key \"extends\""));
+      ElementsAre(
+          "maze.json:3: error: /types/base: a type of this name is already defined in base.json, line "
+          "2: choose another name; to inherit from the other type, name that type in the key "
+          "\"extends\""));
 }
 
 TEST_F(IncludeTest, ATypeExtendsAnother) {
@@ -415,7 +417,7 @@ TEST(StartOverlaps, StaticBodiesMayOverlap) {
   EXPECT_THAT(LoadedArena(world(std::string(k_boxes) + R"({"name": "a", "type": "wall"}], "populations": [
     {"name": "r", "type": "bot", "count": 1, "place": {"rule": "grid", "region_m": [[0, 0], [0, 0]], "pitch_m": 1}}])"))
                   .found,
-              ElementsAre(testing::HasSubstr("placed 0 of 1 bodies")));
+              ElementsAre(testing::HasSubstr("placed 0 of 1 body")));
 }
 
 TEST(StartOverlaps, OthersAreErrorsThatSayByHowMuch) {

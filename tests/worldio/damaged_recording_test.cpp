@@ -175,7 +175,7 @@ TEST_F(DamagedRecording, ATextThatIsNotThereIsAnError) {
     RecordingReader recording(file_);
     FAIL();
   } catch (const Hdf5Error& error) {
-    EXPECT_THAT(error.what(), ::testing::HasSubstr("whose text is missing: the file is damaged"));
+    EXPECT_THAT(error.what(), ::testing::HasSubstr("whose string is missing: the file is damaged"));
   }
 }
 

@@ -36,10 +36,9 @@ TEST(WorldFormatReference, ShowsKeysLimitsAndDefaults) {
                 "| `speed_max_mps` | number, at least 0 m/s | 1 m/s | limit |\n"
                 "| `wheelbase_m`, `wheelbase_cm`, `wheelbase_mm` | number, above 0 m | required | between "
                 "the axles |\n"));
-  EXPECT_THAT(
-      text,
-      HasSubstr("| `transducers` | list of objects | required | fans of beams |\n"
-                "| `intensity` | true or false | false | brightness too |\n\nEach of `transducers`:\n"));
+  EXPECT_THAT(text, HasSubstr("| `transducers` | list of objects | required | fans of beams |\n"
+                              "| `intensity` | true or false | false | brightness too |\n\nEach object in "
+                              "`transducers` has these keys:\n"));
   EXPECT_THAT(text, HasSubstr("| `pose` | object | the defaults of its keys | where it looks |\n"));
   EXPECT_THAT(text, HasSubstr("| `samples` | whole number, from 1 to 1000 | 1 | beams |\n"));
   EXPECT_THAT(text, HasSubstr("| `law` | near, far | \"near\" | which |\n"));

@@ -126,10 +126,11 @@ TEST_F(Hdf5, AttributesAndTexts) {
   EXPECT_EQ(file.read_texts("names"), names);
   EXPECT_THAT(file.read_texts("none"), IsEmpty());
   EXPECT_THAT(error_of([&] { file.text("seed"); }), HasSubstr("a.h5: error: / has no attribute \"seed\""));
-  EXPECT_THAT(error_of([&] { file.text("layout"); }), HasSubstr("that is not a text"));
+  EXPECT_THAT(error_of([&] { file.text("layout"); }), HasSubstr("that is not a string"));
   EXPECT_THAT(error_of([&] { file.integer("tick_s"); }), HasSubstr("that is not an integer"));
   EXPECT_THAT(error_of([&] { file.number("layout"); }), HasSubstr("that is not a number"));
-  EXPECT_THAT(error_of([&] { file.read_text("names"); }), HasSubstr("/names must be one text, but it is "));
+  EXPECT_THAT(error_of([&] { file.read_text("names"); }), HasSubstr("/names must contain one string, but "
+                                                                    "contains "));
 }
 
 TEST_F(Hdf5, RowsAreAppendedAndCutOff) {
@@ -224,7 +225,7 @@ TEST_F(Hdf5, ErrorsNameTheFileAndTheReason) {
   EXPECT_THAT(error_of([&] { file.dataset("w"); }), HasSubstr("a.h5: error: there is no dataset /w"));
   EXPECT_THAT(error_of([&] { file.group("v"); }), HasSubstr("there is no group /v"));
   EXPECT_THAT(error_of([&] { file.dataset("v").read<double>(); }),
-              HasSubstr("/v holds values of type float32, but must hold type float64"));
+              HasSubstr("/v holds values of type float32, but must hold values of type float64"));
   std::vector<float> four(4);
   EXPECT_THAT(
       error_of([&] { file.dataset("v").read_rows(0, std::span<float>(four)); }),
@@ -236,7 +237,7 @@ TEST_F(Hdf5, ADatasetThatCannotBeTrueIsNotAllocated) {
   Hdf5File file = Hdf5File::create(file_);
   Hdf5Dataset x = file.create_extendible("x", Element::f64, {}, {.extent = {16}});
   x.resize(std::size_t{1} << 40);
-  EXPECT_THAT(error_of([&] { x.read<double>(); }), HasSubstr("/x is larger than the file"));
+  EXPECT_THAT(error_of([&] { x.read<double>(); }), HasSubstr("/x needs more bytes than the file has"));
 }
 
 std::size_t resident_bytes() {

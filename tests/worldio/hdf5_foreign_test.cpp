@@ -81,7 +81,7 @@ TEST_F(ForeignHdf5, ValuesInOtherFilesAreNotRead) {
 
 TEST_F(ForeignHdf5, PlugInsOfHdf5AreNotLoaded) {
   EXPECT_THAT(error_of([](const Hdf5File& file) { file.dataset("filtered"); }),
-              HasSubstr("/filtered is compressed by filter 32000"));
+              HasSubstr("/filtered is compressed with filter 32000"));
 }
 
 TEST_F(ForeignHdf5, LinksEndInTheFile) {

@@ -106,7 +106,8 @@ TEST(JsonDocument, DepthIsBounded) {
   EXPECT_TRUE(Parsed(std::string(64, '[') + std::string(64, ']')).root);
   EXPECT_THAT(
       Parsed("\n" + std::string(100000, '[')).errors,
-      ElementsAre("maze.json:2: error: lists and objects are nested deeper than the limit, 64 levels"));
+      ElementsAre("maze.json:2: error: lists and objects are nested too deeply: at most 64 "
+                  "levels are allowed"));
 }
 
 TEST(JsonDocument, SetReplacesAndAdds) {
@@ -143,8 +144,11 @@ TEST(JsonDocument, SetSaysWhatIsWrong) {
           "--set count: error: this is not a JSON pointer: it must begin with /, as in /populations/0/count, "
           "and "
           "contain ~ only as ~0 or ~1",
-          "--set /list/1/name: error: /list has 1 entries, counted from 0: there is no /list/1",
-          "--set /list/2: error: /list has 1 entries, counted from 0: there is no /list/2",
+          "--set /list/1/name: error: /list is a list of length 1, whose entries are counted from 0: there "
+          "is "
+          "no /list/1",
+          "--set /list/2: error: /list is a list of length 1, whose entries are counted from 0: there is "
+          "no /list/2",
           "--set /list/x: error: /list is a list: \"x\" is neither an index nor \"-\", which appends an "
           "entry",
           "--set /lst/0: error: the world has no key \"lst\" (did you mean \"list\"?)",

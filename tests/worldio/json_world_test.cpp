@@ -86,8 +86,8 @@ TEST(JsonWorld, PopulationsWhoseNamesDifferOnlyInDigitsAtTheEndAreRefused) {
   EXPECT_THAT(
       Loaded(changed("NAME", "r2", world)).found,
       ElementsAre("maze.json:19: error: /populations/1/name: the names of the populations \"r\" and \"r2\" "
-                  "differ only in digits at the end, so that a body of each could have the same name: end "
-                  "one name with another character, as in \"r2_\""));
+                  "differ only in digits at the end, so a body of one could have the same name as a body of "
+                  "the other: end one of the two names with a character that is not a digit, as in \"r2_\""));
   for (const char* name : {"r2_", "rs", "R2"})
     EXPECT_THAT(Loaded(changed("NAME", name, world)).found, IsEmpty()) << name;
 }
@@ -593,10 +593,10 @@ INSTANTIATE_TEST_SUITE_P(
               "found a list of length 3"},
         Wrong{
             R"("size_m": [1, 1, 1])", R"("blocks": [{"points_m": [[0, 0], [1, 0], [1, 1]]}])",
-            R"(maze.json:11: error: /types/crate/blocks/0: missing "z_m", "z_cm" or "z_mm": the heights of bottom and top, [min, max])"},
+            R"(maze.json:11: error: /types/crate/blocks/0: missing "z_m", "z_cm" or "z_mm": the heights of the bottom and the top of the prism, [min, max])"},
         Wrong{
             R"("size_m": [1, 1, 1])", R"("blocks": [{"z_m": [0, 1]}])",
-            R"(maze.json:11: error: /types/crate/blocks/0: missing "points_m": the outline, [[x, y], ...])"},
+            R"(maze.json:11: error: /types/crate/blocks/0: missing "points_m": the outline, [[x, y], ...] (or "contours_m", a list of outlines))"},
         Wrong{
             R"("size_m": [1, 1, 1])", R"("blocks": [{"points_m": [[0, 0], [1, 0], [1, 1]], "z_m": [1, 1]}])",
             R"(maze.json:11: error: /types/crate/blocks/0: "z_m" must be [min, max] with min below max, found 1 and 1)"},
@@ -749,13 +749,13 @@ TEST_F(JsonWorldOfPictures, FloorPlanErrors) {
   EXPECT_EQ(wrong(R"({"name": "a", "bitmap": "dark.pgm", "size_m": [4, 4, 1], "obstacle": false})"), "");
   EXPECT_EQ(
       wrong(R"({"name": "a", "bitmap": "dark.pgm", "size_m": [4, 4, 1], "pose": {"x_m": 9}})"),
-      R"(maze.json:3: error: /models/0: "m" is at [0, 0], outside the bounds of the world, [[7, -2], [11, 2]]: move the model, or change "bounds_m")");
+      R"(maze.json:3: error: /models/0: "m" is at [0, 0] m, outside the bounds of the world, [[7, -2], [11, 2]] m: move the model, or change "bounds_m")");
 }
 
 TEST(JsonWorld, OutlineFaults) {
   EXPECT_TRUE(check_outline({{0, 0}, {2, 0}, {2, 1}, {1, 0.5}, {0, 1}}));  // need not be convex
   EXPECT_EQ(check_outline({{0, 0}, {0, 0}, {2, 1}}).error().text,
-            "point 1 repeats point 0 (points are counted from 0)");
+            "point 1 repeats point 0 (points are counted from 0): remove one of the two");
   EXPECT_EQ(
       check_outline({{0, 0}, {2, 0}, {2, 1}, {0, 0}}).error().text,
       "the last point repeats the first: omit the last point, because outlines are closed automatically");
@@ -837,7 +837,7 @@ TEST(JsonWorld, RobotsSetAPopulation) {
   EXPECT_EQ(load(two, {{"s", 3}}).spec.bodies.size(), 2u + 4 + 3);
   EXPECT_EQ(load(two, {{"s", 3}, {"r", 0}}).spec.bodies.size(), 2u + 3);
   EXPECT_THAT(load(two, {{"", 3}}).found, ElementsAre("--robots 3: error: the world has 2 populations: name "
-                                                      "the one whose number of robots is set; known: r, s"));
+                                                      "one of them, as in --robots NAME=N; known: r, s"));
   EXPECT_THAT(load(two, {{"t", 3}}).found,
               ElementsAre("--robots t=3: error: unknown population \"t\"; known: r, s"));
   EXPECT_THAT(load("{\"troupe\": 1}", {{"", 3}}).found,

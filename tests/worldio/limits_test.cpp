@@ -126,7 +126,8 @@ TEST(BitmapLimits, ImagesThatAreCutOffAreDamaged) {
 TEST_F(Limits, IncludedFiles) {
   write("long.inc", repeated("# nothing but a comment, and a long one\n", 30000));
   EXPECT_THAT(refusal("w.world", repeated("include \"long.inc\"\n", 400)),
-              HasSubstr("too large: the included files together have more than 256 MiB, the limit"));
+              HasSubstr("the included files are too large: at most 256 MiB in total are allowed, and a file "
+                        "counts each time it is included"));
 }
 
 TEST_F(Limits, MacrosThatMultiply) {

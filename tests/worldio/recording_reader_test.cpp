@@ -77,14 +77,15 @@ TEST_F(Reader, RefusesWhatIsNoRecording) {
 }
 
 TEST_F(Reader, RefusesWhatDoesNotFitTogether) {
-  EXPECT_THAT(error_of({.every = 0}), HasSubstr("has record_every_ticks 0, which must be at least 1"));
+  EXPECT_THAT(error_of({.every = 0}), HasSubstr("has a record_every_ticks of 0, which must be at least 1"));
   EXPECT_THAT(error_of({.types = {"bot"}}), HasSubstr(" 1 types and "));
   EXPECT_THAT(error_of({.names = {}}), HasSubstr(" and 0 names, but needs the same number of each"));
   EXPECT_THAT(error_of({.ticks = {0, 4, 2}}),
               HasSubstr("/frames has tick 2 after tick 4, but ticks must increase"));
-  EXPECT_THAT(error_of({.x_row = {2, 1}}), HasSubstr(" x 2 x 1], but must have frames x 3 bodies x values"));
-  EXPECT_THAT(error_of({.x_row = {3}}), HasSubstr(" x 3], but must have frames x 3 bodies x values"));
-  EXPECT_THAT(error_of({.sensor_rows = 3}), HasSubstr("but must have frames x 2 bodies x values"));
+  EXPECT_THAT(error_of({.x_row = {2, 1}}), HasSubstr(" x 2 x 1], but must have the shape [frames x 3 x "
+                                                     "values]"));
+  EXPECT_THAT(error_of({.x_row = {3}}), HasSubstr(" x 3], but must have the shape [frames x 3 x values]"));
+  EXPECT_THAT(error_of({.sensor_rows = 3}), HasSubstr("but must have the shape [frames x 2 x values]"));
   EXPECT_THAT(error_of({.with_frames = false}), HasSubstr("there is no group /frames"));
 }
 

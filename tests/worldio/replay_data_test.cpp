@@ -233,7 +233,7 @@ TEST_F(Replay, FramesAreLeftOutUntilTheyFit) {
   EXPECT_NEAR(times.back(), 60, 1e-9) << "the end is always there";
   EXPECT_NEAR(page.x[1][1], recorded<double>(recording, "pose", "x", small.stride, 0), 0.000501);
   EXPECT_THAT(error_of(recording.file(), {.most_bytes = 100}),
-              HasSubstr("not even two frames of 3 bodies fit"));
+              HasSubstr("too small for even two frames (bodies per frame: 3)"));
 }
 
 TEST_F(Replay, TheSameRecordingGivesTheSameBytes) {
@@ -423,7 +423,7 @@ TEST_F(Replay, RefusesADamagedScene) {
   for (const char* world :
        {"{", "[]", R"({"title": "t"})", R"({"title": 1, "words": ["", "a"], "types": []})"}) {
     ByHand{.world = world}.write(file);
-    EXPECT_THAT(error_of(file), HasSubstr("hand.h5: error: /world is not valid: the file is damaged"))
+    EXPECT_THAT(error_of(file), HasSubstr("hand.h5: error: /world is not a valid world: the file is damaged"))
         << world;
   }
   for (const std::string type :
@@ -432,10 +432,12 @@ TEST_F(Replay, RefusesADamagedScene) {
     ByHand{.world = R"({"title": "t", "words": ["", "a"], "types": [{"name": "bot", "sensors": [], )" + type +
                     "}]}"}
         .write(file);
-    EXPECT_THAT(error_of(file), HasSubstr("/world or /scene has values that no world has")) << type;
+    EXPECT_THAT(error_of(file), HasSubstr("/world or /scene has values that are not allowed in a world"))
+        << type;
   }
   ByHand{.type = 1}.write(file);
-  EXPECT_THAT(error_of(file), HasSubstr("hand.h5: error: /world or /scene has values that no world has"));
+  EXPECT_THAT(error_of(file), HasSubstr("hand.h5: error: /world or /scene has values that are not allowed in "
+                                        "a world"));
 }
 
 }  // namespace

@@ -80,7 +80,7 @@ TEST_F(RosMapTest, WhatIsWrongIsToldAtItsLine) {
           "rad, found "
           "\"nan\"",
           "maps/lab.yaml:5: error: \"occupied_thresh\" needs a probability from 0 to 1, found \"65\"",
-          "maps/lab.yaml:4: error: \"negate\" needs 0 or 1, found \"maybe\"",
+          "maps/lab.yaml:4: error: \"negate\" needs 0, 1, false or true, found \"maybe\"",
           "maps/lab.yaml:6: error: unknown mode \"tri\"; known: raw, scale, trinary"));
   EXPECT_FALSE(parse("image: a.png\nresolution: 0.05 m\norigin: [0, 0]\nfree_thresh: 0.9\n"));
   EXPECT_THAT(
@@ -89,7 +89,7 @@ TEST_F(RosMapTest, WhatIsWrongIsToldAtItsLine) {
           "maps/lab.yaml:2: error: \"resolution\" needs a length from 0.000001 to 200000 m, found \"0.05 m\"",
           "maps/lab.yaml:3: error: \"origin\" needs a list of three numbers, [x, y, yaw], in m and rad, "
           "found a "
-          "list of 2",
+          "list of length 2",
           "maps/lab.yaml:4: error: \"free_thresh\" is 0.9, but must be at most \"occupied_thresh\", which is "
           "0.65"));
   EXPECT_FALSE(parse(std::string(k_least) + "occupied_thresh: 0.1\n"));

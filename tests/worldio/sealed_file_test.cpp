@@ -75,7 +75,7 @@ TEST_F(SealedFile, EveryCutShows) {
   const std::string good = content(file_);
   for (std::size_t size = 1; size < good.size(); size += 57)
     EXPECT_THAT(error_of(good.substr(0, size)),
-                StartsWith("the file was cut off, after " + std::to_string(size) + " bytes"));
+                StartsWith("the file was cut off: it has " + std::to_string(size) + " bytes"));
   EXPECT_THAT(error_of(good + "x"), StartsWith("the file is damaged"));
 }
 
@@ -84,13 +84,13 @@ TEST_F(SealedFile, SaysWhyItRefuses) {
   const std::string good = content(file_);
   EXPECT_THAT(error_of(good, "checkpoint"), StartsWith("this is not a checkpoint"));
   EXPECT_EQ(error_of(good, "test", 1),
-            "its layout is 2, of a newer version of Troupe; this program reads layout 1");
+            "the file has layout 2, that of a newer version of Troupe; this program reads layout 1");
   EXPECT_EQ(error_of(good, "test", 3),
-            "its layout is 2, of an older version of Troupe; this program reads layout 3");
+            "the file has layout 2, that of an older version of Troupe; this program reads layout 3");
   EXPECT_EQ(error_of(""), "this is not a test: the file is empty");
   EXPECT_EQ(error_of("\x89HDF\r\n\x1a\n and so on"), "this is an HDF5 file, but not a test");
   EXPECT_EQ(error_of(std::string(2000, 'z')), "this is not a test");
-  EXPECT_EQ(error_of(good.substr(0, 514)), "the file was cut off, after 514 bytes of 515");
+  EXPECT_EQ(error_of(good.substr(0, 514)), "the file was cut off: it has 514 bytes instead of 515");
   EXPECT_THROW(check_seal(folder_ / "nowhere", "test", 2), InputError);
   EXPECT_THROW(check_seal(folder_, "test", 2), InputError);
 }

@@ -58,8 +58,8 @@ TEST_F(StageOtherWorlds, WhatAnotherIncludeHasReadAlreadyIsNoNews) {
   EXPECT_THAT(messages(), IsEmpty());
   write("other.inc", "\ndefine robot position( size [9 9 9] )\n");
   load("include \"robot.inc\"\ninclude \"other.inc\"\nrobot()");
-  EXPECT_THAT(messages(), ElementsAre("other.inc:2: warning: macro \"robot\" is already defined, at "
-                                      "robot.inc:1; that definition is used: remove this one"));
+  EXPECT_THAT(messages(), ElementsAre("other.inc:2: warning: macro \"robot\" is already defined at "
+                                      "robot.inc:1; this later definition is ignored: remove it"));
 }
 
 // Names of macros and types.

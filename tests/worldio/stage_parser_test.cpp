@@ -38,8 +38,10 @@ TEST_F(Conformance14, ExtraParenthesis) {
 TEST_F(Conformance14, EntityWithoutParentheses) {
   load("model\nmodel( position\n name \"x\" )");
   EXPECT_THAT(messages(),
-              ElementsAre("w.world:1: error: \"model\" needs a value on the same line, or a body in ( )",
-                          "w.world:2: error: \"position\" needs a value on the same line, or a body in ( )"));
+              ElementsAre("w.world:1: error: \"model\" needs a value on the same line, or a list of "
+                          "properties in ( )",
+                          "w.world:2: error: \"position\" needs a value on the same line, or a list of "
+                          "properties in ( )"));
 }
 
 TEST_F(StageParser, AByteOrderMarkIsNoText) {
@@ -59,7 +61,8 @@ TEST_F(Conformance14, UnquotedString) {
 TEST_F(Conformance14, DefineWithoutBase) {
   load("define foo (\n size [1 1 1] )\nmodel()");
   EXPECT_THAT(messages(),
-              ElementsAre("w.world:1: error: define foo needs a base: define foo position( ... )"));
+              ElementsAre("w.world:1: error: define foo needs a base, which is a model type or a macro: "
+                          "define foo position( ... )"));
 }
 
 TEST_F(Conformance14, IncludeWithoutQuotes) {
@@ -67,19 +70,21 @@ TEST_F(Conformance14, IncludeWithoutQuotes) {
   EXPECT_THAT(messages(),
               ElementsAre("w.world:2: error: include needs a file name in double quotes: include "
                           "\"map.inc\"",
-                          "w.world:2: error: \"map.inc\" needs a value on the same line, or a body "
-                          "in ( )"));
+                          "w.world:2: error: \"map.inc\" needs a value on the same line, or a list of "
+                          "properties in ( )"));
 }
 
 TEST_F(Conformance14, WordWithoutValueAtTheEnd) {
   load("model()\nfoo");
   EXPECT_THAT(messages(),
-              ElementsAre("w.world:2: error: \"foo\" needs a value on the same line, or a body in ( )"));
+              ElementsAre("w.world:2: error: \"foo\" needs a value on the same line, or a list of properties "
+                          "in ( )"));
 }
 
 TEST_F(Conformance14, NamelessBody) {
   load("model(\n ( size [1 1 1] ) )");
-  EXPECT_THAT(messages(), ElementsAre("w.world:2: error: a ( must follow a model's type or a macro's name"));
+  EXPECT_THAT(messages(), ElementsAre("w.world:2: error: a ( is allowed only after a model type or the name "
+                                      "of a macro"));
 }
 
 TEST_F(Conformance14, ErrorsInAnIncludedFileNameIt) {
@@ -125,7 +130,7 @@ TEST_F(Conformance14, UnknownProperty) {
           "w.world:2: warning: a model has no property \"colour\"; the property is ignored (did you mean "
           "\"color\"?)",
           "w.world:3: warning: a model has no property \"wibble\"; the property is ignored",
-          "w.world:4: warning: a ranger has no property \"samples\"; the property is ignored: it must be "
+          "w.world:4: warning: a ranger has no property \"samples\"; the property is ignored: write it "
           "inside a sensor( ... )",
           "w.world:4: warning: a ranger without a sensor( ... ) measures nothing: add a sensor( ... )"));
 }
@@ -179,13 +184,13 @@ TEST_F(Conformance14, PiecesInWrongPlaces) {
                   {"w.world:1: error: a block must be inside a model, not at the top level",
                    "w.world:2: error: a sensor must be inside a ranger, not at the top level",
                    "w.world:3: error: a sensor must be inside a ranger, not inside a model of type model",
-                   "w.world:4: error: a block can only hold properties, not \"model\""}));
+                   "w.world:4: error: a block can contain only properties, not \"model\""}));
 }
 
 TEST_F(Conformance14, FirstDefineWins) {
   const auto spec = load("define a model( name \"first\" )\ndefine a model( name \"second\" )\na()");
-  EXPECT_THAT(messages(), ElementsAre("w.world:2: warning: macro \"a\" is already defined, at line 1; that "
-                                      "definition is used: remove this one"));
+  EXPECT_THAT(messages(), ElementsAre("w.world:2: warning: macro \"a\" is already defined at line 1; this "
+                                      "later definition is ignored: remove it"));
   EXPECT_EQ(name_of(spec, 1), "first");
 }
 
@@ -268,8 +273,8 @@ TEST_F(StageParser, LexicalErrors) {
            "w.world:4: error: unexpected \"'\"; strings are written in double quotes",
            "w.world:5: error: unexpected byte 0x01: this byte may be only in strings and comments",
            "w.world:6: error: a string must end with \" on the line on which it begins",
-           "w.world:7: error: \"2e-2\" is not a number; numbers are written without exponent and unit, as in "
-           "0.02",
+           "w.world:7: error: \"2e-2\" is not a number; numbers are written without an exponent and without "
+           "a unit, as in 0.02",
            "w.world:8: error: a tuple must end with ] on the line on which it begins",
            "w.world:9: error: a tuple cannot contain a tuple: remove the inner [ and ]",
            "w.world:10: error: \"two\" in a tuple needs quotes: [\"two\"]",
@@ -317,10 +322,11 @@ TEST_F(StageParser, IncompleteDefines) {
   EXPECT_THAT(
       messages(),
       ElementsAre(
-          "w.world:1: error: define needs a name and a base: define robot position( ... )",
+          "w.world:1: error: define needs a name and a base, which is a model type or a macro: define robot "
+          "position( ... )",
           "w.world:1: error: the value 5 has no property name before it; a property is written: name value"));
   load("define b model\nquit_time 5");
-  EXPECT_THAT(messages(), ElementsAre("w.world:1: error: define b needs a body in ( )"));
+  EXPECT_THAT(messages(), ElementsAre("w.world:1: error: define b needs a list of properties in ( )"));
 }
 
 // Includes.
@@ -357,8 +363,9 @@ TEST_F(StageParser, IncludesThatMultiplyAreReported) {
     write(fmt::format("{}.inc", i), fmt::format("include \"{0}.inc\"\ninclude \"{0}.inc\"\n", i + 1));
   write("20.inc", "");
   load("include \"0.inc\"\n");
-  EXPECT_THAT(messages(), ElementsAre(EndsWith("too many includes: the limit is 1000 included files, each "
-                                               "counted every time it is included: join files")));
+  EXPECT_THAT(messages(),
+              ElementsAre(EndsWith("too many included files: at most 1000 are allowed, and a "
+                                   "file counts each time it is included: merge some of the files")));
 }
 
 TEST_F(StageParser, AMissingIncludeIsReported) {
@@ -428,7 +435,7 @@ TEST_F(StageParser, DeepNestingIsReported) {
   load(text);
   EXPECT_THAT(
       messages(),
-      ElementsAre("w.world:1: error: models and blocks are nested deeper than the limit, 200 levels"));
+      ElementsAre("w.world:1: error: models and blocks are nested too deep: at most 200 levels are allowed"));
   text = "define a0 model()\n";
   for (int i = 1; i < 1000; ++i) text += fmt::format("define a{} model( a{}() )\n", i, i - 1);
   load(text + "a999()");

@@ -176,7 +176,7 @@ TEST_F(StageWorld, AModelWhoseDeviceTheRegistryLacksIsOnlyABody) {
   ASSERT_EQ(test_registry().device("actuator"), nullptr);
   load("\n\n\n\nactuator( max_speed 2 )\nactuator()\n");
   EXPECT_THAT(messages(), ElementsAre("w.world:5: warning: Troupe does not implement an actuator: this model "
-                                      "is a body that neither senses nor acts (and 1 more)"));
+                                      "is a body that neither senses nor acts (and 1 more such warning)"));
 }
 
 TEST_F(StageWorld, MacrosThatNoModelUsesAreNotChecked) {
@@ -260,7 +260,8 @@ TEST_F(StageWorld, DuplicateAndEmptyNamesAreReported) {
           "w.world:2: warning: the name \"x\" is already used by the model at line 1: a search for this name "
           "finds only the "
           "last model that has it",
-          "w.world:3: warning: \"name\" is empty or only a /; a generated name is used instead (and 1 more)",
+          "w.world:3: warning: \"name\" is empty or only a /; a generated name is used instead (and 1 more "
+          "such warning)",
           "w.world:5: error: \"name\" needs one value, not a tuple"));
   EXPECT_EQ(name_of(spec, 3), "model:3");
 }
@@ -318,8 +319,8 @@ TEST_F(StageWorld, WarnsOfDoubtfulBlocks) {
   EXPECT_THAT(
       messages(),
       ElementsAre("w.world:2: warning: \"point[7]\" is ignored: the block has 4 corners, numbered from 0",
-                  "w.world:1: warning: 2 of the 4 corners have no \"point[k]\" and are at [0 0], as in "
-                  "Stage: give all, \"point[0]\" to \"point[3]\"",
+                  "w.world:1: warning: \"point[k]\" is missing for 2 of the 4 corners; as in Stage, a corner "
+                  "without this property is at [0 0]: give all properties from \"point[0]\" to \"point[3]\"",
                   "w.world:1: warning: this block has no height: give the block a \"z\" [min max], with min "
                   "below max",
                   "w.world:3: warning: this block has no area: check its corners, \"point[k]\""));
@@ -408,7 +409,7 @@ TEST_F(StageWorld, AMapOfRosLiesWhereItSays) {
               ElementsAre("w.world:4: warning: only the height (third value) of \"size\" is used: the ROS "
                           "map is 2 m x 1 m, not 0.01 m x 0.01 m",
                           "w.world:6: error: a model whose \"bitmap\" is a ROS map cannot have blocks: "
-                          "remove them, or put them into a model of their own"));
+                          "remove the blocks, or put them into another model"));
   const engine::PartSpec& plan = type_of(spec, 1).parts[0];
   EXPECT_EQ(plan.size, Eigen::Vector3d(2, 1, 1));
   expect_box(bounds_of(plan.solids), 10.5, 11, 20, 20.5);
@@ -474,8 +475,9 @@ TEST_F(StageWorld, WhatHasNoBodyNeedsNoSize) {
       "  fiducial( size [0 0 0] ) )\n"
       "model( noblocks 1 size [0 0 0] )\nmodel( size [4 4 0] obstacle_return 0 )\n");
   EXPECT_THAT(messages(),
-              ElementsAre("w.world:5: warning: \"size\" gives this model a height of 0, so that only bodies "
-                          "and beams at exactly that height meet the model: give a third value above 0"));
+              ElementsAre("w.world:5: warning: \"size\" gives this model a height (third value) of 0, so "
+                          "only bodies and beams exactly at the z of the model meet the model: give a height "
+                          "above 0"));
   const engine::TypeSpec& robot = type_of(spec, 1);
   EXPECT_EQ(robot.parts[1].size, Eigen::Vector3d(0, 0, 0));
   EXPECT_NEAR(robot.devices[0].pose_body_device.z + transducer_pose(robot.devices[0], 0, "z"), 0.3, 1e-15);
@@ -696,7 +698,7 @@ TEST_F(StageWorld, RefusesWrongLasersAndNoOtherNames) {
       messages(),
       ElementsAre("w.world:4: warning: a laser has no property \"wibble\"; the property is ignored",
                   "w.world:1: error: \"samples\" must be at least 1, found 0",
-                  "w.world:2: error: \"range_max\" must be above 0 m, found -1",
+                  "w.world:2: error: \"range_max\" must be above 0 m, found -1 m",
                   "w.world:3: error: \"range_min\", 9 m, must be at most \"range_max\", 8 m",
                   HasSubstr("w.world:5: error: \"map\" is neither a model type nor a macro defined above"),
                   testing::AllOf(HasSubstr("w.world:6: error: \"lasr\" is neither a model type"),
@@ -710,7 +712,7 @@ TEST_F(StageWorld, RefusesWrongTransducers) {
   EXPECT_THAT(
       messages(),
       ElementsAre("w.world:1: error: \"samples\" must be at least 1, found 0",
-                  "w.world:2: error: \"range\" must be above 0 m, found 0",
+                  "w.world:2: error: \"range\": the maximum must be above 0 m, found 0 m",
                   "w.world:3: error: \"range\" needs [min max] with min at most max, found [3 2]",
                   HasSubstr("w.world:4: error: \"fov\" must be at most 6.28"),
                   "w.world:5: error: \"range\" needs a tuple [min max], found 5",
@@ -724,8 +726,8 @@ TEST_F(StageWorld, AllThatIsWrongWithATransducerIsReported) {
   EXPECT_THAT(messages(),
               ElementsAre("w.world:1: error: \"pose\" needs 4 values [x y z heading], found 2",
                           "w.world:2: error: \"size\" must be above 0 in every direction, found -1",
-                          "w.world:3: error: \"range\" must be at least 0 m, found -1",
-                          "w.world:3: error: \"range\" must be above 0 m, found -2",
+                          "w.world:3: error: \"range\": the minimum must be at least 0 m, found -1 m",
+                          "w.world:3: error: \"range\": the maximum must be above 0 m, found -2 m",
                           HasSubstr("w.world:4: error: \"fov\" must be at most 6.28"),
                           "w.world:5: error: \"samples\" must be at least 1, found 0",
                           "w.world:6: error: \"pose\" needs 4 values [x y z heading], found 1",
@@ -801,8 +803,8 @@ TEST_F(StageWorld, DrivesKnowWhereTheyAre) {
   EXPECT_EQ(value(3, "localization_origin").numbers(), (Numbers{1, 2}));
   EXPECT_EQ(value(5, "localization_origin").numbers(), Numbers());
   EXPECT_THAT(messages(),
-              ElementsAre("w.world:5: warning: \"localization_origin\" has no effect: as in Stage, \"gps\" "
-                          "poses are in the world frame; \"gps_origin 1\" applies the origin"));
+              ElementsAre("w.world:5: warning: \"localization_origin\" has no effect: as in Stage, poses of "
+                          "\"gps\" are in the world frame; add \"gps_origin 1\" to apply the origin"));
 }
 
 TEST_F(StageWorld, RefusesWrongLocalisation) {
@@ -869,8 +871,8 @@ TEST_F(StageWorld, AStartVelocityOfAPositionInsideAModelIsAWarning) {
   load("position( position( velocity [1 0 0 0] ) )\nposition( velocity [1 0 0 0] )");
   EXPECT_THAT(messages(),
               ElementsAre("w.world:1: warning: \"velocity\" of a model of type position inside another model "
-                          "has no effect: its drive sets its velocity before its first motion: remove this "
-                          "property"));
+                          "has no effect: the drive of such a model sets the velocity before the first "
+                          "motion: remove this property"));
   EXPECT_EQ(test_registry().device("wheels")->params.find("start_x"), -1);
 }
 
@@ -1100,8 +1102,8 @@ TEST_F(StageOwnWorld, Cave) {
   EXPECT_THAT(
       messages(),
       ElementsAre(
-          "benchmark/cave.world:52: warning: macro \"greenrob\" is already defined, at line 48; that "
-          "definition is used: remove this one",
+          "benchmark/cave.world:52: warning: macro \"greenrob\" is already defined at line 48; this later "
+          "definition is ignored: remove it",
           "benchmark/cave.world:15: warning: properties without effect (docs/stage-worlds.md says why): "
           "threads",
           "benchmark/cave.world:13: warning: properties without effect on the run, because only Stage's "
@@ -1368,7 +1370,7 @@ TEST_F(StageTest, WorldsAreReadByTheirEnding) {
       messages(),
       ElementsAre("deep.world: error: there is no such file",
                   "a.txt: error: the name of a world file must end in .world (Stage's syntax) or .json, "
-                  "found \".txt\""));
+                  "found \"a.txt\""));
 }
 
 }  // namespace

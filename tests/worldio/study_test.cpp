@@ -160,8 +160,8 @@ TEST_F(StudyFile, NamesOfColumnsAreUnique) {
   EXPECT_THAT(errors(parameter, {"cover"}), IsEmpty());
   EXPECT_THAT(
       errors(parameter, {"coverage"}),
-      ElementsAre("study.json:4: error: /parameters/1: a measure has the column \"coverage_mean\" of the "
-                  "table of results: give this parameter another \"name\""));
+      ElementsAre("study.json:4: error: /parameters/1: the table of results already has a column "
+                  "\"coverage_mean\", that of a measure: give this parameter another \"name\""));
   EXPECT_THAT(errors(parameter, {"x"}), ElementsAre(HasSubstr("study.json:3: error: /parameters/0")));
   EXPECT_THAT(errors(R"("statistics": ["mean"])", {"run"}),
               ElementsAre("study.json: error: the table of results already has a column \"run\": give the "
@@ -196,7 +196,7 @@ TEST_F(StudyFile, SaysWhatIsWrongAndWhere) {
       wrong(R"("parameters": [{"set": "/x", "name": "a", "values": [1]},
     {"set": "/x", "name": "b", "values": [2]}])"),
       ElementsAre("study.json:2: error: /parameters/0: \"/x\" has no effect, because /parameters/1 sets the "
-                  "same value: remove one of them"));
+                  "same value: remove one of these two parameters"));
   EXPECT_THAT(wrong(R"("parameters": [{"set": "/x/-", "name": "a", "values": [1]},
     {"set": "/x/-", "name": "b", "values": [2]}])"),
               IsEmpty());
@@ -205,13 +205,13 @@ TEST_F(StudyFile, SaysWhatIsWrongAndWhere) {
   EXPECT_THAT(
       wrong(std::string(k_seed) + R"(, "seeds": [5])"),
       ElementsAre("study.json:2: error: /parameters/0: \"/seed\" has no effect, because \"seeds\" sets the "
-                  "seed of each run: remove one of them"));
+                  "seed of each run: remove this parameter or \"seeds\""));
   constexpr const char* k_end = R"("parameters": [{"set": "/quit_time_s", "values": [1]}])";
   EXPECT_THAT(wrong(k_end), IsEmpty());
   EXPECT_THAT(
       wrong(std::string(k_end) + R"(, "for_ms": 5)"),
       ElementsAre("study.json:2: error: /parameters/0: \"/quit_time_s\" has no effect, because \"for_s\" of "
-                  "the study sets the end of each run: remove one of them"));
+                  "the study sets the end of each run: remove this parameter or \"for_s\""));
   EXPECT_THAT(wrong(R"("measures": ["coverag"])"), ElementsAre(HasSubstr("did you mean \"coverage\"?")));
   EXPECT_THAT(wrong(R"("statistics": ["median"])"), ElementsAre(HasSubstr("known: last, max, mean, min")));
   EXPECT_THAT(wrong(R"("statistics": ["mean", "mean"])"), ElementsAre(HasSubstr("already in the list")));

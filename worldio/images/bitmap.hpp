@@ -16,8 +16,8 @@ namespace troupe::worldio {
 
 /// An image of solid and free pixels. Solid pixels belong to walls. Row 0 is the top row.
 struct Bitmap {
-  int width = 0;            ///< pixels
-  int height = 0;           ///< pixels
+  int width = 0;            ///< width, pixels
+  int height = 0;           ///< height, pixels
   std::vector<bool> solid;  ///< whether each pixel is solid, row by row from the top
 
   /// Whether the pixel in column x and row y is solid; false outside the image.
@@ -40,9 +40,9 @@ using PixelRule = std::function<bool(std::span<const std::uint8_t> channels)>;
 bool is_dark(std::span<const std::uint8_t> channels);
 
 /// Reads a PNG, JPEG, BMP or binary PNM (P5, P6) image. `is_solid` decides which pixels are solid. If the
-/// file is missing, is not such an image, is damaged, or exceeds a limit (a file size of 2 GB, k_most_pixels
-/// or k_most_corners), returns nothing and adds an error at `where`, the place of the image's name in the
-/// world file.
+/// file is missing, is not such an image, is damaged, or exceeds a limit (a file size of 2^31 - 1 bytes,
+/// k_most_pixels or k_most_corners), returns nothing and adds an error at `where`, the place of the image's
+/// name in the world file.
 std::optional<Bitmap> read_bitmap(const std::filesystem::path& file, Where where, Diagnostics& diagnostics,
                                   const PixelRule& is_solid = is_dark);
 /// Like read_bitmap(), but reads the image from `bytes`, the content of a file. `name` is the name of the

@@ -18,8 +18,8 @@ namespace troupe::worldio {
 /// The outlines of an image of walls. If the image belongs to a ROS map, its size in m and its pose in the
 /// frame of the map are also stored.
 struct FloorImage {
-  int width = 0;   ///< pixels
-  int height = 0;  ///< pixels
+  int width = 0;   ///< width, pixels
+  int height = 0;  ///< height, pixels
   /// Outlines in pixels, +y up: x is from 0 to width, y from -height to 0.
   std::vector<Ring> contours;
 

@@ -10,15 +10,15 @@ namespace troupe::worldio {
 
 /// An image of 8-bit RGBA pixels, row by row from the top.
 struct Image {
-  int width = 0;                   ///< pixels
-  int height = 0;                  ///< pixels
+  int width = 0;                   ///< width, pixels
+  int height = 0;                  ///< height, pixels
   std::vector<std::uint8_t> rgba;  ///< red, green, blue and opacity of each pixel: 4 x width x height values
 };
 
 /// An image of 16-bit grey values, row by row from the top.
 struct DepthImage {
-  int width = 0;                      ///< pixels
-  int height = 0;                     ///< pixels
+  int width = 0;                      ///< width, pixels
+  int height = 0;                     ///< height, pixels
   std::vector<std::uint16_t> values;  ///< the grey values, width x height of them
 };
 

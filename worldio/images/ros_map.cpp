@@ -108,7 +108,7 @@ std::optional<RosMap> MapReader::read(const YAML::Node& node) {
     const std::string text = negate.IsScalar() ? negate.Scalar() : "";
     map.negate = text == "1" || text == "true";
     if (!map.negate && text != "0" && text != "false")
-      error(negate, fmt::format("\"negate\" needs 0 or 1, found {}", shown(negate)));
+      error(negate, fmt::format("\"negate\" needs 0, 1, false or true, found {}", shown(negate)));
   }
   if (const YAML::Node mode = node["mode"]) {
     const std::string name = mode.IsScalar() ? mode.Scalar() : "";
@@ -151,7 +151,7 @@ void MapReader::read_origin(const YAML::Node& origin, RosMap& map) {
   if (!origin.IsSequence() || origin.size() != 3) {
     error(origin,
           fmt::format("\"origin\" needs a list of three numbers, [x, y, yaw], in m and rad, found {}",
-                      origin.IsSequence() ? fmt::format("a list of {}", origin.size()) : shown(origin)));
+                      origin.IsSequence() ? fmt::format("a list of length {}", origin.size()) : shown(origin)));
     return;
   }
   double parts[3] = {};

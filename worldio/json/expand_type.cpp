@@ -184,8 +184,10 @@ Result<> TypeExpander::put_on(engine::DeviceSpec& device, const std::string& on)
     return {};
   }
   if (known.empty())
-    return Error{
-        fmt::format("\"{}\" is not a device with a joint: list a device with a joint before this one", on)};
+    return Error{fmt::format(
+        "expected the name of a device with a joint, such as an actuator, found \"{}\": add such a device to "
+        "\"devices\"; an entry of \"devices\" must come after the device on which it is mounted",
+        on)};
   return Error{unknown_name("device with a joint", on, known)};
 }
 
@@ -289,9 +291,9 @@ void TypeExpander::order_devices(const TypeDocument& document, const DocumentPat
     const auto found = std::ranges::find(type_.devices, name, &engine::DeviceSpec::name);
     if (found == type_.devices.end()) {
       DocumentPath(at, "device_order", document.where_of("device_order"))
-          .error(fmt::format("\"{}\" {}: name every device of the type exactly once", name,
+          .error(fmt::format("\"{}\" {}: list every device of the type exactly once", name,
                              std::ranges::find(ordered, name, &engine::DeviceSpec::name) != ordered.end()
-                                 ? "is named twice"
+                                 ? "is listed twice"
                                  : "is not a device of the type"));
       return;
     }
@@ -300,7 +302,7 @@ void TypeExpander::order_devices(const TypeDocument& document, const DocumentPat
   }
   if (!type_.devices.empty())
     DocumentPath(at, "device_order", document.where_of("device_order"))
-        .error(fmt::format("the device \"{}\" is missing: name every device of the type exactly once",
+        .error(fmt::format("the device \"{}\" is missing: list every device of the type exactly once",
                            type_.devices.front().name));
   else
     type_.devices = std::move(ordered);

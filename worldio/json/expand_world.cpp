@@ -294,8 +294,9 @@ void WorldExpander::expand_population(const PopulationDocument& document, const 
         (extends(document.name, other.name) || extends(other.name, document.name)))
       DocumentPath(at, "name", document.where_of("name"))
           .error(fmt::format(
-              "the names of the populations \"{}\" and \"{}\" differ only in digits at the end, so that a "
-              "body of each could have the same name: end one name with another character, as in \"{}_\"",
+              "the names of the populations \"{}\" and \"{}\" differ only in digits at the end, so a body "
+              "of one could have the same name as a body of the other: end one of the two names with a "
+              "character that is not a digit, as in \"{}_\"",
               other.name, document.name, document.name));
   populations_.push_back(std::move(population));
 }
@@ -414,8 +415,8 @@ void WorldExpander::check_model(const Model& model, engine::Occupancy& occupancy
     diagnostics_.error(
         body.where,
         fmt::format(
-            "{}: \"{}\" is at [{:.10g}, {:.10g}], outside the bounds of the world, [[{:.10g}, {:.10g}], "
-            "[{:.10g}, {:.10g}]]: move the model, or change \"bounds_m\"",
+            "{}: \"{}\" is at [{:.10g}, {:.10g}] m, outside the bounds of the world, [[{:.10g}, {:.10g}], "
+            "[{:.10g}, {:.10g}]] m: move the model, or change \"bounds_m\"",
             model.pointer, spec_.names.text(body.name), body.pose_world_body.x, body.pose_world_body.y,
             spec_.bounds->min.x(), spec_.bounds->min.y(), spec_.bounds->max.x(), spec_.bounds->max.y()));
   crowd.add(shape, body.pose_world_body);
@@ -514,7 +515,7 @@ std::optional<std::size_t> population_index(const JsonNode& document, const std:
     if (names.size() == 1) return 0;
     diagnostics.error(
         where,
-        fmt::format("the world has {} populations: name the one whose number of robots is set; known: {}",
+        fmt::format("the world has {} populations: name one of them, as in --robots NAME=N; known: {}",
                     names.size(), comma_list(names)));
     return std::nullopt;
   }

@@ -164,7 +164,7 @@ Record SettingExpander::expand_controller(const JsonCursor& at, const engine::Ty
                                           SettingSpec& setting) const {
   JsonObject object(at);
   const JsonNode* node =
-      object.require("kind", "the kind of the controller to change: one of those of the body type");
+      object.require("kind", "the kind of one of the controllers of the type");
   const std::string* name =
       node ? read_text(JsonCursor(at, "kind", *node), "the kind of a controller") : nullptr;
   if (!name) return {};

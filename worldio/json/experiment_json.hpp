@@ -10,6 +10,9 @@
 #include <string>
 #include <string_view>
 
+/// Converts measures and experiments (stop conditions, interventions and faults) between JSON documents
+/// (worldio/json/world_document.hpp) and specs, the descriptions that the engine uses
+/// (engine/spec/world_spec.hpp).
 namespace troupe::worldio {
 
 /// Returns the spec of the measure that a document describes. It copies the values and checks nothing.

@@ -91,7 +91,8 @@ void append_table(const FieldTable& table, std::string& text) {
   for (const Field& field : table.fields) {
     if (!field.record || field.record == &engine::pose_fields())
       continue;  // poses have a table of their own at the beginning
-    text += fmt::format("{} `{}`:\n\n", field.type == FieldType::records ? "Each of" : "In", field.name);
+    text += fmt::format("{} `{}` has these keys:\n\n",
+                        field.type == FieldType::records ? "Each object in" : "The object", field.name);
     append_table(*field.record, text);
   }
 }
@@ -234,9 +235,9 @@ std::string meaning(const DocumentTable& table, const DocumentKey& key, std::str
     text += ": ";
   }
   if (key.form == Form::kind)
-    text += fmt::format("the {}; its parameters are further keys", table.kinds->what);
+    text += fmt::format("kind of the {}; the parameters of this kind are further keys", table.kinds->what);
   else if (key.form == Form::faults)
-    text += "a fault and its parameters";
+    text += "a kind of fault, with its parameters";
   else
     text += with_links(key.field.text);
   const std::string_view below = heading_of(key);

@@ -15,7 +15,7 @@ namespace troupe::worldio {
 /// differ from those of its kind.
 std::string world_format_reference(const engine::Registry& registry);
 
-/// A table of docs/world-format.md with the keys of one kind of object of JSON worlds.
+/// A table in docs/world-format.md that lists the keys of one kind of JSON object.
 struct KeyTable {
   std::string_view heading;  ///< the line, with its "#" characters, of the heading above the table; several
                              ///< tables can share it

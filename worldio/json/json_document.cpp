@@ -161,7 +161,7 @@ class TreeBuilder {
     if (open_.size() == k_max_depth) {
       diagnostics_.error(
           last_->where,
-          fmt::format("lists and objects are nested deeper than the limit, {} levels", k_max_depth));
+          fmt::format("lists and objects are nested too deeply: at most {} levels are allowed", k_max_depth));
       return false;
     }
     open_.push_back(
@@ -291,8 +291,9 @@ void set_json_value(JsonNode& document, const std::string& pointer, const std::s
         return;
       }
       if (*index > list->size() || (*index == list->size() && !last)) {
-        diagnostics.error(where, fmt::format("{} has {} entries, counted from 0: there is no {}", parent,
-                                             list->size(), path));
+        diagnostics.error(
+            where, fmt::format("{} is a list of length {}, whose entries are counted from 0: there is no {}",
+                               parent, list->size(), path));
         return;
       }
       if (*index == list->size()) list->emplace_back();

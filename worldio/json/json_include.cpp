@@ -77,8 +77,8 @@ class Includer {
     }
     diagnostics_.error(
         type.where,
-        fmt::format("/types/{}: the type is already given in {}, line {}: choose another name; to change the "
-                    "other type, extend it with the key \"extends\"",
+        fmt::format("/types/{}: a type of this name is already defined in {}, line {}: choose another name; "
+                    "to inherit from the other type, name that type in the key \"extends\"",
                     escape_pointer_token(type.key), diagnostics_.files()->name(first->second.file),
                     first->second.line));
   }
@@ -104,7 +104,8 @@ class Includer {
     if (same != open_.end()) {
       std::string chain;
       for (auto each = same; each != open_.end(); ++each) chain += fmt::format("{} includes ", each->name);
-      return at.error(fmt::format("a circle of includes: {}{}; remove one of them", chain, same->name));
+      return at.error(fmt::format(
+          "the files include each other in a circle: {}{}; remove one \"include\"", chain, same->name));
     }
     if (std::ranges::find(done_, path) != done_.end()) return;
     done_.push_back(path);

@@ -35,8 +35,8 @@ void resolve_includes(JsonNode& world, const std::filesystem::path& file, Diagno
 /// Each node keeps its file and line. Reports an error for an unknown base type, and for types that extend
 /// each other in a circle. A type with such an error loses its key `extends`. If this type has no shape, it
 /// gets the size 1 m x 1 m x 1 m, so that the reader does not also report the lack of a shape.
-/// bases: if not null, the list to which the names of all base types are added, each once for every type that
-/// extends the base type.
+/// bases: if not null, the list to which the names of all base types are added. A name is added once for each
+/// type that extends the base type.
 void resolve_extends(JsonNode& world, Diagnostics& diagnostics, std::vector<std::string>* bases = nullptr);
 
 }  // namespace troupe::worldio

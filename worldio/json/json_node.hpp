@@ -23,8 +23,8 @@ struct JsonNode {
       value;    ///< the value; std::monostate is null
   Where where;  ///< where the value begins
 
-  /// Each function returns a pointer to the value if it is a list, an object or a text, respectively, else
-  /// null.
+  /// list() returns a pointer to the value if the value is a list, else null. object() and text() do the same
+  /// for an object and for a text.
   ///@{
   const List* list() const { return std::get_if<List>(&value); }
   const Object* object() const { return std::get_if<Object>(&value); }

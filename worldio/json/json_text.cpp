@@ -38,8 +38,7 @@ std::string text_of(const std::string& text) {
     if (bytes == 0)
       throw std::runtime_error(
           fmt::format("a name or text in the world is not UTF-8, which JSON requires; the text begins with "
-                      "\"{}\": write it "
-                      "in UTF-8",
+                      "\"{}\": write this text in UTF-8",
                       text.substr(0, text.size() - rest.size())));
     const char c = rest.front();
     if (c == '"' || c == '\\')

@@ -8,10 +8,10 @@ namespace troupe::worldio {
 // The parameters of a kind are keys of the same JSON object as `name`, `pose` and the other keys that all
 // objects of such kinds have. The functions below check that no parameter has the name of one of these keys.
 
-/// Each of these functions returns success if no parameter of the kind has the name of a key that every JSON
-/// object of such a kind has, such as "name": only then can JSON worlds use the kind. A parameter may have
-/// the name of a key that then gets another name (DocumentKey::other). The error continues a sentence about
-/// the kind: `has a parameter "name", but ...`.
+/// Every JSON object of such a kind has certain keys, such as "name". Each of these functions returns success
+/// if no parameter of the kind has the name of one of these keys: only then can JSON worlds use the kind. As
+/// an exception, a parameter may have the name of a key that has a second name for this case
+/// (DocumentKey::other). The error continues a sentence about the kind: `has a parameter "name", but ...`.
 ///@{
 Result<> check_parameter_names(const engine::DeviceKind& kind);
 Result<> check_parameter_names(const engine::DriveKind& kind);

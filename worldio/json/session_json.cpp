@@ -71,7 +71,7 @@ void read_numbers(JsonObject& object, std::string_view key, std::string_view wha
 
 void read_pose(JsonObject& object, Act& act) {
   std::array<double, 4> pose{};
-  read_numbers(object, "pose", "[x, y, z, heading], m and rad", pose);
+  read_numbers(object, "pose", "[x, y, z, heading] in m and rad", pose);
   act.pose = {pose[0], pose[1], pose[2], pose[3]};
 }
 
@@ -124,7 +124,9 @@ void read_members(JsonObject& object, Act& act) {
     case Kind::move:
     case Kind::add: read_pose(object, act); break;
     case Kind::speed:
-    case Kind::hold: read_numbers(object, "speed", "[forward, left, turn], m/s and rad/s", act.speed); break;
+    case Kind::hold:
+      read_numbers(object, "speed", "[forward, left, turn] in m/s and rad/s", act.speed);
+      break;
     case Kind::command:
       act.device = read_name(object, "device", "the name of a device");
       read_values(object, act);
@@ -193,8 +195,8 @@ void read_line(JsonObject& object, Session& session, Diagnostics& diagnostics) {
         "tick {} is less than tick {} of an earlier line: actions must be in the order of their ticks",
         logged.tick, last));
   else if (logged.n != session.acts.size() + 1)
-    object.at().error(fmt::format("found action {} after action {}: actions must be numbered 1, 2, 3, ...",
-                                  logged.n, session.acts.size()));
+    object.at().error(fmt::format("\"n\" must be {}, found {}: the lines are numbered 1, 2, 3, ...",
+                                  session.acts.size() + 1, logged.n));
   else if (what == k_end)
     session.end = logged.tick;
   else if (act) {

@@ -9,8 +9,10 @@ namespace troupe::worldio {
 /// Whether spec_difference() compares the places in files (Where) that values come from. Two places are equal
 /// if they have the same file name and line.
 enum class Places {
-  ignored,   ///< no places are compared
-  compared,  ///< all places are compared, except those of WorldSpec::experiment, which stored worlds lack
+  ignored,  ///< no places are compared
+  /// All places are compared, except those of WorldSpec::experiment: stored worlds
+  /// (worldio/json/spec_json.hpp) do not contain them.
+  compared,
 };
 
 /// Returns the path of the first value that differs in any bit between two worlds, such as

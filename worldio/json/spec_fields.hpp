@@ -14,9 +14,9 @@
 
 namespace troupe::worldio {
 
-/// Path to a value of a spec: a chain of elements on the stack. Each element points to the element of the
-/// enclosing struct or list, which must exist for at least as long. The text of a path is made only for an
-/// error.
+/// Path to a value of a spec (engine::WorldSpec): a chain of elements on the stack. Each element points to
+/// the element of the enclosing struct or list, which must exist for at least as long. The text of a path is
+/// made only for an error.
 struct SpecPath {
   const SpecPath* parent = nullptr;  ///< path of the enclosing struct or list; null for the spec itself
   std::string_view name = {};        ///< name of the member; empty for a list's entry
@@ -25,7 +25,8 @@ struct SpecPath {
   std::string text() const;  ///< the whole path: `types[0].parts[2].size`
 };
 
-/// Returns the key of a field in a stored world: its name and its SI unit, as in "period_s".
+/// Returns the key of a field in a stored world (worldio/json/spec_json.hpp): its name and its SI unit, as in
+/// "period_s".
 std::string key_of(const engine::Field& field);
 
 /// Whether a number, in SI units, is finite and within a field's limits.

@@ -259,7 +259,7 @@ void SpecReader::read_place(const JsonCursor& at, Where& where) {
     const auto* x = i < list->size() ? std::get_if<std::int64_t>(&(*list)[i].value) : nullptr;
     if (x && *x >= 0 && *x <= std::numeric_limits<std::uint32_t>::max())
       return static_cast<std::uint32_t>(*x);
-    at.expected("a place, [file, line]");
+    at.expected("a position in a file, [file, line]");
     return Where::k_no_file;
   };
   const std::uint32_t file = entry(0);

@@ -339,14 +339,15 @@ void StudyReader::check_effects(const JsonCursor& at) const {
                   fmt::format("/parameters/{}: \"{}\" has no effect, because {}", p, pointer, why));
     };
     if (pointer == "/seed" && !study_.seeds.empty())
-      report("\"seeds\" sets the seed of each run: remove one of them");
+      report("\"seeds\" sets the seed of each run: remove this parameter or \"seeds\"");
     if ((pointer == "/quit_time_s" || pointer == "/quit_time_ms") && study_.for_s)
-      report("\"for_s\" of the study sets the end of each run: remove one of them");
+      report("\"for_s\" of the study sets the end of each run: remove this parameter or \"for_s\"");
     const bool appends = pointer.ends_with("/-");  // each of several such parameters appends another entry
     const auto later = std::find_if(all.begin() + static_cast<std::ptrdiff_t>(p) + 1, all.end(),
                                     [&](const Study::Parameter& one) { return one.pointer == pointer; });
     if (!pointer.empty() && !appends && later != all.end())
-      report(fmt::format("/parameters/{} sets the same value: remove one of them", later - all.begin()));
+      report(fmt::format("/parameters/{} sets the same value: remove one of these two parameters",
+                         later - all.begin()));
   }
 }
 
@@ -433,7 +434,7 @@ void check_columns(const Study& study, const std::vector<std::string>& measures,
     if (taken.contains(study.parameters[p].name))
       diagnostics.error(
           study.parameters[p].where,
-          fmt::format("/parameters/{}: a measure has the column \"{}\" of the table of results: "
+          fmt::format("/parameters/{}: the table of results already has a column \"{}\", that of a measure: "
                       "give this parameter another \"name\"",
                       p, study.parameters[p].name));
 }

@@ -77,8 +77,8 @@ struct Study {
   /// are computed on demand, because a file of some kilobytes can define a million runs of hundreds of
   /// parameters.
   Run run(std::size_t index) const;
-  /// Returns the pairs of JSON pointer and value with which --set makes the world of a run, one pair per
-  /// parameter. The seed is not among them.
+  /// Returns the values of the parameters in a run as arguments of --set: for each parameter, a pair of its
+  /// JSON pointer and its value. The seed is not included.
   std::vector<std::pair<std::string, std::string>> settings(const Run& run) const;
 };
 

@@ -10,6 +10,8 @@
 #include <optional>
 #include <string>
 
+/// Converts body types between JSON documents (worldio/json/world_document.hpp) and specs, the descriptions
+/// that the engine uses (engine/spec/world_spec.hpp).
 namespace troupe::worldio {
 
 /// Returns the type that a document describes. `key` is its key in the object `types`, and also its name if

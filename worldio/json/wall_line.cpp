@@ -63,8 +63,8 @@ Result<> check_wall_line(const Ring& line, double thickness) {
   for (std::size_t i = 1; i < line.size(); ++i)
     if (line[i] == line[i - 1])
       return Error{
-          fmt::format("a wall of no length: point {} repeats point {} (points are counted from 0): remove "
-                      "one of them",
+          fmt::format("point {} repeats point {} (points are counted from 0): remove one of the two, because "
+                      "a wall of length 0 is not allowed",
                       i, i - 1)};
   const bool closed = line.size() > 2 && line.front() == line.back();
   const std::size_t points = closed ? line.size() - 1 : line.size();
@@ -84,8 +84,7 @@ Result<> check_wall_line(const Ring& line, double thickness) {
         (corners.right(end) - corners.right(i)).dot(along) <= 0)
       return Error{
           fmt::format("the segment that begins at point {}, counted from 0, is too short for walls {:.10g} m "
-                      "thick: move this "
-                      "point, or make the walls thinner",
+                      "thick: move this point, or make the walls thinner",
                       i, thickness)};
   }
   return {};

@@ -246,8 +246,10 @@ void read_measure_text(const JsonCursor& at, const std::string& text, const Regi
   if (!kind) return at.error(kind.error().text);
   measure.params = kind->params->defaults();
   if (!has_defaults(*kind->params))
-    at.error(fmt::format("\"{}\" has required parameters: write {{\"kind\": \"{}\", ...}}", kind->name,
-                         kind->name));
+    at.error(
+        fmt::format("the measure \"{}\" has parameters without a default: write {{\"kind\": \"{}\", ...}} "
+                    "with these parameters",
+                    kind->name, kind->name));
 }
 
 std::vector<JsonNode> measure_text_schemas(const Registry& registry) {
@@ -537,7 +539,8 @@ void describe_body(DocumentKeys<P>& d) {
       "of the solids");
   d.template other<&P::color>(Form::color, "color",
                               std::is_same_v<P, TypeDocument> ? "colour of the bodies" : "colour of the part")
-      .or_default(std::is_same_v<P, TypeDocument> ? "by type, see above" : "that of the body");
+      .or_default(std::is_same_v<P, TypeDocument> ? "dark grey, or a colour of the default palette"
+                                                  : "that of the body");
   describe_returns<P, &P::returns>(d);
 }
 
@@ -634,12 +637,13 @@ void BlockDocument::describe(DocumentKeys<BlockDocument>& d) {
   d.other<&BlockDocument::contours>(Form::contours, "contours_m",
                                     "outlines; points inside an odd number of them are solid")
       .entries(3);
-  d.value<&BlockDocument::z>("z", meters, within(-k_max_size_m, k_max_size_m), "heights of bottom and top")
-      .require("the heights of bottom and top, [min, max]");
+  d.value<&BlockDocument::z>("z", meters, within(-k_max_size_m, k_max_size_m),
+                             "heights of the bottom and the top of the prism")
+      .require("the heights of the bottom and the top of the prism, [min, max]");
   d.choice<&BlockDocument::frame>("frame", k_frames, "frame of the points: that of the part or of the body");
   d.rule({.how = How::one_of,
           .keys = {"points_m", "contours_m"},
-          .none = "missing \"points_m\": the outline, [[x, y], ...]",
+          .none = "missing \"points_m\": the outline, [[x, y], ...] (or \"contours_m\", a list of outlines)",
           .several = "give \"points_m\" or \"contours_m\", not both",
           .at_key = true});
   d.check<check_block>();
@@ -649,22 +653,23 @@ void RingDocument::describe(DocumentKeys<RingDocument>& d) {
   d.table().definition = "ring";
   d.value<&RingDocument::count>("count", within(1, k_most_in_ring), "number of copies").require();
   d.value<&RingDocument::radius>("radius", meters, within(0, k_max_size_m),
-                                 "radius of the circle on which the copies are");
+                                 "radius of the circle on which the copies are placed");
   d.value<&RingDocument::start>(
       "start", Unit::radians, within(-20 * k_pi, 20 * k_pi),
-      "direction of the first copy, counter-clockwise from the heading of the pose");
+      "direction from the centre of the circle to the first copy, counter-clockwise from the heading of the "
+      "pose of the entry");
 }
 
 void DiscDocument::describe(DocumentKeys<DiscDocument>& d) {
   d.table().definition = "disc";
   d.value<&DiscDocument::radius>("radius", meters, above(0), at_most(k_max_size_m),
-                                 "radius: distance from the axis to the corners of the polygon")
+                                 "distance from the axis of the cylinder to the corners of its polygon")
       .require();
   d.value<&DiscDocument::height>("height", meters, above(0), at_most(k_max_size_m), "height of the cylinder")
       .require();
   d.value<&DiscDocument::corners>(
       "corners", within(3, k_most_disc_corners),
-      "corners of the polygon that replaces the circle; the first is on the x axis");
+      "number of corners of the polygon that replaces the circle; the first corner is on the x axis");
 }
 
 void DeviceDocument::describe(DocumentKeys<DeviceDocument>& d) {
@@ -747,8 +752,8 @@ void TypeDocument::describe(DocumentKeys<TypeDocument>& d) {
       .or_default("\"position\" with a drive, else \"model\"");
   d.no_key<&TypeDocument::alias, &TypeDocument::pose, &TypeDocument::joint>();  // keys of other parts only
   describe_body(d);
-  d.object<&TypeDocument::drive>("drive",
-                                 "the drive of the bodies; without one, they do not move by themselves");
+  d.object<&TypeDocument::drive>(
+      "drive", "the drive of the bodies; without a drive, the bodies do not move by themselves");
   describe_contents(d);
   d.other<&TypeDocument::device_order>(
        Form::names, "device_order",
@@ -767,8 +772,8 @@ void FloorplanDocument::describe(DocumentKeys<FloorplanDocument>& d) {
       .require("the floor plan's name");
   describe_image<FloorplanDocument, &FloorplanDocument::image>(
       d,
-      "path, relative to the world file, of a PNG, JPEG, BMP or PNM image, in which pixels whose first "
-      "channel is at most 127 are solid, or of the YAML file of a ROS map; required without `walls_m`",
+      "path, relative to the world file, of an image (PNG, JPEG, BMP or PNM; pixels whose first channel is at "
+      "most 127 are solid) or of the YAML file of a ROS map; required without `walls_m`",
       true);
   d.other<&FloorplanDocument::walls>(
        Form::points, "walls_m",
@@ -836,7 +841,7 @@ void PlaceDocument::describe(DocumentKeys<PlaceDocument>& d) {
   using Rule = engine::PlacementRule::Kind;
   constexpr auto bit = [](Rule one) { return 1u << static_cast<unsigned>(one); };
   d.table().variant = "rule";
-  d.choice<&PlaceDocument::rule>("rule", k_rules, "placement rule, described below")
+  d.choice<&PlaceDocument::rule>("rule", k_rules, "rule by which the bodies are placed")
       .require("grid, uniform, gaussian, poisson_disc or free_floor");
   d.other<&PlaceDocument::region>(Form::box, "region_m", "rectangle in which the origins of the bodies lie")
       .or_default("the bounding box of `polygon_m`, else the bounds of the world");
@@ -920,7 +925,7 @@ void MeasureDocument::describe(DocumentKeys<MeasureDocument>& d) {
 
 void ConditionDocument::describe(DocumentKeys<ConditionDocument>& d) {
   d.table().shorthand = &k_condition_text;
-  d.object<&ConditionDocument::measure>("measure", "what is compared")
+  d.object<&ConditionDocument::measure>("measure", "the measure whose value is compared")
       .require("the name of a measure, or {\"kind\": ..., ...}");
   d.other<&ConditionDocument::is>(Form::comparison, "is", "the comparison that must hold",
                                   "a comparison, as in \">= 0.9\"")
@@ -969,10 +974,11 @@ void InterventionDocument::describe(DocumentKeys<InterventionDocument>& d) {
   d.value<&InterventionDocument::time>("time", seconds, within(0, engine::k_most_seconds),
                                        "simulated time of the intervention, rounded up to the end of a tick")
       .require();
-  d.object<&InterventionDocument::remove>("remove", "removes bodies: they die");
-  d.object<&InterventionDocument::add>("add", "bodies of a population's reserve are born");
-  d.object<&InterventionDocument::disable>("disable", "stops everything on bodies");
-  d.object<&InterventionDocument::enable>("enable", "lets disabled bodies continue");
+  d.object<&InterventionDocument::remove>("remove", "removes bodies; removed bodies are dead");
+  d.object<&InterventionDocument::add>("add", "bodies from the reserve of a population are born");
+  d.object<&InterventionDocument::disable>("disable", "stops the drives, controllers and devices of bodies");
+  d.object<&InterventionDocument::enable>(
+      "enable", "starts the drives, controllers and devices of disabled bodies again");
   d.object<&InterventionDocument::move>("move", "moves a body to a pose");
   d.object<&InterventionDocument::set>("set", "changes parameters for all bodies of a type");
   d.rule({.how = How::one_of,
@@ -985,7 +991,7 @@ void InterventionDocument::describe(DocumentKeys<InterventionDocument>& d) {
 void FaultDocument::describe(DocumentKeys<FaultDocument>& d) {
   describe_group(d);
   d.value<&FaultDocument::from>("from", seconds, within(0, engine::k_most_seconds),
-                                "simulated time at which the faults begin");
+                                "earliest simulated time at which a fault occurs");
   d.other<&FaultDocument::impairments>(Form::faults, "");
 }
 
@@ -1010,7 +1016,7 @@ void RecordDocument::describe(DocumentKeys<RecordDocument>& d) {
 
 void GroundDocument::describe(DocumentKeys<GroundDocument>& d) {
   d.other<&GroundDocument::alias>(Form::name, "alias",
-                                  "another name of the ground, which is called `_ground_model`",
+                                  "another name of the ground, in addition to `_ground_model`",
                                   "another name of the ground")
       .require();
 }
@@ -1021,7 +1027,8 @@ void WorldDocument::describe(DocumentKeys<WorldDocument>& d) {
                                   "the path of the JSON Schema");
   static const std::string version = fmt::format("{}, the version of the format", k_format_version);
   d.other<>(Form::version, "troupe", "the version of the format").require(version);
-  d.other<&WorldDocument::title>(Form::name, "title", "title of the world, shown in summaries and on pages",
+  d.other<&WorldDocument::title>(Form::name, "title",
+                                 "title of the world, shown in summaries and on replay pages",
                                  "the world's title")
       .or_default("the file's name without its ending");
   d.other<&WorldDocument::seed>(Form::seed, "seed", "seed of all random numbers; `--seed` overrides it");
@@ -1029,10 +1036,10 @@ void WorldDocument::describe(DocumentKeys<WorldDocument>& d) {
                                 "length of a tick, which is one simulation step")
       .write_always();
   d.value<&WorldDocument::quit_time>("quit_time", seconds, above(0), at_most(engine::k_most_seconds),
-                                     "time at which a run ends; `--for` overrides it");
+                                     "simulated time at which a run ends; `--for` overrides it");
   d.value<&WorldDocument::measure_every>(
       "measure_every", seconds, within(0, engine::k_most_seconds),
-      "interval between measurements; 0: every tick; `--measure-every` overrides it");
+      "simulated time between measurements; 0: every tick; `--measure-every` overrides it");
   d.choice<&WorldDocument::ranging>(
       "ranging", engine::k_ranging_engines,
       "engine that computes ranges (docs/sensing.md); `--raytracer` overrides it");
@@ -1043,7 +1050,8 @@ void WorldDocument::describe(DocumentKeys<WorldDocument>& d) {
       .or_default("the bounding box of the floor plans and the arena");
   d.object<&WorldDocument::ground>("ground");
   d.object<&WorldDocument::record>("record",
-                                   "what a run records: the file, the interval and the fields of the state");
+                                   "the recording of a run: its file, the time between frames, and the "
+                                   "fields of the state that it contains");
   d.other<&WorldDocument::watch>(Form::block, "watch", "clock and pace of a run")
       .or_default("the defaults of its keys")
       .block = &engine::watch_fields();
@@ -1061,14 +1069,16 @@ void WorldDocument::describe(DocumentKeys<WorldDocument>& d) {
                                        "whether two bodies of the same name are an error or a warning; with "
                                        "\"warn\", a search by this name finds the last of them");
   d.list<&WorldDocument::floorplans>("floorplans", "walls, given as images, ROS maps or lines");
-  d.object<&WorldDocument::arena>("arena", "a rectangular floor with four walls");
+  d.object<&WorldDocument::arena>(
+      "arena", "a rectangular floor, enclosed by four walls unless `walls` of the arena is false");
   d.other<>(Form::names, "include", "files with further types for this world", "the name of a file")
       .resolve();
   d.map<&WorldDocument::types>("types", "the properties that bodies of one type share").write_always();
   d.list<&WorldDocument::models>("models", "single bodies").write_always();
   d.list<&WorldDocument::populations>("populations", "groups of many bodies of one type, placed by a rule");
   d.list<&WorldDocument::measures>(
-      "measures", "what `troupe run --measures` measures (docs/measures.md); `--measure` overrides it");
+      "measures",
+      "the measures that `troupe run --measures` computes (docs/measures.md); `--measure` overrides them");
   describe_experiment<WorldDocument, &WorldDocument::experiment>(d);
 }
 

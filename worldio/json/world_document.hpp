@@ -185,12 +185,12 @@ struct PartDocument : Placed {
   std::optional<Pose> origin;        ///< pose of the centre of the image or of the fitted blocks, part frame
   std::optional<DiscDocument> disc;  ///< a cylinder about the origin of the part, in addition to the blocks
   std::optional<std::vector<BlockDocument>> blocks;  ///< upright prisms
-  std::optional<bool> floor_plan;  ///< whether the shape is a floor plan; empty: true with an image
+  std::optional<bool> floor_plan;  ///< whether the shape is a floor plan; empty: true if it is an image
   /// Size that fiducial finders report and controllers read, m; empty: that of the shape.
   std::optional<Eigen::Vector3d> extent;
   std::optional<Color> color;                    ///< colour of the part; empty: that of the body
   engine::Returns returns;                       ///< how other bodies collide with the part and sense it
-  std::optional<OwnDeviceDocument> device;       ///< the device that the part itself is
+  std::optional<OwnDeviceDocument> device;       ///< if the part itself is a device: this device
   std::vector<SensorDocument> sensors;           ///< devices that only observe the world
   std::vector<DeviceDocument> devices;           ///< all other devices
   std::optional<ControllerDocument> controller;  ///< the only controller; excludes `controllers`
@@ -426,7 +426,7 @@ struct WorldDocument : Placed {
   std::optional<Box> bounds;
   std::optional<GroundDocument> ground;  ///< properties of the ground
   std::optional<RecordDocument> record;  ///< what a run records
-  std::optional<engine::Record> watch;   ///< display of the time, and pace: engine::watch_fields()
+  std::optional<engine::Record> watch;   ///< clock display and pace of a run: engine::watch_fields()
   std::optional<engine::Record> window;  ///< the view of `--camera window`: window_fields()
   bool mortal = false;  ///< true: programs may remove and disable bodies, even if nothing in the world does
   Check overlaps = Check::error;              ///< how a model that overlaps a body at the start is treated

@@ -153,7 +153,7 @@ void write_table(Hdf5Group group, const StateTable& table) {
 void read_table(const Hdf5Group& group, StateTable& table) {
   const std::vector<std::size_t> rows = rows_by_id(table);
   if (group.dataset(std::string(k_id)).read<std::uint32_t>() != ids_of(table, rows))
-    group.fail("has other bodies than the world in this file: the file is damaged");
+    group.fail("does not list the same bodies as the world in this file: the file is damaged");
   const std::vector<std::string> names = group.names();
   std::vector<std::string> unknown = names;
   std::erase(unknown, std::string(k_id));
@@ -166,9 +166,9 @@ void read_table(const Hdf5Group& group, StateTable& table) {
     const Hdf5Dataset dataset = group.dataset(hdf5_name(field.name));
     if (dataset.row_values() != field.columns || dataset.element() != field.element)
       dataset.fail(fmt::format(
-          "has {} values of type {} per body, but this run needs {} of type {}: undo the --set that "
-          "changes them (such as the number of beams), or resume with the version and the plug-ins "
-          "that saved the checkpoint",
+          "has {} values of type {} per body, but this run needs {} values of type {}: remove the --set that "
+          "causes the difference (for example by changing the number of beams), or resume with the version "
+          "of Troupe and the plug-ins that saved the checkpoint",
           dataset.row_values(), engine::element_name(dataset.element()), field.columns,
           engine::element_name(field.element)));
     if (dataset.extent() != std::vector<std::size_t>{rows.size(), field.columns})
@@ -183,8 +183,8 @@ void read_table(const Hdf5Group& group, StateTable& table) {
   }
   if (!unknown.empty())
     group.fail(fmt::format(
-        "has the field \"{}\", which this run does not have: resume with the version and the plug-ins that "
-        "saved the checkpoint",
+        "has the field \"{}\", which this run does not have: resume with the version of Troupe and the "
+        "plug-ins that saved the checkpoint",
         unknown.front()));
 }
 
@@ -298,8 +298,8 @@ void Checkpoint::restore(engine::World& world) const {
     for (const std::uint32_t id : hdf5_.group("bodies").dataset("subscribed").read<std::uint32_t>()) {
       if (id >= world.spec().bodies.size() || world.location(BodyId(id)) == engine::RowLocation::none)
         throw InputError(fmt::format(
-            "{}: error: /bodies/subscribed contains the body {}, which has no sensor: the file is "
-            "damaged",
+            "{}: error: /bodies/subscribed contains the body {}, which does not exist or is static, so that "
+            "it has no sensor: the file is damaged",
             file_.string(), id));
       world.subscribe(BodyId(id));
     }
@@ -307,7 +307,7 @@ void Checkpoint::restore(engine::World& world) const {
     if (!world.restore(tick_, counters_, state_hash_, fill))
       throw InputError(fmt::format(
           "{}: error: the restored state does not have the hash {} that was saved with it: the file "
-          "is damaged, or another version of Troupe or of a plug-in wrote it",
+          "is damaged, or another version of Troupe or of a plug-in wrote the file",
           file_.string(), hex(state_hash_)));
   });
 }

@@ -117,7 +117,7 @@ hid_t datasets() {
 Result<> check_own(hid_t dataset) {
   const Hdf5Id creation(H5Dget_create_plist(dataset), H5Pclose);
   if (H5Pget_external_count(creation.get()) > 0 || H5Pget_layout(creation.get()) == H5D_VIRTUAL)
-    return Error{"stores its values in other files; they must be in this file"};
+    return Error{"stores its values in other files; all values must be in this file"};
   const int filters = H5Pget_nfilters(creation.get());
   for (int i = 0; i < filters; ++i) {
     unsigned flags = 0;
@@ -126,7 +126,8 @@ Result<> check_own(hid_t dataset) {
                                                nullptr, 0, nullptr, nullptr);
     if (filter >= H5Z_FILTER_RESERVED)
       return Error{fmt::format(
-          "is compressed by filter {}, a plug-in of HDF5; only filters that are part of HDF5 are allowed",
+          "is compressed with filter {}, which is a plug-in of HDF5; only filters that are part of HDF5 are "
+          "allowed",
           filter)};
   }
   return {};
@@ -357,8 +358,10 @@ Hdf5Id Hdf5Object::open_attribute(const std::string& name) const {
   check(attribute.get(), "read");
   const Hdf5Id space(H5Aget_space(attribute.get()), H5Sclose);
   if (const auto values = H5Sget_simple_extent_npoints(space.get()); values != 1)
-    fail(fmt::format("has an attribute \"{}\" with {} values, but must have one: the file is damaged", name,
-                     values));
+    fail(
+        fmt::format("has an attribute \"{}\" with {} values, but the attribute must have one value: the "
+                    "file is damaged",
+                    name, values));
   return attribute;
 }
 
@@ -367,12 +370,13 @@ std::string Hdf5Object::text(const std::string& name) const {
   const Hdf5Id attribute = open_attribute(name);
   const Hdf5Id type(H5Aget_type(attribute.get()), H5Tclose);
   if (H5Tget_class(type.get()) != H5T_STRING)
-    fail(fmt::format("has an attribute \"{}\" that is not a text: the file is damaged", name));
+    fail(fmt::format("has an attribute \"{}\" that is not a string: the file is damaged", name));
   if (H5Tis_variable_str(type.get()) > 0) return variable_text(attribute.get(), name);
   const std::size_t size = H5Tget_size(type.get());
   if (size > H5Aget_storage_size(attribute.get()))
     fail(fmt::format(
-        "has an attribute \"{}\" whose text is longer than its stored bytes: the file is damaged", name));
+        "has an attribute \"{}\" whose string is longer than the bytes stored for it: the file is damaged",
+        name));
   std::string value(size, '\0');
   check(H5Aread(attribute.get(), type.get(), value.data()), "read");
   return unpadded(std::move(value));
@@ -387,7 +391,7 @@ std::string Hdf5Object::variable_text(std::int64_t attribute, const std::string&
   hsize_t user_block = 0;
   check(H5Pget_userblock(creation.get(), &user_block), "read");
   std::optional<std::string> text = read_heap_text(file_, user_block, reference);
-  if (!text) fail(fmt::format("has an attribute \"{}\" whose text is missing: the file is damaged", name));
+  if (!text) fail(fmt::format("has an attribute \"{}\" whose string is missing: the file is damaged", name));
   return std::move(*text);
 }
 
@@ -439,14 +443,15 @@ std::size_t Hdf5Dataset::values() const {
   const Hdf5Id open_file(H5Iget_file_id(id_.get()), H5Fclose);
   hsize_t bytes = 0;
   check(H5Fget_filesize(open_file.get(), &bytes), "read");
-  if (values > bytes / engine::element_size(element_)) fail("is larger than the file: the file is damaged");
+  if (values > bytes / engine::element_size(element_))
+    fail("needs more bytes than the file has: the file is damaged");
   return values;
 }
 
 void Hdf5Dataset::check_element(engine::Element element) const {
   if (element != element_)
-    fail(fmt::format("holds values of type {}, but must hold type {}", engine::element_name(element_),
-                     engine::element_name(element)));
+    fail(fmt::format("holds values of type {}, but must hold values of type {}",
+                     engine::element_name(element_), engine::element_name(element)));
 }
 
 void Hdf5Dataset::write_rows(std::size_t first, std::size_t rows, const void* from, std::size_t values,
@@ -513,8 +518,8 @@ void Hdf5Dataset::read_rows(std::size_t first, void* into, std::size_t values,
   const std::size_t count = values / row;
   if (values % row != 0 || first > rows() || count > rows() - first)
     fail(fmt::format(
-        "has {} rows of {} values; cannot read {} values from row {} on (rows are counted from 0): "
-        "give a whole number of rows that ends at or before the last row",
+        "has {} rows of {} values; cannot read {} values from row {} on (rows are counted from 0): read "
+        "whole rows, at most up to the last row",
         rows(), row, values, first));
   const LibraryCall call;
   const hid_t type = memory_type(element);
@@ -680,7 +685,8 @@ std::vector<std::string> Hdf5Group::read_texts(const std::string& name) const {
   const Hdf5Id space(H5Dget_space(found.get()), H5Sclose);
   if (!found.valid() || H5Tget_class(type.get()) != H5T_STRING || H5Tis_variable_str(type.get()) != 0)
     fail_with(file_,
-              fmt::format("{} is not a text of fixed length: the file is damaged, or Troupe did not write it",
+              fmt::format("{} is not a string of fixed length: the file is damaged, or Troupe did not write "
+                          "the file",
                           path_of(name)));
   if (const Result<> own = check_own(found.get()); !own)
     fail_with(file_, fmt::format("{} {}", path_of(name), own.error().text));
@@ -688,7 +694,8 @@ std::vector<std::string> Hdf5Group::read_texts(const std::string& name) const {
   const auto count = static_cast<std::size_t>(check(H5Sget_simple_extent_npoints(space.get()), "read"));
   std::error_code unknown;
   if (count > 0 && count > fs::file_size(file_, unknown) / length)
-    fail_with(file_, fmt::format("{} is larger than the file: the file is damaged", path_of(name)));
+    fail_with(file_,
+              fmt::format("{} needs more bytes than the file has: the file is damaged", path_of(name)));
   std::string padded(length * count, '\0');
   if (count > 0 && H5Dread(found.get(), type.get(), H5S_ALL, H5S_ALL, H5P_DEFAULT, padded.data()) < 0)
     fail_with(file_, fmt::format("{} cannot be read: {}", path_of(name), reason()));
@@ -700,7 +707,7 @@ std::vector<std::string> Hdf5Group::read_texts(const std::string& name) const {
 std::string Hdf5Group::read_text(const std::string& name) const {
   std::vector<std::string> texts = read_texts(name);
   if (texts.size() != 1)
-    fail_with(file_, fmt::format("{} must be one text, but it is {} texts: the file is damaged",
+    fail_with(file_, fmt::format("{} must contain one string, but contains {}: the file is damaged",
                                  path_of(name), texts.size()));
   return std::move(texts.front());
 }

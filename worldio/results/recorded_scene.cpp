@@ -252,9 +252,9 @@ RecordedScene recorded_scene(const RecordingReader& recording) {
     find_shown_colors(recording, scene);
     return scene;
   } catch (const Json::exception&) {
-    fail(recording, "/world is not valid: the file is damaged");
+    fail(recording, "/world is not a valid world: the file is damaged");
   } catch (const Damaged&) {
-    fail(recording, "/world or /scene has values that no world has: the file is damaged");
+    fail(recording, "/world or /scene has values that are not allowed in a world: the file is damaged");
   }
 }
 
@@ -272,7 +272,7 @@ std::optional<engine::Record> recorded_window(const RecordingReader& recording) 
     JsonObject world(root);
     window = read_block(world, "window", window_fields());
   }
-  if (diagnostics.has_errors()) fail(recording, "/world is not valid: the file is damaged");
+  if (diagnostics.has_errors()) fail(recording, "/world is not a valid world: the file is damaged");
   return window;
 }
 

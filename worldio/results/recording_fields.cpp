@@ -215,7 +215,7 @@ std::optional<std::string> name_for_path(const World& world, std::string_view na
 }
 
 std::string wrong_spelling(std::string_view what, std::string_view name, std::string_view right) {
-  return fmt::format("unknown {} \"{}\": its name is \"{}\"", what, name, right);
+  return fmt::format("unknown {} \"{}\": write \"{}\" instead", what, name, right);
 }
 
 std::vector<RecordedComponent> recorded_components(const World& world, std::span<const std::string> names) {

@@ -42,7 +42,8 @@ RecordingReader::RecordingReader(const std::filesystem::path& file)
                                                                    : meta.text(name);
   const std::int64_t every = meta.integer("record_every_ticks");
   if (every < 1)
-    meta.fail(fmt::format("has record_every_ticks {}, which must be at least 1: the file is damaged", every));
+    meta.fail(
+        fmt::format("has a record_every_ticks of {}, which must be at least 1: the file is damaged", every));
   every_ticks_ = static_cast<std::uint64_t>(every);
 
   const Hdf5Group bodies = hdf5_.group("bodies");
@@ -75,12 +76,15 @@ Hdf5Group RecordingReader::checked_meta(const Hdf5File& file) {
   constexpr std::string_view k_kind = "troupe recording";
   if (!file.has_group("meta") || !file.group("meta").has_attribute("kind") ||
       file.group("meta").text("kind") != k_kind)
-    file.fail(fmt::format("has no /meta of kind \"{}\": the file is not a recording", k_kind));
+    file.fail(
+        fmt::format("has no group \"meta\" whose attribute \"kind\" is \"{}\": the file is not a "
+                    "recording",
+                    k_kind));
   Hdf5Group meta = file.group("meta");
   if (const std::int64_t layout = meta.integer("layout"); layout != k_recording_layout)
     meta.fail(fmt::format(
-        "has layout {}, which another version of Troupe wrote; this program reads layout {}: record the "
-        "run again",
+        "has layout {}, which another version of Troupe wrote; this program reads layout {}: record the run "
+        "again with this program",
         layout, k_recording_layout));
   return meta;
 }
@@ -107,7 +111,8 @@ void RecordingReader::find_arrays(const Hdf5Group& group, const std::string& com
     }
     if (extent.size() != 3 || extent[1] != bodies.size())
       dataset.fail(
-          fmt::format("has the shape [{}], but must have frames x {} bodies x values: the file is damaged",
+          fmt::format("has the shape [{0}], but must have the shape [frames x {1} x values], where {1} is "
+                      "the number of bodies: the file is damaged",
                       fmt::join(extent, " x "), bodies.size()));
     Array array;
     array.component = component;

@@ -64,7 +64,7 @@ class RecordingReader {
 
   /// One array of the state.
   struct Array {
-    std::string component;     ///< its name, such as "pose", "wander/0" or "sensors/minibot/ranger:0"
+    std::string component;     ///< name of its component, such as "pose" or "sensors/minibot/ranger:0"
     engine::StateField field;  ///< name, element type, number of columns, unit and meaning
     std::string frame;         ///< coordinate frame of the values, as in RecordedComponent::frame
     std::vector<std::uint32_t> bodies;  ///< for each row, the index of its body in ids()

@@ -91,8 +91,8 @@ std::uint64_t repair_copy(const fs::path& copy) {
   hdf5.close();
   if (RecordingReader(copy).frames() != frames || !is_even(copy, frames))
     throw Hdf5Error(fmt::format(
-        "{}: error: cannot be repaired: the file is damaged; some arrays have more frames than others, and "
-        "cannot be shortened",
+        "{}: error: cannot be repaired: some arrays in the file have more frames than others, and cannot be "
+        "shortened, because the file is damaged",
         copy.string()));
   return frames;
 }
@@ -105,8 +105,8 @@ Repair repair_recording(const fs::path& file) {
   const std::optional<Hdf5Superblock> head = read_superblock(file);
   if (!head)
     throw Hdf5Error(
-        fmt::format("{}: error: has no complete HDF5 header: it is not a recording, or was cut off before "
-                    "its first frame",
+        fmt::format("{}: error: has no complete HDF5 header: the file is not a recording, or was cut off "
+                    "before its first frame",
                     file.string()));
   if (!head->writing()) {
     const std::size_t frames = RecordingReader(file).frames();

@@ -265,8 +265,8 @@ void RecordingWriter::cut_after(std::uint64_t tick) {
   const std::uint64_t due = (next_tick_ + every_ticks_ - 1) / every_ticks_ * every_ticks_;
   if (due < tick)
     frame_outputs_[0].fail(fmt::format(
-        "ends before tick {}, but the run continues at tick {}, so that frames would be missing: give "
-        "--record a new file, or resume a checkpoint saved at or before the end of this recording",
+        "ends before tick {}, but the run continues at tick {}, so frames would be missing: give --record a "
+        "new file, or resume a checkpoint saved at or before the end of this recording",
         due, tick));
   for (Hdf5Dataset& output : frame_outputs_) output.resize(frames);
   for (Output& output : outputs_) output.dataset.resize(frames);

@@ -20,7 +20,7 @@ inline constexpr std::int32_t k_most_in_series = 130000000;
 /// which is usually small, is stored.
 enum class Expected : std::uint8_t {
   same,  ///< equals the previous value
-  line,  ///< continues the line through the previous two values; as `same` where only one is known
+  line,  ///< continues the line through the previous two values; like `same` if only one is known
 };
 
 /// Appends a series to `out`. The values must be k_absent, or from -k_most_in_series to k_most_in_series.

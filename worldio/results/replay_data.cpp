@@ -196,8 +196,8 @@ ReplayData replay_data(const RecordingReader& recording, const ReplayOptions& op
     }
     if (frames.size() <= 2)
       throw InputError(
-          fmt::format("{}: error: not even two frames of {} bodies fit into the page: allow a larger page "
-                      "with --max-mb, or show fewer fields with --fields pose",
+          fmt::format("{}: error: the replay page is too small for even two frames (bodies per frame: {}): "
+                      "allow a larger page with --max-mb, or show fewer fields with --fields pose",
                       recording.file().string(), plan.order.size()));
     data.stride = next_stride(data.stride, page.excess, data.recorded);
   }

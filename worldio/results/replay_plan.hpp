@@ -31,7 +31,7 @@ struct ReplayField {
   double min = 0;
   double max = 0;           ///< largest finite number in all frames, not rounded
   double step = 1;          ///< difference of neighbouring rounded values
-  std::uint32_t steps = 0;  ///< the largest k
+  std::uint32_t steps = 0;  ///< the largest k (see above)
 };
 
 /// What a page shows of a recording, and in which order.

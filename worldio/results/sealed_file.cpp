@@ -130,12 +130,12 @@ void check_seal(const fs::path& file, std::string_view kind, unsigned layout) {
   // The first two lines are the same in every layout.
   const auto number = number_after(text, "layout");
   if (number && *number != layout)
-    refuse(fmt::format("its layout is {}, of {} version of Troupe; this program reads layout {}", *number,
-                       *number > layout ? "a newer" : "an older", layout));
+    refuse(fmt::format("the file has layout {}, that of {} version of Troupe; this program reads layout {}",
+                       *number, *number > layout ? "a newer" : "an older", layout));
   const auto bytes = number_after(text, "bytes");
   if (text.size() < k_seal_bytes || (bytes && content.bytes < *bytes))
-    refuse(fmt::format("the file was cut off, after {} bytes{}", text.size() + content.bytes,
-                       bytes ? fmt::format(" of {}", k_seal_bytes + *bytes) : ""));
+    refuse(fmt::format("the file was cut off: it has {} bytes{}", text.size() + content.bytes,
+                       bytes ? fmt::format(" instead of {}", k_seal_bytes + *bytes) : ""));
   if (text != head(kind, layout, content.bytes, content.hash))
     refuse("the file is damaged: its hash differs from the one in its header");
 }

@@ -94,8 +94,8 @@ void StageBodies::check_map(const StageModel& model, const FloorImage& map, cons
                     size_m.x(), size_m.y(), size.x(), size.y()));
   if (!blocks.empty())
     values_.error(blocks.front().where,
-                  "a model whose \"bitmap\" is a ROS map cannot have blocks: remove them, or put them into a "
-                  "model of their own");
+                  "a model whose \"bitmap\" is a ROS map cannot have blocks: remove the blocks, or put them "
+                  "into another model");
 }
 
 const FloorImage* StageBodies::read_image(const StageProperty& property, engine::ImageSpec& spec) {
@@ -176,8 +176,8 @@ void StageBodies::add_block(const StageModel& block, std::vector<Solid>& solids)
   if (const auto missing = std::ranges::count(given, nullptr); missing > 0)
     values_.warning(
         values_.where(*points),
-        fmt::format("{} of the {} corners have no \"point[k]\" and are at [0 0], as in Stage: give all, "
-                    "\"point[0]\" to \"point[{}]\"",
+        fmt::format("\"point[k]\" is missing for {} of the {} corners; as in Stage, a corner without this "
+                    "property is at [0 0]: give all properties from \"point[0]\" to \"point[{}]\"",
                     missing, *count, *count - 1));
   const double area = signed_area(ring);
   if (area == 0) values_.warning(block.where, "this block has no area: check its corners, \"point[k]\"");

@@ -104,14 +104,15 @@ void add_noise(const Record& params, std::uint64_t, const engine::Registry&, Typ
 
 engine::ControllerKind dynamic_controller() {
   return engine::make_controller_kind<Dynamic>(k_dynamic,
-                                               "add boxes of 0.1 m to the model when the world is read");
+                                               "add boxes with edges of 0.1 m to the model when the world is "
+                                               "read");
 }
 
 engine::ControllerKind lasernoise_controller() {
   return engine::make_controller_kind<LaserNoise>(
       k_lasernoise,
-      "add a normally distributed error to the readings of the model's ranger; its standard "
-      "deviation is proportional to the reading");
+      "add a normally distributed error to the readings of the model's ranger; the standard deviation of the "
+      "error is proportional to the reading");
 }
 
 StageAddition stage_addition(std::string_view controller) {

@@ -25,9 +25,9 @@ engine::ControllerKind dynamic_controller();
 /// the controller only keeps its ranger running.
 engine::ControllerKind lasernoise_controller();
 
-/// A function that makes the changes of a controller `dynamic` or `lasernoise` to `type`, the type of a body
-/// with this controller. `params` are the parameters of the controller, `seed` is that of the world, and
-/// `part` is the index of the part that has the controller.
+/// A function that changes `type`, the type of a body with a controller `dynamic` or `lasernoise`, as this
+/// controller does when the file is read. `params` are the parameters of the controller, `seed` is that of
+/// the world, and `part` is the index of the part that has the controller.
 using StageAddition = void (*)(const engine::Record& params, std::uint64_t seed,
                                const engine::Registry& registry, engine::TypeSpec& type, std::uint32_t part);
 

@@ -102,8 +102,8 @@ std::optional<engine::DeviceSpec> StageKinds::gripper(const StageModel& model, c
     if (!v) return {};
     if (!std::ranges::all_of(*v, [](double part) { return part > 0 && part < 1; }) || (*v)[1] >= 0.5) {
       values_.error(values_.where(*property),
-                    fmt::format("\"paddle_size\" needs fractions of the gripper's size, above 0 and below 1, "
-                                "and y below 0.5, found [{} {} {}]",
+                    fmt::format("\"paddle_size\" needs three fractions of the gripper's size, [x y z], each "
+                                "above 0 and below 1, with y below 0.5, found [{} {} {}]",
                                 (*v)[0], (*v)[1], (*v)[2]));
       return {};
     }
@@ -289,8 +289,8 @@ std::optional<engine::DeviceSpec> StageKinds::wheels(const StageModel& model,
   if (const StageProperty* property = model.find(document_, "velocity"))
     values_.warning_once(
         values_.where(*property),
-        "\"velocity\" of a model of type position inside another model has no effect: its drive sets its "
-        "velocity before its first motion: remove this property");
+        "\"velocity\" of a model of type position inside another model has no effect: the drive of such a "
+        "model sets the velocity before the first motion: remove this property");
   for (const std::string_view key : {"gps_origin", "odom_error", "odom_heading"})
     if (const StageProperty* property = model.find(document_, key))
       values_.warning_once(
@@ -353,8 +353,8 @@ bool StageKinds::localize(const StageModel& model, const FieldTable& table, Reco
     is_right = is_right && origin;
     if (kind == "gps" && !gps_has_origin && origin && *origin != Pose())
       values_.warning_once(values_.where(*property),
-                           "\"localization_origin\" has no effect: as in Stage, \"gps\" poses are in the "
-                           "world frame; \"gps_origin 1\" applies the origin");
+                           "\"localization_origin\" has no effect: as in Stage, poses of \"gps\" are in the "
+                           "world frame; add \"gps_origin 1\" to apply the origin");
     else if (origin && (kind != "gps" || gps_has_origin)) {
       set(table, params, "localization_origin", std::vector<double>{origin->x, origin->y});
       set(table, params, "localization_origin_heading", origin->heading);
@@ -407,8 +407,8 @@ std::optional<engine::ControllerSpec> StageKinds::controller(std::string_view ca
     const std::size_t equals = word.find('=');
     if (equals == std::string_view::npos) {
       if (positional == fields.size()) {
-        values_.error(where, fmt::format("controller \"{}\" takes at most {} arguments: remove \"{}\"", name,
-                                         fields.size(), word));
+        values_.error(where, fmt::format("controller \"{}\" takes at most {} argument{}: remove \"{}\"", name,
+                                         fields.size(), fields.size() == 1 ? "" : "s", word));
         return {};
       }
       const Field& field = fields[positional];
@@ -430,8 +430,10 @@ std::optional<engine::ControllerSpec> StageKinds::controller(std::string_view ca
         }
     }
     if (at == fields.size()) {
-      values_.error(where, fmt::format("controller \"{}\" has no parameter \"{}\"; known: {}{}", name, key,
-                                       comma_list(keys), did_you_mean(key, keys)));
+      values_.error(where, keys.empty()
+                               ? fmt::format("controller \"{}\" has no parameters: remove \"{}\"", name, word)
+                               : fmt::format("controller \"{}\" has no parameter \"{}\"; known: {}{}", name,
+                                             key, comma_list(keys), did_you_mean(key, keys)));
       return {};
     }
     if (!set_argument(fields[at], to_si, word.substr(equals + 1), name, where, spec.params[at])) return {};

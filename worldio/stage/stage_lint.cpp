@@ -68,9 +68,8 @@ void StageLint::check_property(const StageProperty& property, std::string_view t
     const bool is_transducers = type == "ranger" && find_stage_row("sensor", key) != nullptr;
     const std::vector<std::string_view> known = stage_property_names(type);
     values_.warning_once(
-        where,
-        fmt::format("{} has no property \"{}\"; the property is ignored{}", with_article(type), key,
-                    is_transducers ? ": it must be inside a sensor( ... )" : did_you_mean(key, known)));
+        where, fmt::format("{} has no property \"{}\"; the property is ignored{}", with_article(type), key,
+                           is_transducers ? ": write it inside a sensor( ... )" : did_you_mean(key, known)));
     return;
   }
   switch (row->support) {
@@ -116,7 +115,7 @@ void StageLint::check_overruled(const StageModel& model) {
       children, [&](const StageModel::Child& child) { return document_.word(*child.entity) == "sensor"; });
   if (!model.alias.empty() && has_sensors)
     for (const std::string_view key : {"samples", "fov", "range", "range_min", "range_max"})
-      report(key, "the sensor( ) blocks in this model set it");
+      report(key, "in a model with sensor( ) blocks, only the properties in these blocks count");
   if (!is_position) return;
   const StageProperty* drive = model.find(document_, "drive");
   if (!drive || values_.text(*drive) != "car")

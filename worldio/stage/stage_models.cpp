@@ -50,7 +50,7 @@ void StageMacros::define(const StageItem& item) {
   if (!is_new && !is_read_again)
     values_.warning(
         name.where(),
-        fmt::format("macro \"{}\" is already defined, at {}; that definition is used: remove this one",
+        fmt::format("macro \"{}\" is already defined at {}; this later definition is ignored: remove it",
                     name.text, values_.place(before, name.where())));
 }
 
@@ -146,7 +146,7 @@ void StageMacros::report_unused() {
       values_.warning(
           {file, 0},
           fmt::format(
-              "nothing of this included file is used; the file defines {} macro{}: remove the include",
+              "nothing in this included file is used; the file defines {} macro{}: remove the include",
               holds.macros, holds.macros == 1 ? "" : "s"));
 }
 

@@ -185,7 +185,8 @@ class Lexer {
       const std::string_view rest = source.take_while(is_word_part);
       errors_.add(
           source.where(),
-          fmt::format("\"{}{}\" is not a number; numbers are written without exponent and unit, as in 0.02",
+          fmt::format("\"{}{}\" is not a number; numbers are written without an exponent and without a unit, "
+                      "as in 0.02",
                       text, rest));
     }
     add(source, TokenKind::number, text);
@@ -252,15 +253,16 @@ class Lexer {
       return;
     }
     if (++inclusions_ > k_most_inclusions) {
-      errors_.add(where, fmt::format("too many includes: the limit is {} included files, each counted every "
-                                     "time it is included: join files",
+      errors_.add(where, fmt::format("too many included files: at most {} are allowed, and a file counts "
+                                     "each time it is included: merge some of the files",
                                      k_most_inclusions));
       throw GiveUp{};
     }
     included_bytes_ += text->size();
     if (included_bytes_ > k_most_included_bytes) {
       errors_.add(where,
-                  fmt::format("too large: the included files together have more than {} MiB, the limit",
+                  fmt::format("the included files are too large: at most {} MiB in total are allowed, and a "
+                              "file counts each time it is included",
                               k_most_included_bytes >> 20));
       throw GiveUp{};
     }
@@ -322,9 +324,9 @@ class Parser {
     const std::size_t children = open_children_.size();
     if (depth > k_deepest_nesting) {
       document_.well_nested = false;
-      errors_.add(
-          document_.token(entity.word).where(),
-          fmt::format("models and blocks are nested deeper than the limit, {} levels", k_deepest_nesting));
+      errors_.add(document_.token(entity.word).where(),
+                  fmt::format("models and blocks are nested too deep: at most {} levels are allowed",
+                              k_deepest_nesting));
       throw GiveUp{};
     }
     while (peek().kind != TokenKind::close) {
@@ -353,7 +355,7 @@ class Parser {
     switch (token.kind) {
       case TokenKind::word: break;
       case TokenKind::open: {
-        errors_.add(token.where(), "a ( must follow a model's type or a macro's name");
+        errors_.add(token.where(), "a ( is allowed only after a model type or the name of a macro");
         entity.word = position();
         ++at_;
         StageEntity dropped{.word = entity.word};
@@ -401,8 +403,9 @@ class Parser {
                       token.text, next.text));
       at_ += 2;
     } else {
-      errors_.add(token.where(),
-                  fmt::format("\"{}\" needs a value on the same line, or a body in ( )", token.text));
+      errors_.add(
+          token.where(),
+          fmt::format("\"{}\" needs a value on the same line, or a list of properties in ( )", token.text));
       ++at_;
     }
     return false;
@@ -442,7 +445,9 @@ class Parser {
     const StageToken word = peek();
     ++at_;
     if (peek().kind != TokenKind::word) {
-      errors_.add(word.where(), "define needs a name and a base: define robot position( ... )");
+      errors_.add(word.where(),
+                  "define needs a name and a base, which is a model type or a macro: define "
+                  "robot position( ... )");
       return;
     }
     StageItem item{.is_define = true, .entity = {.word = position()}};
@@ -453,11 +458,13 @@ class Parser {
       item.base = position();
       ++at_;
     } else {
-      errors_.add(word.where(), fmt::format("define {0} needs a base: define {0} position( ... )", name));
+      errors_.add(word.where(), fmt::format("define {0} needs a base, which is a model type or a macro: "
+                                            "define {0} position( ... )",
+                                            name));
       usable = false;
     }
     if (peek().kind != TokenKind::open) {
-      if (usable) errors_.add(word.where(), fmt::format("define {} needs a body in ( )", name));
+      if (usable) errors_.add(word.where(), fmt::format("define {} needs a list of properties in ( )", name));
       return;
     }
     ++at_;

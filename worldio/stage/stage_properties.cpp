@@ -17,7 +17,7 @@ constexpr auto k_rows = std::to_array<StageRow>({
     {"world", "name", honoured, "title of the world; default: the path of the file"},
     {"world", "interval_sim", honoured, "length of a tick, ms; at least 0.001"},
     {"world", "quit_time", honoured,
-     "time at which a run ends, s, unless an option of the run says otherwise"},
+     "simulated time, s, at which a run ends unless an option of the run says otherwise"},
     {"world", "unit_length", fixed, "\"m\", \"cm\" or \"mm\"; anything else is an error"},
     {"world", "unit_angle", fixed, "\"degrees\" or \"radians\"; anything else is an error"},
     {"world", "wrap_headings", honoured,
@@ -31,8 +31,8 @@ constexpr auto k_rows = std::to_array<StageRow>({
      "the number of threads is an option of the run and never changes a result"},
     {"world", "test", no_effect, "a debugging aid of Stage's parser"},
     {"world", "show_clock", fixed,
-     "1: prints the time on standard error, as `--clock` does; in Stage, the option of the program overrides "
-     "this property"},
+     "1: prints the time on standard error, as `--clock` does; in Stage, the option `--clock` overrides this "
+     "property"},
     {"world", "show_clock_interval", honoured, "number of ticks from one line of `show_clock` to the next"},
     {"world", "speedup", fixed,
      "speed of a run relative to real time with `troupe run --rate world`; at 0 or without that option, a "
@@ -111,10 +111,10 @@ constexpr auto k_rows = std::to_array<StageRow>({
      "added by Troupe: what an empty pack does. \"stop\": sensors keep their readings and drives stand "
      "still; \"nothing\": no effect, as in Stage"},
     {"model", "give_watts", fixed,
-     "power that the model gives, while it runs, to each body that takes energy and touches it (at most 0.02 "
-     "m apart), W; the whole region of the model counts, not only its outline"},
+     "power, W, that the model gives while it runs to each body that takes energy and touches the model (at "
+     "most 0.02 m apart); the whole region of the model counts, not only its outline"},
     {"model", "take_watts", honoured,
-     "greatest power that the model takes from each body that touches it and gives energy, W"},
+     "greatest power, W, that the model takes from each body that gives energy and touches the model"},
     {"model", "say", window_only, ""},
     {"model", "gui_nose", window_only, ""},
     {"model", "gui_outline", window_only, ""},
@@ -190,11 +190,9 @@ constexpr auto k_rows = std::to_array<StageRow>({
     {"position", "gps_origin", honoured,
      "added by Troupe: 1 gives the poses of \"gps\" in the frame of `localization_origin`"},
     {"position", "odom_error", fixed,
-     "[x y z a]: errors of the odometry relative to the motion forward, sideways and upwards (z has no "
-     "effect), "
-     "and of its turns, with a in `unit_angle`, as in Stage; default: random for each robot, from the seed "
-     "of "
-     "the world, not from the clock"},
+     "[x y z a]: errors of the odometry, as fractions of the motion forward (x) and sideways (y) and of the "
+     "turn (a); z has no effect, and a is converted from `unit_angle`, as in Stage. By default the errors "
+     "are random for each robot; they follow from the seed of the world, in Stage from the clock"},
     {"position", "odom_heading", honoured,
      "added by Troupe: the heading along which odometry adds the motion of a tick. \"new\": the heading "
      "after the turn of that tick, as in Stage; \"old\": the heading before the turn, along which robots "
@@ -266,7 +264,7 @@ constexpr auto k_rows = std::to_array<StageRow>({
     {"radio", "walls", honoured,
      "effect of walls on signals, \"block\", \"weaken\" or \"pass\"; default \"weaken\" with \"raytrace\", "
      "\"pass\" with the other laws"},
-    {"radio", "bodies", honoured, "effect on signals of bodies between two radios, \"block\" or \"pass\""},
+    {"radio", "bodies", honoured, "effect of bodies between two radios on signals, \"block\" or \"pass\""},
     {"radio", "frequency", honoured, "carrier frequency, GHz; default 2.4"},
     {"radio", "payload", honoured, "maximum length of a message, bytes"},
     {"radio", "most_heard", honoured,
@@ -331,7 +329,7 @@ constexpr auto k_rows = std::to_array<StageRow>({
     {"camera", "pitch", obsolete, ""},
 
     {"blinkenlight", "period", fixed,
-     "time from one flash to the next, ms; the light blinks; in Stage, it is not drawn"},
+     "time from one flash to the next, ms; in Troupe the light blinks, in Stage it is not drawn"},
     {"blinkenlight", "dutycycle", fixed, "fraction of the period for which the light is lit"},
     {"blinkenlight", "enabled", fixed,
      "0: the light is dark until a controller switches it on; Stage never reads this property"},

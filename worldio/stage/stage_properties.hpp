@@ -29,10 +29,10 @@ struct StageRow {
 /// in docs/stage-worlds.md.
 std::span<const StageRow> stage_rows();
 
-/// Returns the row of a property in an entity of this type: a row of that type or, for a model type without
-/// such a row, a row of "model". `type` may also be an older name of a type: for "laser" and "sonar", rows of
-/// "ranger" and "sensor" are also searched. Null if there is no row. `name` is the name in the file, with its
-/// numbers: "point[3]".
+/// Returns the row that describes a property of an entity of this type. If a model type has no row for the
+/// property, the rows of "model" are searched. `type` may also be an older name of a type: for "laser" and
+/// "sonar", the rows of "ranger" and "sensor" are also searched. Null if there is no row. `name` is the name
+/// in the file, with its numbers: "point[3]".
 const StageRow* find_stage_row(std::string_view type, std::string_view name);
 
 /// Whether properties of this name never have an effect on a run, in any type of entity. Bodies that differ

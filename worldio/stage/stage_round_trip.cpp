@@ -155,8 +155,8 @@ void RoundTrip::check_devices() {
   }
   for (const DeviceSpec& device : back_.devices)
     if (std::ranges::find(type_.devices, device.name, &DeviceSpec::name) == type_.devices.end())
-      lacks(type_.parts.front().where, fmt::format("it has no device \"{}\", but when the written file is "
-                                                   "read, the type gets this device, of kind {}",
+      lacks(type_.parts.front().where, fmt::format("it has no device \"{}\" of kind {}, but in the written "
+                                                   "file it would have this device",
                                                    device.name, device.kind));
   // The order of devices of one kind matters, because controllers choose among them in this order.
   for (const engine::DeviceKind& kind : registry_.devices) {
@@ -186,26 +186,29 @@ void RoundTrip::check_device(const DeviceSpec& a, const DeviceSpec& b) {
     pose.heading = b.pose_body_device.heading;
   if (!is_placeless && !same_bits(pose, b.pose_body_device))
     lacks(a.where, owner + ": its exact \"pose\"; the last bits would change");
-  if (!same_bits(a.period_s, b.period_s)) lacks(a.where, owner + ": \"period_s\"");
-  if (a.active != b.active) lacks(a.where, owner + ": \"active\"");
+  if (!same_bits(a.period_s, b.period_s)) lacks(a.where, owner + ": its \"period_s\"");
+  if (a.active != b.active) lacks(a.where, owner + ": its \"active\"");
   if (!is_placeless && joint_name(type_, a.joint) != joint_name(back_, b.joint))
     lacks(a.where, owner + ": the joint that it is mounted on");
 }
 
 void RoundTrip::check_controllers() {
   const Where whole = type_.parts.front().where;
-  if (type_.controllers.size() != back_.controllers.size()) return lacks(whole, "its controllers");
+  if (type_.controllers.size() != back_.controllers.size())
+    return lacks(whole,
+                 "the number of its "
+                 "controllers");
   for (std::size_t i = 0; i < type_.controllers.size(); ++i) {
     const engine::ControllerSpec& a = type_.controllers[i];
     const engine::ControllerSpec& b = back_.controllers[i];
     const std::string owner = fmt::format("controller \"{}\"", a.kind);
-    if (a.kind != b.kind) return lacks(a.where, owner);
+    if (a.kind != b.kind) return lacks(a.where, owner + ": its place in the order of controllers");
     const engine::ControllerKind* kind = registry_.controller(a.kind);
     if (!kind) continue;
     check_params(a.where, owner, a.params, b.params, kind->params);
     // The period of a controller has an effect only without a drive: with a drive, the controller runs when
     // the drive does.
-    if (!type_.drive && !same_bits(a.period_s, b.period_s)) lacks(a.where, owner + ": \"period_s\"");
+    if (!type_.drive && !same_bits(a.period_s, b.period_s)) lacks(a.where, owner + ": its \"period_s\"");
   }
 }
 
@@ -214,7 +217,7 @@ void RoundTrip::check_joints() {
   for (std::size_t j = 0; is_same && j < type_.joints.size(); ++j)
     is_same = type_.joints[j].name == back_.joints[j].name &&
               same_bits(type_.joints[j].pose_body_joint, back_.joints[j].pose_body_joint);
-  if (!is_same) lacks(type_.parts.front().where, "its joints");
+  if (!is_same) lacks(type_.parts.front().where, "the number, the names or the poses of its joints");
 }
 
 /// Compares the devices that a controller can use, and those that a power pack supplies. A part that the
@@ -252,13 +255,13 @@ void RoundTrip::check_bodies() {
       if (stage_addition(controller.kind))
         return lacks(
             controller.where,
-            fmt::format("controller \"{}\": it adds random parts to its model when the file is read, "
-                        "and with the seed of this world they differ from those of the type",
+            fmt::format("controller \"{}\": it adds random parts to its model when the file is read; with "
+                        "the seed of this world, these parts differ from the parts of the type",
                         controller.kind));
     return lacks(
         type_.parts.front().where,
         fmt::format(
-            "its number of parts with solids, which is {}: when the written file is read, the number differs",
+            "its number of parts with solids, which is {}: in the written file, the number would differ",
             parts.size()));
   }
   for (std::size_t p = 0; p < parts.size(); ++p) {
@@ -270,14 +273,14 @@ void RoundTrip::check_bodies() {
       returns.fiducial = a.returns.fiducial;
     if (a.returns != returns)
       lacks(a.where, owner +
-                         ": its \"obstacle\", its \"fiducial_key\", or one of \"ranger_return\", "
-                         "\"fiducial_return\", \"gripper_return\" and \"blob_return\"");
+                         ": the value of its \"obstacle\", \"fiducial_key\", \"ranger_return\", "
+                         "\"fiducial_return\", \"gripper_return\" or \"blob_return\"");
     check_size(a, b, owner);
     check_pose(a, b, owner);
     if (joint_name(type_, a.joint) != joint_name(back_, b.joint))
       lacks(a.where, owner + ": the joint that it is mounted on");
-    if (a.floor_plan != b.floor_plan) lacks(a.where, owner + ": \"floor_plan\"");
-    if (a.color && a.color != b.color) lacks(a.where, owner + ": \"color\"");
+    if (a.floor_plan != b.floor_plan) lacks(a.where, owner + ": its \"floor_plan\"");
+    if (a.color && a.color != b.color) lacks(a.where, owner + ": its \"color\"");
     const std::optional<double> off = distance(a.solids, b.solids);
     if (!off || *off > k_rounding_m)
       lacks(a.where, owner + ": its outline (Stage's blocks have no holes)");
@@ -335,7 +338,7 @@ void check_names(const WorldSpec& spec, const WorldSpec& back, Diagnostics& diag
     const auto found = back.part_aliases.find(name);
     if (found == back.part_aliases.end() || found->second.body != place.body ||
         found->second.part != place.part)
-      lacks(place.body, "its entry of \"global_parts\",", name);
+      lacks(place.body, "its \"global_parts\" entry", name);
   }
 }
 
@@ -348,12 +351,13 @@ void check_stage_round_trip(const WorldSpec& spec, const WorldSpec& back, const 
     diagnostics.error(where, fmt::format("a .world file cannot express this: {}", what));
   };
   if (!same_bits(spec.tick_s, back.tick_s))
-    lacks(whole, "\"tick_s\": Stage's clock counts whole microseconds");
+    lacks(whole,
+          "\"tick_s\": Stage's clock counts whole microseconds, so the value must be a multiple of "
+          "1e-6 s");
   if (spec.bodies.size() != back.bodies.size())
     return lacks(
-        whole,
-        fmt::format("the number of bodies, which is {}: when the written file is read, the number differs",
-                    spec.bodies.size()));
+        whole, fmt::format("the number of bodies, which is {}: in the written file, the number would differ",
+                           spec.bodies.size()));
   check_names(spec, back, diagnostics);
   std::set<std::pair<std::uint32_t, std::uint32_t>> types;
   for (std::size_t b = 1; b < spec.bodies.size(); ++b) {

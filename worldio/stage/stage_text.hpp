@@ -12,9 +12,9 @@
 
 namespace troupe::worldio {
 
-/// Returns a number x for which read(x) == value to the last bit. The function tries `guess`, the seven
-/// nearest doubles above it and the seven nearest below it. If none of them fits, the function returns
-/// `guess`.
+/// Searches for a number x for which read(x) equals `value` in every bit, and returns x. The function tries
+/// `guess`, the seven nearest doubles above it and the seven nearest below it. If none of them fits, the
+/// function returns `guess`.
 template <class Read>
 double solved(double value, double guess, Read read) {
   constexpr int k_neighbours = 8;

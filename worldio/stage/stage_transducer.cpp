@@ -144,16 +144,24 @@ class TransducerReader {
     return given.has_value();
   }
 
-  /// Checks a value against the limits of its field. The error uses the name that the property has in the
-  /// file.
+  /// Checks a value, in SI units, against the limits of its field. The error uses the name that the property
+  /// has in the file and, for a tuple, says which of its numbers is wrong.
   bool check(std::string_view field_name, double value, const StageProperty& property) {
     const engine::FieldTable& table = engine::described<TransducerParams>();
     const auto at = static_cast<std::size_t>(table.find(field_name));
     const Result<> kept = check_limits(table.fields[at], value);
-    if (!kept)
-      values_.error(values_.where(property),
-                    fmt::format("\"{}\" {}, found {}", values_.key(property), kept.error().text, value));
-    return static_cast<bool>(kept);
+    if (kept) return true;
+    const std::string_view key = values_.key(property);
+    const std::string_view number =
+        key == "range"                       ? (field_name == "range_min" ? ": the minimum" : ": the maximum")
+        : field_name == "noise_proportional" ? ": the second number (share)"
+        : field_name == "noise_angular" ? ": the third number (angle), times half the angle between beams,"
+                                        : "";
+    const std::string_view unit = engine::unit_suffixes(table.fields[at].unit)[0].symbol;
+    values_.error(values_.where(property),
+                  fmt::format("\"{}\"{} {}, found {}{}{}", key, number, kept.error().text, value,
+                              unit.empty() ? "" : " ", unit));
+    return false;
   }
 
   const StageDocument& document_;

@@ -148,7 +148,8 @@ void TypeText::write_part(std::uint32_t p) {
   text_.at(part.where);
   if (!registry_.model(part.kind)) return lacks(part.where, fmt::format("a part of kind \"{}\"", part.kind));
   if ((part.kind == "position") != (p == 0 ? type_.drive.has_value() : own && is_wheels(*own)))
-    lacks(part.where, "a part of kind \"position\" without a drive, or a drive in a part of another kind");
+    lacks(part.where, part.kind == "position" ? std::string("a part of kind \"position\" without a drive")
+                                              : fmt::format("a drive in a part of kind \"{}\"", part.kind));
   write_body(part, own);
   write_returns(part.returns);
   if (part.returns.pushable) lacks(part.where, "a \"pushable\" body");

@@ -32,7 +32,7 @@ std::vector<bool> added_parts(const engine::TypeSpec& type, std::uint64_t seed,
 struct StageMacro {
   std::string word;                    ///< name of the macro
   Color color;                         ///< colour of bodies whose own model has no colour
-  bool has_many_colors = false;        ///< the bodies differ in colour: `color` is then written as color_rgba
+  bool has_many_colors = false;        ///< the bodies differ in colour: the macro then has color_rgba
   std::vector<bool> added;             ///< result of added_parts() for the type
   std::set<std::string> global_parts;  ///< names of parts that programs can look up without the body's name
 };

@@ -439,7 +439,7 @@ std::optional<StageWorld::Contents> StageWorld::contents(const StageModel& model
     if (is_piece)
       for (const StageModel::Child& inner : resolved->children(document_))
         fail(document_.token(inner.entity->word).where(),
-             fmt::format("a {} can only hold properties, not \"{}\"", resolved->type,
+             fmt::format("a {} can contain only properties, not \"{}\"", resolved->type,
                          document_.word(*inner.entity)));
     if (resolved->type == "block")
       out.blocks.push_back(std::move(*resolved));
@@ -581,9 +581,8 @@ void StageWorld::check_extent(const StageModel& model, const engine::PartSpec& p
   if (has_body && !(part.size.minCoeff() > 0)) {
     if (is_flat)
       values_.warning_once(where,
-                           "\"size\" gives this model a height of 0, so that only bodies and beams at "
-                           "exactly that height meet "
-                           "the model: give a third value above 0");
+                           "\"size\" gives this model a height (third value) of 0, so only bodies and beams "
+                           "exactly at the z of the model meet the model: give a height above 0");
     else if (part.size.minCoeff() == 0)
       values_.error(where, "\"size\" must be above 0 in every direction, found 0");
   }

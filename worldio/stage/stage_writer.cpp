@@ -229,7 +229,7 @@ std::string write_stage_world(const WorldSpec& spec, const std::filesystem::path
     if (finding.severity == Severity::error)
       diagnostics.error(
           {spec.resolution_where.file, 0},
-          fmt::format("a .world file cannot express this world: the text made from it cannot be loaded: {}",
+          fmt::format("a .world file cannot express this world: the written text could not be loaded: {}",
                       finding.message));
   if (!diagnostics.has_errors()) check_stage_round_trip(spec, back, registry, diagnostics);
   return text;

@@ -48,8 +48,8 @@ class Renderer:
 
     @property
     def address(self) -> Optional[str]:
-        """Address of the page of the mode human, with read-only access; None before the first episode and in other
-        modes."""
+        """Address of the page that the mode `human` shows, with read-only access; None before the first episode and in
+        other modes."""
         return None if self._view is None else self._view.read_only_address
 
     def begin(self, batch: Batch) -> None:

@@ -35,7 +35,7 @@ class Team:
 
     #: Name of a type, of a population or of one robot, as in Simulation.swarm(); empty: all robots.
     robots: str = ""
-    #: The observation of a robot: a list of parts, whose columns are concatenated to a Box, or a dict with one such
+    #: The observation of a robot: a list of parts, whose columns are concatenated into a Box, or a dict with one such
     #: list per name, for a Dict of boxes. If a list has one part with the member "shape", the Box has this shape and
     #: the element type of the reading instead of float32; use this for images.
     observation: Union[Parts, Dict[str, Parts]] = dataclasses.field(default_factory=_no_parts)

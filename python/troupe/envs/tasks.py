@@ -23,7 +23,7 @@ LIDAR_BEAMS = 12
 def room(size: float, populations: List[Dict[str, Any]], types: Dict[str, Any], seed: int = 1) -> Dict[str, Any]:
     """Returns a world, a dict as in a JSON world file, with a square room that has walls and is centred on the origin.
     size: length of a side, m. populations, types, seed: values of these keys of the world; a type `wall` is added to
-    `types`. Raises ValueError for a room that is not larger than its walls are thick."""
+    `types`. Raises ValueError if `size` is not a finite number above 0.2."""
     if not 0.2 < size < float("inf"):
         raise ValueError(f"size={size}: give the length of a side of the room, above 0.2 m")
     half = size / 2
