@@ -198,7 +198,8 @@ std::string others_text(const engine::DeviceKind& kind) {
     constexpr std::array<std::string_view, 3> k_scopes{
         "the body that has the device, one target body within the reach of the device (the distance up to "
         "which the device reads other bodies), and all bodies that carry these two or are carried by them",
-        "the body that has the device, one target body anywhere in the world, and all bodies that carry these "
+        "the body that has the device, one target body anywhere in the world, and all bodies that carry "
+        "these "
         "two or are carried by them",
         "any body"};
     text += fmt::format("  changes: {}\n", k_scopes[static_cast<std::size_t>(kind.scope)]);
@@ -294,7 +295,8 @@ std::string describe_kind(const Registry& registry, std::string_view name) {
   if (const auto* kind = registry.fault(name)) text += kind_text("fault", *kind);
   if (text.find("\n  key ") != std::string::npos)
     text +=
-        "The ending of a key, such as _m, is the unit of its default and range; in JSON, the key may also have "
+        "The ending of a key, such as _m, is the unit of its default and range; in JSON, the key may also "
+        "have "
         "one of the endings in parentheses.\n";
   if (const auto* kind = registry.model(name))
     text += (text.empty() ? "" : "\n") + model_text(registry, *kind);

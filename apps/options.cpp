@@ -235,14 +235,15 @@ void obey_simd_variable() {
 }
 
 void add_plugin_path_option(CLI::App& app, std::vector<std::filesystem::path>& path) {
-  add_values(app, "--plugin-path", "DIR[:DIR]",
-             "Folders with plug-ins, searched before those in the environment variables TROUPE_PLUGIN_PATH and "
-             "STAGEPATH; repeatable",
-             [&path](const std::string& text) {
-               if (text.starts_with('-') || text.find_first_not_of(':') == text.npos)
-                 refuse("--plugin-path", text, "a list of folders, as in --plugin-path build:/opt/swarm");
-               append_folders(text, path);
-             });
+  add_values(
+      app, "--plugin-path", "DIR[:DIR]",
+      "Folders with plug-ins, searched before those in the environment variables TROUPE_PLUGIN_PATH and "
+      "STAGEPATH; repeatable",
+      [&path](const std::string& text) {
+        if (text.starts_with('-') || text.find_first_not_of(':') == text.npos)
+          refuse("--plugin-path", text, "a list of folders, as in --plugin-path build:/opt/swarm");
+        append_folders(text, path);
+      });
 }
 
 std::vector<std::filesystem::path> plugin_path(std::vector<std::filesystem::path> given) {

@@ -323,9 +323,9 @@ void Lint::check_who_stands_in(const std::vector<BodyId>& plans) {
     }
   }
   if (found > k_most_listed)
-    diagnostics_.warning(
-        last, fmt::format("{} more robot{} inside walls of floor plans", found - k_most_listed,
-                          found - k_most_listed == 1 ? " starts" : "s start"));
+    diagnostics_.warning(last,
+                         fmt::format("{} more robot{} inside walls of floor plans", found - k_most_listed,
+                                     found - k_most_listed == 1 ? " starts" : "s start"));
 }
 
 }  // namespace

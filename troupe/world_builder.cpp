@@ -231,9 +231,9 @@ WorldBuilder& WorldBuilder::wall(const Vec2& from, const Vec2& to, double thickn
   const Vec2 along = to - from;
   const double length = std::sqrt(along.squaredNorm());
   if (!(length > 0))
-    throw std::invalid_argument(fmt::format(
-        "wall(): the end points must be finite and different, found ({}, {}) m and ({}, {}) m", from.x(),
-        from.y(), to.x(), to.y()));
+    throw std::invalid_argument(
+        fmt::format("wall(): the end points must be finite and different, found ({}, {}) m and ({}, {}) m",
+                    from.x(), from.y(), to.x(), to.y()));
   const std::string name = fmt::format("wall{}", ++walls_);
   type(name).size(length, thickness, height).color("gray40");
   const Vec2 middle = (from + to) / 2;

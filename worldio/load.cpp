@@ -19,9 +19,9 @@ engine::WorldSpec fail(const std::filesystem::path& file, Diagnostics& diagnosti
 Result<> check_ending(const std::filesystem::path& file) {
   const std::string ending = file.extension().string();
   if (ending == ".world" || ending == ".json") return {};
-  return Error{fmt::format(
-      "the name of a world file must end in .world (Stage's syntax) or .json, found \"{}\"",
-      file.filename().string())};
+  return Error{
+      fmt::format("the name of a world file must end in .world (Stage's syntax) or .json, found \"{}\"",
+                  file.filename().string())};
 }
 
 }  // namespace

@@ -139,10 +139,11 @@ ExitCode info(const InfoOptions& options) {
   const fs::path& file = options.file;
   const std::optional<Summary> summary = summary_of(options);
   if (!summary)
-    throw InputError(fmt::format(
-        "{}: error: not a file that Troupe reads or writes: expected a world (Stage's or JSON), a hash log, a "
-        "recording, a checkpoint, a table of measures or events, or a profile",
-        file.string()));
+    throw InputError(
+        fmt::format("{}: error: not a file that Troupe reads or writes: expected a world (Stage's or JSON), "
+                    "a hash log, a "
+                    "recording, a checkpoint, a table of measures or events, or a profile",
+                    file.string()));
   fmt::print("{}\n", file.string());
   for (const auto& [name, value] : *summary) fmt::print("  {:<18} {}\n", name, value);
   return k_finished;

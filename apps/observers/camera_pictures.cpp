@@ -141,15 +141,16 @@ void check_cameras(const Simulation& simulation, const std::filesystem::path& wo
 class CameraOutput : public ClonedOutput<CameraOutput> {
  public:
   void add_options(CLI::App& app, RunOptions&) override {
-    CLI::Option* folder = add_value(app, "--camera-png", "DIR",
-                                    "Write the colour and depth images of each running camera to a folder, as "
-                                    "PNG files, at intervals",
-                                    [this](const std::string& text) {
-                                      if (text.empty() || text.starts_with('-'))
-                                        refuse("--camera-png", text, "the name of a folder");
-                                      folder_ = text;
-                                      if (!folder_.has_filename()) folder_ = folder_.parent_path();
-                                    });
+    CLI::Option* folder =
+        add_value(app, "--camera-png", "DIR",
+                  "Write the colour and depth images of each running camera to a folder, as "
+                  "PNG files, at intervals",
+                  [this](const std::string& text) {
+                    if (text.empty() || text.starts_with('-'))
+                      refuse("--camera-png", text, "the name of a folder");
+                    folder_ = text;
+                    if (!folder_.has_filename()) folder_ = folder_.parent_path();
+                  });
     add_value(app, "--camera-every", "S",
               "Interval of camera images in simulated seconds; 0: every tick (default: 1)",
               [this](const std::string& text) { every_s_ = seconds_from_zero("--camera-every", text); })

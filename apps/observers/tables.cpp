@@ -166,10 +166,11 @@ class MeasuresOutput : public ClonedOutput<MeasuresOutput> {
         add_value(app, "--measures", "FILE.csv",
                   "Write a table of measures, by default with one line per simulated second",
                   [this](const std::string& text) { file_ = file_name("--measures", text); });
-    add_values(app, "--measure", "NAME[:OF],...",
-               "Measures, optionally of type or population OF; repeatable (default: the world's, else all that "
-               "need no parameters)",
-               [this](const std::string& text) { add_names(text); })
+    add_values(
+        app, "--measure", "NAME[:OF],...",
+        "Measures, optionally of type or population OF; repeatable (default: the world's, else all that "
+        "need no parameters)",
+        [this](const std::string& text) { add_names(text); })
         ->needs(measures);
     add_value(app, "--measure-every", "S",
               "Interval of measures in simulated seconds; 0: every tick (default: the world's, else 1)",

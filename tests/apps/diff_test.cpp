@@ -147,10 +147,9 @@ TEST_F(Diff, MalformedLogsAreErrorsWithTheirLine) {
         error_of(header() + wrong),
         fmt::format("b.log:10: error: \"{}\"{}", wrong.substr(0, wrong.size() - 1).substr(0, 120), form));
   }
-  EXPECT_EQ(
-      error_of(header() + line(0) + line(2)),
-      "b.log:11: error: tick 2 follows tick 0: the log is damaged, because lines are missing or "
-      "repeated\n");
+  EXPECT_EQ(error_of(header() + line(0) + line(2)),
+            "b.log:11: error: tick 2 follows tick 0: the log is damaged, because lines are missing or "
+            "repeated\n");
   std::string damaged = line(1);
   damaged[damaged.size() - 2] = '7';
   EXPECT_EQ(error_of(header() + line(0) + damaged),

@@ -288,9 +288,8 @@ TEST_F(Render, WhatARecordingHasNotIsRefused) {
             "run.h5: error: there is no model \"missing\" to follow\n");
   EXPECT_THAT(
       refusal({"run.h5", "--camera", "window"}),
-      HasSubstr(
-          "run.h5: error: the camera \"window\" needs a world file with the entry \"window\"; other "
-          "cameras"));
+      HasSubstr("run.h5: error: the camera \"window\" needs a world file with the entry \"window\"; other "
+                "cameras"));
   EXPECT_EQ(refusal({"run.h5", "--seed", "3"}),
             "run.h5: error: --seed cannot be used with a recording: omit this option (--at selects a time of "
             "the recording)\n");

@@ -54,9 +54,10 @@ TEST_F(Sweep, RefusesColumnsOfTheSameNameBeforeTheRuns) {
     "parameters": [{"set": "/populations/0/count", "name": "stalls", "values": [2, 5]}]})");
   const Outcome outcome = troupe({"sweep", "same.json", "-o", "out"});
   EXPECT_EQ(outcome.code, 2);
-  EXPECT_EQ(outcome.err,
-            "same.json:2: error: /parameters/0: the table of results already has a column \"stalls\", that of "
-            "a measure: give this parameter another \"name\"\n");
+  EXPECT_EQ(
+      outcome.err,
+      "same.json:2: error: /parameters/0: the table of results already has a column \"stalls\", that of "
+      "a measure: give this parameter another \"name\"\n");
   EXPECT_FALSE(std::filesystem::exists(path("out")));
 }
 

@@ -18,9 +18,8 @@ TEST(OsmesaContext, SaysWhatToInstallWhenThereIsNone) {
     open_osmesa(names);
     FAIL() << "opened a library that does not exist";
   } catch (const std::runtime_error& error) {
-    EXPECT_THAT(
-        error.what(),
-        HasSubstr("cannot draw: OSMesa is not installed (Debian, Ubuntu: apt install libosmesa6): "));
+    EXPECT_THAT(error.what(),
+                HasSubstr("cannot draw: OSMesa is not installed (Debian, Ubuntu: apt install libosmesa6): "));
     EXPECT_THAT(error.what(), HasSubstr("; maps as .svg or .pdf do not need OSMesa"));
     EXPECT_THAT(error.what(), HasSubstr(names[0]));
     EXPECT_THAT(error.what(), HasSubstr(names[1]));

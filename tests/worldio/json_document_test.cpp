@@ -104,10 +104,9 @@ TEST(JsonDocument, RepeatedKeysAreErrors) {
 
 TEST(JsonDocument, DepthIsBounded) {
   EXPECT_TRUE(Parsed(std::string(64, '[') + std::string(64, ']')).root);
-  EXPECT_THAT(
-      Parsed("\n" + std::string(100000, '[')).errors,
-      ElementsAre("maze.json:2: error: lists and objects are nested too deeply: at most 64 "
-                  "levels are allowed"));
+  EXPECT_THAT(Parsed("\n" + std::string(100000, '[')).errors,
+              ElementsAre("maze.json:2: error: lists and objects are nested too deeply: at most 64 "
+                          "levels are allowed"));
 }
 
 TEST(JsonDocument, SetReplacesAndAdds) {

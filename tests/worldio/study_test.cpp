@@ -158,10 +158,9 @@ TEST_F(StudyFile, NamesOfColumnsAreUnique) {
     {"set": "/x", "values": [1]},
     {"set": "/y", "name": "coverage_mean", "values": [1]}], "statistics": ["mean"])";
   EXPECT_THAT(errors(parameter, {"cover"}), IsEmpty());
-  EXPECT_THAT(
-      errors(parameter, {"coverage"}),
-      ElementsAre("study.json:4: error: /parameters/1: the table of results already has a column "
-                  "\"coverage_mean\", that of a measure: give this parameter another \"name\""));
+  EXPECT_THAT(errors(parameter, {"coverage"}),
+              ElementsAre("study.json:4: error: /parameters/1: the table of results already has a column "
+                          "\"coverage_mean\", that of a measure: give this parameter another \"name\""));
   EXPECT_THAT(errors(parameter, {"x"}), ElementsAre(HasSubstr("study.json:3: error: /parameters/0")));
   EXPECT_THAT(errors(R"("statistics": ["mean"])", {"run"}),
               ElementsAre("study.json: error: the table of results already has a column \"run\": give the "

@@ -149,9 +149,9 @@ std::optional<double> MapReader::number(const YAML::Node& value, std::string_vie
 
 void MapReader::read_origin(const YAML::Node& origin, RosMap& map) {
   if (!origin.IsSequence() || origin.size() != 3) {
-    error(origin,
-          fmt::format("\"origin\" needs a list of three numbers, [x, y, yaw], in m and rad, found {}",
-                      origin.IsSequence() ? fmt::format("a list of length {}", origin.size()) : shown(origin)));
+    error(origin, fmt::format("\"origin\" needs a list of three numbers, [x, y, yaw], in m and rad, found {}",
+                              origin.IsSequence() ? fmt::format("a list of length {}", origin.size())
+                                                  : shown(origin)));
     return;
   }
   double parts[3] = {};

@@ -514,9 +514,8 @@ std::optional<std::size_t> population_index(const JsonNode& document, const std:
   if (name.empty()) {
     if (names.size() == 1) return 0;
     diagnostics.error(
-        where,
-        fmt::format("the world has {} populations: name one of them, as in --robots NAME=N; known: {}",
-                    names.size(), comma_list(names)));
+        where, fmt::format("the world has {} populations: name one of them, as in --robots NAME=N; known: {}",
+                           names.size(), comma_list(names)));
     return std::nullopt;
   }
   const auto found = std::ranges::find(names, name);

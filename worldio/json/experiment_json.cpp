@@ -163,8 +163,7 @@ Record SettingExpander::expand_device(const JsonCursor& at, const engine::TypeSp
 Record SettingExpander::expand_controller(const JsonCursor& at, const engine::TypeSpec& type,
                                           SettingSpec& setting) const {
   JsonObject object(at);
-  const JsonNode* node =
-      object.require("kind", "the kind of one of the controllers of the type");
+  const JsonNode* node = object.require("kind", "the kind of one of the controllers of the type");
   const std::string* name =
       node ? read_text(JsonCursor(at, "kind", *node), "the kind of a controller") : nullptr;
   if (!name) return {};

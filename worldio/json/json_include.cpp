@@ -104,8 +104,8 @@ class Includer {
     if (same != open_.end()) {
       std::string chain;
       for (auto each = same; each != open_.end(); ++each) chain += fmt::format("{} includes ", each->name);
-      return at.error(fmt::format(
-          "the files include each other in a circle: {}{}; remove one \"include\"", chain, same->name));
+      return at.error(fmt::format("the files include each other in a circle: {}{}; remove one \"include\"",
+                                  chain, same->name));
     }
     if (std::ranges::find(done_, path) != done_.end()) return;
     done_.push_back(path);

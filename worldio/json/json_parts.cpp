@@ -203,11 +203,12 @@ Result<> check_outline(const Ring& ring) {
   const auto at = [&](std::size_t i) -> const Vec2& { return ring[i % n]; };
   for (std::size_t i = 0; i < n; ++i)
     if (at(i) == at(i + 1))
-      return Error{i + 1 < n ? fmt::format("point {} repeats point {} (points are counted from 0): remove one "
-                                           "of the two",
-                                           i + 1, i)
-                             : "the last point repeats the first: omit the last point, because outlines are "
-                               "closed automatically"};
+      return Error{i + 1 < n
+                       ? fmt::format("point {} repeats point {} (points are counted from 0): remove one "
+                                     "of the two",
+                                     i + 1, i)
+                       : "the last point repeats the first: omit the last point, because outlines are "
+                         "closed automatically"};
   constexpr double k_flat = 1e-12;  // tolerance for rounding errors, relative to the extent
   const double widest = bounds(ring).size().maxCoeff();
   if (std::ranges::all_of(ring, [&](const Vec2& p) {

@@ -202,8 +202,7 @@ void SpecCheck::record(const FieldTable& table, const Record& record, bool is_pa
     }
     if (record[i] == field.fallback) continue;  // a default outside the limits is allowed: it means "none"
     if (record[i].v.index() != alternative_of(field.type)) {
-      error(where, at,
-            fmt::format("the value has the wrong type: expected {}", noun_of(field.type)));
+      error(where, at, fmt::format("the value has the wrong type: expected {}", noun_of(field.type)));
     } else if (field.type == FieldType::record || field.type == FieldType::records) {
       const std::vector<Record>& blocks = record[i].records();
       for (std::size_t b = 0; b < blocks.size(); ++b) {

@@ -772,7 +772,8 @@ void FloorplanDocument::describe(DocumentKeys<FloorplanDocument>& d) {
       .require("the floor plan's name");
   describe_image<FloorplanDocument, &FloorplanDocument::image>(
       d,
-      "path, relative to the world file, of an image (PNG, JPEG, BMP or PNM; pixels whose first channel is at "
+      "path, relative to the world file, of an image (PNG, JPEG, BMP or PNM; pixels whose first channel is "
+      "at "
       "most 127 are solid) or of the YAML file of a ROS map; required without `walls_m`",
       true);
   d.other<&FloorplanDocument::walls>(
@@ -1027,9 +1028,8 @@ void WorldDocument::describe(DocumentKeys<WorldDocument>& d) {
                                   "the path of the JSON Schema");
   static const std::string version = fmt::format("{}, the version of the format", k_format_version);
   d.other<>(Form::version, "troupe", "the version of the format").require(version);
-  d.other<&WorldDocument::title>(Form::name, "title",
-                                 "title of the world, shown in summaries and on replay pages",
-                                 "the world's title")
+  d.other<&WorldDocument::title>(
+       Form::name, "title", "title of the world, shown in summaries and on replay pages", "the world's title")
       .or_default("the file's name without its ending");
   d.other<&WorldDocument::seed>(Form::seed, "seed", "seed of all random numbers; `--seed` overrides it");
   d.value<&WorldDocument::tick>("tick", seconds, within(k_least_tick_s, k_most_tick_s),
