@@ -175,7 +175,7 @@ class Planted(unittest.TestCase):
     def test_faults_apply_to_the_sources(self):
         names = [name for name, _ in builds.planted_faults()]
         self.assertEqual(names, ["address_tie", "birth_memory", "float_sum", "libm_sine", "light_reach", "odometry_at_birth", "racing_read",
-                                 "rank_birth_order", "rank_effect_order", "rank_float_sum", "rank_ghost_old", "rank_message_early", "rank_message_order",
+                                 "rank_birth_order", "rank_blocked_lost", "rank_effect_order", "rank_float_sum", "rank_ghost_old", "rank_message_early", "rank_message_order",
                                  "rank_outcome_early", "rank_push_lost", "rank_skin_thin", "rank_state_old", "rank_undeclared",
                                  "rank_world_of_one", "row_kept"])
         for name in names:
@@ -190,7 +190,7 @@ class Planted(unittest.TestCase):
     def test_worlds_belong_to_faults(self):
         names = {name for name, _ in builds.planted_faults()}
         worlds = {file.stem for file in builds.PLANTED.glob("*.json")}
-        self.assertEqual(worlds, {"light_reach", "rank_birth_order", "rank_effect_order", "rank_outcome_early", "rank_push_lost",
+        self.assertEqual(worlds, {"light_reach", "rank_birth_order", "rank_blocked_lost", "rank_effect_order", "rank_outcome_early", "rank_push_lost",
                                   "rank_skin_thin"})
         self.assertLessEqual(worlds, names)
 

@@ -71,12 +71,13 @@ void Links::build() {
   for (auto* list : {&state_.roots, &first_cargo_, &next_cargo_}) list->assign(state_.row_count(), k_none);
   composites_.clear();
   std::size_t joints = 0;
-  for (std::size_t i = 0; i < state_.types.size(); ++i)
+  for (std::size_t i = 0; i < state_.types.size(); ++i) {
     joints += state_.pools[i].rows * state_.types[i].joints.size();
+    if (state_.pools[i].rows > 0) rounds_ = std::max(rounds_, state_.types[i].joint_devices.size());
+  }
   for (std::uint32_t r = 0; r < state_.row_count(); ++r) {
     const BodyType& t = state_.type(Row(r));
     state_.joint_begins[r] = state_.joint_begin(state_.row_types[r], state_.slots[r]);
-    rounds_ = std::max(rounds_, t.joint_devices.size());
     if (!t.is_composite()) continue;
     composite_of_[r] = static_cast<std::uint32_t>(composites_.size());
     composites_.push_back(r);
@@ -277,6 +278,36 @@ void Links::reshape(std::uint32_t row) {
   state_.radii[row] = std::max(t.radius + shift, shape->radius);
 }
 
+void Links::add_cargo(Row row, std::vector<Row>& rows) const {
+  for (std::uint32_t c = first_cargo_[row.index()]; c != k_none; c = next_cargo_[c]) {
+    rows.emplace_back(c);
+    add_cargo(Row(c), rows);
+  }
+}
+
+double Links::farthest_shift(const BodyType& type) {
+  // A joint turns points about its axis and shifts them. As a map of the body frame (moved_by()), it turns
+  // them about the origin, and then shifts them by at most twice the distance of the axis from the origin
+  // plus the shift of the joint itself.
+  std::vector<double> axes;  // per joint: the sum of twice these distances, with those of its parents
+  for (const BodyType::Joint& joint : type.joints)
+    axes.push_back((joint.parent == k_rigid ? 0 : axes[static_cast<std::size_t>(joint.parent)]) +
+                   2 * joint.at_rest.transform.position.norm());
+  return axes.empty() ? 0 : std::ranges::max(axes) + type.joint_reach;
+}
+
+double Links::farthest(Row row) const {
+  const BodyType& type = state_.type(row);
+  const double shift = farthest_shift(type);
+  double farthest = std::max(type.radius, type.obstacle.radius) + shift;
+  for (std::uint32_t c = first_cargo_[row.index()]; c != k_none; c = next_cargo_[c]) {
+    const Carried& link = state_.carried(c);
+    farthest = std::max(farthest,
+                        (link.joint > 0 ? shift : 0) + link.pose.position().norm() + this->farthest(Row(c)));
+  }
+  return farthest;
+}
+
 // ---- Resolution of joint motions
 
 void Links::ask(Row row, std::size_t joint, const Pose& to) {
@@ -284,6 +315,16 @@ void Links::ask(Row row, std::size_t joint, const Pose& to) {
   asked.goal = {to.x + 0.0, to.y + 0.0, to.z + 0.0, to.heading + 0.0};
   asked.state = Goal::asked;
   if (!asked_.load(std::memory_order_relaxed)) asked_.store(true, std::memory_order_relaxed);
+}
+
+std::optional<Pose> Links::asked(Row row, std::size_t joint) const {
+  const Joint& asked = joints(row)[joint];
+  return asked.state == Goal::asked ? std::optional(asked.goal) : std::nullopt;
+}
+
+bool Links::moves_joints(Row root) const {
+  const std::uint32_t c = composite_of_[root.index()];
+  return c != k_none && state_.roots[root.index()] == root.value && samples_[c] > 0;
 }
 
 std::vector<Links::AskedGoal> Links::asked_goals(RowRange rows) const {
@@ -312,7 +353,7 @@ void Links::for_roots(Work&& work) {
 /// joints of that tree where they are now and with these joints at their goals. The order in which two trees
 /// are tested therefore does not matter, and they do not come to overlap, whether one of them moves or both.
 /// A static piece or another tree that already overlapped the tree before the round does not block it.
-void Links::resolve_joints(double longest_motion) {
+void Links::resolve_joints(double longest_motion, Border* border) {
   if (!asked_.load(std::memory_order_relaxed)) return;
   // The index still contains each tree as a circle about its origin before this tick. Since then its origin
   // has moved by at most the longest motion or push, and its radius has grown by at most the joint motions of
@@ -329,8 +370,9 @@ void Links::resolve_joints(double longest_motion) {
     if (longest == 0) continue;
     reach += std::bit_cast<double>(longest.load()) + partition::k_rounding_m;
     for_roots([&](std::size_t c, std::uint32_t r) {
-      if (samples_[c] > 0) refused_[c] = refuses_joints(c, Row(r), round, reach);
+      if (samples_[c] > 0 && r < state_.own_rows) refused_[c] = refuses_joints(c, Row(r), round, reach);
     });
+    if (border) border->exchange_blocked(*this);
     for_roots([&](std::size_t c, std::uint32_t r) {
       if (samples_[c] > 0) answer_joints(Row(r), round, refused_[c] != 0);
     });

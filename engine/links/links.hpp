@@ -9,6 +9,7 @@
 
 #include <atomic>
 #include <cstdint>
+#include <optional>
 #include <span>
 #include <vector>
 
@@ -58,6 +59,16 @@ class Links {
   /// Among the bodies that the row's body carries directly, the row of the body with the lowest id; k_none if
   /// it carries none.
   std::uint32_t first_cargo(Row row) const { return first_cargo_[row.index()]; }
+  /// Appends the rows of all bodies that the row's body carries, directly or through others.
+  void add_cargo(Row row, std::vector<Row>& rows) const;
+
+  /// Upper bound on the distance of any point of a body from its origin, and of any point of the bodies that
+  /// it carries, directly or through others, whatever the poses of their joints, m. The types of these bodies
+  /// must not have joints that drive devices move (DeviceKind::drives): their motion has no limit.
+  double farthest(Row row) const;
+  /// Upper bound on the distance of any point on a joint of a body from the place where it is at rest, m. The
+  /// condition of farthest() holds.
+  static double farthest_shift(const BodyType& type);
 
   /// Sets the joints of a row to Goal::none, and updates WorldState::joint_mounts from the poses of the
   /// joints, which it does not change.
@@ -78,6 +89,8 @@ class Links {
   /// Sets the goal of a joint in this tick: a pose relative to the joint's rest pose, m and rad. All numbers
   /// must be finite. A second call in the same tick replaces the goal. Thread-safe for different rows.
   void ask(Row row, std::size_t joint, const Pose& to);
+  /// The goal that ask() has set for a joint in this tick, if it did and resolve_joints() was not yet called.
+  std::optional<Pose> asked(Row row, std::size_t joint) const;
   /// Arguments of a call of ask().
   struct AskedGoal {
     std::uint32_t row;    ///< row of the body
@@ -87,6 +100,23 @@ class Links {
   /// Returns the goals that ask() has set for joints of these rows in this tick, one per joint. Call this
   /// before resolve_joints(), which resolves them.
   std::vector<AskedGoal> asked_goals(RowRange rows) const;
+  /// The connection to the other ranks, if several ranks (threads or processes that compute a world together)
+  /// resolve the motions of the joints of one tick. Each rank resolves those of its own rows, and has a copy
+  /// (a *ghost*) of each tree of another rank that could block or be blocked by one of its own.
+  class Border {
+   public:
+    virtual ~Border() = default;
+    /// Called in each round, when this rank knows which of its own trees are blocked (is_blocked()). Passes
+    /// those of the ghosts to block().
+    virtual void exchange_blocked(Links& links) = 0;
+  };
+  /// For a Border: whether a joint of the tree with this root moves in this round. False for carried bodies.
+  bool moves_joints(Row root) const;
+  /// For a Border: whether the motion of the joints of the tree with this root is blocked in this round.
+  bool is_blocked(Row root) const { return refused_[composite_of_[root.index()]] != 0; }
+  /// For a Border: the motion of the joints of the tree with this root, which has moves_joints(), is blocked.
+  void block(Row root) { refused_[composite_of_[root.index()]] = 1; }
+
   /// State of the motion of a joint in this tick.
   Goal goal(Row row, std::size_t joint) const { return joints(row)[joint].state; }
   /// Tests the joint motions that ask() requested, and carries out those that nothing blocks. The motions
@@ -96,7 +126,8 @@ class Links {
   ///
   /// longest_motion: upper bound on the distance that any body has moved since the spatial index was built,
   /// m
-  void resolve_joints(double longest_motion);
+  /// border: the connection to the other ranks, if the rows include ghosts; otherwise null
+  void resolve_joints(double longest_motion, Border* border);
   /// Returns whether ask() was called since the last call of this function or of derive().
   bool take_asked() { return asked_.exchange(false, std::memory_order_relaxed); }
   void clear_goals(Row row);  ///< sets the joints of a row to Goal::none
@@ -137,7 +168,8 @@ class Links {
   std::vector<Joint> joints_;        // joints of all rows, at WorldState::joint_begins
   std::atomic<bool> asked_ = false;  // whether any joint has a command to move in this tick
   // Number of rounds of joint resolution per tick: the largest number of devices that move joints of one
-  // body. In each round, the joints of at most one device per body move.
+  // body of the world, whose row may be elsewhere. In each round, the joints of at most one device per body
+  // move.
   std::size_t rounds_ = 0;
 
   std::vector<std::uint32_t> composites_;    // rows of composite bodies

@@ -44,7 +44,7 @@ DistributedRows::DistributedRows(World& world, const ReplicaParts& parts, std::s
                                  std::optional<double> skin_m)
     : world_(require_distributable(world)),
       post_(std::move(post)),
-      halo_(world, parts.tables, tables_sent(sharing), post_, cut_seed, skin_m),
+      halo_(world, parts.tables, parts.links, tables_sent(sharing), post_, cut_seed, skin_m),
       effects_(world, halo_, parts.effects, post_) {
   for (const Sharing each : sharing) is_known_.push_back(each != Sharing::kept);
   halo_.divide();

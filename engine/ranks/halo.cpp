@@ -26,14 +26,20 @@ constexpr double k_slack_m = 1e-3;
 // ticks.
 constexpr double k_skin_motions = 16;
 
+/// See class Halo, `owners`, m.
+Vec2 place_of(const World& world, Row row) { return world.transform(world.root(row)).position; }
+
 }  // namespace
 
 Halo::Extent Halo::extent_of(const World& world) {
-  Extent extent{.reach = world.longest_reach()};
+  Extent extent{.reach = world.longest_reach(), .radius = world.farthest_in_trees()};
   std::size_t limit = 0;
   for (const BodyType& type : world.types()) {
     if (!type.runs()) continue;
-    extent.radius = std::max({extent.radius, type.radius, type.obstacle.radius});
+    const double shift = Links::farthest_shift(type);
+    extent.shift = std::max(extent.shift, shift);
+    extent.radius = std::max(extent.radius, std::max(type.radius, type.obstacle.radius) + shift);
+    extent.has_trees = extent.has_trees || type.carries;
     if (type.drive) limit = std::max<std::size_t>(limit, type.drive->pushes);
     if (!type.pushable) continue;
     extent.has_pushable = true;
@@ -43,6 +49,9 @@ Halo::Extent Halo::extent_of(const World& world) {
   return extent;
 }
 
+/// A carried body is up to `radius` away from its place.
+double Halo::Extent::of_sensing() const { return reach + shift + (has_trees ? 2 : 1) * radius; }
+
 double Halo::Extent::zone(double longest) const { return longest + radius + push_reach + k_slack_m; }
 
 double Halo::Extent::of_motions(double longest) const {
@@ -50,7 +59,7 @@ double Halo::Extent::of_motions(double longest) const {
 }
 
 double Halo::Extent::of_all(double longest) const {
-  return std::max(reach + radius + 2 * longest, of_motions(longest)) + k_slack_m;
+  return std::max(of_sensing() + 2 * longest, of_motions(longest)) + k_slack_m;
 }
 
 std::string why_replicated(const World& world) {
@@ -61,15 +70,20 @@ std::string why_replicated(const World& world) {
     const auto of_type = [&](std::string_view what) {
       return fmt::format("robots of type \"{}\" {}", spec.types[t].name, what);
     };
-    if (!type.joints.empty()) return of_type("have joints");
-    if (type.carries) return of_type("can carry bodies");
+    if (type.pushable && type.is_composite())
+      return of_type("can be pushed, and have joints or can carry bodies");
     for (const BodyType::Controller& controller : type.controllers)
       if (controller.kind->is_collective)
         return of_type(fmt::format("have the controller \"{}\", which decides for all robots in one call",
                                    controller.kind->name));
     for (const BodyType::Device& device : type.devices) {
       const DeviceKind& kind = *device.kind;
-      if (kind.joints_moved != nullptr || (kind.apply != nullptr && kind.scope == ApplyScope::anything))
+      if (kind.drives && !kind.joints.empty())
+        return of_type(
+            fmt::format("have the device \"{}\" of the kind \"{}\", which can drive a part of the robot "
+                        "to any distance",
+                        device.name, kind.name));
+      if (kind.apply != nullptr && kind.scope == ApplyScope::anything)
         return of_type(fmt::format("have the device \"{}\" of the kind \"{}\", which can change any bodies",
                                    device.name, kind.name));
       if (!std::isfinite(device.prepared.reach_m))
@@ -77,15 +91,20 @@ std::string why_replicated(const World& world) {
                                    device.name, kind.name));
     }
   }
+  for (const ReserveSpec& reserve : spec.reserves)
+    if (const TypeId type = spec.bodies[reserve.first.index()].type; !spec.types[type.index()].joints.empty())
+      return fmt::format("robots of type \"{}\", which have joints, can be born",
+                         spec.types[type.index()].name);
   if (!std::isfinite(world.longest_reach()))
     return "an intervention changes the reach of a device to one that has no limit";
   return {};
 }
 
-Halo::Halo(World& world, std::span<StateTable> tables, std::vector<std::size_t> sent, RankPost post,
-           std::optional<std::uint64_t> cut_seed, std::optional<double> skin_m)
+Halo::Halo(World& world, std::span<StateTable> tables, Links& links, std::vector<std::size_t> sent,
+           RankPost post, std::optional<std::uint64_t> cut_seed, std::optional<double> skin_m)
     : world_(world),
       tables_(tables),
+      links_(links),
       sent_(std::move(sent)),
       post_(std::move(post)),
       cut_seed_(cut_seed),
@@ -103,14 +122,13 @@ HaloPlan plan_halo(const World& world, unsigned ranks, double longest_motion) {
                 .ranks = std::vector<HaloPlan::Rank>(ranks)};
   std::vector<TileOwners::Key> keys;
   for (std::size_t r = 0; r < world.rows(); ++r)
-    if (world.is_there(Row(r)))
-      keys.push_back(TileOwners::key(world.geometry(), world.transform(Row(r)).position));
+    if (world.is_there(Row(r))) keys.push_back(TileOwners::key(world.geometry(), place_of(world, Row(r))));
   std::ranges::sort(keys);
   const TileOwners owners(world.geometry(), TileOwners::equal_cut(keys, ranks));
   std::vector<std::set<unsigned>> neighbours(ranks);
   std::vector<unsigned> near;
   for (std::size_t r = 0; r < world.rows(); ++r) {
-    const Vec2 at = world.transform(Row(r)).position;
+    const Vec2 at = place_of(world, Row(r));
     const unsigned owner = owners.owner(at);
     ++plan.ranks[owner].own;
     near.clear();
@@ -130,6 +148,7 @@ HaloPlan plan_halo(const World& world, unsigned ranks, double longest_motion) {
 /// Chooses the coverage. It suffices for motions of up to `longest` (m) in this tick and, because of the
 /// skin, in some later ticks.
 void Halo::choose_coverage(double longest) {
+  longest = std::max(longest, longest_);  // bodies may soon move as far as in this tick
   double skin = k_skin_motions * longest;
   if (cut_seed_) {
     // Tests need both thin and thick skins. With a thin skin, the rows are often distributed. With a thick
@@ -146,7 +165,7 @@ void Halo::choose_coverage(double longest) {
 void Halo::divide() {
   keys_.clear();
   for (std::size_t r = 0; r < world_.rows(); ++r)
-    if (world_.is_there(Row(r))) keys_.push_back(TileOwners::key(world_.geometry(), position(Row(r))));
+    if (world_.is_there(Row(r))) keys_.push_back(TileOwners::key(world_.geometry(), place(Row(r))));
   std::ranges::sort(keys_);
   owners_ = TileOwners(world_.geometry(), TileOwners::equal_cut(keys_, post_.ranks));
   if (cut_seed_)
@@ -158,8 +177,7 @@ void Halo::divide() {
   std::vector<World::RowState> ghosts;
   std::vector<unsigned> near;
   for (std::size_t r = 0; r < world_.rows(); ++r) {
-    const Vec2 at = position(Row(r));
-    if (owners_.owner(at) == post_.rank) continue;
+    if (owners_.owner(place(Row(r))) == post_.rank) continue;
     leaving.push_back(world_.body(Row(r)));
     find_ranks_near(Row(r), near);
     if (std::ranges::binary_search(near, post_.rank))
@@ -175,13 +193,13 @@ void Halo::divide() {
 /// ghost only as a guest.
 void Halo::find_ranks_near(Row row, std::vector<unsigned>& near) const {
   near.clear();
-  if (world_.is_there(row)) owners_.find_near(position(row), coverage_, near);
+  if (world_.is_there(row)) owners_.find_near(place(row), coverage_, near);
   if (guests_.empty()) return;
-  auto guest = std::ranges::lower_bound(guests_, world_.body(row), {}, &Guest::body);
-  if (guest == guests_.end() || guest->body != world_.body(row)) return;
-  for (; guest != guests_.end() && guest->body == world_.body(row); ++guest)
-    near.push_back(owners_.owner(guest->host));
-  std::erase(near, owners_.owner(position(row)));
+  const BodyId root = world_.body(world_.root(row));
+  auto guest = std::ranges::lower_bound(guests_, root, {}, &Guest::root);
+  if (guest == guests_.end() || guest->root != root) return;
+  for (; guest != guests_.end() && guest->root == root; ++guest) near.push_back(owners_.owner(guest->host));
+  std::erase(near, owners_.owner(place(row)));
   std::ranges::sort(near);
   near.erase(std::unique(near.begin(), near.end()), near.end());
 }
@@ -198,7 +216,7 @@ void Halo::balance(std::span<const std::uint64_t> times) {
   constexpr std::size_t k_most_keys = 512;
   std::vector<TileOwners::Key> keys;
   for (std::size_t r = 0; r < own_; ++r)
-    if (world_.is_there(Row(r))) keys.push_back(TileOwners::key(world_.geometry(), position(Row(r))));
+    if (world_.is_there(Row(r))) keys.push_back(TileOwners::key(world_.geometry(), place(Row(r))));
   std::ranges::sort(keys);
   const std::size_t sent = std::min(keys.size(), k_most_keys);
   MessageWriter own = post_.begin(Order::rows);
@@ -241,30 +259,63 @@ void Halo::balance(std::span<const std::uint64_t> times) {
 
 void Halo::put_row(MessageWriter& message, Row row) const {
   message.put(world_.body(row));
-  message.put_point(position(row));
+  message.put_point(place(row));
   const std::vector<std::byte> bytes = world_.row_bytes(row);
   message.put(static_cast<std::uint64_t>(bytes.size()));
   message.put_bytes(bytes);
+  const std::vector<Goal> goals = goals_of({row.index(), row.index() + 1});
+  message.put(static_cast<std::uint64_t>(goals.size()));
+  message.put_bytes(std::as_bytes(std::span(goals)));
 }
 
 Halo::Arrival Halo::get_row(MessageReader& message) const {
   Arrival arrival;
   arrival.state.body = message.get<BodyId>();
-  arrival.position = message.get_point();
+  arrival.place = message.get_point();
   arrival.state.bytes.resize(message.get<std::uint64_t>());
   message.get_bytes(arrival.state.bytes);
+  arrival.goals.resize(message.get<std::uint64_t>());
+  message.get_bytes(std::as_writable_bytes(std::span(arrival.goals)));
   return arrival;
+}
+
+/// The goals of joints of these rows in this tick. They are no state, so they are lost when rows change.
+std::vector<Halo::Goal> Halo::goals_of(RowRange rows) const {
+  std::vector<Goal> goals;
+  for (const auto& [row, joint, goal] : links_.asked_goals(rows))
+    goals.push_back({world_.body(Row(row)), joint, goal});
+  return goals;
+}
+
+/// Sets the goals of joints again after rows have changed; leaves out those of bodies without a row here.
+void Halo::set_goals(std::span<const Goal> goals) {
+  for (const auto& [body, joint, goal] : goals)
+    if (world_.location(body) == RowLocation::here) links_.ask(world_.row(body), joint, goal);
+}
+
+/// Makes the largest radius of a tree known to all ranks.
+void Halo::agree_on_trees() {
+  if (!extent_.has_trees) return;
+  extent_.radius = extent_of(world_).radius;
+  MessageWriter own = post_.begin(Order::rows);
+  own.put(extent_.radius);
+  post_.send_to_all(std::move(own));
+  for (unsigned from = 0; from < post_.ranks; ++from)
+    if (from != post_.rank)
+      extent_.radius = std::max(extent_.radius, post_.receive(Order::rows, from).rest.get<double>());
 }
 
 void Halo::distribute(double longest, std::span<const Guest> guests) {
   const unsigned self = post_.rank;
   guests_.assign(guests.begin(), guests.end());
-  std::ranges::sort(guests_, {}, &Guest::body);
+  std::ranges::sort(guests_, {}, &Guest::root);
   extent_.reach = world_.longest_reach();
+  agree_on_trees();
   if (cut_seed_) cut_again();
   choose_coverage(longest);
   std::vector<BodyId> leaving;
   std::vector<Arrival> arrivals;
+  std::vector<Goal> goals = goals_of({0, own_});
   std::vector<MessageWriter> messages;
   for (unsigned to = 0; to < post_.ranks; ++to) messages.push_back(post_.begin(Order::rows));
   std::vector<unsigned> near;
@@ -275,7 +326,7 @@ void Halo::distribute(double longest, std::span<const Guest> guests) {
       continue;
     }
     find_ranks_near(row, near);
-    const unsigned owner = owners_.owner(position(row));
+    const unsigned owner = owners_.owner(place(row));
     if (owner != self) {
       ++counts_.migrated;
       leaving.push_back(world_.body(row));
@@ -285,7 +336,7 @@ void Halo::distribute(double longest, std::span<const Guest> guests) {
       if (to != self)
         put_row(messages[to], row);
       else
-        arrivals.push_back({{world_.body(row), world_.row_bytes(row)}, position(row)});
+        arrivals.push_back({{world_.body(row), world_.row_bytes(row)}, place(row), {}});
     }
   }
   for (unsigned to = 0; to < post_.ranks; ++to)
@@ -297,7 +348,7 @@ void Halo::distribute(double longest, std::span<const Guest> guests) {
   }
   // Sorts the rows that this rank will own before the ghosts, and each group by ids, so that the order of
   // rows does not depend on which ranks sent them.
-  const auto is_ghost = [&](const Arrival& arrival) { return owners_.owner(arrival.position) != self; };
+  const auto is_ghost = [&](const Arrival& arrival) { return owners_.owner(arrival.place) != self; };
   std::ranges::sort(arrivals, {}, [&](const Arrival& arrival) {
     return std::pair(is_ghost(arrival), arrival.state.body.value);
   });
@@ -306,12 +357,48 @@ void Halo::distribute(double longest, std::span<const Guest> guests) {
   for (Arrival& arrival : arrivals) {
     own += is_ghost(arrival) ? 0 : 1;
     coming.push_back(std::move(arrival.state));
+    goals.insert(goals.end(), arrival.goals.begin(), arrival.goals.end());
   }
   own_ = own;
   world_.exchange_rows(leaving, coming, own_);
+  set_goals(goals);
   is_complete_ = false;
   ++counts_.distributions;
   note_neighbours();
+}
+
+void Halo::give(std::span<const Gift> gifts) {
+  const unsigned self = post_.rank;
+  const auto gift_of = [&](Row row) {
+    const BodyId root = world_.body(world_.root(row));
+    const auto gift = std::ranges::lower_bound(gifts, root, {}, &Gift::root);
+    return gift != gifts.end() && gift->root == root ? gift : gifts.end();
+  };
+  if (std::ranges::none_of(gifts, [&](const Gift& gift) { return gift.from == self || gift.to == self; }))
+    return;
+  std::vector<std::optional<MessageWriter>> messages(post_.ranks);
+  std::vector<BodyId> leaving;
+  for (std::size_t r = 0; r < world_.rows(); ++r) {
+    const auto gift = r < own_ ? gift_of(Row(r)) : gifts.end();
+    if (r < own_ && gift == gifts.end()) continue;
+    leaving.push_back(world_.body(Row(r)));
+    if (r >= own_) continue;  // a ghost: the rows that come must precede all ghosts
+    std::optional<MessageWriter>& message = messages[gift->to];
+    if (!message) message = post_.begin(Order::rows);
+    put_row(*message, Row(r));
+  }
+  for (unsigned to = 0; to < post_.ranks; ++to)
+    if (messages[to]) post_.send(to, std::make_shared<const partition::Message>(messages[to]->take()));
+  std::vector<World::RowState> coming;
+  for (unsigned from = 0; from < post_.ranks; ++from) {
+    const auto is_from = [&](const Gift& gift) { return gift.to == self && gift.from == from; };
+    if (std::ranges::none_of(gifts, is_from)) continue;
+    ReceivedOrder received = post_.receive(Order::rows, from);
+    while (!received.rest.is_done()) coming.push_back(get_row(received.rest).state);
+  }
+  own_ = world_.rows() - leaving.size() + coming.size();
+  world_.exchange_rows(leaving, coming, own_);
+  is_complete_ = false;
 }
 
 /// Called after the rows were distributed: makes the lists of the bodies whose rows this rank exchanges with
@@ -323,7 +410,7 @@ void Halo::note_neighbours() {
   for (std::size_t r = 0; r < world_.rows(); ++r) {
     const BodyId body = world_.body(Row(r));
     if (r >= own_) {
-      seen_[owners_.owner(position(Row(r)))].push_back(body);
+      seen_[owners_.owner(place(Row(r)))].push_back(body);
       continue;
     }
     find_ranks_near(Row(r), near);
@@ -363,15 +450,14 @@ void Halo::note_pushes() { moved_ += std::max(0.0, border_.take_pushed() - longe
 
 bool Halo::lacks_ghosts() {
   note_pushes();
-  return extent_.reach + extent_.radius + 2 * moved_ + k_slack_m > coverage_;
+  return extent_.of_sensing() + 2 * moved_ + k_slack_m > coverage_;
 }
 
 void Halo::prepare_motions(double longest, bool distributes, std::span<const Guest> guests) {
   ++counts_.ticks;
   note_pushes();
   const bool covers_motions = extent_.of_motions(longest) + 2 * moved_ + k_slack_m <= coverage_;
-  const bool covers_sensing =
-      extent_.reach + extent_.radius + 2 * (moved_ + longest) + k_slack_m <= coverage_;
+  const bool covers_sensing = extent_.of_sensing() + 2 * (moved_ + longest) + k_slack_m <= coverage_;
   distributes = distributes || !covers_motions || !covers_sensing;
   if (cut_seed_) {
     Random random(*cut_seed_, stream_id("ranks", "when"), 0, static_cast<std::uint32_t>(world_.tick()));
@@ -391,6 +477,13 @@ void Halo::put_shown(unsigned to, MessageWriter& message) const {
     for (const std::size_t t : sent_)
       if (const std::optional<std::size_t> at = world_.find_in(tables_[t], Row(r)))
         message.put_bytes({tables_[t].row(*at), tables_[t].row_bytes()});
+  if (!links_.any()) return;
+  for (const std::uint32_t r : shown_rows_[to])
+    for (std::size_t j = 0; j < world_.type(Row(r)).joints.size(); ++j) {
+      const std::optional<Pose> goal = links_.asked(Row(r), j);
+      message.put(static_cast<std::uint8_t>(goal.has_value()));
+      if (goal) message.put(*goal);
+    }
 }
 
 void Halo::get_seen(unsigned from, MessageReader& message) {
@@ -398,6 +491,16 @@ void Halo::get_seen(unsigned from, MessageReader& message) {
     for (const std::size_t t : sent_)
       if (const std::optional<std::size_t> at = world_.find_in(tables_[t], Row(r)))
         message.get_bytes({tables_[t].row(*at), tables_[t].row_bytes()});
+  if (!links_.any()) return;
+  for (const std::uint32_t r : seen_rows_[from])
+    for (std::uint32_t j = 0; j < world_.type(Row(r)).joints.size(); ++j)
+      if (message.get<std::uint8_t>() != 0) links_.ask(Row(r), j, message.get<Pose>());
+}
+
+std::vector<Row> Halo::tree(Row row) const {
+  std::vector<Row> rows{world_.root(row)};
+  if (world_.carried_count() > 0) links_.add_cargo(rows.front(), rows);
+  return rows;
 }
 
 unsigned Halo::owner(BodyId body) const {

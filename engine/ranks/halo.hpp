@@ -1,6 +1,7 @@
 #pragma once
 
 #include "base/ids.hpp"
+#include "engine/links/links.hpp"
 #include "engine/ranks/orders.hpp"
 #include "engine/ranks/rank_border.hpp"
 #include "engine/ranks/rank_work.hpp"
@@ -41,25 +42,33 @@ HaloPlan plan_halo(const World& world, unsigned ranks, double longest_motion);
 /// and *ghosts*, copies of those rows of other ranks that its own rows may meet in a tick.
 ///
 /// owners  The plane is divided among the ranks (partition::TileOwners). A row belongs to the rank that owned
-///         the place of its body when the rows were last distributed.
+///         the place of its body when the rows were last distributed. The *place* of a body is its position,
+///         or that of the body that carries it, directly or through others, and is not carried itself: all
+///         bodies of a tree (class Links) have one owner, and are ghosts on the same ranks.
 /// rows    The own rows come first, then the ghosts. Sensing, devices and controllers run for own rows only.
 ///         Motions are computed for all rows: those of ghosts from the velocities that their owners send.
 /// ghosts  A row is a ghost on each rank that owns ground within the *coverage* of its body. The coverage is
 ///         at least the distance at which two bodies can affect each other in this tick or in the sensing of
 ///         the next one: the larger of two sums (the longest reach of a device plus the largest radius of a
-///         body; two such radii), plus twice the longest motion of a body in a tick. The coverage also
-///         includes twice the distance that bodies may have moved since the rows were distributed, so that
-///         the ghosts remain valid for some ticks. When twice the sum of the longest motions of these ticks
-///         exceeds that margin (the skin), all ranks distribute the rows again. All ranks know the longest
-///         motion of the tick before any body moves, so they decide alike.
-/// guests  A row that a device acts on from any distance (ApplyScope::any_target) is also a ghost on the rank
-///         that owns the body of the device, until the rows are distributed again (Guest).
+///         body; two such radii), plus twice the longest motion of a body in a tick. The radius of a tree
+///         holds for all poses of its joints, and is also the greatest distance of a carried device from the
+///         place of its body. The coverage also includes twice the distance that bodies may have moved since
+///         the rows were distributed, so that the ghosts remain valid for some ticks. When twice the sum of
+///         the longest motions of these ticks exceeds that margin (the skin), all ranks distribute the rows
+///         again. All ranks know the longest motion of the tick before any body moves, so they decide alike.
+/// guests  A body that a device acts on from any distance (ApplyScope::any_target) is, with its tree, also a
+///         ghost on the rank that owns the body of the device, until the rows are distributed again (Guest).
 /// lives   Unborn and dead bodies have no ghosts, except as guests. The row of an unborn body belongs to the
 ///         rank that owns the origin of the world, and that of a dead body to the rank that owns the place
 ///         where it died. A birth is a jump of an unborn body: all ranks know of it, and distribute the rows
 ///         before the next sensing.
 /// moves   Each rank resolves the motions of its own rows. A motion that depends on a ghost waits for the
 ///         outcome, which the owner sends when it is known (class RankBorder).
+/// joints  The owners of ghosts send the goals of their joints, so that every rank knows which pieces of
+///         which trees move. Each rank resolves the motions of the joints of its own rows, and the owners
+///         send the outcomes of each round (class RankBorder).
+/// cargo   If devices attach bodies to others or release them in a tick, all ranks distribute the rows at the
+///         end of the tick (class SharedEffects).
 /// pushes  A motion that may push bodies depends on all bodies in its *zone* (class Conflicts, `source`), on
 ///         all movers whose zones overlap it, and on the bodies that these movers push. In a world with
 ///         pushable bodies, the coverage is therefore at least three times the radius of the largest zone,
@@ -71,20 +80,24 @@ HaloPlan plan_halo(const World& world, unsigned ranks, double longest_motion);
 /// No result depends on which rank owns a row, on the skin, or on how often rows are distributed.
 class Halo {
  public:
-  /// A body whose row must be on the rank that owns the ground at a point, however far away the body is.
+  /// A tree (class Links) whose rows must be on the rank that owns the ground at a point, however far away
+  /// the tree is.
   struct Guest {
-    BodyId body;
+    BodyId root;  ///< root of the tree; the body itself if it neither carries others nor is carried
     Vec2 host = Vec2::Zero();  ///< the point, m, world frame
   };
   /// How far bodies can affect one another, m. longest: longest motion of a body in the tick, m
   struct Extent {
     double reach = 0;            ///< longest reach of a device
-    double radius = 0;           ///< largest radius of a body
+    double shift = 0;            ///< longest shift of a device by joints of its body
+    double radius = 0;           ///< largest radius of a body or tree
+    bool has_trees = false;      ///< whether bodies can carry others
     double push_reach = 0;       ///< distance at which a body can push bodies that it does not touch
     bool has_pushable = false;   ///< whether the world has pushable bodies
     double pushable_radius = 0;  ///< largest radius of a pushable body
 
     double zone(double longest) const;  ///< upper bound on the radius of a zone (class Conflicts, `source`)
+    double of_sensing() const;  ///< distance from the place of a body at which its devices can sense bodies
     /// Distance at which bodies can affect the outcome of a motion.
     double of_motions(double longest) const;
     /// Distance at which bodies can affect each other in the tick and in the sensing of the next one: the
@@ -93,13 +106,13 @@ class Halo {
   };
   static Extent extent_of(const World& world);  ///< the extent for all bodies of a world
 
-  /// All rows of `world` must be in this World, and why_replicated(world) must be empty. `world` and
-  /// `tables`, its state tables, must outlive this object. Call divide() next.
+  /// All rows of `world` must be in this World, and why_replicated(world) must be empty. `world`, and
+  /// `tables` and `links`, its state tables and joints, must outlive this object. Call divide() next.
   ///
   /// sent: indices of the tables whose rows owners send in each tick (Sharing::sent)
   /// cut_seed: for tests: the ranks get random ground, and again in some of the ticks
   /// skin_m: the skin, m; not set: it is chosen
-  Halo(World& world, std::span<StateTable> tables, std::vector<std::size_t> sent, RankPost post,
+  Halo(World& world, std::span<StateTable> tables, Links& links, std::vector<std::size_t> sent, RankPost post,
        std::optional<std::uint64_t> cut_seed, std::optional<double> skin_m);
 
   /// Keeps the own rows and the ghosts of a world that is complete on all ranks. Needs no messages.
@@ -127,13 +140,26 @@ class Halo {
   /// senses again. The same on all ranks.
   bool lacks_ghosts();
   /// The exchange of outcomes of motions. prepare_motions() must have been called in this tick.
-  Conflicts::Border& border() { return border_; }
+  RankBorder& border() { return border_; }
+  /// A tree (class Links) whose rows go to another rank, wherever the tree is.
+  struct Gift {
+    BodyId root;        ///< root of the tree
+    unsigned from = 0;  ///< the rank that owns its rows
+    unsigned to = 0;    ///< the rank that owns them afterwards
+  };
+  /// Called on all ranks, between the phases move and index: changes the owners of trees. A rank that gives
+  /// or gets trees then has no ghosts, so distribute() must follow.
+  ///
+  /// gifts: the same on all ranks, in the order of roots
+  void give(std::span<const Gift> gifts);
   /// Appends the data that rank `to` needs before the phase move of those own rows that it has as ghosts:
-  /// their rows in the tables with Sharing::sent.
+  /// their rows in the tables with Sharing::sent, and the goals of their joints.
   void put_shown(unsigned to, partition::MessageWriter& message) const;
   /// Reads what put_shown() of rank `from` has appended.
   void get_seen(unsigned from, partition::MessageReader& message);
 
+  std::vector<Row> tree(Row row) const;  ///< rows of all bodies of the tree of the row's body, first the root
+  Vec2 place(Row row) const { return world_.transform(world_.root(row)).position; }  ///< see class Halo, m
   /// The rank that owns the row of a body. The body must have a row on this rank, as own row or ghost.
   unsigned owner(BodyId body) const;
   /// The rank that owns the ground at a point (m, world frame) since the last distribution.
@@ -180,34 +206,43 @@ class Halo {
   ///@}
 
  private:
+  struct Goal {  // of a joint in this tick
+    BodyId body;
+    std::uint32_t joint;
+    Pose goal;
+  };
   struct Arrival {  // a row that another rank has sent, or that changes from own to ghost
     World::RowState state;
-    Vec2 position;
+    Vec2 place;
+    std::vector<Goal> goals;
   };
   void put_row(partition::MessageWriter& message, Row row) const;
   Arrival get_row(partition::MessageReader& message) const;
   void choose_coverage(double longest);
+  void agree_on_trees();
+  std::vector<Goal> goals_of(RowRange rows) const;
+  void set_goals(std::span<const Goal> goals);
   void note_pushes();
   void find_ranks_near(Row row, std::vector<unsigned>& near) const;
   void cut_again();
   void note_neighbours();
   void find_rows();
   std::uint64_t hash(std::span<const std::uint32_t> rows, std::span<const std::uint8_t> is_known) const;
-  Vec2 position(Row row) const { return world_.transform(row).position; }
 
   World& world_;
   std::span<StateTable> tables_;
+  Links& links_;
   std::vector<std::size_t> sent_;
   RankPost post_;
   std::optional<std::uint64_t> cut_seed_;
   std::optional<double> skin_m_;
 
-  Extent extent_;  // its reach is World::longest_reach() when the rows were last distributed
+  Extent extent_;  // its `reach`, and its `radius` if it has trees, are as of the last distribution
   std::vector<partition::TileOwners::Key> keys_;  // of the bodies at tick 0, ascending; only with cut_seed_
   partition::TileOwners owners_;
   std::size_t own_ = 0;
   bool is_complete_ = true;
-  std::vector<Guest> guests_;  // of the last distribution, in the order of bodies
+  std::vector<Guest> guests_;  // of the last distribution, in the order of roots
   double coverage_ = 0;        // m: see class Halo
   double longest_ = 0;         // longest motion of a body in this tick that its drive proposed, m
   double moved_ = 0;           // upper bound on the distance that a body moved since the last distribution, m

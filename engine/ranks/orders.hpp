@@ -29,6 +29,7 @@ enum class Order : std::uint8_t {
   rows,        ///< in a tick: rows that go to another rank, and ghosts (Halo::distribute())
   outcomes,    ///< in a tick: outcomes of motions of own rows that are ghosts of the receiver (RankBorder)
   places,      ///< in a tick: final positions of pushed bodies (RankBorder)
+  joints,      ///< in a tick: whether the motions of joints of own rows are blocked (RankBorder)
   candidates,  ///< in a tick: own rows among which an intervention chooses at random
   effects,     ///< in a tick: rows that effects change (SharedEffects)
   births,      ///< in a tick: whether places on the ground of the sender are free (RankRows::lowest_trial())

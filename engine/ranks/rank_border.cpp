@@ -7,6 +7,7 @@
 
 #include <algorithm>
 #include <memory>
+#include <optional>
 #include <stdexcept>
 #include <utility>
 
@@ -151,6 +152,28 @@ void RankBorder::exchange_places(Conflicts& conflicts) {
         fmt::format("tick {}: several robots pushed one body by {:.3g} m in one tick, too far for ranks that "
                     "divide the robots among themselves: run this world without --distribute",
                     world_.tick(), pushed_));
+}
+
+/// Each rank sends another rank one bit for each own tree that is a ghost there and moves its joints in this
+/// round. Both ranks know which trees these are, so ranks without such trees send no message.
+void RankBorder::exchange_blocked(Links& links) {
+  for (unsigned to = 0; to < post_.ranks; ++to) {
+    std::optional<MessageWriter> message;
+    for (const std::uint32_t row : rows_.shown[to]) {
+      if (!links.moves_joints(Row(row))) continue;
+      if (!message) message = post_.begin(Order::joints);
+      message->put(static_cast<std::uint8_t>(links.is_blocked(Row(row))));
+    }
+    if (message) post_.send(to, std::make_shared<const partition::Message>(message->take()));
+  }
+  for (unsigned from = 0; from < post_.ranks; ++from) {
+    std::optional<ReceivedOrder> received;
+    for (const std::uint32_t row : rows_.seen[from]) {
+      if (!links.moves_joints(Row(row))) continue;
+      if (!received) received = post_.receive(Order::joints, from);
+      if (received->rest.get<std::uint8_t>() != 0) links.block(Row(row));
+    }
+  }
 }
 
 }  // namespace troupe::engine

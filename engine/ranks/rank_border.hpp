@@ -2,6 +2,7 @@
 
 #include "base/ids.hpp"
 #include "engine/conflicts/conflicts.hpp"
+#include "engine/links/links.hpp"
 #include "engine/ranks/orders.hpp"
 #include "partition/message.hpp"
 
@@ -14,9 +15,10 @@ namespace troupe::engine {
 
 class World;
 
-/// Exchanges with the other ranks of a distributed world (class Halo) what Conflicts needs to resolve the
-/// motions of a tick: the outcomes of motions, the pushes, and the final positions of pushed bodies.
-class RankBorder final : public Conflicts::Border {
+/// Exchanges with the other ranks of a distributed world (class Halo) what Conflicts and Links need to
+/// resolve the motions of a tick: the outcomes of motions, the pushes, the final positions of pushed bodies,
+/// and whether the motions of joints are blocked.
+class RankBorder final : public Conflicts::Border, public Links::Border {
  public:
   /// The rows that this rank has in common with others. The lists have one entry per rank, and must outlive
   /// the resolution.
@@ -45,6 +47,7 @@ class RankBorder final : public Conflicts::Border {
   bool exchange(Conflicts& conflicts) override;
   /// Throws StepError on all ranks if a body was pushed farther than begin_tick() allows.
   void exchange_places(Conflicts& conflicts) override;
+  void exchange_blocked(Links& links) override;
 
  private:
   void send_outcomes(unsigned to, const Conflicts& conflicts);

@@ -70,6 +70,7 @@ MessageWriter Replica::message_of(Order order) const { return begin_message(orde
 ReceivedOrder Replica::expect(Order wanted, unsigned from) {
   const bool is_sent_by_owner = wanted == Order::together || wanted == Order::exchange ||
                                 wanted == Order::rows || wanted == Order::outcomes ||
+                                wanted == Order::places || wanted == Order::joints ||
                                 wanted == Order::candidates || wanted == Order::effects ||
                                 wanted == Order::births || wanted == Order::ended;
   if (is_sent_by_owner && failed_[from]) return *failed_[from];

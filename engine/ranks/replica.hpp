@@ -138,8 +138,9 @@ class Replica {
 
   /// The rows that this rank owns.
   RowRange own() const { return rows_->own(); }
-  /// The ranks with which this rank resolves the motions of a distributed world; otherwise null.
-  Conflicts::Border* border() { return rows_->halo() == nullptr ? nullptr : &rows_->halo()->border(); }
+  /// The connection to the other ranks with which this rank resolves the motions of a distributed world;
+  /// otherwise null.
+  RankBorder* border() { return rows_->halo() == nullptr ? nullptr : &rows_->halo()->border(); }
   /// The rows of a distributed world on this rank; null if the world is replicated.
   const Halo* halo() const { return rows_->halo(); }
   /// Returns those rows of `order` that this rank owns, in that order. Valid until the next call.

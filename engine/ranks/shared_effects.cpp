@@ -7,6 +7,7 @@
 
 #include <algorithm>
 #include <memory>
+#include <numeric>
 #include <optional>
 #include <utility>
 
@@ -18,8 +19,11 @@ using partition::MessageWriter;
 
 }  // namespace
 
-void SharedEffects::note(BodyId body) {
-  affected_.push_back({body, halo_.owner(body), 0, world_.transform(world_.row(body)).position});
+void SharedEffects::note_tree(BodyId body) {
+  const std::vector<Row> tree = halo_.tree(world_.row(body));
+  for (const Row row : tree)
+    affected_.push_back({world_.body(row), world_.body(tree.front()), tree.size() == 1, halo_.owner(body), 0,
+                         halo_.place(row)});
 }
 
 void SharedEffects::note() {
@@ -27,10 +31,10 @@ void SharedEffects::note() {
   lacking_.clear();
   own_ = effects_.emitted().size();
   for (const Effect& effect : effects_.emitted()) {
-    if (!effect.is_of_life()) note(effect.source);
+    if (!effect.is_of_life()) note_tree(effect.source);
     if (effect.target.index() >= world_.spec().bodies.size()) continue;  // it has no target
     const RowLocation location = world_.location(effect.target);
-    if (location == RowLocation::here && !effect.is_of_life()) note(effect.target);
+    if (location == RowLocation::here && !effect.is_of_life()) note_tree(effect.target);
     if (location != RowLocation::elsewhere) continue;
     if (!acts_anywhere(effect))
       throw StepError(fmt::format(
@@ -66,8 +70,10 @@ void SharedEffects::put_affected(MessageWriter& message, std::span<const Affecte
   message.put(static_cast<std::uint64_t>(some.size()));
   for (const Affected& each : some) {
     message.put(each.body);
+    message.put(each.root);
+    message.put(each.is_alone);
     message.put(each.owner);
-    message.put_point(each.position);
+    message.put_point(each.place);
   }
 }
 
@@ -76,28 +82,36 @@ void SharedEffects::get_affected(MessageReader& message) {
   for (auto bodies = message.get<std::uint64_t>(); bodies > 0; --bodies) {
     Affected& each = affected_.emplace_back();
     each.body = message.get<BodyId>();
+    each.root = message.get<BodyId>();
+    each.is_alone = message.get<bool>();
     each.owner = message.get<unsigned>();
-    each.position = message.get_point();
+    each.place = message.get_point();
   }
 }
 
 bool SharedEffects::find_targets() {
   unite();
+  const bool lacks_targets = !lacking_.empty();
+  if (lacks_targets) find_lacking();
   guests_.clear();
   for (const Effect& effect : effects_.emitted()) {
     if (!acts_anywhere(effect) || effect.is_of_life()) continue;
-    if (effect.target.index() >= world_.spec().bodies.size()) continue;  // it has no target
-    if (world_.location(effect.target) == RowLocation::none) continue;   // all ranks have static bodies
-    guests_.push_back({effect.target, find(effect.source)->position});
+    const Affected* const target = find(effect.target);
+    if (target)
+      guests_.push_back({target->root, find(effect.source)->place});  // static bodies are everywhere
   }
-  if (lacking_.empty()) return false;
+  return lacks_targets;
+}
+
+/// Finds the owners of the bodies in lacking_.
+void SharedEffects::find_lacking() {
   std::ranges::sort(lacking_);
   lacking_.erase(std::unique(lacking_.begin(), lacking_.end()), lacking_.end());
   // All ranks have the same list. The owners of these bodies know where they are.
   MessageWriter own = post_.begin(Order::effects);
   const std::size_t known = affected_.size();
   for (const BodyId body : lacking_)
-    if (world_.location(body) == RowLocation::here && halo_.owner(body) == post_.rank) note(body);
+    if (world_.location(body) == RowLocation::here && halo_.owner(body) == post_.rank) note_tree(body);
   put_affected(own, std::span(affected_).subspan(known));
   post_.send_to_all(std::move(own));
   for (unsigned from = 0; from < post_.ranks; ++from) {
@@ -106,7 +120,6 @@ bool SharedEffects::find_targets() {
     get_affected(received.rest);
   }
   unite();
-  return true;
 }
 
 /// Sorts affected_ by ids, and leaves one element per body.
@@ -122,7 +135,7 @@ bool SharedEffects::acts_anywhere(const Effect& effect) const {
 
 void SharedEffects::begin(bool is_new) {
   for (Affected& each : affected_) {
-    if (is_new) each.owner = halo_.owner_at(each.position);
+    if (is_new) each.owner = halo_.owner_at(each.place);
     each.last = each.owner;
   }
 }
@@ -133,17 +146,96 @@ SharedEffects::Affected* SharedEffects::find(BodyId body) {
   return found != affected_.end() && found->body == body ? &*found : nullptr;
 }
 
+/// Whether an effect may attach bodies to others, or release them.
+bool SharedEffects::may_join_trees(const Effect& effect) const {
+  return !effect.is_of_life() && world_.type(effect.source).devices[effect.device].kind->carries;
+}
+
+/// Finds the groups of the tick (groups_). Returns the trees whose rows must go to another rank, because the
+/// trees of their group belong to several ranks.
+std::vector<Halo::Gift> SharedEffects::find_groups(std::span<const Effect> effects) {
+  groups_.clear();
+  if (std::ranges::none_of(effects, [&](const Effect& effect) { return may_join_trees(effect); })) return {};
+  std::vector<Affected> trees(affected_);  // one element per tree
+  std::ranges::sort(trees, {}, [](const Affected& each) { return each.root.value; });
+  const auto is_same = [](const Affected& a, const Affected& b) { return a.root == b.root; };
+  trees.erase(std::unique(trees.begin(), trees.end(), is_same), trees.end());
+  const auto index_of = [&](const Affected& body) {
+    return static_cast<std::size_t>(
+        std::ranges::lower_bound(trees, body.root.value, {}, [](const Affected& t) { return t.root.value; }) -
+        trees.begin());
+  };
+  // Each tree belongs to the group of the tree leads[index]. The lowest tree of a group leads itself.
+  std::vector<std::size_t> leads(trees.size());
+  std::iota(leads.begin(), leads.end(), std::size_t{0});
+  const auto lead_of = [&](std::size_t tree) {
+    while (leads[tree] != tree) tree = leads[tree] = leads[leads[tree]];
+    return tree;
+  };
+  for (const Effect& effect : effects) {
+    if (effect.is_of_life()) continue;
+    const Affected* const target = find(effect.target);
+    if (!target) continue;
+    const std::size_t a = lead_of(index_of(*find(effect.source)));
+    const std::size_t b = lead_of(index_of(*target));
+    leads[std::max(a, b)] = std::min(a, b);
+  }
+  std::vector<bool> may_join(trees.size());
+  for (const Effect& effect : effects)
+    if (may_join_trees(effect)) may_join[lead_of(index_of(*find(effect.source)))] = true;
+  std::vector<Halo::Gift> gifts;
+  for (std::size_t t = 0; t < trees.size(); ++t) {
+    const Affected& lead = trees[lead_of(t)];
+    if (!may_join[lead_of(t)]) continue;
+    groups_.push_back({trees[t].root, lead.owner});
+    if (trees[t].owner != lead.owner) gifts.push_back({trees[t].root, trees[t].owner, lead.owner});
+  }
+  return gifts;
+}
+
+/// The rank that applies the effects of the group of an effect; not set if the effect is in no group.
+std::optional<unsigned> SharedEffects::group_applier(const Effect& effect) {
+  if (groups_.empty()) return {};
+  const BodyId root = find(effect.source)->root;
+  const auto found = std::ranges::lower_bound(groups_, root.value, {},
+                                              [](const GroupTree& tree) { return tree.root.value; });
+  if (found == groups_.end() || found->root != root) return {};
+  return found->applier;
+}
+
 void SharedEffects::apply(std::span<const Effect> effects, const std::function<void(const Effect&)>& apply) {
+  const std::vector<Halo::Gift> gifts = find_groups(effects);
+  apply_in_turns(effects, apply);
+  if (groups_.empty()) {
+    show();
+  } else {
+    halo_.give(gifts);
+    for (std::size_t i = 0; i < effects.size(); ++i)
+      if (!effects[i].is_of_life() && group_applier(effects[i]) == post_.rank)
+        error_.attempt(i, [&] { apply(effects[i]); });
+    halo_.distribute(0);
+  }
+  error_.agree(post_);
+}
+
+/// Applies the effects that are in no group.
+void SharedEffects::apply_in_turns(std::span<const Effect> effects,
+                                   const std::function<void(const Effect&)>& apply) {
   for (std::size_t i = 0; i < effects.size(); ++i) {
-    if (effects[i].is_of_life()) continue;  // World::resolve_lives() carries it out
-    Affected& source = *find(effects[i].source);
-    bring(source, source.owner);
-    if (Affected* const target = find(effects[i].target)) bring(*target, source.owner);
+    if (effects[i].is_of_life() || group_applier(effects[i]))
+      continue;  // World::resolve_lives() does the former
+    const Affected& source = *find(effects[i].source);
+    bring_tree(source, source.owner);
+    if (const Affected* const target = find(effects[i].target)) bring_tree(*target, source.owner);
     if (source.owner == post_.rank) error_.attempt(i, [&] { apply(effects[i]); });
   }
   for (Affected& each : affected_) bring(each, each.owner);
-  show();
-  error_.agree(post_);
+}
+
+/// Calls bring() for all bodies of the tree of a body.
+void SharedEffects::bring_tree(const Affected& body, unsigned to) {
+  for (Affected& each : body.is_alone ? std::span(find(body.body), 1) : std::span(affected_))
+    if (each.root == body.root) bring(each, to);
 }
 
 /// Makes `to` the rank that has the present state of a body (Affected::last). If another rank has it so far,

@@ -10,6 +10,7 @@
 
 #include <cstddef>
 #include <functional>
+#include <optional>
 #include <span>
 #include <utility>
 #include <vector>
@@ -19,9 +20,15 @@ namespace troupe::engine {
 /// The effects of a tick (actions of devices on other bodies) in a world whose rows are distributed among
 /// ranks (class Halo). All effects of a tick are applied in one order, and each effect sees the results of
 /// the earlier effects. The ranks therefore take turns: the rank that owns the source of an effect applies
-/// this effect. If the last change of the source or of the target was made on another rank, that rank sends
-/// the state of the body first. At the end the owners get the states of their bodies, and the other ranks
-/// those of their ghosts.
+/// this effect. If the last change of a body in the trees (class Links) of the source and the target was made
+/// on another rank, that rank sends the state of the body first. At the end the owners get the states of
+/// their bodies, and the other ranks those of their ghosts.
+///
+/// Devices that can carry bodies (DeviceKind::carries) may attach bodies to others and release them. Such an
+/// effect needs all changes that earlier effects of the tick have made to these trees. Effects whose sources
+/// and targets are in trees that such effects could join form a *group*. One rank applies all effects of a
+/// group. It owns the trees of the group or, if they belong to several ranks, gets them (Halo::give()) after
+/// all other effects of the tick. At the end all ranks distribute the rows, because the trees have changed.
 ///
 /// Births and deaths are effects too. They change no other state, so the ranks only learn of them here: every
 /// rank then carries them out (World::resolve_lives()).
@@ -64,18 +71,30 @@ class SharedEffects {
   void apply(std::span<const Effect> effects, const std::function<void(const Effect&)>& apply);
 
  private:
-  struct Affected {  // a body that is the source or the target of an effect
+  struct Affected {  // a body of the tree of a source or of a target
     BodyId body;
-    unsigned owner = 0;            // the rank that owns its row
-    unsigned last = 0;             // the rank that has its present state
-    Vec2 position = Vec2::Zero();  // before the motion of this tick, m, world frame
+    BodyId root;                // root of its tree
+    bool is_alone = true;       // no other body is in the tree
+    unsigned owner = 0;         // the rank that owns its row
+    unsigned last = 0;          // the rank that has its present state
+    Vec2 place = Vec2::Zero();  // Halo::place() before the motion of this tick, m, world frame
   };
-  void note(BodyId body);
+  struct GroupTree {  // a tree of a group
+    BodyId root;
+    unsigned applier = 0;  // the rank that applies the effects of the group
+  };
+  void note_tree(BodyId body);
   static void put_affected(partition::MessageWriter& message, std::span<const Affected> some);
   void get_affected(partition::MessageReader& message);
+  void find_lacking();
   void unite();
   bool acts_anywhere(const Effect& effect) const;
+  bool may_join_trees(const Effect& effect) const;
+  std::vector<Halo::Gift> find_groups(std::span<const Effect> effects);
+  std::optional<unsigned> group_applier(const Effect& effect);
+  void apply_in_turns(std::span<const Effect> effects, const std::function<void(const Effect&)>& apply);
   Affected* find(BodyId body);
+  void bring_tree(const Affected& body, unsigned to);
   void bring(Affected& body, unsigned to);
   void show();
 
@@ -86,13 +105,14 @@ class SharedEffects {
   std::size_t own_ = 0;    // number of the noted effects, which come first in effects_
   std::size_t noted_ = 0;  // number of elements of affected_ after note()
   SharedError error_;
-  // After note(): bodies affected by own effects. After find_targets(): by those of all ranks, in order of
-  // ids.
+  // After note(): bodies of trees that own effects affect. After find_targets(): of trees that the effects of
+  // all ranks affect, in order of ids.
   std::vector<Affected> affected_;
   // Targets whose rows are not on the rank of their source: own_lacking_ of own effects, then of other ranks.
   std::vector<BodyId> lacking_;
   std::size_t own_lacking_ = 0;
   std::vector<Halo::Guest> guests_;  // guests()
+  std::vector<GroupTree> groups_;    // in the order of roots
 };
 
 }  // namespace troupe::engine

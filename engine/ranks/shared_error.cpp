@@ -7,7 +7,7 @@
 namespace troupe::engine {
 
 void SharedError::attempt(std::uint64_t number, const std::function<void()>& step) {
-  if (error_) return;
+  if (failed_ < number) return;
   try {
     step();
   } catch (const std::exception& thrown) {

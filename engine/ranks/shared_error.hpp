@@ -12,12 +12,12 @@ namespace troupe::engine {
 
 /// The error of a sequence of steps that ranks carry out in turn, or each for its own rows. A rank cannot end
 /// the sequence when one of its steps throws, because the other ranks wait for its messages. Instead, the
-/// rank leaves out its later steps, and at the end of the sequence all ranks throw the error of the first
-/// step that failed.
+/// rank leaves out its steps with higher numbers, and at the end of the sequence all ranks throw the error of
+/// the first step that failed.
 class SharedError {
  public:
-  /// Calls step(), unless an earlier step has failed on this rank. Catches any std::exception. Each call on a
-  /// rank must have a higher `number` than the call before; equal numbers on several ranks are one step.
+  /// Calls step(), unless a step with a lower number has failed on this rank. Catches any std::exception.
+  /// Equal numbers on several ranks are one step.
   void attempt(std::uint64_t number, const std::function<void()>& step);
   /// Called on all ranks at the end of the sequence. If a step has failed, throws the error of the one with
   /// the lowest number: the exception itself on a rank where it was thrown, otherwise a StepError with its

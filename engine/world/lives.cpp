@@ -146,9 +146,9 @@ Birth World::give_birth(std::size_t reserve, std::uint32_t trials,
   if (unborn(reserve) == 0) return {BirthStatus::used_up, {}};
   const BodyId id(state_.spec.reserves[reserve].first.index() + next_born_[reserve]);
   const BodyType& type = state_.type(id);
-  // Rows can be elsewhere only in worlds without joints (why_replicated()), so a body with joints has a valid
-  // row. Its shape depends on the poses of its joints at birth, so it enters the world before its shape is
-  // used.
+  // If bodies with joints can be born, no row is elsewhere (why_replicated()), so a body with joints has a
+  // valid row. Its shape depends on the poses of its joints at birth, so it enters the world before its shape
+  // is used.
   const Row row = location(id) == RowLocation::here ? this->row(id) : Row();
   if (!type.joints.empty()) enter(row, {});
   const partition::ObstacleShape& shape = type.joints.empty() ? type.obstacle : *state_.shapes[row.index()];

@@ -311,7 +311,7 @@ void World::move() {
   conflict_rounds_ += movement_.rounds();
   movement_.commit();
   if (links_.any()) {
-    links_.resolve_joints(movement_.longest());
+    links_.resolve_joints(movement_.longest(), replica_ ? replica_->border() : nullptr);
     links_.carry();
     report_joints();
   }

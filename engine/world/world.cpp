@@ -92,6 +92,14 @@ void World::derive_state() {
   index_bodies();
 }
 
+double World::farthest_in_trees() const {
+  double farthest = 0;
+  if (state_.now.carried == 0) return farthest;
+  for (std::uint32_t r = 0; r < rows(); ++r)
+    if (state_.roots[r] == r) farthest = std::max(farthest, links_.farthest(Row(r)));
+  return farthest;
+}
+
 void World::derive(Row row) {
   movement_.rest(row);
   state_.update_presence(row);

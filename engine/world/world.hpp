@@ -353,6 +353,12 @@ class World {
   /// Whether two bodies move together: one carries the other, directly or through further bodies, or a third
   /// body carries both. True if a and b are the same row.
   bool same_tree(Row a, Row b) const { return state_.view.same_tree(a, b); }
+  /// The row of the body that carries the row's body, directly or through others, and is not carried itself
+  /// (the *root* of its tree); the row itself if its body is not carried.
+  Row root(Row row) const { return state_.now.carried > 0 ? Row(state_.roots[row.index()]) : row; }
+  /// Upper bound on the distance of any point of a tree from the origin of its root, m: Links::farthest(),
+  /// for all bodies with rows in this world. 0 if no body can carry others.
+  double farthest_in_trees() const;
   /// Attaches the body `cargo` to the body `carrier`. The cargo then keeps its present pose relative to the
   /// joint with the index `joint` of the carrier or, if `joint` is k_rigid, relative to the carrier itself.
   /// Returns false and changes nothing if the cargo is already carried, if the cargo is the carrier or

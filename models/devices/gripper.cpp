@@ -230,7 +230,9 @@ void obey(std::uint8_t order, GripperState& state) {
 /// Whether the gripper of the body `own` no longer carries the body that it held. This happens only if the
 /// held body dies, because no other gripper can take a held body.
 bool has_lost(const SensingView& view, BodyId own, const GripperState& state) {
-  return state.held != 0 && view.carrier(view.row(BodyId(state.held - 1))) != own;
+  if (state.held == 0) return false;
+  const BodyId held(state.held - 1);
+  return view.location(held) != engine::RowLocation::here || view.carrier(view.row(held)) != own;
 }
 
 /// The position after one step of length `step` towards `end`. If the step would end short of `end` by no

@@ -8,6 +8,7 @@
 #include "engine/observing/stop_conditions.hpp"
 #include "engine/ranks/replica.hpp"
 #include "engine/world/world.hpp"
+#include "models/devices/actuator.hpp"
 #include "partition/job_thread.hpp"
 #include "partition/mailboxes.hpp"
 #include "tests/support/scene.hpp"
@@ -1019,6 +1020,172 @@ TEST_F(HaloOfARoom, APuckIsHandedOnFromZoneToZone) {
   expect_same_bits(simulation, 2, teams_of_random_ground());
 }
 
+/// Attaches bodies to its own body and releases them again, in ticks and with bodies that look random.
+struct Hook {
+  struct State {
+    std::uint64_t held = 0;  // 1 plus the id of the body that it carries; 0: none
+    std::uint64_t refused = 0;
+    TROUPE_FIELDS(held, refused)
+  };
+  static constexpr double k_reach_m = 0.7;
+
+  static DeviceKind kind() {
+    DeviceKind kind{.name = "hook", .text = "for this test"};
+    kind.carries = true;
+    kind.scope = ApplyScope::trees;
+    kind.prepare = [](const Record&, const Pose&) {
+      return DeviceKind::Prepared{.data = 0,
+                                  .percepts = memory_fields<State>(),
+                                  .percept_bytes = sizeof(State),
+                                  .reach_m = k_reach_m,
+                                  .most_effects = 1};
+    };
+    kind.act = [](const DeviceBatch& batch) {
+      for (std::size_t i = 0; i < batch.rows.size(); ++i) {
+        const std::uint64_t held = batch.state.as<State>(batch.slot(i)).held;
+        const std::uint64_t number = (batch.body(i).value * 7919 + batch.view.tick() * 104729) >> 3;
+        if (number % 5 > 1) continue;
+        if (held != 0) {
+          if (number % 7 < 2) batch.emit(i, 0, 1, BodyId(held - 1));
+          continue;
+        }
+        const Vec2 from = batch.view.transform(batch.rows[i]).position;
+        std::vector<BodyId> near;
+        batch.view.index().for_each_near(
+            Box::around(from, k_reach_m), [&](const partition::BodyCircle& circle) {
+              const Row other(circle.row);
+              if (other != batch.rows[i] && (batch.view.transform(other).position - from).norm() <= k_reach_m)
+                near.push_back(batch.view.body(other));
+            });
+        std::ranges::sort(near);
+        if (!near.empty()) batch.emit(i, 0, 0, near[number % near.size()]);
+      }
+    };
+    kind.apply = [](World& world, const std::any&, const Effect& effect) {
+      const Row source = world.row(effect.source);
+      const Row target = world.row(effect.target);
+      State& state = world.state(world.type(source).devices.back()).as<State>(world.slot(source));
+      if (effect.verb == 1) {
+        if (world.carrier(target) == effect.source) world.release(target);
+        state.held = 0;
+      } else if (world.attach(target, source, k_rigid)) {
+        state.held = effect.target.value + 1;
+      } else {
+        ++state.refused;
+      }
+    };
+    return kind;
+  }
+};
+
+// Robots carry one another: trees of several robots arise across borders, and effects of one tick depend on
+// one another across several ranks.
+TEST_F(HaloOfARoom, RobotsCarryOneAnotherAcrossBorders) {
+  Registry registry = test::registry();
+  registry.devices.push_back(Hook::kind());
+  SimulationOptions options;
+  options.threads = 1;
+  std::string room = halo_room(140, 4);
+  const std::string_view before = R"("wanderer": {)";
+  room.insert(room.find(before) + before.size(), R"("devices": [{"name": "hook", "kind": "hook"}], )");
+  const Simulation simulation(write("room.json", room), options, registry);
+  const WorldSpec& spec = simulation.world().spec();
+  ASSERT_EQ(why_replicated(simulation.world()), "");
+  Diagnostics diagnostics(spec.files);
+  World whole(spec, simulation.registry(), {.threads = 1}, diagnostics);
+  const std::vector<Hashes> expected = halo_log(whole, 40);
+  EXPECT_GT(whole.carried_count(), 50u);
+  std::size_t deep = 0;
+  std::size_t refused = 0;
+  for (std::size_t r = 0; r < whole.rows(); ++r) {
+    const std::optional<BodyId> by = whole.carrier(Row(r));
+    deep += by && whole.carrier(whole.row(*by));
+    refused += whole.percepts(whole.type(Row(r)).devices.back()).as<Hook::State>(whole.slot(Row(r))).refused;
+  }
+  EXPECT_GT(deep, 20u) << "robots that a carried robot carries";
+  EXPECT_GT(refused, 100u) << "robots that were already carried, or that carry the robot";
+  for (const HaloTeam& team : std::vector<HaloTeam>{
+           {2, 1, {}, {}}, {3, 2, 1, 0.0}, {5, 1, 2, {}}, {7, 1, 3, 0.3}, {7, 1, 4, {}, 0.5, {}}}) {
+    HaloRanks ranks(spec, simulation.registry(), team);
+    expect_equal_logs(halo_log(ranks.world(), 40), expected, name_of(team));
+    if (HasFatalFailure()) return;
+  }
+}
+
+/// A crowd of robots that wave arms: one arm slides, another turns and has a third one on it. Some robots
+/// also have grippers, which close on pucks and on other robots.
+std::string halo_wavers() {
+  const auto orders = [](std::string_view device, double low, double high) {
+    std::string text;
+    for (int k = 0; k < 12; ++k)
+      text += fmt::format(R"({}{{"at_s": {}, "device": "{}", "order": "go_to", "value": {}}})",
+                          k == 0 ? "" : ", ", 0.3 * k, device, k % 3 == 1 ? low : high);
+    return text;
+  };
+  return fmt::format(
+      R"({{
+  "troupe": 1, "title": "Wavers", "seed": 9, "overlaps": "warn",
+  "types": {{
+    "wall": {{"size_m": [0.2, 3, 1]}},
+    "puck": {{"size_m": [0.08, 0.08, 0.3], "gripper_return": true, "pushable": true}},
+    "slider": {{"size_m": [0.3, 0.17, 0.2], "gripper_return": true,
+      "drive": {{"kind": "diff", "pushes": 1}}, "sensors": [
+      {{"name": "eyes", "kind": "ranger", "pose": {{"z_m": 0.1}}, "transducers": [{{"range_max_m": 1.1, "fov_deg": 170.5, "samples": 9}}]}}],
+      "devices": [{{"name": "arm", "kind": "actuator", "axis": [1, 0, 0], "max_position": 0.25, "max_speed": 0.8,
+        "size_m": [0.2, 0.05, 0.1], "pose": {{"x_m": 0.1}}}}],
+      "controllers": [{{"kind": "wander"}}, {{"kind": "operate", "orders": [{}]}}]}},
+    "swinger": {{"size_m": [0.2, 0.2, 0.2], "gripper_return": true,
+      "drive": {{"kind": "diff", "pushes": 0}}, "sensors": [
+      {{"name": "eyes", "kind": "ranger", "pose": {{"z_m": 0.1}}, "transducers": [{{"range_max_m": 1.1, "fov_deg": 170.5, "samples": 9}}]}}],
+      "parts": [{{"name": "arm", "kind": "actuator", "size_m": [0.3, 0.05, 0.1], "pose": {{"x_m": 0.2, "y_m": 0.1}},
+        "device": {{"type": "rotational", "axis": [0, 0, 1], "min_position": -1, "max_position": 1.5, "max_speed": 3}},
+        "parts": [{{"name": "finger", "kind": "actuator", "size_m": [0.04, 0.1, 0.08], "pose": {{"x_m": 0.12}},
+          "device": {{"axis": [0, 1, 0], "max_position": 0.2, "max_speed": 0.7}}}}]}}],
+      "controllers": [{{"kind": "wander"}}, {{"kind": "operate", "orders": [{}, {}]}}]}},
+    "gripper": {{"size_m": [0.2, 0.2, 0.2], "gripper_return": true,
+      "drive": {{"kind": "diff", "pushes": 0}}, "sensors": [
+      {{"name": "eyes", "kind": "ranger", "pose": {{"z_m": 0.1}}, "transducers": [{{"range_max_m": 1.1, "fov_deg": 170.5, "samples": 9}}]}}],
+      "devices": [{{"name": "hand", "kind": "gripper", "size_m": [0.2, 0.3, 0.2], "autosnatch": true, "pose": {{"x_m": 0.15}}}}],
+      "controllers": [{{"kind": "wander", "min_front_m": 0.1}}]}}
+  }},
+  "models": [{{"name": "wall", "type": "wall", "pose": {{"x_m": 0.7, "heading_deg": 0.7}}}}],
+  "populations": [
+    {{"name": "s", "type": "slider", "count": 40, "place": {{"rule": "uniform", "region_m": [[-3, -3], [3, 3]]}}}},
+    {{"name": "t", "type": "swinger", "count": 40, "place": {{"rule": "uniform", "region_m": [[-3, -3], [3, 3]]}}}},
+    {{"name": "g", "type": "gripper", "count": 60, "place": {{"rule": "uniform", "region_m": [[-3, -3], [3, 3]]}}}},
+    {{"name": "p", "type": "puck", "count": 220, "place": {{"rule": "uniform", "region_m": [[-3, -3], [3, 3]]}}}}]
+}})",
+      orders("arm", 0, 0.25), orders("arm", -1, 1.5), orders("finger", 0, 0.2));
+}
+
+// Joints whose motions are blocked by joints of robots on other ranks, and grippers that hold pucks and
+// robots of other ranks.
+TEST_F(HaloOfARoom, JointsMoveAndGrippersHoldAcrossBorders) {
+  SimulationOptions options;
+  options.threads = 1;
+  const Simulation simulation(write("wavers.json", halo_wavers()), options);
+  const WorldSpec& spec = simulation.world().spec();
+  ASSERT_EQ(why_replicated(simulation.world()), "");
+  Diagnostics diagnostics(spec.files);
+  World whole(spec, simulation.registry(), {.threads = 1}, diagnostics);
+  const std::vector<Hashes> expected = halo_log(whole, 40);
+  EXPECT_GT(whole.carried_count(), 8u);
+  std::size_t blocked = 0;
+  for (std::size_t r = 0; r < whole.rows(); ++r)
+    for (const BodyType::Device& device : whole.type(Row(r)).devices)
+      if (device.kind->name == "actuator")
+        blocked += whole.percepts(device).as<models::ActuatorState>(whole.slot(Row(r))).stalled;
+  EXPECT_GT(blocked, 8u) << "joints whose motion was blocked in the last tick";
+  std::vector<HaloTeam> teams = k_experiment_teams;
+  for (HaloTeam& team : teams) team.tile_m = 0.5;
+  teams.push_back({5, 1, 3, 0.0, 0.25, {}});
+  for (const HaloTeam& team : teams) {
+    HaloRanks ranks(spec, simulation.registry(), team);
+    expect_equal_logs(halo_log(ranks.world(), 40), expected, name_of(team));
+    if (HasFatalFailure()) return;
+  }
+}
+
 class HaloOfAWorld : public ::testing::TestWithParam<std::string_view> {};
 
 TEST_P(HaloOfAWorld, GivesTheSameBits) {
@@ -1036,7 +1203,9 @@ INSTANTIATE_TEST_SUITE_P(Worlds, HaloOfAWorld,
                                            "noise.world", "compass.json", "finders.json", "perception.json",
                                            "door.json", "chain.json", "coverage.json", "beeclust.json",
                                            "failures.json", "energy.json", "foraging.json", "colony.json",
-                                           "pushers.json", "clustering.json"),
+                                           "pushers.json", "clustering.json", "foragers.json", "gate.json",
+                                           "gripper.json", "harvest.json", "harvesters.json", "magpies.json",
+                                           "pucks.json", "lift.world"),
                          [](const auto& run) {
                            std::string name(run.param);
                            for (char& c : name)
@@ -1158,20 +1327,28 @@ TEST_F(HaloOfATurnover, ABirthThatThrowsEndsTheTickOnAllRanks) {
   expect_same_error(load(UnluckySpawner::registry()), 6, UnluckySpawner::throws_at, "stillborn");
 }
 
-TEST(Halo, SaysWhyAWorldIsReplicated) {
-  const auto reason = [](std::string_view world) {
+TEST_F(HaloOfARoom, SaysWhyAWorldIsReplicated) {
+  const auto reason = [this](const std::string& type, const std::string& reserve = {}) {
     SimulationOptions options;
     options.threads = 1;
-    return why_replicated(Simulation(k_halo_worlds / world, options).world());
+    const std::string text = R"({"troupe": 1, "types": {"bot": {"size_m": [0.2, 0.2, 0.2], )" + type + R"(}},
+           "populations": [{"name": "p", "type": "bot", "count": 1)" +
+                             reserve + R"(, "place": {"rule": "uniform", "region_m": [[0, 0], [1, 1]]}}]})";
+    return why_replicated(Simulation(write("why.json", text), options).world());
   };
-  EXPECT_THAT(reason("lift.world"), HasSubstr("joints"));
-  EXPECT_THAT(reason("harvest.json"), HasSubstr("joints"));
+  const std::string arm =
+      R"("devices": [{"name": "arm", "kind": "actuator", "max_position": 1, "size_m": [0.1, 0.1, 0.1]}])";
+  EXPECT_EQ(reason(arm), "");
+  EXPECT_THAT(reason(arm + R"(, "pushable": true)"), HasSubstr("can be pushed, and have joints"));
+  EXPECT_THAT(reason(arm, R"(, "reserve": 1)"), HasSubstr("\"bot\", which have joints, can be born"));
+  EXPECT_THAT(reason(R"("devices": [{"name": "feet", "kind": "wheels", "size_m": [0.1, 0.1, 0.1]}])"),
+              HasSubstr("which can drive a part of the robot to any distance"));
 }
 
-TEST(Halo, RefusesAWorldThatMustBeReplicated) {
-  SimulationOptions options;
-  options.threads = 1;
-  const Simulation simulation(k_halo_worlds / "lift.world", options);
+TEST_F(HaloOfMixers, RefusesAWorldThatMustBeReplicated) {
+  DeviceKind kind = Mixer::kind();
+  kind.scope = ApplyScope::anything;
+  const Simulation simulation = load_mixers(kind);
   Diagnostics diagnostics(simulation.world().spec().files);
   World world(simulation.world().spec(), simulation.registry(), {.threads = 1}, diagnostics);
   partition::Mailboxes mailboxes(1);
