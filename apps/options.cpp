@@ -175,15 +175,14 @@ void add_rank_seed_option(CLI::App& app, WorldOptions& options) {
 
 void add_distribute_option(CLI::App& app, WorldOptions& options) {
   app.add_flag("--distribute", options.simulation.distribute,
-               "With several ranks: each rank has only its own robots and the robots near them, if the world "
-               "allows it")
+               "With several ranks: each rank has only its own and nearby robots, if the world allows it")
       ->disable_flag_override();
 }
 
 void add_rank_limit_option(CLI::App& app, double& limit_s) {
   add_value(
       app, "--rank-limit", "S",
-      "Under mpirun or srun: fail after waiting S seconds of real time for another rank (default: 600)",
+      "Under mpirun or srun: fail after waiting S s of real time for another rank (default: 600)",
       [&limit_s](const std::string& text) { limit_s = positive_seconds("--rank-limit", text, "a time"); })
       ->group("Advanced");
 }
@@ -235,15 +234,13 @@ void obey_simd_variable() {
 }
 
 void add_plugin_path_option(CLI::App& app, std::vector<std::filesystem::path>& path) {
-  add_values(
-      app, "--plugin-path", "DIR[:DIR]",
-      "Folders with plug-ins, searched before those in the environment variables TROUPE_PLUGIN_PATH and "
-      "STAGEPATH; repeatable",
-      [&path](const std::string& text) {
-        if (text.starts_with('-') || text.find_first_not_of(':') == text.npos)
-          refuse("--plugin-path", text, "a list of folders, as in --plugin-path build:/opt/swarm");
-        append_folders(text, path);
-      });
+  add_values(app, "--plugin-path", "DIR[:DIR]",
+             "Folders with plug-ins, searched before those in TROUPE_PLUGIN_PATH and STAGEPATH; repeatable",
+             [&path](const std::string& text) {
+               if (text.starts_with('-') || text.find_first_not_of(':') == text.npos)
+                 refuse("--plugin-path", text, "a list of folders, as in --plugin-path build:/opt/swarm");
+               append_folders(text, path);
+             });
 }
 
 std::vector<std::filesystem::path> plugin_path(std::vector<std::filesystem::path> given) {

@@ -143,8 +143,7 @@ class CameraOutput : public ClonedOutput<CameraOutput> {
   void add_options(CLI::App& app, RunOptions&) override {
     CLI::Option* folder =
         add_value(app, "--camera-png", "DIR",
-                  "Write the colour and depth images of each running camera to a folder, as "
-                  "PNG files, at intervals",
+                  "Write colour and depth images of each running camera to a folder, as PNG, at intervals",
                   [this](const std::string& text) {
                     if (text.empty() || text.starts_with('-'))
                       refuse("--camera-png", text, "the name of a folder");

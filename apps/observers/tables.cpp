@@ -168,8 +168,7 @@ class MeasuresOutput : public ClonedOutput<MeasuresOutput> {
                   [this](const std::string& text) { file_ = file_name("--measures", text); });
     add_values(
         app, "--measure", "NAME[:OF],...",
-        "Measures, optionally of type or population OF; repeatable (default: the world's, else all that "
-        "need no parameters)",
+        "Measures, also of type or population OF; repeatable; default: the world's, or all without keys",
         [this](const std::string& text) { add_names(text); })
         ->needs(measures);
     add_value(app, "--measure-every", "S",

@@ -111,8 +111,13 @@ TEST_F(CheckProgram, SaysWhetherTheRobotsAreDistributed) {
     return lines_of(outcome.out)[1];
   };
   EXPECT_EQ(form("room.world"), "robot data of the ranks: distributed");
-  EXPECT_EQ(form(TROUPE_SOURCE_DIR "/worlds/lift.world"),
-            "robot data of the ranks: replicated, because robots of type \"position\" have joints");
+  write("walker.json", R"({"troupe": 1, "types": {"walker": {"size_m": [0.2, 0.2, 0.2],
+      "devices": [{"name": "feet", "kind": "wheels", "size_m": [0.1, 0.1, 0.1]}]}},
+      "models": [{"name": "r", "type": "walker"}]})");
+  EXPECT_EQ(
+      form("walker.json"),
+      "robot data of the ranks: replicated, because robots of type \"walker\" have the device \"feet\" of "
+      "the kind \"wheels\", which can drive a part of the robot to any distance");
 }
 
 TEST_F(CheckProgram, BadInputIsExitCode2) {

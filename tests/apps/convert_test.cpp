@@ -115,7 +115,7 @@ TEST_F(ConvertCommand, SetReachesIntoWhatIsWritten) {
   EXPECT_EQ(troupe({"run", "w.json", "--for", "1", "--quiet", "--hash-log", "b.log"}).code, 0);
   EXPECT_EQ(lines_of(read("a.log")).back(), lines_of(read("b.log")).back());
   EXPECT_THAT(refused({"convert", "w.world", "x.json", "--set", "/models/9/pose/x_m=7"}).err,
-              StartsWith("--set /models/9/pose/x_m: error: /models has 3 entries"));
+              StartsWith("--set /models/9/pose/x_m: error: /models is a list of length 3"));
 }
 
 TEST_F(ConvertCommand, SaysWhatItDoes) {

@@ -161,11 +161,15 @@ TEST_F(Run, ADryRunPrintsWhatTheRunWouldNeed) {
   EXPECT_EQ(whole.at("rank_form"), "replicated");
   EXPECT_EQ(whole.at("ranks_state_bytes_mean"), whole.at("state_bytes"));
 
-  const Outcome lift = troupe({"run", TROUPE_SOURCE_DIR "/worlds/lift.world", "--for", "1", "--ranks", "3",
-                               "--distribute", "--dry-run"});
-  EXPECT_EQ(lift.code, 0) << lift.err;
-  EXPECT_THAT(lines_of(lift.out), Contains(MatchesRegex("  robot data +replicated: each rank has all robots, "
-                                                        "because robots of type .* have joints")));
+  write("walker.json", R"({"troupe": 1, "types": {"walker": {"size_m": [0.2, 0.2, 0.2],
+      "devices": [{"name": "feet", "kind": "wheels", "size_m": [0.1, 0.1, 0.1]}]}},
+      "models": [{"name": "r", "type": "walker"}]})");
+  const Outcome walker =
+      troupe({"run", "walker.json", "--for", "1", "--ranks", "3", "--distribute", "--dry-run"});
+  EXPECT_EQ(walker.code, 0) << walker.err;
+  EXPECT_THAT(lines_of(walker.out),
+              Contains(MatchesRegex("  robot data +replicated: each rank has all robots, because robots of "
+                                    "type \"walker\" have the device \"feet\" of the kind \"wheels\", .*")));
   EXPECT_EQ(troupe({"run", "none.world", "--for", "1", "--dry-run"}).code, 2);
 }
 

@@ -224,7 +224,7 @@ TEST_F(Sweep, WhatIsWrongIsToldBeforeAnythingIsWritten) {
   study.replace(study.find("/populations/0/count"), 20, "/populations/7/count");
   write("study.json", study);
   refused({"sweep", "study.json", "-o", "out"},
-          "study.json:2: error: /parameters/0: /populations has 1 entries");
+          "study.json:2: error: /parameters/0: /populations is a list of length 1");
   study = k_study;
   study.insert(1, R"("series": "yes", )");
   write("study.json", study);

@@ -23,7 +23,7 @@ TEST_F(Usage, VersionIsOneLine) {
   EXPECT_EQ(outcome.code, 0);
   EXPECT_THAT(lines_of(outcome.out),
               ElementsAre(AllOf(HasSubstr("troupe"), HasSubstr("0.2.0"),
-                                HasSubstr(" simd " + partition::simd_target() + " (of "))));
+                                HasSubstr(" simd " + partition::simd_target() + " (available: "))));
   EXPECT_THAT(outcome.err, IsEmpty());
 }
 
@@ -344,7 +344,7 @@ TEST_F(Describe, WhatJsonTakesComesBeforeWhatStagesFilesDo) {
   const std::string text = troupe({"describe", "ranger"}).out;
   EXPECT_THAT(text, StartsWith("sensor ranger: "));
   EXPECT_LT(text.find("sensor ranger: "), text.find("model ranger: "));
-  EXPECT_LT(text.find("JSON also accepts"), text.find("in a Stage world"));
+  EXPECT_LT(text.find("in JSON, the key may also have"), text.find("in a Stage world"));
 }
 
 }  // namespace

@@ -323,7 +323,7 @@ TEST_F(PluginsTest, LinkedWithFastMathsChangeNoBit) {
 #if defined(__GNUC__) && !defined(__clang__) && __GNUC__ < 13 && defined(__x86_64__)
   EXPECT_THAT(simulation.warnings(),
               ElementsAre(testing::StartsWith(folder_of("fast").string() +
-                                              "/walker.so: warning: was linked with "
+                                              "/walker.so: warning: this plug-in was linked with "
                                               "-ffast-math, which changed the arithmetic")));
 #endif
   EXPECT_EQ(log(simulation, 20), expected);

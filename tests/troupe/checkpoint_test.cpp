@@ -307,7 +307,7 @@ TEST_F(Checkpoint, RefusesChangesOfTheShapeOfTheState) {
       StartsWith(
           file_.string() +
           ": error: /tables/ranger/eye%2F0/ranges has 9 values of type float32 per body, but this run needs "
-          "11 of type float32: "));
+          "11 values of type float32: "));
   EXPECT_THAT(error_of(file_, {.set = {{"/tick_s", "0.2"}}}), StartsWith("--set /tick_s: error: "));
 }
 

@@ -310,7 +310,7 @@ TEST(SpecJson, RefusesOtherChangesAndWrongValues) {
       {{"/ranging", "gird"}, "unknown ranging \"gird\""},
       {{"/resolution_m", "0"}, "must be from 0.0001 to 100"},
       {{"/bounds_m", "[1, 1, 0, 0]"}, "[x_min, y_min, x_max, y_max]"},
-      {{"/types/7/drive/period_s", "1"}, "/types has 2 entries"},
+      {{"/types/7/drive/period_s", "1"}, "/types is a list of length 2"},
       {{"/types/0/drive/period_s", "1"}, "/types/0 has no key \"drive\""},
       {{"/types/1/drive/params/velocity_max_x_mps", "fast"}, "expected a number in m/s"},
       {{"/types/1/drive/params/velocity_max_x_mpss", "1"}, "unknown key \"velocity_max_x_mpss\""},
