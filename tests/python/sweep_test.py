@@ -97,7 +97,7 @@ class Sweep(unittest.TestCase):
             (file.parent / "world.json").write_text(json.dumps(WORLD))
             file.write_text(json.dumps({**study("stalls_mean", "stalls"), "world": "world.json"}, indent=1))
             line = file.read_text().splitlines().index('   "set": "/populations/0/count",')
-            with self.assertRaisesRegex(troupe.InputError, f"columns.json:{line}: error: /parameters/0: a measure"):
+            with self.assertRaisesRegex(troupe.InputError, f"columns.json:{line}: error: /parameters/0: the table of results"):
                 troupe.sweep(file)
 
 
