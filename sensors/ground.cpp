@@ -139,8 +139,9 @@ struct GroundSensor {
     static constexpr void describe(engine::Description<Params>& d) {
       using namespace engine::facts;
       d.member<&Params::points>("points", engine::Unit::meters, within(-100, 100),
-                                "points in the sensor frame; the sensor reads the colour of the ground below "
-                                "each point: x and y of the first point, x and y of the second, ...");
+                                "points below which the sensor reads the colour of the ground, in the "
+                                "sensor frame, as a list of numbers: x and y of the first point, x and y of "
+                                "the second, ...");
       d.part<&Params::ground>();
       d.member<&Params::floor>("floor", within(0, 1), "colour of the bare floor: red, green, blue");
     }

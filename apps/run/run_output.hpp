@@ -17,8 +17,8 @@ namespace troupe::apps {
 struct RunOptions;
 
 using Observers = std::vector<std::unique_ptr<Observer>>;
-/// A function that opens the files of an output. The function appends the observers that write these files to
-/// its argument.
+/// A function that opens the files of an output. It makes the observers that write these files, and appends
+/// the observers to its argument.
 using OpenOutput = std::function<void(Observers&)>;
 
 /// Base class of the kinds of output of a run, such as the hash log, with their command-line options. To add

@@ -33,7 +33,8 @@ void add_sweep_options(CLI::App& command, SweepOptions& options);
 
 /// `troupe sweep`: makes those runs of a study whose results are not in its folder yet. When all runs are
 /// finished, writes the tables. Returns k_finished if the runs of this process are finished, k_failed if a
-/// run or writing failed, k_stopped after Ctrl-C or SIGTERM, and k_bad_input after printing an OutputError.
+/// run failed or a file could not be written, and k_stopped after Ctrl-C or SIGTERM. If the output folder
+/// cannot be used (OutputError), prints the error and returns k_bad_input.
 /// Throws InputError for an invalid study or world; with several processes, on_each_rank() handles this
 /// error.
 ExitCode sweep(const SweepOptions& options);

@@ -69,18 +69,18 @@ struct Pushables {
 ///         before the tick. A pushable body does not block a pusher, unless the two overlap at the pusher's
 ///         old pose. Either the pushable body gives way, or the whole motion is blocked and no body
 ///         moves. The pusher goes through n = ceil(displacement / (width of the thinnest part of the pusher
-///         and of all pushable bodies / 4)) equally spaced poses. A pass at one of these poses goes through
-///         the pusher and the bodies that it pushes, in the order in which they were first met. Each of them
-///         shifts every body that it overlaps, in the order of the ids of those bodies, by the shortest
-///         displacement that separates the two (partition::way_out()) plus k_rounding_m. Pushed bodies do not
-///         turn and do not keep moving. Bodies that were met earlier push bodies that were met later, never
-///         the reverse. Passes are repeated until no bodies overlap, at most k_push_passes times. The motion
-///         is blocked in each of these cases: it needs to push more bodies than the limit; it needs more
-///         passes; a pushed body would be shifted by more than half of its thinnest part between two poses;
-///         the new position of a pushed body is out of bounds, or not free of the static scene, or not free
-///         of every body that is not pushed. The bodies that are not pushed are tested at the poses that they
-///         have when it is the pusher's turn, and overlaps that existed before do not count, as in `rule`.
-///         Several bodies may push the same body in a tick, one after another.
+///         and of all pushable bodies / 4)) equally spaced poses. At each of them it makes passes, until no
+///         bodies overlap, but at most k_push_passes. A pass goes through the pusher and the bodies that it
+///         pushes, in the order in which they were first met. Each of them shifts every body that it
+///         overlaps, in the order of the ids of those bodies, by the shortest displacement that separates the
+///         two (partition::way_out()) plus k_rounding_m. Pushed bodies do not turn and do not keep moving.
+///         Bodies that were met earlier push bodies that were met later, never the reverse. The motion is
+///         blocked in each of these cases: it needs to push more bodies than the limit; it needs more than
+///         k_push_passes passes at a pose; a pushed body would be shifted by more than half of its thinnest
+///         part between two poses; the new position of a pushed body is out of bounds, or not free of the
+///         static scene, or not free of every body that is not pushed. The bodies that are not pushed are
+///         tested at the poses that they have when it is the pusher's turn, and overlaps that existed before
+///         do not count, as in `rule`. Several bodies may push the same body in a tick, one after another.
 /// result  The outcome of each body is that of this sequential rule, on any number of threads.
 /// source  Deterministic reservations: Blelloch, Fineman, Gibbons, Shun: Internally deterministic parallel
 ///         algorithms can be fast, PPoPP 2012. A body depends on those moving bodies of higher priority that

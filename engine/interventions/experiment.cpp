@@ -315,7 +315,7 @@ void World::build_conditions() {
   state_.tables.emplace_back(
       "condition", HashGroup::memory, StateTable::Layout::rows,
       sparse({{"speed", Element::f64, 1, "",
-               "factor on the velocity of the drive; 0: the velocity is not changed",
+               "factor by which the velocity of the drive is multiplied; 0 acts as 1",
                offsetof(Condition, speed)},
               {"dead", Element::u32, 1, "",
                "devices that do not work: bit d stands for device d of the type, counted from 0",

@@ -89,7 +89,8 @@ class RankRows {
   /// decide, and that the other rank reads. The message of this rank itself is not used. Each message begins
   /// with a copy of `head`. Throws StepError if this rank cannot compute the tick.
   virtual Messages written(const partition::MessageWriter& head) = 0;
-  /// Reads the message that rank `from` has written for this rank, without its head.
+  /// Reads the message that rank `from` has written for this rank. `message` begins after the head, which was
+  /// read before.
   virtual void get_written(unsigned from, partition::MessageReader& message) = 0;
   /// Called when the messages of all other ranks have been read, before any body moves: changes the owners of
   /// rows if necessary. Returns whether it has done so because of `times`.

@@ -294,7 +294,8 @@ Replica::Failure Replica::failure_of(MessageReader message) {
 /// this function returns without throwing.
 void Replica::fail() {
   const std::exception_ptr own = std::current_exception();
-  Failure failure{static_cast<std::uint32_t>(phase_), 0, "an exception that is not a std::exception"};
+  Failure failure{static_cast<std::uint32_t>(phase_), 0,
+                  fmt::format("rank {} threw an exception that is not a std::exception", transport_.rank())};
   try {
     std::rethrow_exception(own);
   } catch (const OtherFailed&) {

@@ -42,9 +42,9 @@ class Blinkers {
   /// source or of the target of the effect. end_effect() compares with these data.
   void begin_effect(const Effect& effect);
   /// Throws a StepError if the effect that was applied since begin_effect() has changed the state of a body
-  /// that the kind of the device does not declare to change (DeviceKind::scope): a body that neither before
-  /// nor after the effect was in the tree of its source or of its target. If the kind has the scope
-  /// ApplyScope::anything, nothing is checked.
+  /// outside the trees of the source and the target of the effect. A body that was in one of these trees
+  /// before or after the effect may change. If the kind of the device has the scope ApplyScope::anything,
+  /// nothing is checked.
   void end_effect(const BodyType::Device& device, const Effect& effect);
 
  private:

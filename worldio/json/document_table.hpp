@@ -382,7 +382,7 @@ class DocumentKeys {
     return key;
   }
 
-  /// Adds a key for a vector of pairs of a name and a struct with a table.
+  /// Adds a key of Form::map. The member is a vector of pairs (name, struct); the struct has a table.
   template <auto Member>
   DocumentKey& map(std::string_view name, std::string_view text = {}) {
     DocumentKey& key = other<Member>(Form::map, name, text);

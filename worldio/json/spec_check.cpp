@@ -49,10 +49,10 @@ std::string_view noun_of(FieldType type) {
     case FieldType::numbers:
     case FieldType::color:
     case FieldType::colors: return "a list of numbers";
-    case FieldType::record: return "a record of parameters";
+    case FieldType::record: return "an object of parameters";
     case FieldType::records: break;
   }
-  return "a list of records of parameters";
+  return "a list of objects of parameters";
 }
 
 class SpecCheck {

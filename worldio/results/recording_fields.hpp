@@ -32,8 +32,8 @@ struct RecordedComponent {
   /// One table of the state from which the component is copied.
   struct Source {
     std::size_t table;  ///< index into World::tables()
-    /// For each body of the world, by BodyId, its row in the recorded component, from 0. The values of bodies
-    /// that are not in the table have no meaning.
+    /// For each body of the world, by BodyId, its row in the recorded component, from 0. The entries for
+    /// bodies that are not in the table have no meaning.
     std::shared_ptr<const std::vector<std::uint32_t>> recorded;
     /// The sensor whose readings the table stores; null for other tables.
     const engine::BodyType::Device* sensor = nullptr;

@@ -68,9 +68,10 @@ class FrameReader {
 /// Plans a page. Reads all frames to find the ranges of the numbers. Each entry of `fields` is "all", or
 /// names a component ("stall"), a field of any component ("ranges") or a field of one component
 /// ("stall.stalled"); if `fields` is empty, the page shows all recorded fields. The displacements of joints
-/// and the shown colours are always included. Throws InputError if the recording has no poses, no complete
-/// frame or no recorded body, or if an entry of `fields` selects nothing recorded. Throws Hdf5Error if the
-/// recording cannot be read. The plan points to arrays of the recording, which must outlive it.
+/// and the colours that bodies show in the run, such as those of LEDs, are always included. Throws InputError
+/// if the recording has no poses, no complete frame or no recorded body, or if an entry of `fields` selects
+/// nothing recorded. Throws Hdf5Error if the recording cannot be read. The plan points to arrays of the
+/// recording, which must outlive it.
 ReplayPlan plan_replay(const RecordingReader& recording, std::span<const std::string> fields);
 
 }  // namespace troupe::worldio
