@@ -2,6 +2,7 @@
 
 #include "base/assert.hpp"
 #include "base/hash.hpp"
+#include "engine/fields/moved_rows.hpp"
 
 #include <array>
 #include <cstring>
@@ -128,15 +129,16 @@ void StateTable::add_rows(std::span<const BodyId> ids) {
 }
 
 void StateTable::move_rows(std::span<const std::uint32_t> to) {
-  const std::vector<BodyId> ids = ids_;
-  const std::vector<std::byte> data = data_;
-  for (std::size_t r = 0; r < to.size(); ++r) ids_[to[r]] = ids[r];
+  const std::vector<std::uint32_t> moved = moved_places(to);
+  move_elements(ids_, moved, to);
+  std::vector<std::byte> cells;  // of a field, of the rows in `moved`
   for (std::size_t f = 0; f < fields_.size(); ++f) {
     const std::size_t width = element_size(fields_[f].element) * fields_[f].columns;
     if (width == 0) continue;  // a sensor without beams; data_ may be empty
-    for (std::size_t r = 0; r < to.size(); ++r)
-      std::memcpy(data_.data() + starts_[f] + to[r] * strides_[f], data.data() + starts_[f] + r * strides_[f],
-                  width);
+    const auto cell = [&](std::size_t row) { return data_.data() + starts_[f] + row * strides_[f]; };
+    cells.resize(moved.size() * width);
+    for (std::size_t i = 0; i < moved.size(); ++i) std::memcpy(&cells[i * width], cell(moved[i]), width);
+    for (std::size_t i = 0; i < moved.size(); ++i) std::memcpy(cell(to[moved[i]]), &cells[i * width], width);
   }
 }
 

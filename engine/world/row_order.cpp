@@ -1,5 +1,6 @@
 #include "base/fp_environment.hpp"
 #include "base/random.hpp"
+#include "engine/fields/moved_rows.hpp"
 #include "engine/state/blinkers.hpp"
 #include "engine/world/world.hpp"
 #include "partition/message.hpp"
@@ -21,11 +22,21 @@
 namespace troupe::engine {
 namespace {
 
-/// Moves each element i of a column to the place to[i]. An empty column stays empty.
-template <class T>
-void move_elements(std::vector<T>& column, std::span<const std::uint32_t> to) {
-  const std::vector<T> old = column;
-  for (std::size_t i = 0; i < old.size(); ++i) column[to[i]] = old[i];
+/// Fills the gaps of a list whose elements i with leaves[i] are to be removed: sets `to` to new places of the
+/// elements, at which those that leave are the last ones. Only as many of the others as there are gaps change
+/// their places. Returns the number of the others.
+std::uint32_t fill_gaps(const std::vector<bool>& leaves, std::vector<std::uint32_t>& to) {
+  to.resize(leaves.size());
+  std::iota(to.begin(), to.end(), 0u);
+  const auto kept = static_cast<std::uint32_t>(std::ranges::count(leaves, false));
+  std::uint32_t gap = 0;
+  for (std::uint32_t i = kept; i < leaves.size(); ++i) {
+    if (leaves[i]) continue;
+    while (!leaves[gap]) ++gap;
+    to[i] = gap;
+    to[gap++] = i;
+  }
+  return kept;
 }
 
 /// Calls visit(t) for each state table t that has rows only for bodies of this type.
@@ -87,11 +98,12 @@ void World::move_rows(std::span<const std::uint32_t> to,
   }
   for (std::size_t table = 0; table < state_.tables.size(); ++table)
     if (!is_of_type[table]) state_.tables[table].move_rows(to);
-  move_elements(state_.bodies, to);
-  move_elements(state_.ids, to);
-  move_elements(state_.row_types, to);
-  move_elements(state_.slots, to);
-  move_elements(state_.subscribed, to);
+  const std::vector<std::uint32_t> moved = moved_places(to);
+  move_elements(state_.bodies, moved, to);
+  move_elements(state_.ids, moved, to);
+  move_elements(state_.row_types, moved, to);
+  move_elements(state_.slots, moved, to);
+  move_elements(state_.subscribed, moved, to);
   for (std::size_t r = 0; r < rows(); ++r) {
     const std::uint32_t t = state_.row_types[r];
     state_.rows[state_.bodies[r].index()] = Row(r);
@@ -183,30 +195,18 @@ void World::exchange_rows(std::span<const BodyId> leaving, std::span<const RowSt
     movement_.count_stalls();
 }
 
-/// Removes each row r with leaves[r]. The other rows, and the slots of their bodies, keep their order.
-/// derive_rows() must follow.
+/// Removes each row r with leaves[r]. Of the rows in front of the first row that leaves, and of the slots of
+/// their bodies, none changes. derive_rows() must follow.
 void World::drop_rows(const std::vector<bool>& leaves) {
-  // Moves the rows and slots that stay to the front, and the others behind them; both keep their order.
-  std::vector<std::uint32_t> to(rows());
-  std::uint32_t kept = 0;
-  for (std::size_t r = 0; r < rows(); ++r)
-    if (!leaves[r]) to[r] = kept++;
-  std::uint32_t next = kept;
-  for (std::size_t r = 0; r < rows(); ++r)
-    if (leaves[r]) to[r] = next++;
-  std::vector<std::vector<std::uint32_t>> row_of(state_.types.size());  // by type and slot
-  for (const std::uint32_t t : state_.row_types) row_of[t].push_back(0);
-  for (std::uint32_t r = 0; r < rows(); ++r) row_of[state_.row_types[r]][state_.slots[r]] = r;
+  std::vector<std::uint32_t> to;
+  const std::uint32_t kept = fill_gaps(leaves, to);
+  std::vector<std::vector<bool>> slot_leaves(state_.types.size());
+  for (const std::uint32_t t : state_.row_types) slot_leaves[t].push_back(false);
+  for (std::uint32_t r = 0; r < rows(); ++r) slot_leaves[state_.row_types[r]][state_.slots[r]] = leaves[r];
   std::vector<std::vector<std::uint32_t>> slots_to(state_.types.size());
   std::vector<std::uint32_t> kept_slots(state_.types.size(), 0);
-  for (std::size_t t = 0; t < state_.types.size(); ++t) {
-    slots_to[t].resize(row_of[t].size());
-    for (std::size_t s = 0; s < row_of[t].size(); ++s)
-      if (!leaves[row_of[t][s]]) slots_to[t][s] = kept_slots[t]++;
-    std::uint32_t slot = kept_slots[t];
-    for (std::size_t s = 0; s < row_of[t].size(); ++s)
-      if (leaves[row_of[t][s]]) slots_to[t][s] = slot++;
-  }
+  for (std::size_t t = 0; t < state_.types.size(); ++t)
+    kept_slots[t] = fill_gaps(slot_leaves[t], slots_to[t]);
   move_rows(to, slots_to);
 
   for (std::size_t r = kept; r < rows(); ++r) state_.rows[state_.bodies[r].index()] = k_elsewhere;

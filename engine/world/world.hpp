@@ -227,7 +227,8 @@ class World {
   /// Called by Halo (engine/ranks/halo.hpp), also during a tick, before the phase `move`: removes the rows of
   /// `leaving`, which are in this world, and then adds those of `coming` after the remaining rows. A RowState
   /// without bytes adds a row of zeros. From now on, the first `own` rows are the own rows
-  /// (WorldState::own_rows); the rows after them are copies of rows of other ranks.
+  /// (WorldState::own_rows); the rows after them are copies of rows of other ranks. If own rows leave, all
+  /// copies must leave too, because rows may take the places of those that leave.
   void exchange_rows(std::span<const BodyId> leaving, std::span<const RowState> coming, std::size_t own);
   /// Returns the data of a row in the form of RowState::bytes.
   std::vector<std::byte> row_bytes(Row row);
