@@ -497,6 +497,8 @@ void Halo::get_seen(unsigned from, MessageReader& message) {
       if (message.get<std::uint8_t>() != 0) links_.ask(Row(r), j, message.get<Pose>());
 }
 
+Vec2 Halo::place(Row row) const { return place_of(world_, row); }
+
 std::vector<Row> Halo::tree(Row row) const {
   std::vector<Row> rows{world_.root(row)};
   if (world_.carried_count() > 0) links_.add_cargo(rows.front(), rows);

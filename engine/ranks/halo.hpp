@@ -159,7 +159,7 @@ class Halo {
   void get_seen(unsigned from, partition::MessageReader& message);
 
   std::vector<Row> tree(Row row) const;  ///< rows of all bodies of the tree of the row's body, first the root
-  Vec2 place(Row row) const { return world_.transform(world_.root(row)).position; }  ///< see class Halo, m
+  Vec2 place(Row row) const;             ///< see class Halo, `owners`, m
   /// The rank that owns the row of a body. The body must have a row on this rank, as own row or ghost.
   unsigned owner(BodyId body) const;
   /// The rank that owns the ground at a point (m, world frame) since the last distribution.

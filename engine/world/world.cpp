@@ -96,7 +96,8 @@ double World::farthest_in_trees() const {
   double farthest = 0;
   if (state_.now.carried == 0) return farthest;
   for (std::uint32_t r = 0; r < rows(); ++r)
-    if (state_.roots[r] == r) farthest = std::max(farthest, links_.farthest(Row(r)));
+    if (state_.roots[r] == r && links_.first_cargo(Row(r)) != Links::k_none)
+      farthest = std::max(farthest, links_.farthest(Row(r)));
   return farthest;
 }
 

@@ -358,7 +358,7 @@ class World {
   /// (the *root* of its tree); the row itself if its body is not carried.
   Row root(Row row) const { return state_.now.carried > 0 ? Row(state_.roots[row.index()]) : row; }
   /// Upper bound on the distance of any point of a tree from the origin of its root, m: Links::farthest(),
-  /// for all bodies with rows in this world. 0 if no body can carry others.
+  /// for all bodies with rows in this world that carry others. 0 if there are none.
   double farthest_in_trees() const;
   /// Attaches the body `cargo` to the body `carrier`. The cargo then keeps its present pose relative to the
   /// joint with the index `joint` of the carrier or, if `joint` is k_rigid, relative to the carrier itself.

@@ -177,6 +177,16 @@ std::string halo_room(std::size_t robots, double half_m, const std::string& extr
 const std::vector<HaloTeam> k_experiment_teams{
     {1, 1, {}, {}}, {2, 1, {}, {}}, {3, 2, {}, 0.0}, {7, 1, 2, 0.3}};
 
+/// Expects that all teams compute the ticks of `expected` with these hashes.
+void expect_log(const Simulation& simulation, const std::vector<HaloTeam>& teams,
+                const std::vector<Hashes>& expected) {
+  for (const HaloTeam& team : teams) {
+    HaloRanks ranks(simulation.world().spec(), simulation.registry(), team);
+    expect_equal_logs(halo_log(ranks.world(), expected.size() - 1), expected, name_of(team));
+    if (::testing::Test::HasFatalFailure()) return;
+  }
+}
+
 /// Expects that all teams compute a world with the same bits as one rank with all rows, in the ticks from
 /// tick 0 on, and also in each further run after World::reset().
 void expect_same_bits(const Simulation& simulation, std::uint64_t ticks, const std::vector<HaloTeam>& teams,
@@ -694,10 +704,30 @@ TEST_F(HaloOfARoom, RobotsChargeOneAnotherAcrossBorders) {
       if (device.kind->energy)
         received += device.kind->energy(whole.percepts(device), whole.slot(Row(r))).received_j;
   EXPECT_GT(received, 100);
-  for (const HaloTeam& team : k_experiment_teams) {
-    HaloRanks ranks(spec, simulation.registry(), team);
-    expect_equal_logs(halo_log(ranks.world(), 40), expected, name_of(team));
-  }
+  expect_log(simulation, k_experiment_teams, expected);
+}
+
+/// A device with this state, reach and largest number of effects, and without parameters.
+template <class State>
+DeviceKind::Prepared prepared(double reach_m, std::size_t most_effects) {
+  return {.data = 0,
+          .percepts = memory_fields<State>(),
+          .percept_bytes = sizeof(State),
+          .reach_m = reach_m,
+          .most_effects = most_effects};
+}
+
+/// The bodies whose origins are within `reach_m` of that of row i, without its own, in the order of ids.
+std::vector<BodyId> bodies_near(const DeviceBatch& batch, std::size_t i, double reach_m) {
+  const Vec2 from = batch.view.transform(batch.rows[i]).position;
+  std::vector<BodyId> near;
+  batch.view.index().for_each_near(Box::around(from, reach_m), [&](const partition::BodyCircle& circle) {
+    const Row other(circle.row);
+    if (other != batch.rows[i] && (batch.view.transform(other).position - from).norm() <= reach_m)
+      near.push_back(batch.view.body(other));
+  });
+  std::ranges::sort(near);
+  return near;
 }
 
 /// Changes its own state and that of up to four others, so that the result depends on the order of all
@@ -714,24 +744,10 @@ struct Mixer {
   static DeviceKind kind() {
     DeviceKind kind{.name = "mixer", .text = "for this test"};
     kind.scope = ApplyScope::trees;
-    kind.prepare = [](const Record&, const Pose&) {
-      return DeviceKind::Prepared{.data = 0,
-                                  .percepts = memory_fields<State>(),
-                                  .percept_bytes = sizeof(State),
-                                  .reach_m = k_reach_m,
-                                  .most_effects = k_most};
-    };
+    kind.prepare = [](const Record&, const Pose&) { return prepared<State>(k_reach_m, k_most); };
     kind.act = [](const DeviceBatch& batch) {
       for (std::size_t i = 0; i < batch.rows.size(); ++i) {
-        const Vec2 from = batch.view.transform(batch.rows[i]).position;
-        std::vector<BodyId> near;
-        batch.view.index().for_each_near(
-            Box::around(from, k_reach_m), [&](const partition::BodyCircle& circle) {
-              const Row other(circle.row);
-              if (other != batch.rows[i] && (batch.view.transform(other).position - from).norm() <= k_reach_m)
-                near.push_back(batch.view.body(other));
-            });
-        std::ranges::sort(near);
+        const std::vector<BodyId> near = bodies_near(batch, i, k_reach_m);
         for (std::uint32_t k = 0; k < std::min(near.size(), k_most); ++k) batch.emit(i, k, 0, near[k]);
       }
     };
@@ -908,11 +924,7 @@ TEST_F(HaloOfARoom, RobotsPushBodiesAcrossBorders) {
   for (std::size_t r = 0; r < whole.rows(); ++r)
     pushed += whole.type(Row(r)).pushable && whole.poses()[r].x != before[r].x;
   EXPECT_GT(pushed, 50u);
-  for (const HaloTeam& team : all_teams(0.2)) {
-    HaloRanks ranks(spec, simulation.registry(), team);
-    expect_equal_logs(halo_log(ranks.world(), 10), expected, name_of(team));
-    if (HasFatalFailure()) return;
-  }
+  expect_log(simulation, all_teams(0.2), expected);
 }
 
 /// Rows of bars that two robots push towards each other from both ends. Each robot can push half of the bars
@@ -1033,13 +1045,7 @@ struct Hook {
     DeviceKind kind{.name = "hook", .text = "for this test"};
     kind.carries = true;
     kind.scope = ApplyScope::trees;
-    kind.prepare = [](const Record&, const Pose&) {
-      return DeviceKind::Prepared{.data = 0,
-                                  .percepts = memory_fields<State>(),
-                                  .percept_bytes = sizeof(State),
-                                  .reach_m = k_reach_m,
-                                  .most_effects = 1};
-    };
+    kind.prepare = [](const Record&, const Pose&) { return prepared<State>(k_reach_m, 1); };
     kind.act = [](const DeviceBatch& batch) {
       for (std::size_t i = 0; i < batch.rows.size(); ++i) {
         const std::uint64_t held = batch.state.as<State>(batch.slot(i)).held;
@@ -1049,15 +1055,7 @@ struct Hook {
           if (number % 7 < 2) batch.emit(i, 0, 1, BodyId(held - 1));
           continue;
         }
-        const Vec2 from = batch.view.transform(batch.rows[i]).position;
-        std::vector<BodyId> near;
-        batch.view.index().for_each_near(
-            Box::around(from, k_reach_m), [&](const partition::BodyCircle& circle) {
-              const Row other(circle.row);
-              if (other != batch.rows[i] && (batch.view.transform(other).position - from).norm() <= k_reach_m)
-                near.push_back(batch.view.body(other));
-            });
-        std::ranges::sort(near);
+        const std::vector<BodyId> near = bodies_near(batch, i, k_reach_m);
         if (!near.empty()) batch.emit(i, 0, 0, near[number % near.size()]);
       }
     };
@@ -1104,12 +1102,9 @@ TEST_F(HaloOfARoom, RobotsCarryOneAnotherAcrossBorders) {
   }
   EXPECT_GT(deep, 20u) << "robots that a carried robot carries";
   EXPECT_GT(refused, 100u) << "robots that were already carried, or that carry the robot";
-  for (const HaloTeam& team : std::vector<HaloTeam>{
-           {2, 1, {}, {}}, {3, 2, 1, 0.0}, {5, 1, 2, {}}, {7, 1, 3, 0.3}, {7, 1, 4, {}, 0.5, {}}}) {
-    HaloRanks ranks(spec, simulation.registry(), team);
-    expect_equal_logs(halo_log(ranks.world(), 40), expected, name_of(team));
-    if (HasFatalFailure()) return;
-  }
+  expect_log(simulation,
+             {{2, 1, {}, {}}, {3, 2, 1, 0.0}, {5, 1, 2, {}}, {7, 1, 3, 0.3}, {7, 1, 4, {}, 0.5, {}}},
+             expected);
 }
 
 /// A crowd of robots that wave arms: one arm slides, another turns and has a third one on it. Some robots
@@ -1179,11 +1174,7 @@ TEST_F(HaloOfARoom, JointsMoveAndGrippersHoldAcrossBorders) {
   std::vector<HaloTeam> teams = k_experiment_teams;
   for (HaloTeam& team : teams) team.tile_m = 0.5;
   teams.push_back({5, 1, 3, 0.0, 0.25, {}});
-  for (const HaloTeam& team : teams) {
-    HaloRanks ranks(spec, simulation.registry(), team);
-    expect_equal_logs(halo_log(ranks.world(), 40), expected, name_of(team));
-    if (HasFatalFailure()) return;
-  }
+  expect_log(simulation, teams, expected);
 }
 
 class HaloOfAWorld : public ::testing::TestWithParam<std::string_view> {};
