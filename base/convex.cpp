@@ -36,7 +36,7 @@ Ring distinct(const Ring& ring) {
 
 // -- Trapezoids --
 
-/// An edge of a contour that is not horizontal (parallel to the x axis).
+/// An edge of a contour that is not parallel to the x axis.
 struct Side {
   Vec2 low;
   Vec2 high;
@@ -50,7 +50,8 @@ struct Side {
   }
 };
 
-/// A part of the region between two sides, which are given by their indices, and two levels.
+/// A part of the region: it lies between the two sides with the indices `left` and `right`, and between the
+/// levels `bottom` and `top`.
 struct Trapezoid {
   std::size_t left;
   std::size_t right;
@@ -198,7 +199,8 @@ std::vector<Trapezoid> trapezoids_of(const std::vector<Side>& sides, const std::
 
 // -- Merging --
 
-/// A convex piece that grows upwards: its left and right chains, both from bottom to top.
+/// A convex piece, which is extended upwards: its left vertices and its right vertices, both from bottom to
+/// top.
 struct Piece {
   Ring left;
   Ring right;

@@ -89,7 +89,7 @@ class Diagnostics {
   void warning(Where where, std::string message);
   /// Adds a warning as warning() does. If the same message occurs at several places, only the first place is
   /// listed. Later calls with this message are counted, and warnings() appends the count, as in ` (and 99
-  /// more)`. If thorough() is true, the warning is listed once for each place.
+  /// more such warnings)`. If thorough() is true, the warning is listed once for each place.
   void warning_once(Where where, std::string message);
 
   /// Declares that `heir` contains copies of the content of `base`. From now on, an error or a warning about
@@ -113,7 +113,7 @@ class Diagnostics {
   void throw_if_errors() const;
 
  private:
-  /// A part of the input that inherits() was told about.
+  /// A part of the input that was passed to inherits().
   struct Kin {
     Inheritable part;
     std::size_t base;  // index in kin_; that of the part itself if it inherits from nothing
@@ -121,9 +121,9 @@ class Diagnostics {
   std::size_t kin_of(const Inheritable& part);
   bool is_heir(std::size_t heir, std::size_t base) const;
   /// Finds the part of the input that a message is about: the part with whose path the message begins, or
-  /// else the first part whose name the message quotes. Replaces this path or name in the message with that
-  /// of the last part in the chain of bases of the found part. Returns the index in kin_ of the found part;
-  /// empty if the message names no part in kin_.
+  /// else the part whose name is the first one that the message quotes. Replaces this path or name in the
+  /// message with that of the last part in the chain of bases of the found part. Returns the index in kin_ of
+  /// the found part; empty if the message names no part in kin_.
   std::optional<std::size_t> to_common_base(std::string& message) const;
   /// Whether an earlier finding reports the same error or warning in inherited content; the new finding must
   /// then be dropped. Replaces the message of the earlier finding with `message` where inherits() says so.

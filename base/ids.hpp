@@ -12,7 +12,7 @@ namespace troupe {
 /// that names the category: ids with different tags do not convert into each other.
 template <class Kind>
 struct Id {
-  std::uint32_t value = std::numeric_limits<std::uint32_t>::max();  ///< the index; all ones is the invalid id
+  std::uint32_t value = std::numeric_limits<std::uint32_t>::max();  ///< the index; 2^32 - 1 in an invalid id
 
   constexpr Id() = default;
   constexpr explicit Id(std::size_t v) : value(static_cast<std::uint32_t>(v)) {}  ///< index below 2^32 - 1

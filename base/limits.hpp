@@ -8,10 +8,12 @@ namespace troupe {
 /// Largest absolute value of a coordinate, m: a world reaches this far from its origin in each direction. The
 /// limits of poses (engine::pose_fields()) are the same.
 inline constexpr double k_world_reach_m = 100e3;
-/// Shortest tick, s: one microsecond, because the clock of the simulator Stage counts whole microseconds.
+/// Shortest tick (time step), s: one microsecond, because the clock of the simulator Stage counts whole
+/// microseconds.
 inline constexpr double k_least_tick_s = 1e-6;
-inline constexpr double k_most_tick_s = 3600;   ///< longest tick, s
-inline constexpr double k_most_period_s = 1e6;  ///< longest period of a device, drive or controller, s
+inline constexpr double k_most_tick_s = 3600;  ///< longest tick, s
+/// Longest period (time between two updates) of a device, drive or controller, s.
+inline constexpr double k_most_period_s = 1e6;
 /// Largest absolute value of `ranger_return`, the intensity that rangers read from a surface.
 inline constexpr double k_most_ranger_return = 1e6;
 

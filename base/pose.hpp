@@ -46,7 +46,7 @@ struct Transform {
   Rotation rotation;  ///< the rotation of the frame in its parent frame
 
   Transform() = default;
-  /// Creates the transform of a pose. Its z is ignored.
+  /// Creates the transform of a pose. The z of the pose is ignored.
   explicit Transform(const Pose& pose) : position(pose.x, pose.y), rotation(pose.heading) {}
   Transform(const Vec2& p, const Rotation& r)
       : position(p), rotation(r) {}  ///< the transform with this position and rotation

@@ -1,5 +1,7 @@
 #include "partition/body_index.hpp"
 
+#include "base/room.hpp"
+
 #include <algorithm>
 #include <utility>
 
@@ -31,7 +33,7 @@ void for_each_line_in_blocks(const GridGeometry& grid, Visit&& visit) {
 /// body has an entry in each cell that it touches, so the size of the list varies slightly as bodies move. If
 /// the list must grow, memory for a quarter more is reserved; otherwise many ticks would allocate memory.
 template <typename T>
-void resize_with_room(std::vector<T>& list, std::size_t size) {
+void resize_generously(std::vector<T>& list, std::size_t size) {
   if (size > list.capacity()) list.reserve(size + size / 4);
   list.resize(size);
 }
@@ -143,11 +145,13 @@ void BodyIndex::rebuild(std::span<const Transform> places, std::span<const doubl
   const std::size_t rows = places.size();
   places_ = places;
   radii_ = radii;
-  homes_.resize(rows);
-  // Memory is reserved for all rows, also for those of absent bodies, so that later ticks do not allocate.
-  tile_rows_.reserve(rows);
-  circles_.reserve(rows + k_read_beyond);
-  order_.reserve(rows);
+  if (rows != homes_.size()) {
+    resize_with_room(homes_, rows);
+    // Memory is reserved for all rows, also for those of absent bodies, so that later ticks do not allocate.
+    make_room(tile_rows_, std::max(rows, tile_rows_.size()));
+    make_room(circles_, std::max(rows + k_read_beyond, circles_.size()));
+    make_room(order_, std::max(rows, order_.size()));
+  }
   // A tile stays in the directory after all bodies have left it. The directory is cleared only when there are
   // far more tiles than rows.
   if (directory_.size() > 16 + 4 * rows) directory_.clear();
@@ -184,7 +188,7 @@ void BodyIndex::rebuild(std::span<const Transform> places, std::span<const doubl
     counts_[slot] = {count, count, count};
   });
   place_tiles(parallel);
-  resize_with_room(tile_rows_, tiles_[slots].rows);
+  resize_generously(tile_rows_, tiles_[slots].rows);
   parallel.for_each(parts_.size(), [&](std::size_t p) {
     Part& part = parts_[p];
     const auto append = [&](std::size_t slot, const BodyCircle& circle) {
@@ -203,7 +207,7 @@ void BodyIndex::rebuild(std::span<const Transform> places, std::span<const doubl
     for_each_tile([&](std::size_t slot) { weigh_tile(slot); });
     place_tiles(parallel);
   }
-  resize_with_room(circles_, tiles_[slots].circles + k_read_beyond);
+  resize_generously(circles_, tiles_[slots].circles + k_read_beyond);
   order_.resize(tiles_[slots].homes);
   begins_.resize(slots * cells + 1);
   begins_.back() = tiles_[slots].circles;

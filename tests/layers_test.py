@@ -90,7 +90,7 @@ THIRD_PARTY = [
     (r"benchmark/", "Google Benchmark", ["perf/*", "perf/*/*"]),
     (r"sanitizer/", "the sanitizers", ["render/osmesa_context.cpp"]),
     # Headers of the platform: the floating-point environment, dynamic loading, processors, memory and files.
-    (r"(dlfcn|fcntl|link|sched|unistd|cpuid|[a-z]mmintrin|sys/[a-z]+)\.h", "the platform", LIBRARY_SOURCES + TOP),
+    (r"(dlfcn|fcntl|link|malloc|sched|unistd|cpuid|[a-z]mmintrin|sys/[a-z]+)\.h", "the platform", LIBRARY_SOURCES + TOP),
     (r"[a-z]+(/[a-z]+)?\.h$", "this C header", TOP),
 ]
 

@@ -39,7 +39,7 @@ namespace troupe::plugin {
 /// Version of the plug-in interface, which consists of struct Library, the functions that it points to, and
 /// the layouts of the types that plug-in and program exchange (layout()). A test fails if the layouts have
 /// changed but the version has not.
-inline constexpr std::uint32_t k_interface = 9;
+inline constexpr std::uint32_t k_interface = 10;
 
 /// Build settings that change the layout of types or the bits of results although all headers are equal.
 inline constexpr const char* k_build = TROUPE_PLUGIN_STANDARD_LIBRARY
@@ -48,14 +48,14 @@ inline constexpr const char* k_build = TROUPE_PLUGIN_STANDARD_LIBRARY
 /// The interface of a plug-in. The first two members have the same offsets in every version, so that a loader
 /// can always read them.
 struct Library {
-  std::uint32_t interface;  ///< number of the plug-in interface: k_interface
+  std::uint32_t interface;  ///< version of the plug-in interface: k_interface
   const char* version;      ///< version of Troupe: k_version
   const char* build;        ///< build settings: k_build
   std::uint64_t layout;     ///< hash of the layouts of types: layout()
   /// Returns whether the plug-in's compiler contracts a product and a sum to one fused multiply-add.
   bool (*contracts)();
   /// Appends the controllers, the devices and the measures of the library to the lists, each under the name
-  /// that its macro states.
+  /// that was given to the macro TROUPE_CONTROLLER, TROUPE_DEVICE or TROUPE_MEASURE.
   void (*list)(std::vector<engine::ControllerKind>& controllers, std::vector<engine::DeviceKind>& devices,
                std::vector<engine::MeasureKind>& measures);
   /// Points to the hash of the bytes of the library file, which is 0 until the loader writes it at the first

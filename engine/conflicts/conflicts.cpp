@@ -1,5 +1,6 @@
 #include "engine/conflicts/conflicts.hpp"
 
+#include "base/room.hpp"
 #include "engine/conflicts/conflict_resolver.hpp"
 
 #include <algorithm>
@@ -17,18 +18,19 @@ constexpr std::size_t k_batch = 128;  // rows per task
 }  // namespace
 
 void Conflicts::reserve(std::size_t rows, std::size_t most_pushes, const Pushables& pushables) {
-  resolutions_.resize(rows);
+  resize_with_room(resolutions_, rows);
   if (pushables.any()) {
-    zones_.resize(rows);
-    pushes_of_.resize(rows);
-    pushed_last_.resize(rows);
+    resize_with_room(zones_, rows);
+    resize_with_room(pushes_of_, rows);
+    resize_with_room(pushed_last_, rows);
     pushes_.resize(std::max(pushes_.size(), most_pushes));
   }
-  if (rows <= reserved_) return;
-  reserved_ = rows;
-  waiting_ = std::make_unique_for_overwrite<Waiting[]>(rows);
-  still_waiting_ = std::make_unique_for_overwrite<Waiting[]>(rows);
-  others_ = std::make_unique_for_overwrite<Dependency[]>(2 * rows);
+  if (const std::size_t room = room_for(rows, reserved_); room != reserved_) {
+    reserved_ = room;
+    waiting_ = std::make_unique_for_overwrite<Waiting[]>(room);
+    still_waiting_ = std::make_unique_for_overwrite<Waiting[]>(room);
+    others_ = std::make_unique_for_overwrite<Dependency[]>(2 * room);
+  }
 }
 
 void Conflicts::forget() {

@@ -1,5 +1,6 @@
 #include "engine/conflicts/movement.hpp"
 
+#include "base/room.hpp"
 #include "engine/state/batches.hpp"
 #include "partition/placed_shape.hpp"
 
@@ -12,8 +13,8 @@
 namespace troupe::engine {
 
 void Movement::build() {
-  motions_.resize(state_.row_count());
-  free_circles_.resize(state_.row_count());
+  resize_with_room(motions_, state_.row_count());
+  resize_with_room(free_circles_, state_.row_count());
   if (std::ranges::none_of(state_.types, &BodyType::pushable)) return;
   // The sizes are those of all bodies of the world, and stay when rows go to other ranks.
   const bool is_first = pushables_.thinnest == 0;
@@ -39,7 +40,7 @@ void Movement::draw_odometry_errors() {
   for (std::size_t r = 0; r < state_.row_count(); ++r) {
     const auto& drive = state_.type(Row(r)).drive;
     if (!drive || !drive->odometry_table) continue;
-    odometry_errors_.resize(state_.row_count());
+    resize_with_room(odometry_errors_, state_.row_count());
     odometry_errors_[r] = drive->localization.error_of(state_.spec.seed, state_.bodies[r]);
   }
 }

@@ -43,12 +43,13 @@ class Movement {
   /// 0, propose no motion.
   void propose();
   /// Resolves the conflicts of all proposed motions: see Conflicts. composites: rows of bodies whose shape
-  /// can change (Links::composites()). border: the other ranks, if the rows include ghosts (copies of rows
-  /// that other ranks compute); otherwise null
+  /// can change (Links::composites()). border: the connection to the other ranks (threads or processes that
+  /// compute the same world), if the rows include ghosts (copies of rows that other ranks compute);
+  /// otherwise null
   void resolve(std::span<const std::uint32_t> composites, Conflicts::Border* border);
   /// Writes the poses of the bodies that moved or were pushed, their transforms and outlines, the component
-  /// `stall`, and the odometry estimates. The spatial index keeps the old poses, and carried bodies stay
-  /// until Links::carry().
+  /// `stall`, and the odometry estimates. The spatial index keeps the old poses, and carried bodies
+  /// keep theirs until Links::carry() is called.
   void commit();
 
   /// Number of rounds in which the last resolve() resolved the motions: 1 if no body had to wait for the

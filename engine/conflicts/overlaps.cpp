@@ -163,9 +163,9 @@ void report_each(const WorldState& state, const Pairs& pairs, Diagnostics& diagn
 
 }  // namespace
 
-/// Warns about bodies that overlap at tick 0, and about bodies that extend below the floor. If the
-/// diagnostics are thorough, each of the first k_most_listed pairs gets a warning of its own; otherwise one
-/// warning says how many pairs overlap.
+/// Warns about bodies that overlap at tick 0, and about bodies that extend below the floor. If
+/// diagnostics.thorough() is true, each of the first k_most_listed pairs gets a warning of its own; otherwise
+/// one warning says how many pairs overlap.
 void World::report_overlaps(Diagnostics& diagnostics) {
   report_below_floor(state_, diagnostics);
   const Pairs pairs = OverlapSearch(state_, diagnostics.thorough() ? k_most_listed : 1).find(parallel_);

@@ -7,7 +7,8 @@
 
 namespace troupe::engine {
 
-/// The elements that change their places if each element i of a list goes to the place to[i].
+/// The indices, ascending, of the elements that change their places if each element i of a list goes to the
+/// place to[i].
 inline std::vector<std::uint32_t> moved_places(std::span<const std::uint32_t> to) {
   std::vector<std::uint32_t> moved;
   for (std::uint32_t i = 0; i < to.size(); ++i)

@@ -2,6 +2,7 @@
 
 #include "base/assert.hpp"
 #include "base/hash.hpp"
+#include "base/room.hpp"
 #include "engine/fields/moved_rows.hpp"
 
 #include <array>
@@ -66,45 +67,69 @@ StateTable::StateTable(std::string component, HashGroup group, Layout layout, st
       layout_(layout),
       fields_(std::move(fields)),
       ids_(std::move(ids)),
+      room_(ids_.size()),
       component_hash_(hash_text(component_)) {
+  if (layout_ == Layout::rows) {
+    const bool packed = row_bytes > 0;
+    for (StateField& field : fields_) {
+      if (packed) break;
+      const std::size_t align = element_size(field.element);
+      field.offset = static_cast<std::uint32_t>((row_bytes + align - 1) / align * align);
+      row_bytes = field.offset + align * field.columns;
+    }
+    row_bytes_ = packed ? row_bytes : (row_bytes + 7) / 8 * 8;
+  }
+  data_.assign(lay_out(), std::byte{0});
+}
+
+/// Computes the places of the fields in a memory of room_ rows. Returns the size of this memory, bytes.
+std::size_t StateTable::lay_out() {
   constexpr std::size_t k_align = 64;  // a cache line, which columns of different fields never share
-  const bool packed = row_bytes > 0;
-  std::size_t end = 0;
-  for (StateField& field : fields_) {
+  starts_.clear();
+  strides_.clear();
+  stretches_.clear();
+  sparse_.clear();
+  hashed_bytes_ = 0;
+  std::size_t end = layout_ == Layout::rows ? row_bytes_ * room_ : 0;
+  for (const StateField& field : fields_) {
     const std::size_t width = element_size(field.element) * field.columns;
-    if (layout_ == Layout::columns) {
+    if (layout_ == Layout::rows) {
+      starts_.push_back(field.offset);
+      strides_.push_back(row_bytes_);
+    } else {
       starts_.push_back(end);
       strides_.push_back(width);
-      end = (end + width * ids_.size() + k_align - 1) / k_align * k_align;
-    } else {
-      if (!packed) {
-        const std::size_t align = element_size(field.element);
-        field.offset = static_cast<std::uint32_t>((row_bytes + align - 1) / align * align);
-        row_bytes = field.offset + width;
-      }
-      starts_.push_back(field.offset);
+      end = (end + width * room_ + k_align - 1) / k_align * k_align;
     }
-  }
-  if (layout_ == Layout::rows) {
-    row_bytes_ = packed ? row_bytes : (row_bytes + 7) / 8 * 8;
-    strides_.assign(fields_.size(), row_bytes_);
-    end = row_bytes_ * ids_.size();
-  }
-  for (std::size_t f = 0; f < fields_.size(); ++f) {
-    const std::size_t width = element_size(fields_[f].element) * fields_[f].columns;
-    const Stretch stretch{starts_[f], strides_[f], width};
-    if (fields_[f].sparse) {
-      sparse_.push_back({stretch, hash_bytes(std::as_bytes(std::span(fields_[f].name)), component_hash_)});
+    const Stretch stretch{starts_.back(), strides_.back(), width};
+    if (field.sparse) {
+      sparse_.push_back({stretch, hash_bytes(std::as_bytes(std::span(field.name)), component_hash_)});
       continue;
     }
     hashed_bytes_ += width;
     if (layout_ == Layout::rows && !stretches_.empty() &&
-        stretches_.back().start + stretches_.back().bytes == starts_[f])
+        stretches_.back().start + stretches_.back().bytes == stretch.start)
       stretches_.back().bytes += width;
     else
       stretches_.push_back(stretch);
   }
-  data_.assign(end, std::byte{0});
+  return end;
+}
+
+void StateTable::make_room(std::size_t rows) {
+  const std::size_t room = room_for(rows, room_);
+  if (room == room_) return;
+  room_ = room;
+  const std::vector<std::size_t> old_starts = starts_;
+  std::vector<std::byte> data(lay_out(), std::byte{0});
+  const auto copy = [&](std::size_t from, std::size_t to, std::size_t bytes) {
+    if (bytes > 0) std::memcpy(data.data() + to, data_.data() + from, bytes);
+  };
+  if (layout_ == Layout::rows) copy(0, 0, this->rows() * row_bytes_);
+  for (std::size_t f = 0; layout_ == Layout::columns && f < fields_.size(); ++f)
+    copy(old_starts[f], starts_[f], this->rows() * strides_[f]);
+  data_.swap(data);
+  troupe::make_room(ids_, rows);
 }
 
 void StateTable::fill_row(std::size_t row, std::byte value) {
@@ -122,6 +147,7 @@ void StateTable::copy_row(std::size_t row, const StateTable& from) {
 }
 
 void StateTable::add_rows(std::span<const BodyId> ids) {
+  TROUPE_ASSERT(rows() + ids.size() <= room_);
   for (const BodyId id : ids) {
     ids_.push_back(id);
     clear_row(ids_.size() - 1);

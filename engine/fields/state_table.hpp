@@ -161,9 +161,8 @@ class StateTable {
   std::uint64_t hash_row(std::size_t row) const { return hash_rows(row, row + 1); }
   /// Sum of the hashes of rows [first, last), modulo 2^64.
   std::uint64_t hash_rows(std::size_t first, std::size_t last) const;
-  /// Size of data(), bytes. It does not change when rows are removed.
-  std::size_t bytes() const { return data_.size(); }
-  /// The memory of all rows, padding and the room of removed rows included.
+  std::size_t bytes() const { return data_.size(); }  ///< size of data()
+  /// The memory of all rows, including padding and the room for more rows.
   std::span<std::byte> data() { return data_; }
   /// Sets every byte to 0, as in a new table.
   void clear() { std::ranges::fill(data_, std::byte{0}); }
@@ -172,9 +171,11 @@ class StateTable {
   void fill_row(std::size_t row, std::byte value);  ///< sets every byte of a row's fields to `value`
   /// Copies the row of the same index from a table that has the same fields, layout and number of rows.
   void copy_row(std::size_t row, const StateTable& from);
+  /// Changes the memory of the table to that for room_for(rows) rows (base/room.hpp). `rows` must be at least
+  /// rows(). The rows may move in memory.
+  void make_room(std::size_t rows);
   /// add_rows() adds a row for each of these bodies at the end, with all fields 0. keep_rows() removes rows
-  /// from the end, so that `count` rows remain. The table has room for as many rows as it had bodies when it
-  /// was made; this is not checked.
+  /// from the end, so that `count` rows remain. The table must have room for the rows (make_room()).
   ///@{
   void add_rows(std::span<const BodyId> ids);
   void keep_rows(std::size_t count) { ids_.resize(count); }
@@ -183,6 +184,7 @@ class StateTable {
   void move_rows(std::span<const std::uint32_t> to);
 
  private:
+  std::size_t lay_out();
   /// Sum of the hashes of the fields that are not sparse.
   std::uint64_t hash_dense(std::size_t first, std::size_t last) const;
 
@@ -191,6 +193,7 @@ class StateTable {
   Layout layout_ = Layout::columns;
   std::vector<StateField> fields_;
   std::vector<BodyId> ids_;
+  std::size_t room_ = 0;              // number of rows for which data_ has memory
   std::vector<std::size_t> starts_;   // one per field: its offset in row 0, bytes
   std::vector<std::size_t> strides_;  // one per field: distance between rows, bytes
   std::size_t row_bytes_ = 0;

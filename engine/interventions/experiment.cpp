@@ -95,7 +95,8 @@ Record& params_of(TypeSpec& type, const SettingSpec& setting) {
 }
 
 constexpr std::string_view k_keeps_shape =
-    "\"set\" cannot change a parameter that determines how many values a device reads or stores, or which "
+    "\"set\" cannot change a parameter that determines how many values a device reads or stores, where its "
+    "beams start or point, how far its joints move, how many effects it can have on other bodies, or which "
     "devices a controller uses; give such a parameter in the type";
 
 /// Checks whether the parameters of a drive may change from `before` to `params` while the world runs. The
@@ -374,12 +375,13 @@ double World::speed_scale(Row row) const {
 void World::intervene() {
   Experiment& e = experiment_;
   bool is_other_crowd = false;
-  bool has_moved = false;
+  bool has_moved = false;  // bodies are elsewhere, or no longer part of a tree because another body died
   while (e.next < e.interventions.size() && e.interventions[e.next].tick <= state_.now.tick) {
     Experiment::Intervention& due = e.interventions[e.next++];
     is_other_crowd = carry_out(due) || is_other_crowd;
     const Action action = state_.spec.experiment.at[due.spec].action;
-    has_moved = has_moved || action == Action::move || action == Action::add;
+    has_moved = has_moved || action == Action::move || action == Action::add ||
+                (action == Action::remove && state_.carrier_table);
   }
   while (!e.fault_events.empty() && e.fault_events.front().tick <= state_.now.tick)
     apply_fault_event(take_fault_event());

@@ -1,5 +1,6 @@
 #include "engine/links/links.hpp"
 
+#include "base/room.hpp"
 #include "engine/kinds/finite.hpp"
 #include "engine/kinds/step_error.hpp"
 #include "partition/placed_shape.hpp"
@@ -66,13 +67,15 @@ struct Links::TreeBody {
 void Links::build() {
   const bool any = std::ranges::any_of(state_.types, [](const BodyType& t) { return t.is_composite(); });
   if (!any) return;
-  state_.joint_begins.resize(state_.row_count());
-  composite_of_.assign(state_.row_count(), k_none);
-  for (auto* list : {&state_.roots, &first_cargo_, &next_cargo_}) list->assign(state_.row_count(), k_none);
+  resize_with_room(state_.joint_begins, state_.row_count());
+  for (auto* list : {&composite_of_, &state_.roots, &first_cargo_, &next_cargo_}) {
+    resize_with_room(*list, state_.row_count());
+    std::ranges::fill(*list, k_none);
+  }
   composites_.clear();
   std::size_t joints = 0;
   for (std::size_t i = 0; i < state_.types.size(); ++i) {
-    joints += state_.pools[i].rows * state_.types[i].joints.size();
+    joints += state_.pools[i].slots * state_.types[i].joints.size();
     if (state_.pools[i].rows > 0) rounds_ = std::max(rounds_, state_.types[i].joint_devices.size());
   }
   for (std::uint32_t r = 0; r < state_.row_count(); ++r) {
@@ -82,13 +85,12 @@ void Links::build() {
     composite_of_[r] = static_cast<std::uint32_t>(composites_.size());
     composites_.push_back(r);
   }
-  joints_.resize(joints);
-  state_.joint_mounts.resize(joints);
-  shapes_.resize(composites_.size());
-  moved_.resize(composites_.size());
-  on_the_way_.resize(composites_.size());
-  samples_.resize(composites_.size());
-  refused_.resize(composites_.size());
+  make_room(composites_, composites_.size());
+  resize_with_room(joints_, joints);
+  resize_with_room(state_.joint_mounts, joints);
+  for (auto* buffers : {&shapes_, &moved_, &on_the_way_}) resize_with_room(*buffers, composites_.size());
+  resize_with_room(samples_, composites_.size());
+  resize_with_room(refused_, composites_.size());
 
   // Reserves memory now, so that no memory is allocated when a body is gripped, unless that body carries
   // another one.

@@ -79,12 +79,12 @@ void DistributedRows::adopt_all(MessageReader message, bool is_in_tick) {
 // ---- The tick
 
 /// Leaves on each rank only its own rows and its ghosts. Distributes the rows if rank 0 has all of them, if
-/// bodies were born, have jumped or were pushed far, or if a device now has a longer reach (World::set())
-/// than the ghosts cover.
+/// bodies were born, have died, have jumped or were pushed far (must_distribute_), or if a device now has a
+/// longer reach (World::set()) than the ghosts cover.
 void DistributedRows::redistribute(bool have_jumped) {
-  const bool have_come = std::exchange(are_born_, false);
+  const bool have_changed = std::exchange(must_distribute_, false);
   const bool must_distribute =
-      std::exchange(is_on_rank_0_, false) || have_come || have_jumped || halo_.lacks_ghosts();
+      std::exchange(is_on_rank_0_, false) || have_changed || have_jumped || halo_.lacks_ghosts();
   if (!must_distribute && leads() && halo_.is_complete()) halo_.forget_completion();
   if (must_distribute || world_.longest_reach() > halo_.reach()) halo_.distribute(0);
 }
@@ -140,17 +140,21 @@ bool DistributedRows::prepare_motions(std::span<const std::uint64_t> times) {
   return !times.empty();
 }
 
+/// When a body dies, it releases the bodies that it carries, which then are trees of their own at other
+/// places. The ghosts may not suffice for these places (Halo::suffices_for()).
+void DistributedRows::apply_effects(std::span<const Effect> effects,
+                                    const std::function<void(const Effect&)>& apply) {
+  effects_.apply(effects, apply);
+  const auto is_death = [](const Effect& effect) { return effect.verb == k_death; };
+  must_distribute_ = must_distribute_ || (halo_.has_trees() && std::ranges::any_of(effects, is_death));
+}
+
 // ---- Births
 
 std::uint32_t DistributedRows::lowest_trial(std::uint32_t own, std::uint32_t trials) {
-  MessageWriter message = post_.begin(Order::births);
-  message.put(own);
-  post_.send_to_all(std::move(message));
-  std::uint32_t lowest = own;
-  for (unsigned from = 0; from < post_.ranks; ++from)
-    if (from != post_.rank)
-      lowest = std::min(lowest, post_.receive(Order::births, from).rest.get<std::uint32_t>());
-  are_born_ = are_born_ || lowest < trials;
+  const std::uint32_t lowest =
+      post_.agree(Order::births, own, [](std::uint32_t a, std::uint32_t b) { return std::min(a, b); });
+  must_distribute_ = must_distribute_ || lowest < trials;
   return lowest;
 }
 

@@ -45,9 +45,7 @@ class DistributedRows final : public RankRows {
   void get_written(unsigned from, partition::MessageReader& message) override;
   bool prepare_motions(std::span<const std::uint64_t> times) override;
   void apply_effects(std::span<const Effect> effects,
-                     const std::function<void(const Effect&)>& apply) override {
-    effects_.apply(effects, apply);
-  }
+                     const std::function<void(const Effect&)>& apply) override;
 
   bool tests_places_at(const Vec2& point) const override { return halo_.owner_at(point) == post_.rank; }
   std::uint32_t lowest_trial(std::uint32_t own, std::uint32_t trials) override;
@@ -67,8 +65,9 @@ class DistributedRows final : public RankRows {
   SharedEffects effects_;
   SharedError error_;           // of births
   std::uint64_t attempts_ = 0;  // in this tick
-  bool are_born_ = false;       // until redistribute(): bodies were born, and their rows are on any rank
-  bool is_on_rank_0_ = false;   // until redistribute(): rank 0 has all rows, and the other ranks have none
+  // Until redistribute(): bodies were born, whose rows are on any rank, or have died, which ends trees.
+  bool must_distribute_ = false;
+  bool is_on_rank_0_ = false;  // until redistribute(): rank 0 has all rows, and the other ranks have none
   double longest_ = 0;  // longest motion of a body in this tick, of the ranks whose messages are read, m
 };
 

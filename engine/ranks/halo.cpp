@@ -1,6 +1,7 @@
 #include "engine/ranks/halo.hpp"
 
 #include "base/random.hpp"
+#include "base/room.hpp"
 
 #include <fmt/format.h>
 
@@ -185,6 +186,7 @@ void Halo::divide() {
   }
   own_ = world_.rows() - leaving.size();
   world_.exchange_rows(leaving, ghosts, own_);
+  release_freed_memory();
   is_complete_ = false;
   note_neighbours();
 }
@@ -293,16 +295,12 @@ void Halo::set_goals(std::span<const Goal> goals) {
     if (world_.location(body) == RowLocation::here) links_.ask(world_.row(body), joint, goal);
 }
 
-/// Makes the largest radius of a tree known to all ranks.
+/// Makes the largest radius of a tree known to all ranks. The radius never decreases: otherwise each body
+/// that is gripped when there are no such trees would cause a distribution (suffices_for()).
 void Halo::agree_on_trees() {
   if (!extent_.has_trees) return;
-  extent_.radius = extent_of(world_).radius;
-  MessageWriter own = post_.begin(Order::rows);
-  own.put(extent_.radius);
-  post_.send_to_all(std::move(own));
-  for (unsigned from = 0; from < post_.ranks; ++from)
-    if (from != post_.rank)
-      extent_.radius = std::max(extent_.radius, post_.receive(Order::rows, from).rest.get<double>());
+  const double own = std::max(extent_.radius, extent_of(world_).radius);
+  extent_.radius = post_.agree(Order::rows, own, [](double a, double b) { return std::max(a, b); });
 }
 
 void Halo::distribute(double longest, std::span<const Guest> guests) {
@@ -495,6 +493,20 @@ void Halo::get_seen(unsigned from, MessageReader& message) {
   for (const std::uint32_t r : seen_rows_[from])
     for (std::uint32_t j = 0; j < world_.type(Row(r)).joints.size(); ++j)
       if (message.get<std::uint8_t>() != 0) links_.ask(Row(r), j, message.get<Pose>());
+}
+
+bool Halo::is_shown(BodyId body) const {
+  return std::ranges::any_of(shown_, [&](const std::vector<BodyId>& list) {
+    return std::ranges::binary_search(list, body.value, {}, &BodyId::value);
+  });
+}
+
+bool Halo::suffices_for(Row row) const {
+  const Vec2 at = place(row);
+  if (owners_.owner(at) != post_.rank || links_.farthest(world_.root(row)) > extent_.radius) return false;
+  std::vector<unsigned> near;
+  owners_.find_near(at, coverage_, near);
+  return near.empty();
 }
 
 Vec2 Halo::place(Row row) const { return place_of(world_, row); }

@@ -68,7 +68,7 @@ HaloPlan plan_halo(const World& world, unsigned ranks, double longest_motion);
 ///         which trees move. Each rank resolves the motions of the joints of its own rows, and the owners
 ///         send the outcomes of each round (class RankBorder).
 /// cargo   If devices attach bodies to others or release them in a tick, all ranks distribute the rows at the
-///         end of the tick (class SharedEffects).
+///         end of the tick, unless the ghosts suffice for the new trees (class SharedEffects).
 /// pushes  A motion that may push bodies depends on all bodies in its *zone* (class Conflicts, `source`), on
 ///         all movers whose zones overlap it, and on the bodies that these movers push. In a world with
 ///         pushable bodies, the coverage is therefore at least three times the radius of the largest zone,
@@ -134,6 +134,15 @@ class Halo {
   /// distribute()
   void prepare_motions(double longest, bool distributes, std::span<const Guest> guests);
 
+  /// Whether bodies can carry others.
+  bool has_trees() const { return extent_.has_trees; }
+  /// Whether another rank has the row of an own body as a ghost.
+  bool is_shown(BodyId body) const;
+  /// For an own row whose body has become a part of another tree since the last distribution, so that its
+  /// place has changed: whether the ghosts of all ranks suffice for the new tree. They do if the tree would
+  /// belong to this rank and would have no ghosts if the rows were distributed now, and if it is no larger
+  /// than the largest tree was at the last distribution.
+  bool suffices_for(Row row) const;
   std::size_t own() const { return own_; }        ///< number of own rows
   double reach() const { return extent_.reach; }  ///< longest reach for which the ghosts suffice, m
   /// Whether bodies were pushed so far in the last tick that the rows must be distributed before any device
@@ -237,7 +246,9 @@ class Halo {
   std::optional<std::uint64_t> cut_seed_;
   std::optional<double> skin_m_;
 
-  Extent extent_;  // its `reach`, and its `radius` if it has trees, are as of the last distribution
+  // Its `reach` is as of the last distribution. Its `radius`, if it has trees, is that of the largest tree
+  // that any rank had at a distribution so far.
+  Extent extent_;
   std::vector<partition::TileOwners::Key> keys_;  // of the bodies at tick 0, ascending; only with cut_seed_
   partition::TileOwners owners_;
   std::size_t own_ = 0;

@@ -6,12 +6,15 @@
 #include <cstdint>
 #include <functional>
 #include <memory>
+#include <utility>
 
 namespace troupe::engine {
 
-/// The kinds of messages between ranks (engine/ranks/replica.hpp): orders that rank 0 gives to the other
-/// ranks, their answers, and messages within a tick. The first byte of every message is its Order. An answer
-/// has the Order of the message that it answers, or Order::failed.
+/// The kinds of messages between ranks (threads or processes that compute a world together:
+/// engine/ranks/replica.hpp): orders that rank 0 gives to the other ranks, their answers, and messages within
+/// a tick. The first byte of every message is its Order. An answer has the Order of the message that it
+/// answers, or Order::failed. A rank *owns* the rows of the bodies for which it senses, actuates and decides.
+/// In a distributed world (class Halo), its copies of rows of other ranks are *ghosts*.
 enum class Order : std::uint8_t {
   make,        ///< make a replica of a world (troupe/rank_team.hpp); as an answer: the replica is made
   drop,        ///< destroy a replica
@@ -21,19 +24,19 @@ enum class Order : std::uint8_t {
   restart,     ///< call World::restart()
   set,         ///< call World::set()
   hash,        ///< send rank 0 the sums of the hashes of the rows that the receiver owns
-  gather,      ///< send rank 0 the own rows that it lacks (RankRows::put_missing())
+  gather,      ///< send rank 0 the rows of the receiver that rank 0 lacks (RankRows::put_missing())
   counts,      ///< send rank 0 what the receiver has counted (Replica::all_counts())
   agree,       ///< in a tick: the callback of World::before_tick() has returned on rank 0
-  together,    ///< in a tick: the rows for Replica::on_rank_0(), to rank 0 and back
+  together,    ///< in a tick: rows for controllers that decide on rank 0 (Replica::on_rank_0()), and back
   exchange,    ///< in a tick: the values that the sender has written to the rows that it owns
-  rows,        ///< in a tick: rows that go to another rank, and ghosts (Halo::distribute())
-  outcomes,    ///< in a tick: outcomes of motions of own rows that are ghosts of the receiver (RankBorder)
+  rows,        ///< in a tick: rows that get another owner, ghosts, and data to choose them (Halo)
+  outcomes,    ///< in a tick: outcomes of motions of rows that are ghosts on the receiver (RankBorder)
   places,      ///< in a tick: final positions of pushed bodies (RankBorder)
-  joints,      ///< in a tick: whether the motions of joints of own rows are blocked (RankBorder)
-  candidates,  ///< in a tick: own rows among which an intervention chooses at random
+  joints,      ///< in a tick: whether joint motions of ghosts on the receiver are blocked (RankBorder)
+  candidates,  ///< in a tick: bodies of the sender among which an intervention chooses at random
   effects,     ///< in a tick: rows that effects change (SharedEffects)
-  births,      ///< in a tick: whether places on the ground of the sender are free (RankRows::lowest_trial())
-  ended,       ///< in a tick: whether a step on the sender has failed (SharedError::agree())
+  births,      ///< in a tick: free places that the sender has found for a birth (RankRows::lowest_trial())
+  ended,       ///< in a tick: whether an effect or a birth has failed on the sender (SharedError::agree())
   /// The sender could not make the replica or compute its rows of the tick, or the callback of
   /// World::before_tick() threw an exception on rank 0.
   failed,
@@ -65,6 +68,18 @@ struct RankPost {
 
   /// Sends a message to every other rank.
   void send_to_all(partition::MessageWriter message) const;
+  /// Called on all ranks with the same `order`: sends a value to all other ranks, and returns the value that
+  /// `choose` (a function of two values, such as the maximum) selects from the values of all ranks. The order
+  /// in which `choose` gets the values must not matter.
+  template <class T, class Choose>
+  T agree(Order order, T own, Choose&& choose) const {
+    partition::MessageWriter message = begin(order);
+    message.put(own);
+    send_to_all(std::move(message));
+    for (unsigned from = 0; from < ranks; ++from)
+      if (from != rank) own = choose(own, receive(order, from).rest.template get<T>());
+    return own;
+  }
 };
 
 }  // namespace troupe::engine

@@ -154,8 +154,9 @@ void RankBorder::exchange_places(Conflicts& conflicts) {
                     world_.tick(), pushed_));
 }
 
-/// Each rank sends another rank one bit for each own tree that is a ghost there and moves its joints in this
-/// round. Both ranks know which trees these are, so ranks without such trees send no message.
+/// For each own tree that moves its joints in this round, each rank sends one byte to every rank on which the
+/// tree is a ghost: whether the motion is blocked. Both ranks know which trees these are, so ranks without
+/// such trees send no message.
 void RankBorder::exchange_blocked(Links& links) {
   for (unsigned to = 0; to < post_.ranks; ++to) {
     std::optional<MessageWriter> message;

@@ -27,7 +27,7 @@ class World;
 struct ReplicaParts {
   std::span<StateTable> tables;  ///< the state tables
   Effects& effects;              ///< the effects of the tick
-  Links& links;                  ///< for the goals of joints
+  Links& links;                  ///< the joints, for the poses to which devices move them
   std::uint64_t& beams;          ///< rays cast by all sensors since tick 0
 };
 
@@ -61,9 +61,9 @@ class RankRows {
   /// On rank 0: reads what put_missing() of the other ranks has appended, one message each, in the order of
   /// ranks. Afterwards, is_complete() is true.
   virtual void complete(std::span<ReceivedOrder> messages) = 0;
-  /// Prepares for a new state, which all ranks make or rank 0 reads from a file: rank 0 takes all rows, and
-  /// must be complete if the world is distributed. Returns whether this rank must send the new state to the
-  /// other ranks because they have no rows.
+  /// Prepares for a new state, which all ranks make or rank 0 reads from a file: rank 0 takes all rows. In a
+  /// distributed world, is_complete() must be true on rank 0 before the call. Returns whether this rank must
+  /// send the new state to the other ranks because they have no rows.
   virtual bool take_all() = 0;
   /// On rank 0: appends the whole state to a message for the other ranks. redistribute() must follow.
   virtual void put_all(partition::MessageWriter& message) = 0;
@@ -72,10 +72,12 @@ class RankRows {
   virtual void adopt_all(partition::MessageReader message, bool is_in_tick) = 0;
 
   // ---- A tick, in the order of calls
-  /// Gives the rows to the ranks that need them. Called when a tick begins, after the callback of the tick,
-  /// and after interventions have moved bodies. have_jumped: whether interventions have moved bodies
+  /// Gives the rows to the ranks that need them. Called when a tick begins, after the callback of
+  /// World::before_tick(), and after interventions have moved or added bodies. have_jumped: true for the last
+  /// of these calls
   virtual void redistribute(bool have_jumped) = 0;
-  /// Adds the candidates of the other ranks to those of this rank.
+  /// Adds the candidates of the other ranks (bodies among which an intervention chooses at random) to those
+  /// of this rank.
   virtual void add_candidates(std::vector<Experiment::Candidate>& candidates) = 0;
   /// For controllers that decide on rank 0 for the robots of all ranks: appends, or reads, the present values
   /// of the rows that `rank` owns. A distributed world has no such controllers (why_replicated()), and these
@@ -109,9 +111,10 @@ class RankRows {
   virtual void end_attempts() = 0;
 
   // ---- Verification (ReplicaOptions::verify)
-  /// Sums from which verify() finds whether the rows that several ranks have are equal on them.
+  /// Sums from which verify() finds whether each row that several ranks have is equal on these ranks.
   virtual std::vector<std::uint64_t> sums() const = 0;
-  /// On rank 0: throws std::logic_error if rows differ. sums: the result of sums() on each rank
+  /// On rank 0: throws std::logic_error if a row differs between ranks. sums: the result of sums() on each
+  /// rank
   virtual void verify(std::span<const std::vector<std::uint64_t>> sums) const = 0;
 };
 

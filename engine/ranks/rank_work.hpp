@@ -17,12 +17,12 @@ struct RankWork {
 /// What a rank has counted since its replica of the world was made. For a mean per tick, divide a sum over
 /// the ticks by `ticks`.
 struct RankCounts {
-  std::uint64_t ticks = 0;          ///< ticks
-  std::uint64_t own = 0;            ///< own rows, summed over the ticks
-  std::uint64_t ghosts = 0;         ///< ghosts (class Halo), summed over the ticks
-  std::uint64_t neighbours = 0;     ///< ranks with which it has ghosts in common, summed over the ticks
-  std::uint64_t distributions = 0;  ///< how often the rows were distributed
-  std::uint64_t migrated = 0;       ///< rows that went to another rank
+  std::uint64_t ticks = 0;          ///< number of ticks
+  std::uint64_t own = 0;            ///< rows that the rank owned, summed over the ticks
+  std::uint64_t ghosts = 0;         ///< its ghosts (copies of rows of other ranks), summed over the ticks
+  std::uint64_t neighbours = 0;     ///< ranks that own its ghosts or copy its rows, summed over the ticks
+  std::uint64_t distributions = 0;  ///< how often the rows were distributed among the ranks again
+  std::uint64_t migrated = 0;       ///< number of rows that it gave to another owner
   std::uint64_t rounds = 0;         ///< exchanges of outcomes of motions, with one or more ranks at a time
   std::uint64_t messages = 0;       ///< messages sent to other ranks
   std::uint64_t bytes = 0;          ///< total length of these messages, bytes

@@ -35,8 +35,8 @@ class World;
 struct ReplicaOptions {
   /// For tests. If set, rows get random owners during the run. The random numbers follow from this seed.
   std::optional<std::uint64_t> cut_seed;
-  /// True: hashes() also compares the tables that must be equal on all ranks (Sharing::alike and
-  /// Sharing::sent), and throws std::logic_error if a table differs.
+  /// True: hashes() also compares the table rows that must be equal on several ranks (RankRows::sums()), and
+  /// throws std::logic_error if they differ.
   bool verify = false;
   /// True: the program may keep references to rows across steps. After the first time that the program reads
   /// the state, rank 0 gathers all rows after each tick. After the first time that the program changes the
@@ -119,8 +119,9 @@ class Replica {
   /// world, every rank applies all effects. `apply` applies one effect.
   void apply_effects(std::span<const Effect> effects, const std::function<void(const Effect&)>& apply);
   /// For births, which every rank computes for the same requests in the same order: whether this rank tests
-  /// whether places at a point (m, world frame) are free. In a distributed world, the rank does so that owns
-  /// the ground there; otherwise every rank, as does rank 0 between two ticks.
+  /// whether places at a point (m, world frame) are free. In a tick of a distributed world, only the rank
+  /// that owns the ground at the point does so. In a replicated world and between two ticks, every rank that
+  /// computes the birth does so.
   bool tests_places_at(const Vec2& point) const;
   /// For a birth: returns the lowest trial of all ranks. Every rank must call this for the same birth.
   ///

@@ -21,8 +21,9 @@ using Cut = std::vector<std::uint32_t>;
 Cut balanced_cut(const Cut& cut, std::span<const std::uint64_t> times);
 
 /// The *replicated* form of a world that several ranks compute: every rank has all rows and computes the
-/// phases move and index for all of them. Each rank owns the rows of one range of a Cut, and sends the rows
-/// that other ranks may read (Sharing::sent), its effects and the goals of joints to all ranks in each tick.
+/// phases move and index for all of them. Each rank owns the rows of one range of a Cut. In each tick, it
+/// sends three things to all other ranks: those data of its rows that they may read (Sharing::sent), the
+/// effects that its devices have emitted, and the poses to which its devices move joints.
 class ReplicatedRows final : public RankRows {
  public:
   /// sharing: sharing_of(world); it and the world must outlive this object

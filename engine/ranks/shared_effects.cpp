@@ -21,8 +21,10 @@ using partition::MessageWriter;
 
 void SharedEffects::note_tree(BodyId body) {
   const std::vector<Row> tree = halo_.tree(world_.row(body));
+  const unsigned owner = halo_.owner(body);
+  const bool is_shown = owner != post_.rank || halo_.is_shown(body);
   for (const Row row : tree)
-    affected_.push_back({world_.body(row), world_.body(tree.front()), tree.size() == 1, halo_.owner(body), 0,
+    affected_.push_back({world_.body(row), world_.body(tree.front()), tree.size() == 1, is_shown, owner, 0,
                          halo_.place(row)});
 }
 
@@ -72,6 +74,7 @@ void SharedEffects::put_affected(MessageWriter& message, std::span<const Affecte
     message.put(each.body);
     message.put(each.root);
     message.put(each.is_alone);
+    message.put(each.is_shown);
     message.put(each.owner);
     message.put_point(each.place);
   }
@@ -84,6 +87,7 @@ void SharedEffects::get_affected(MessageReader& message) {
     each.body = message.get<BodyId>();
     each.root = message.get<BodyId>();
     each.is_alone = message.get<bool>();
+    each.is_shown = message.get<bool>();
     each.owner = message.get<unsigned>();
     each.place = message.get_point();
   }
@@ -135,7 +139,10 @@ bool SharedEffects::acts_anywhere(const Effect& effect) const {
 
 void SharedEffects::begin(bool is_new) {
   for (Affected& each : affected_) {
-    if (is_new) each.owner = halo_.owner_at(each.place);
+    if (is_new) {
+      each.owner = halo_.owner_at(each.place);
+      each.is_shown = true;  // perhaps: only the owner knows
+    }
     each.last = each.owner;
   }
 }
@@ -151,9 +158,8 @@ bool SharedEffects::may_join_trees(const Effect& effect) const {
   return !effect.is_of_life() && world_.type(effect.source).devices[effect.device].kind->carries;
 }
 
-/// Finds the groups of the tick (groups_). Returns the trees whose rows must go to another rank, because the
-/// trees of their group belong to several ranks.
-std::vector<Halo::Gift> SharedEffects::find_groups(std::span<const Effect> effects) {
+/// Finds the groups of the tick (groups_).
+SharedEffects::Groups SharedEffects::find_groups(std::span<const Effect> effects) {
   groups_.clear();
   if (std::ranges::none_of(effects, [&](const Effect& effect) { return may_join_trees(effect); })) return {};
   std::vector<Affected> trees(affected_);  // one element per tree
@@ -183,39 +189,63 @@ std::vector<Halo::Gift> SharedEffects::find_groups(std::span<const Effect> effec
   std::vector<bool> may_join(trees.size());
   for (const Effect& effect : effects)
     if (may_join_trees(effect)) may_join[lead_of(index_of(*find(effect.source)))] = true;
-  std::vector<Halo::Gift> gifts;
+  Groups groups;
   for (std::size_t t = 0; t < trees.size(); ++t) {
     const Affected& lead = trees[lead_of(t)];
     if (!may_join[lead_of(t)]) continue;
     groups_.push_back({trees[t].root, lead.owner});
-    if (trees[t].owner != lead.owner) gifts.push_back({trees[t].root, trees[t].owner, lead.owner});
+    groups.are_shown = groups.are_shown || trees[t].is_shown;
+    if (trees[t].owner != lead.owner) groups.gifts.push_back({trees[t].root, trees[t].owner, lead.owner});
   }
-  return gifts;
+  return groups;
 }
 
-/// The rank that applies the effects of the group of an effect; not set if the effect is in no group.
-std::optional<unsigned> SharedEffects::group_applier(const Effect& effect) {
-  if (groups_.empty()) return {};
-  const BodyId root = find(effect.source)->root;
+/// The rank that applies the effects of the group of a tree; not set if the tree is in no group. root: the
+/// root of the tree before the effects
+std::optional<unsigned> SharedEffects::group_applier(BodyId root) const {
   const auto found = std::ranges::lower_bound(groups_, root.value, {},
                                               [](const GroupTree& tree) { return tree.root.value; });
   if (found == groups_.end() || found->root != root) return {};
   return found->applier;
 }
 
+/// The rank that applies the effects of the group of an effect; not set if the effect is in no group.
+std::optional<unsigned> SharedEffects::group_applier(const Effect& effect) {
+  if (groups_.empty()) return {};
+  return group_applier(find(effect.source)->root);
+}
+
 void SharedEffects::apply(std::span<const Effect> effects, const std::function<void(const Effect&)>& apply) {
-  const std::vector<Halo::Gift> gifts = find_groups(effects);
+  const Groups groups = find_groups(effects);
   apply_in_turns(effects, apply);
-  if (groups_.empty()) {
-    show();
-  } else {
-    halo_.give(gifts);
-    for (std::size_t i = 0; i < effects.size(); ++i)
-      if (!effects[i].is_of_life() && group_applier(effects[i]) == post_.rank)
-        error_.attempt(i, [&] { apply(effects[i]); });
-    halo_.distribute(0);
+  bool must_distribute = groups.are_shown || !groups.gifts.empty();
+  if (!groups_.empty()) {
+    halo_.give(groups.gifts);
+    apply_groups(effects, apply);
+    if (!must_distribute)
+      must_distribute = post_.agree(Order::effects, !have_sufficed(), [](bool a, bool b) { return a || b; });
   }
+  if (must_distribute)
+    halo_.distribute(0);
+  else
+    show();
   error_.agree(post_);
+}
+
+/// Applies the effects of the groups that this rank applies.
+void SharedEffects::apply_groups(std::span<const Effect> effects,
+                                 const std::function<void(const Effect&)>& apply) {
+  for (std::size_t i = 0; i < effects.size(); ++i)
+    if (!effects[i].is_of_life() && group_applier(effects[i]) == post_.rank)
+      error_.attempt(i, [&] { apply(effects[i]); });
+}
+
+/// After apply_groups(), if no tree of a group was shown before: whether the ghosts of all ranks suffice for
+/// the trees that this rank has changed.
+bool SharedEffects::have_sufficed() const {
+  return std::ranges::all_of(affected_, [&](const Affected& each) {
+    return group_applier(each.root) != post_.rank || halo_.suffices_for(world_.row(each.body));
+  });
 }
 
 /// Applies the effects that are in no group.

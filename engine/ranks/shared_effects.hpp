@@ -28,7 +28,8 @@ namespace troupe::engine {
 /// effect needs all changes that earlier effects of the tick have made to these trees. Effects whose sources
 /// and targets are in trees that such effects could join form a *group*. One rank applies all effects of a
 /// group. It owns the trees of the group or, if they belong to several ranks, gets them (Halo::give()) after
-/// all other effects of the tick. At the end all ranks distribute the rows, because the trees have changed.
+/// all other effects of the tick. At the end all ranks distribute the rows, because the trees have changed,
+/// unless all groups are *local*: no other rank has a row of their trees, before or after the effects.
 ///
 /// Births and deaths are effects too. They change no other state, so the ranks only learn of them here: every
 /// rank then carries them out (World::resolve_lives()).
@@ -62,8 +63,8 @@ class SharedEffects {
   /// The targets of the effects of devices that can act from any distance. The same on all ranks; valid after
   /// find_targets().
   std::span<const Halo::Guest> guests() const { return guests_; }
-  /// Called after find_targets(), when no row will change its owner before the next tick, and before any body
-  /// moves. is_new: whether the rows were distributed since note()
+  /// Called after find_targets() and before any body moves, when no row will change its owner before apply().
+  /// is_new: whether the rows were distributed since note()
   void begin(bool is_new);
   /// Applies `effects`, those of all ranks in their order, except births and deaths; `apply` applies one of
   /// them. Throws on all ranks if `apply` throws on any rank: StepError, or the exception itself on the rank
@@ -75,6 +76,7 @@ class SharedEffects {
     BodyId body;
     BodyId root;                // root of its tree
     bool is_alone = true;       // no other body is in the tree
+    bool is_shown = false;      // other ranks than the owner may have the row
     unsigned owner = 0;         // the rank that owns its row
     unsigned last = 0;          // the rank that has its present state
     Vec2 place = Vec2::Zero();  // Halo::place() before the motion of this tick, m, world frame
@@ -83,6 +85,11 @@ class SharedEffects {
     BodyId root;
     unsigned applier = 0;  // the rank that applies the effects of the group
   };
+  struct Groups {  // what find_groups() returns
+    // The trees whose rows must go to another rank, because the trees of their group belong to several ranks.
+    std::vector<Halo::Gift> gifts;
+    bool are_shown = false;  // other ranks than the owner may have a row of a tree
+  };
   void note_tree(BodyId body);
   static void put_affected(partition::MessageWriter& message, std::span<const Affected> some);
   void get_affected(partition::MessageReader& message);
@@ -90,7 +97,10 @@ class SharedEffects {
   void unite();
   bool acts_anywhere(const Effect& effect) const;
   bool may_join_trees(const Effect& effect) const;
-  std::vector<Halo::Gift> find_groups(std::span<const Effect> effects);
+  Groups find_groups(std::span<const Effect> effects);
+  void apply_groups(std::span<const Effect> effects, const std::function<void(const Effect&)>& apply);
+  bool have_sufficed() const;
+  std::optional<unsigned> group_applier(BodyId root) const;
   std::optional<unsigned> group_applier(const Effect& effect);
   void apply_in_turns(std::span<const Effect> effects, const std::function<void(const Effect&)>& apply);
   Affected* find(BodyId body);

@@ -10,7 +10,7 @@ class World;
 /// How the ranks that compute one world share the rows of a state table. Each row has an *owner*: the rank
 /// that senses, actuates and decides for the row's body.
 enum class Sharing : std::uint8_t {
-  alike,  ///< every rank computes every row, in the phases intervene and move; nothing is sent
+  alike,  ///< every rank computes all rows that it has, in the phases intervene and move; nothing is sent
   sent,   ///< the owner computes a row and sends it to ranks that have it, in each tick before the phase move
   kept,   ///< the owner computes a row; other ranks have old values, except rank 0 after gather()
 };

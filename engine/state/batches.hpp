@@ -114,9 +114,9 @@ void for_due(const WorldState& state, std::span<const Row> rows, std::uint64_t p
 
 /// Calls work(rows) for those of `rows` whose device runs in the present tick, once for each run of rows that
 /// follow one another in `rows`. All rows must be of the type of the device. The device of a row runs if all
-/// of these hold: it is due (its period divides the age of the body, as in for_due()); it is active or a
-/// program subscribes to the body; it is switched on, is not broken and has power; its body is neither
-/// disabled nor stopped by a fault (CommittedView::runs()).
+/// of these hold: it is due (its period divides the age of the body, as in for_due()); it is active
+/// (BodyType::Device::active) or World::subscribe() was called for the body; it is switched on, is not broken
+/// and has power; its body is neither disabled nor stopped by a fault (CommittedView::runs()).
 template <class Work>
 void for_running(const WorldState& state, std::span<const Row> rows, const BodyType::Device& device,
                  Work&& work) {

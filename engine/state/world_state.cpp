@@ -2,6 +2,8 @@
 
 #include "base/limits.hpp"
 #include "base/number_text.hpp"
+#include "base/room.hpp"
+#include "partition/ranging.hpp"
 
 #include <fmt/format.h>
 
@@ -26,6 +28,19 @@ std::span<const std::uint32_t> rows_within(std::span<const std::uint32_t> order,
     count += row >= range.first && row < range.end;
   }
   return std::span(rows).first(count);
+}
+
+void WorldState::place_pools() {
+  std::size_t vertices = 0;
+  std::size_t joints = 0;
+  for (std::size_t t = 0; t < types.size(); ++t) {
+    pools[t].outlines = vertices;
+    pools[t].joints = static_cast<std::uint32_t>(joints);
+    vertices += pools[t].slots * types[t].outline_vertices.size();
+    joints += pools[t].slots * types[t].joints.size();
+  }
+  constexpr std::size_t k_padding = partition::EdgeBlock::k_piece;  // rangers copy k_piece vertices at a time
+  resize_with_room<Vec2>(outlines, vertices + k_padding, Vec2::Zero());
 }
 
 void WorldState::bind_view() {

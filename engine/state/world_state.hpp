@@ -60,7 +60,8 @@ struct WorldState {
   /// The storage of the bodies of one type: entries in the tables of the type and in the lists of vertices
   /// and joints. The slot of a body is its index among these entries.
   struct Pool {
-    std::size_t rows = 0;      ///< number of slots: all bodies of the type
+    std::size_t rows = 0;      ///< number of bodies of the type in the whole world
+    std::size_t slots = 0;     ///< number of slots; `rows`, unless some of the bodies are on other ranks
     std::size_t outlines = 0;  ///< index in `outlines` of the first vertex of slot 0
     std::uint32_t joints = 0;  ///< index in `joint_mounts` of the first joint of slot 0
   };
@@ -73,7 +74,7 @@ struct WorldState {
   partition::GridGeometry geometry;  ///< sizes of the cells and tiles of `index`
   partition::StaticScene scene;      ///< geometry of the static bodies
   FixedTargets fixed_targets;        ///< parts of static bodies that fiducial finders detect
-  std::vector<Pool> pools;           ///< one per type, by TypeId
+  std::vector<Pool> pools;           ///< one per type, by TypeId; changes when rows come or leave
   /// Number of rows at the front that this world computes; the rows after them are *ghosts*, copies of rows
   /// that other ranks compute (engine/ranks/halo.hpp). All rows, if the world has no ghosts.
   std::size_t own_rows = 0;
@@ -125,6 +126,9 @@ struct WorldState {
   WorldState(const WorldState&) = delete;
   WorldState& operator=(const WorldState&) = delete;
 
+  /// Gives each pool its place in `outlines` and `joint_mounts`, after Pool::slots were set, and resizes
+  /// `outlines`. Does not compute the outlines.
+  void place_pools();
   /// Updates `view`. Call this after a vector or table was allocated again, or `ray_grid` was set.
   void bind_view();
 

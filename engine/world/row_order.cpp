@@ -1,5 +1,6 @@
 #include "base/fp_environment.hpp"
 #include "base/random.hpp"
+#include "base/room.hpp"
 #include "engine/fields/moved_rows.hpp"
 #include "engine/state/blinkers.hpp"
 #include "engine/world/world.hpp"
@@ -118,12 +119,13 @@ void World::move_rows(std::span<const std::uint32_t> to,
 /// depend on the rows. Does not call derive_state(), which would also clear the lists of the bodies that
 /// set_poses() has placed (placed_before_step()).
 void World::derive_rows() {
-  state_.radii.resize(rows());
-  state_.shapes.resize(rows());
-  state_.transforms.resize(rows());
-  if (!state_.not_drawn.empty()) state_.not_drawn.resize(rows());
+  resize_with_room(state_.radii, rows());
+  resize_with_room(state_.shapes, rows());
+  resize_with_room(state_.transforms, rows());
+  if (!state_.not_drawn.empty()) resize_with_room(state_.not_drawn, rows());
   if (!placed_at_.empty() || !placed_.empty()) {
-    placed_at_.assign(rows(), 0);
+    resize_with_room(placed_at_, rows());
+    std::ranges::fill(placed_at_, 0u);
     for (std::uint32_t i = 0; i < placed_.size(); ++i) placed_at_[placed_[i].row.index()] = i + 1;
   }
   movement_.build();
@@ -163,6 +165,7 @@ std::vector<World::RowState> World::remove_rows(std::span<const BodyId> bodies) 
   std::vector<RowState> removed;
   for (const BodyId body : bodies) removed.push_back({body, row_bytes(row(body))});
   drop_rows(leaves);
+  append_rows({});
   state_.own_rows = rows();
   derive_rows();
   return removed;
@@ -187,7 +190,7 @@ void World::exchange_rows(std::span<const BodyId> leaving, std::span<const RowSt
   std::vector<bool> leaves(rows(), false);
   for (const BodyId body : leaving) leaves[row(body).index()] = true;
   if (!leaving.empty()) drop_rows(leaves);
-  if (!coming.empty()) append_rows(coming);
+  if (!leaving.empty() || !coming.empty()) append_rows(coming);
   state_.own_rows = own;
   if (!leaving.empty() || !coming.empty())
     derive_rows();
@@ -196,7 +199,7 @@ void World::exchange_rows(std::span<const BodyId> leaving, std::span<const RowSt
 }
 
 /// Removes each row r with leaves[r]. Of the rows in front of the first row that leaves, and of the slots of
-/// their bodies, none changes. derive_rows() must follow.
+/// their bodies, none changes. append_rows() and derive_rows() must follow.
 void World::drop_rows(const std::vector<bool>& leaves) {
   std::vector<std::uint32_t> to;
   const std::uint32_t kept = fill_gaps(leaves, to);
@@ -225,15 +228,45 @@ void World::drop_rows(const std::vector<bool>& leaves) {
     std::erase_if(*list, [&](const Placed& placed) { return placed.row.index() >= kept; });
 }
 
+/// Changes the memory of all lists that have one element per row, and of the state tables, to that for the
+/// present rows and those that will be added. Returns, per table, whether it has rows only for the bodies of
+/// one type.
+std::vector<bool> World::make_room_for(std::span<const RowState> added) {
+  std::vector<std::size_t> counts(state_.types.size(), 0);
+  for (const std::uint32_t t : state_.row_types) ++counts[t];
+  for (const RowState& each : added) ++counts[state_.spec.bodies[each.body.index()].type.index()];
+  const std::size_t all = rows() + added.size();
+  const auto make_room_in = [all](auto&... columns) { (make_room(columns, all), ...); };
+  make_room_in(state_.bodies, state_.ids, state_.row_types, state_.slots, state_.outline_begins,
+               state_.subscribed);
+  std::vector<bool> is_of_type(state_.tables.size(), false);
+  bool are_moved = false;
+  for (std::size_t t = 0; t < state_.types.size(); ++t) {
+    WorldState::Pool& pool = state_.pools[t];
+    if (pool.rows == 0) continue;  // a type without rows has no tables
+    for_tables_of_type(state_.types[t], [&](std::size_t table) {
+      is_of_type[table] = true;
+      state_.tables[table].make_room(counts[t]);
+    });
+    const std::size_t slots = room_for(counts[t], pool.slots);
+    are_moved = are_moved || slots != pool.slots;
+    pool.slots = slots;
+  }
+  for (std::size_t table = 0; table < state_.tables.size(); ++table)
+    if (!is_of_type[table]) state_.tables[table].make_room(all);
+  if (!are_moved) return is_of_type;
+  state_.place_pools();
+  for (std::size_t r = 0; r < rows(); ++r)
+    state_.outline_begins[r] = state_.outline_begin(state_.row_types[r], state_.slots[r]);
+  return is_of_type;
+}
+
 /// Adds rows after the present ones, in the order of the list. A RowState without bytes adds a row of zeros.
 /// derive_rows() must follow.
 void World::append_rows(std::span<const RowState> added) {
+  const std::vector<bool> is_of_type = make_room_for(added);
   std::vector<std::uint32_t> counts(state_.types.size(), 0);
   for (const std::uint32_t t : state_.row_types) ++counts[t];
-  std::vector<bool> is_of_type(state_.tables.size(), false);
-  for (std::size_t t = 0; t < state_.types.size(); ++t)
-    if (state_.pools[t].rows > 0)
-      for_tables_of_type(state_.types[t], [&](std::size_t table) { is_of_type[table] = true; });
   for (const RowState& each : added) {
     const std::uint32_t t = state_.spec.bodies[each.body.index()].type.value;
     state_.rows[each.body.index()] = Row(rows());

@@ -73,8 +73,8 @@ class World {
   /// Builds the world in the state S(0). Throws InputError for errors that the loader of a world file cannot
   /// find, such as a controller that needs a sensor which its robot does not have, and StepError if a hook
   /// `start` (a function of a device or controller kind) throws. If bodies overlap at tick 0, one warning
-  /// gives the number of overlapping pairs, counted up to 10,000. If `diagnostics` is thorough, each of the
-  /// first hundred pairs gets a warning of its own instead, and one more warning gives the number of any
+  /// gives the number of overlapping pairs, counted up to 10,000. If diagnostics.thorough() is true, each of
+  /// the first hundred pairs gets a warning of its own instead, and one more warning gives the number of any
   /// further pairs. Bodies that extend below the floor (z = 0) also cause a warning. The registry must
   /// outlive the world.
   World(WorldSpec spec, const Registry& registry, const WorldOptions& options, Diagnostics& diagnostics);
@@ -84,18 +84,18 @@ class World {
 
   // ---- the tick: engine/world/step.cpp
   /// Computes one tick: from S(k) to S(k+1). Throws StepError if a command to the drive of a robot, the
-  /// velocity that the drive computes, or the goal of a joint is not a finite number, or if a function of a
-  /// kind (DeviceKind, DriveKind or ControllerKind) or an OnDecide callback throws. Exceptions of the
-  /// callbacks of on_phase() and before_tick() propagate unchanged. After an exception the state is
-  /// incomplete: see require_whole(). Apart from the first steps, a step allocates no memory unless a kind or
-  /// a callback does.
+  /// velocity that the drive computes, or the pose to which a device moves a joint is not finite, or if a
+  /// function of a kind (DeviceKind, DriveKind or ControllerKind) or an OnDecide callback throws; StepError
+  /// lists further causes. Exceptions of the callbacks of on_phase() and before_tick() propagate unchanged.
+  /// After an exception the state is incomplete: see require_whole(). Apart from the first steps, a step
+  /// allocates no memory unless a kind or a callback does.
   void step();
   /// Throws std::logic_error if the state is incomplete: a step, or a hook of a kind during spawn(), threw,
   /// and no reset(), restart() or restore() followed. After a step that threw, some rows have the state of
   /// the new tick, and the other rows have the state of the old tick. All functions that read or change the
   /// state as a whole call require_whole() first, such as step(), hashes(), tables(), frame(), spawn(),
-  /// remove(), set() and the set_ functions. Accessors of single rows or columns, such as pose() or poses(),
-  /// do not call it.
+  /// remove(), set(), set_poses(), set_estimate(), set_command() and set_disabled(). Accessors of single rows
+  /// or columns, such as pose() or poses(), do not call it.
   void require_whole() const {
     if (is_half_made_) throw_half_made();
   }
@@ -204,11 +204,11 @@ class World {
   const CommittedView& view() const { return state_.view; }
 
   // ---- ranks: engine/ranks/ranks.cpp. Several ranks (threads or processes) may compute one world together.
-  // Each rank then has a World of its own, called a replica (engine/ranks/replica.hpp), and the functions
-  // below keep the replicas equal.
-  /// Connects this world to a replica; a null pointer disconnects it. Called by the constructor and the
-  /// destructor of Replica. Returns references to the data of this world that the replica exchanges with
-  /// other ranks.
+  // Each rank then has a World and a Replica of its own (engine/ranks/replica.hpp). The functions below
+  // exchange data between the ranks.
+  /// Connects this world to its Replica, which exchanges messages with the other ranks; a null pointer
+  /// disconnects it. Called by the constructor and the destructor of Replica. Returns references to the data
+  /// of this world that the Replica reads and writes.
   ReplicaParts join(Replica* replica);
   /// On rank 0: fetches the table rows that this world lacks because only other ranks compute them, so that
   /// its tables are complete. Functions that read whole tables call gather() first. gather() does nothing on
@@ -235,7 +235,8 @@ class World {
   /// Number of bodies of each reserve that have been born, one element per element of WorldSpec::reserves.
   /// All ranks have the same numbers.
   std::span<const std::uint32_t> births() const { return next_born_; }
-  /// Called after adopt() if rows are elsewhere: `births` are the numbers of rank 0.
+  /// Replaces the numbers of births() by `births`, those of rank 0. Called after adopt() if the rows are
+  /// distributed among ranks.
   void set_births(std::span<const std::uint32_t> births);
 
   // ---- constants and indices
@@ -273,7 +274,7 @@ class World {
   /// location() is RowLocation::elsewhere.
   Row row(BodyId body) const { return state_.view.row(body); }
   const BodyType& type(Row row) const { return state_.view.type(row); }  ///< type of the row's body
-  const BodyType& type(BodyId body) const { return state_.type(body); }  ///< type of a body, also without row
+  const BodyType& type(BodyId body) const { return state_.type(body); }  ///< type of any body, static or not
   /// Slot of a row: its position among the rows of its type, and so its index in the tables of that type.
   std::size_t slot(Row row) const { return state_.view.slot(row); }
   /// Returns the body with this name or alias. A body with this name is preferred to a body with this alias.
@@ -357,8 +358,8 @@ class World {
   /// The row of the body that carries the row's body, directly or through others, and is not carried itself
   /// (the *root* of its tree); the row itself if its body is not carried.
   Row root(Row row) const { return state_.now.carried > 0 ? Row(state_.roots[row.index()]) : row; }
-  /// Upper bound on the distance of any point of a tree from the origin of its root, m: Links::farthest(),
-  /// for all bodies with rows in this world that carry others. 0 if there are none.
+  /// Upper bound on the distance of any point of a tree from the origin of its root, for all trees of several
+  /// bodies with rows in this world, m: the largest Links::farthest() of their roots; 0 if there are none.
   double farthest_in_trees() const;
   /// Attaches the body `cargo` to the body `carrier`. The cargo then keeps its present pose relative to the
   /// joint with the index `joint` of the carrier or, if `joint` is k_rigid, relative to the carrier itself.
@@ -388,9 +389,9 @@ class World {
   /// Number of ticks that were completed when the body was born; 0 if it was present at tick 0 or is unborn.
   /// The periods of its devices, drive and controllers count from that tick.
   std::uint64_t birth_tick(Row row) const { return state_.view.birth_tick(row); }
-  /// Index in WorldSpec::reserves of the reserve of a population: its bodies that are not in the world at
-  /// tick 0. `population` is the name of the population ("ant"), not of a body ("ant7"). std::nullopt if
-  /// there is no such population, or if it has no reserve.
+  /// Index in WorldSpec::reserves of the reserve of a population: those bodies of the population that are not
+  /// in the world at tick 0. `population` is the name of the population ("ant"), not of a body ("ant7").
+  /// std::nullopt if there is no such population, or if it has no reserve.
   std::optional<std::size_t> reserve(std::string_view population) const;
   /// Number of bodies of a reserve (an index into WorldSpec::reserves) that are not yet born.
   std::size_t unborn(std::size_t reserve) const {
@@ -481,8 +482,8 @@ class World {
   }
   /// Bodies for which subscribe() was called, in ascending order of ids.
   std::vector<BodyId> subscribed() const;
-  /// Whether a sensor of the row is active (BodyType::Device::active), or subscribe() was called for its
-  /// body.
+  /// Whether a sensor of the row is active (a controller uses it, or the world file makes it active:
+  /// BodyType::Device::active), or subscribe() was called for its body.
   bool senses(Row row, const BodyType::Device& sensor) const { return state_.view.senses(row, sensor); }
   /// Whether a device of the row gets power: false if its power supply is empty. `supply` is the index of
   /// that supply among the devices of the type (BodyType::Device::supply). If it is std::nullopt, the device
@@ -517,14 +518,15 @@ class World {
 
   // ---- counters
   std::uint64_t beams_cast() const { return beams_; }  ///< rays cast by all sensors since tick 0
-  /// Number of robots whose last motion was blocked or would have ended out of bounds.
+  /// Number of robots whose last motion was blocked or would have ended out of bounds. If the rows are
+  /// distributed among ranks, call gather() before: otherwise robots with rows on other ranks do not count.
   std::size_t stalled_count() const { return movement_.stalled(); }
-  /// Number of robots whose last motion would have ended out of bounds.
+  /// Number of robots that stalled_count() counts because their last motion would have ended out of bounds.
   std::size_t out_of_bounds_count() const { return movement_.out_of_bounds(); }
   /// Rounds of conflict resolution since tick 0, see Conflicts::rounds().
   std::uint64_t conflict_rounds() const { return conflict_rounds_; }
   /// Mean straight-line distance between the present position of a robot and its origin(), over all robots in
-  /// the world, m; 0 if there are none.
+  /// the world, m; 0 if there are none. If the rows are distributed among ranks, call gather() before.
   double mean_displacement() const;
 
   // ---- for viewers
@@ -558,9 +560,9 @@ class World {
   void build_lives();
   /// Fills the tables with the state at tick 0, and computes the derived data.
   void start();
+  static Pose at_start(const Pose& pose);
   /// Gives a row the state that its body has at tick 0 or at its birth, with this pose (world frame). All
   /// bytes of the row must be 0 before.
-  static Pose at_start(const Pose& pose);
   void start(Row row, const Pose& pose);
   void start(Row row, const BodyType::Drive& drive);
   /// Computes all derived data: those that are neither constant, nor state, nor set by the program. It reads
@@ -576,6 +578,7 @@ class World {
   void move_rows(std::span<const std::uint32_t> to, std::span<const std::vector<std::uint32_t>> slots_to);
   void derive_rows();
   void drop_rows(const std::vector<bool>& leaves);
+  std::vector<bool> make_room_for(std::span<const RowState> added);
   void append_rows(std::span<const RowState> added);
   void set_state(Row row, std::span<const std::byte> bytes);
   void build_ray_grid(Diagnostics& diagnostics);

@@ -1,5 +1,4 @@
 #include "engine/world/world.hpp"
-#include "partition/ranging.hpp"
 
 #include <fmt/format.h>
 
@@ -284,15 +283,8 @@ void World::build_rows() {
   reserve(state_.bodies, state_.ids, state_.row_types, state_.slots, state_.outline_begins);
   state_.pools.resize(state_.types.size());
   for (const BodyId body : bodies) ++state_.pools[state_.spec.bodies[body.index()].type.index()].rows;
-  std::size_t vertices = 0;
-  std::size_t joints = 0;
-  for (std::size_t t = 0; t < state_.types.size(); ++t) {
-    WorldState::Pool& pool = state_.pools[t];
-    pool.outlines = vertices;
-    pool.joints = static_cast<std::uint32_t>(joints);
-    vertices += pool.rows * state_.types[t].outline_vertices.size();
-    joints += pool.rows * state_.types[t].joints.size();
-  }
+  for (WorldState::Pool& pool : state_.pools) pool.slots = pool.rows;
+  state_.place_pools();
   std::vector<std::uint32_t> slots(state_.types.size(), 0);
   for (const BodyId body : bodies) {
     const auto t = state_.spec.bodies[body.index()].type.value;
@@ -310,8 +302,6 @@ void World::build_rows() {
   state_.radii.resize(rows());
   state_.shapes.resize(rows());
   state_.transforms.resize(rows());
-  state_.outlines.resize(vertices + partition::EdgeBlock::k_piece,
-                         Vec2::Zero());  // padding: rangers copy k_piece vertices at a time
   state_.bind_view();
 }
 

@@ -452,7 +452,8 @@ TEST(Experiment, WhatCannotBeDoneIsToldWithItsPlace) {
   EXPECT_THAT(doing(setting(1, TypeId(1), SettingSpec::Of::device, ranger, "transducers",
                             get(ranger, test::ranger("eye", {{.samples = 3}}).params, "transducers"))),
               HasSubstr("device \"eye\": \"set\" cannot change a parameter that determines how many values a "
-                        "device reads or stores, or which devices a controller uses"));
+                        "device reads or stores, where its beams start or point, how far its joints move, "
+                        "how many effects it can have on other bodies, or which devices a controller uses"));
 
   const auto failing = [&](FaultSpec spec) {
     return errors([&](Squad& row) { row.scene.spec.experiment.faults = {spec}; });

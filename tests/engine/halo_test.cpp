@@ -53,6 +53,12 @@ struct HaloTeam {
   std::function<double(unsigned rank)> clock;
 };
 
+std::size_t table_bytes_of(const World& world) {
+  std::size_t bytes = 0;
+  for (const StateTable& table : world.tables()) bytes += table.bytes();
+  return bytes;
+}
+
 /// The ranks of a distributed world, as threads of this process. The calling thread is rank 0.
 class HaloRanks {
  public:
@@ -67,6 +73,7 @@ class HaloRanks {
                          .skin_m = team.skin_m,
                          .requests = {}},
         counts_(team.ranks),
+        table_bytes_(team.ranks),
         mailboxes_(team.ranks, team.seed, team.clock) {
     for (unsigned rank = 1; rank < team.ranks; ++rank) {
       threads_.push_back(std::make_unique<partition::JobThread>(1));
@@ -85,6 +92,8 @@ class HaloRanks {
     end();
     return counts_;
   }
+  /// The memory of the state tables of a rank other than 0, bytes. counts() must have been called.
+  std::size_t table_bytes(unsigned rank) const { return table_bytes_[rank]; }
 
  private:
   void end() {
@@ -106,6 +115,7 @@ class HaloRanks {
         replica.follow(received.order, received.rest);
       }
       counts_[rank] = replica.halo()->counts();
+      table_bytes_[rank] = table_bytes_of(world);
     } catch (const std::exception& error) {
       mailboxes_.close("rank " + std::to_string(rank) + " failed: " + error.what());
     }
@@ -116,6 +126,7 @@ class HaloRanks {
   WorldOptions options_;
   ReplicaOptions replica_options_;
   std::vector<RankCounts> counts_;
+  std::vector<std::size_t> table_bytes_;
   partition::Mailboxes mailboxes_;
   std::unique_ptr<World> world_;
   std::unique_ptr<Replica> replica_;
@@ -376,6 +387,8 @@ TEST_F(HaloOfARoom, GhostsAreFewInASparseWorld) {
     ghosts += counts.ghosts;
     rebuilds += counts.distributions;
   }
+  for (unsigned rank = 1; rank < 7; ++rank)
+    EXPECT_LT(ranks.table_bytes(rank), table_bytes_of(whole) / 3) << "rank " << rank;
   EXPECT_GT(ghosts, 0u);
   EXPECT_LT(5 * ghosts, own);
   EXPECT_LT(rebuilds, 7u * 6) << "the rows are distributed in every tick";
@@ -1105,6 +1118,88 @@ TEST_F(HaloOfARoom, RobotsCarryOneAnotherAcrossBorders) {
   expect_log(simulation,
              {{2, 1, {}, {}}, {3, 2, 1, 0.0}, {5, 1, 2, {}}, {7, 1, 3, 0.3}, {7, 1, 4, {}, 0.5, {}}},
              expected);
+}
+
+class HaloOfHooks : public HaloOfARoom {
+ protected:
+  /// The room of halo_room(), with further robots in a square that carry others.
+  Simulation load(double half_m, std::size_t hooked, std::string_view square) const {
+    Registry registry = test::registry();
+    registry.devices.push_back(Hook::kind());
+    SimulationOptions options;
+    options.threads = 1;
+    std::string room = halo_room(300, half_m);
+    const auto insert_after = [&room](std::string_view place, const std::string& text) {
+      room.insert(room.find(place) + place.size(), text);
+    };
+    insert_after(R"("types": {)",
+                 R"("hooked": {"extends": "wanderer", "devices": [{"name": "hook", "kind": "hook"}]},)");
+    insert_after(R"("populations": [)", fmt::format(R"({{"name": "h", "type": "hooked", "count": {},
+                   "place": {{"rule": "uniform", "region_m": {}}}}},)",
+                                                    hooked, square));
+    return Simulation(write("room.json", room), options, registry);
+  }
+};
+
+/// The number of ticks of a world in which its trees change, and the number of ticks in which bodies carry
+/// bodies that carry others.
+struct TreeTicks {
+  std::size_t changes = 0;
+  std::size_t deep = 0;
+};
+TreeTicks tree_ticks(World& world, std::uint64_t ticks) {
+  TreeTicks count;
+  std::vector<std::optional<BodyId>> before;
+  for (std::uint64_t tick = 0; tick < ticks; ++tick) {
+    world.step();
+    std::vector<std::optional<BodyId>> carriers;
+    bool is_deep = false;
+    for (std::size_t r = 0; r < world.rows(); ++r) {
+      carriers.push_back(world.carrier(Row(r)));
+      is_deep = is_deep || (carriers.back() && world.carrier(world.row(*carriers.back())));
+    }
+    count.changes += tick > 0 && carriers != before;
+    count.deep += is_deep;
+    before = std::move(carriers);
+  }
+  return count;
+}
+
+// Trees that no other rank has as ghosts change on their own rank alone. Trees that grow beyond the largest
+// tree so far, and trees near borders, cause a distribution.
+TEST_F(HaloOfHooks, TreesFarFromBordersNeedNoDistribution) {
+  constexpr std::uint64_t k_ticks = 60;
+  const Simulation simulation = load(60, 30, "[[50, 50], [53, 53]]");
+  const WorldSpec& spec = simulation.world().spec();
+  ASSERT_EQ(why_replicated(simulation.world()), "");
+  Diagnostics diagnostics(spec.files);
+  World whole(spec, simulation.registry(), {.threads = 1}, diagnostics);
+  const std::vector<Hashes> expected = halo_log(whole, k_ticks);
+  whole.reset();
+  const TreeTicks trees = tree_ticks(whole, k_ticks);
+  EXPECT_GT(trees.changes, k_ticks * 3 / 4);
+  EXPECT_GT(trees.deep, k_ticks / 2);
+  HaloRanks ranks(spec, simulation.registry(), {.ranks = 2});
+  expect_equal_logs(halo_log(ranks.world(), k_ticks), expected, "far from the border");
+  for (const RankCounts& counts : ranks.counts()) EXPECT_LT(counts.distributions, trees.changes / 2);
+  std::vector<HaloTeam> teams = k_experiment_teams;
+  for (std::uint64_t seed = 1; seed <= 6; ++seed)
+    teams.push_back({5, 1, seed, 0.05 * static_cast<double>(seed), 1, {}});
+  expect_log(simulation, teams, expected);
+}
+
+// The same with few trees everywhere, so that in some ticks all trees that change are local.
+TEST_F(HaloOfHooks, LocalAndSharedTreesChangeInTheSameTicks) {
+  constexpr std::uint64_t k_ticks = 60;
+  const Simulation simulation = load(16, 24, "[[-14, -14], [14, 14]]");
+  const WorldSpec& spec = simulation.world().spec();
+  Diagnostics diagnostics(spec.files);
+  World whole(spec, simulation.registry(), {.threads = 1}, diagnostics);
+  const std::vector<Hashes> expected = halo_log(whole, k_ticks);
+  std::vector<HaloTeam> teams = k_experiment_teams;
+  for (std::uint64_t seed = 1; seed <= 6; ++seed)
+    teams.push_back({4, 1, seed, 0.05 * static_cast<double>(seed), 1, {}});
+  expect_log(simulation, teams, expected);
 }
 
 /// A crowd of robots that wave arms: one arm slides, another turns and has a third one on it. Some robots

@@ -5,7 +5,9 @@
 
 #include <cstdint>
 #include <cstring>
+#include <numeric>
 #include <set>
+#include <span>
 #include <string>
 #include <vector>
 
@@ -227,6 +229,49 @@ TEST(StateTable, FieldsOfARowDoNotShareBytesAndAreAligned) {
       }
     }
     EXPECT_LE(taken.size(), table.bytes());
+  }
+}
+
+TEST(StateTable, RoomFollowsTheRows) {
+  std::vector<BodyId> ids;
+  for (std::uint32_t i = 0; i < 1000; ++i) ids.emplace_back(3 * i);
+  for (const Layout layout : {Layout::columns, Layout::rows}) {
+    std::vector<StateField> fields = k_fields;
+    fields[3].sparse = true;
+    StateTable table("pose", HashGroup::pose, layout, fields, ids);
+    fill(table);
+    const std::vector<std::uint64_t> expected = hashes(table);
+    const std::size_t bytes = table.bytes();
+    const auto expect_first = [&](std::size_t count) {
+      ASSERT_EQ(table.rows(), count);
+      for (std::size_t r = 0; r < count; ++r) EXPECT_EQ(table.hash_row(r), expected[r]) << "row " << r;
+      EXPECT_EQ(table.hash_rows(0, count), std::accumulate(expected.begin(), expected.begin() + count, 0ull));
+    };
+    table.make_room(1000);
+    EXPECT_EQ(table.bytes(), bytes) << "enough room";
+    table.keep_rows(700);
+    table.make_room(700);
+    EXPECT_EQ(table.bytes(), bytes) << "little would be freed";
+    table.keep_rows(100);
+    table.make_room(100);
+    EXPECT_LT(table.bytes(), bytes / 8);
+    expect_first(100);
+
+    table.make_room(400);
+    EXPECT_LT(table.bytes(), bytes / 2);
+    table.add_rows(std::span(ids).subspan(100, 300));
+    for (std::size_t f = 0; f < fields.size(); ++f)
+      for (const std::byte byte : table.cell<std::byte>(399, f)) EXPECT_EQ(byte, std::byte{0});
+    fill(table);
+    expect_first(400);
+
+    table.keep_rows(0);
+    table.make_room(0);
+    EXPECT_EQ(table.bytes(), 0u);
+    table.make_room(1000);
+    table.add_rows(ids);
+    fill(table);
+    expect_first(1000);
   }
 }
 

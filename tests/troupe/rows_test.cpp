@@ -308,6 +308,34 @@ TEST(RowOrder, TreesLeaveTogetherAndNoRowTwice) {
   EXPECT_EQ(world.hashes().state, hash);
 }
 
+std::size_t table_bytes(const engine::World& world) {
+  std::size_t bytes = 0;
+  for (const engine::StateTable& table : world.tables()) bytes += table.bytes();
+  return bytes;
+}
+
+TEST(RowOrder, MemoryFollowsTheRows) {
+  for (const char* name : {"hospital.json", "magpies.json", "failures.json", "pushers.json"}) {
+    SCOPED_TRACE(name);
+    Simulation undisturbed(k_shipped / name);
+    Simulation simulation(k_shipped / name);
+    engine::World& world = simulation.world();
+    const std::size_t bytes = table_bytes(world);
+    for (int round = 0; round < 3; ++round) {
+      for (Simulation* each : {&undisturbed, &simulation}) each->run_for(1);
+      std::vector<BodyId> leaving;
+      for (std::size_t r = 0; r < world.rows(); ++r)
+        if (const BodyId id = world.body(Row(r)); root_of(world, id).value % 8 != 0) leaving.push_back(id);
+      const auto states = world.remove_rows(leaving);
+      EXPECT_LT(world.rows(), states.size() / 4);
+      EXPECT_LT(table_bytes(world), bytes / 4);
+      world.add_rows(states);
+      EXPECT_LT(table_bytes(world), bytes + bytes / 16);
+      EXPECT_EQ(world.hashes().state, undisturbed.world().hashes().state);
+    }
+  }
+}
+
 TEST(RowOrder, CannotBeShuffledOnSeveralRanks) {
   SimulationOptions options;
   options.ranks = 2;

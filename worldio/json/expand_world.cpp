@@ -39,11 +39,11 @@ struct Model {
   BodySpec body;
   std::optional<engine::Name> alias;
   std::vector<std::string> global_parts;  ///< ModelDocument::global_parts
-  std::optional<std::string> reserve_of;  ///< population of the reserve that has the body
+  std::optional<std::string> reserve_of;  ///< population whose reserve has the body; empty: none
   std::string pointer;                    ///< JSON pointer to the model, for errors
 };
 
-/// Makes the spec of a world from a document.
+/// Makes the spec of a world, the description that the engine uses, from a document.
 class WorldExpander {
  public:
   WorldExpander(const WorldDocument& document, const std::filesystem::path& file,
@@ -154,7 +154,8 @@ void WorldExpander::expand_settings() {
   spec_.mortal = document_.mortal;
 }
 
-/// Sets the shape of a floor plan to that of its image, and extends the bounds by the whole image.
+/// Sets the shape of a floor plan to that of its image, and extends the bounds of the world so that they
+/// contain the whole image.
 void WorldExpander::expand_image_plan(const FloorplanDocument& document, const DocumentPath& at,
                                       const BodySpec& body, engine::PartSpec& part) {
   const auto image = expand_image(document.image, document, at, folder_);
@@ -295,8 +296,8 @@ void WorldExpander::expand_population(const PopulationDocument& document, const 
       DocumentPath(at, "name", document.where_of("name"))
           .error(fmt::format(
               "the names of the populations \"{}\" and \"{}\" differ only in digits at the end, so a body "
-              "of one could have the same name as a body of the other: end one of the two names with a "
-              "character that is not a digit, as in \"{}_\"",
+              "of one could have the same name as a body of the other: append a character that is not a "
+              "digit to one of the two names, as in \"{}_\"",
               other.name, document.name, document.name));
   populations_.push_back(std::move(population));
 }
@@ -368,6 +369,7 @@ void WorldExpander::place_bodies() {
   const engine::Crowd of_models = options_.place_again != nullptr ? occupancy.crowd() : engine::Crowd();
   engine::place(populations_, spec_, occupancy,
                 {.threads = options_.threads, .most_bodies = options_.most_bodies}, diagnostics_);
+  occupancy.crowd() = engine::Crowd();  // place_again() does not read it, and it is large
   if (options_.place_again == nullptr || populations_.empty() || diagnostics_.has_errors()) return;
   *options_.place_again = [kept, of_models, first, populations = populations_, bounds = spec_.bounds,
                            files = spec_.files](std::vector<BodySpec>& bodies, std::uint64_t seed) {
@@ -387,9 +389,9 @@ void WorldExpander::make_shapes(engine::Occupancy& occupancy) {
     }
 }
 
-/// Adds a body to the bodies that a population may bring into the world during the run. A reserve is a range
-/// of ids of one population and type. The body extends the last reserve if its id, population and type fit;
-/// otherwise it starts a new reserve.
+/// Adds a body to those that a population may bring into the world during the run. The spec stores them as
+/// ranges (engine::ReserveSpec): bodies with consecutive ids, of one population and one type. The body
+/// extends the last range if its id, population and type fit; otherwise it starts a new range.
 void WorldExpander::add_to_reserve(const std::string& population, BodyId body, TypeId type) {
   auto& reserves = spec_.reserves;
   if (!reserves.empty()) {

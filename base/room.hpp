@@ -1,0 +1,43 @@
+#pragma once
+
+#include <cstddef>
+#include <iterator>
+#include <vector>
+
+namespace troupe {
+
+/// The number of elements for which a list should have memory if it needs memory for `size` elements and has
+/// memory for `room`: the result is `room` unless this is too little, or so much that a third of it would not
+/// be used. A new number includes some spare elements, so a list whose size varies slightly keeps its memory.
+/// A list that has no memory yet gets memory for exactly `size` elements.
+inline std::size_t room_for(std::size_t size, std::size_t room) {
+  constexpr std::size_t k_small = 8;  // elements that are not worth freeing
+  if (room == 0) return size;
+  return size > room || size + size / 2 + k_small < room ? size + size / 32 : room;
+}
+
+/// Changes the memory of a list to that for room_for() elements. The list must have at most `size` elements,
+/// which it keeps.
+template <class T>
+void make_room(std::vector<T>& list, std::size_t size) {
+  const std::size_t room = room_for(size, list.capacity());
+  if (room == list.capacity()) return;
+  std::vector<T> moved;
+  moved.reserve(room);
+  moved.assign(std::make_move_iterator(list.begin()), std::make_move_iterator(list.end()));
+  list.swap(moved);
+}
+
+/// Resizes a list, and its memory by make_room(). New elements are copies of `value`.
+template <class T>
+void resize_with_room(std::vector<T>& list, std::size_t size, const T& value = T()) {
+  if (size < list.size()) list.erase(list.begin() + static_cast<std::ptrdiff_t>(size), list.end());
+  make_room(list, size);
+  list.resize(size, value);
+}
+
+/// Returns memory that the process has freed to the operating system, as far as the C library can. Without
+/// this, the process may keep the pages of freed lists. Call it after much memory was freed for good.
+void release_freed_memory();
+
+}  // namespace troupe
