@@ -5,6 +5,8 @@
 #include "engine/world/world.hpp"
 #include "partition/placed_shape.hpp"
 
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <array>
 #include <cmath>
@@ -80,6 +82,7 @@ struct Gripper {
 
   static std::vector<DeviceKind::Fixture> body(const Params& params);
   static DeviceKind::Prepared prepare(const Params& params, const Pose& pose_body_gripper);
+  Result<> bind_part(const engine::TypeSpec&, std::uint32_t) const;
   void start(State& row) const;
   void act(const DeviceBatch& batch) const;
   void joints_moved(const DeviceBatch& batch) const;
@@ -364,6 +367,14 @@ DeviceKind::Prepared Gripper::prepare(const Params& params, const Pose& pose_bod
           .joints = {gripper.left(gripper.starts_closed(), gripper.starts_up()),
                      gripper.right(gripper.starts_closed(), gripper.starts_up())},
           .joint_reach_m = gripper.travel()};
+}
+
+Result<> Gripper::bind_part(const engine::TypeSpec&, std::uint32_t) const {
+  if (paddle().y() < 0.5) return {};
+  return Error{
+      fmt::format("has a paddle_size of [{:g}, {:g}, {:g}], whose y must be below 0.5, or two paddles "
+                  "do not fit",
+                  paddle().x(), paddle().y(), paddle().z())};
 }
 
 void Gripper::start(State& row) const {

@@ -270,6 +270,26 @@ TEST(Gripper, ItsOwnRangerDoesNotSeeWhatItHolds) {
   }
 }
 
+TEST(Gripper, PaddlesMustFitSideBySide) {
+  const auto build = [](double y) {
+    SceneBuilder scene;
+    scene.body("r",
+               gripper_robot(scene, "robot", {}, {}, {{"paddle_size", std::vector<double>{0.6, y, 0.4}}}));
+    Diagnostics diagnostics;
+    World(scene.spec, test::registry(), {}, diagnostics);
+  };
+  EXPECT_NO_THROW(build(0.499));
+  try {
+    build(0.5);
+    FAIL() << "the world was built";
+  } catch (const InputError& error) {
+    EXPECT_STREQ(
+        error.what(),
+        "error: device \"hand\" has a paddle_size of [0.6, 0.5, 0.4], whose y must be below 0.5, or two "
+        "paddles do not fit");
+  }
+}
+
 /// The same bits whatever the threads and tiles: carriers cross the borders of tiles, and compete.
 TEST(Gripper, CarriesTheSameOnAnyThreadsAndTiles) {
   SceneBuilder scene;
