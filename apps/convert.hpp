@@ -18,8 +18,9 @@ struct ConvertOptions {
   std::filesystem::path in;   ///< world file to read
   std::filesystem::path out;  ///< world file to write; its ending selects the format
   bool force = false;         ///< replace an existing output file
-  std::vector<std::pair<std::string, std::string>> set;  ///< values to replace, as SimulationOptions::set
-  std::vector<std::filesystem::path> plugin_path;        ///< folders to search for plug-ins
+  /// Values of the world to replace: pairs of a JSON pointer and a JSON value (SimulationOptions::set).
+  std::vector<std::pair<std::string, std::string>> set;
+  std::vector<std::filesystem::path> plugin_path;  ///< folders to search for plug-ins
 };
 
 /// Adds the options of `convert`; parsing fills `options`, which must outlive `command`.

@@ -40,7 +40,7 @@ class CsvFile {
   void end_line();  ///< ends the current line
 
   /// Writes the finished lines to the file. Call it only after end_line(), not within a line. tick: the
-  /// current tick of the run, for the error. Throws std::runtime_error if writing fails.
+  /// current tick of the run, for before() and for the error. Throws std::runtime_error if writing fails.
   void flush(std::uint64_t tick);
   /// Returns the lines that were flushed before the tick `tick`, which must not be earlier than the tick of
   /// the last flush.

@@ -16,7 +16,7 @@ namespace troupe::apps {
 
 /// Options of `troupe describe`.
 struct DescribeOptions {
-  std::string kind;                                ///< name of the kind to describe; empty: list all kinds
+  std::string kind;                                ///< kind to describe, such as "ranger"; empty: list all
   bool schema = false;                             ///< print the JSON Schema of worlds instead
   std::vector<std::filesystem::path> plugin_path;  ///< folders to search for plug-ins
 };

@@ -17,8 +17,9 @@ namespace troupe::apps {
 /// The first line of every hash log.
 inline constexpr std::string_view k_hash_log_mark = "# troupe hash log 1";
 
-/// Reads a hash log line by line, because a hash log may be gigabytes long. Every error in the file is thrown
-/// as InputError: `run.log:31: error: ...`.
+/// Reads a hash log (troupe run --hash-log), a text file with the state hashes of every tick. Reads it line
+/// by line, because it may be gigabytes long. Every error in the file is thrown as InputError:
+/// `run.log:31: error: ...`.
 class HashLogReader {
  public:
   /// Opens the file and reads its header. Throws InputError if the file cannot be read or is not a hash log.
@@ -34,11 +35,11 @@ class HashLogReader {
     std::string text;                                         ///< the whole line, without its line break
     std::uint64_t tick;                                       ///< number of the tick
     std::uint64_t state;                                      ///< hash of the whole state
-    std::array<std::uint64_t, engine::k_hash_groups> groups;  ///< hash of each engine::HashGroup
+    std::array<std::uint64_t, engine::k_hash_groups> groups;  ///< hashes by group of the state (HashGroup)
   };
-  /// Returns the next line after the header, or nothing at the end of the log. Throws InputError if a tick is
-  /// missing or repeated, if the line is incomplete or malformed, or if its state hash is not the sum (modulo
-  /// 2^64) of its group hashes.
+  /// Returns the next line; the first call returns the first line below the header. Returns nothing at the
+  /// end of the log. Throws InputError if a tick is missing or repeated, if the line is incomplete or
+  /// malformed, or if its state hash is not the sum (modulo 2^64) of its group hashes.
   std::optional<Line> next();
 
  private:

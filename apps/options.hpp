@@ -70,7 +70,7 @@ struct WorldOptions {
   bool is_checkpoint = false;   ///< `world` is a checkpoint
   SimulationOptions simulation;
   std::optional<double> for_s;  ///< --for: end in world time, s
-  bool gives_ranks = false;     ///< whether --ranks is given, which is an error under mpirun
+  bool gives_ranks = false;     ///< whether --ranks is given: an error under mpirun (each process is a rank)
   double rank_limit_s = 600;    ///< --rank-limit: longest wait for another rank, wall time, s
 };
 /// Adds the positional argument WORLD and the options of add_run_settings(). Parsing fills `options`, which
@@ -95,11 +95,13 @@ void add_simd_option(CLI::App& app);
 /// nothing if the variable is not set or empty. Throws InputError if the name is unknown or the processor
 /// lacks the set.
 void obey_simd_variable();
-/// Adds --rank-seed, which sets SimulationOptions::rank_seed.
+/// Adds --rank-seed (for tests: random delays of messages and moves of robots between ranks), which sets
+/// SimulationOptions::rank_seed.
 void add_rank_seed_option(CLI::App& app, WorldOptions& options);
-/// Adds --distribute, which sets SimulationOptions::distribute.
+/// Adds --distribute (each rank has only its own robots and those near them), which sets
+/// SimulationOptions::distribute.
 void add_distribute_option(CLI::App& app, WorldOptions& options);
-/// Adds --rank-limit, which sets `limit_s`, s; `limit_s` must outlive `app`.
+/// Adds --rank-limit (longest wait for another rank), which sets `limit_s`, s; `limit_s` must outlive `app`.
 void add_rank_limit_option(CLI::App& app, double& limit_s);
 /// Adds --plugin-path, which appends to `path`; `path` must outlive `app`.
 void add_plugin_path_option(CLI::App& app, std::vector<std::filesystem::path>& path);

@@ -41,13 +41,14 @@ void check_outputs(const std::vector<Input>& inputs, const std::vector<std::file
 /// Appends to `inputs` the files that the world of a simulation was read from. Appends nothing for a
 /// simulation that was resumed from a checkpoint.
 void add_inputs(const Simulation& simulation, std::vector<Input>& inputs);
-/// Appends the files of scripts to `inputs`.
+/// Appends the files of Python scripts with controllers (--controller) to `inputs`.
 void add_inputs(std::span<const std::shared_ptr<const Script>> scripts, std::vector<Input>& inputs);
 /// Checks that files can be written into a folder. If the folder does not exist yet, checks that its parent
 /// folder exists and is writable. Ignores an empty path. Creates nothing. Throws OutputError.
 void check_folder(const std::filesystem::path& folder);
 
-/// Writes a hash log. Each line is written to the file at the end of its tick.
+/// Writes a hash log: a text file with one line per tick, which contains the hashes of the state after this
+/// tick. Each line is written to the file at the end of its tick.
 class HashLog : public Observer {
  public:
   /// Opens the file and writes the header. If the simulation was resumed from a checkpoint and the file
@@ -68,7 +69,9 @@ class HashLog : public Observer {
   std::optional<std::uint64_t> written_;  // the last tick of a continued log
 };
 
-/// Returns a new output with the option --hash-log.
+/// Returns the kind of output that writes a HashLog (see RunOutput). It adds the option --hash-log to the
+/// command line, and writes the log to the file that --hash-log names. Without --hash-log, nothing is
+/// written.
 std::unique_ptr<RunOutput> hash_log_output();
 
 }  // namespace troupe::apps

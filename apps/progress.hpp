@@ -6,8 +6,8 @@
 namespace troupe::apps {
 
 /// Returns the text of a progress bar, without control characters. The run goes from world time `begin_s` to
-/// `end_s` and has reached `now_s`; both must exceed `begin_s`; all in s. elapsed_s: wall time since the run
-/// began, s.
+/// `end_s` and has reached `now_s`, all in s; `end_s` and `now_s` must exceed `begin_s`. elapsed_s: wall time
+/// since the run began, s.
 std::string progress_text(double begin_s, double now_s, double end_s, double elapsed_s);
 
 /// A progress bar on standard error, which is redrawn up to five times per second and erased at the end.

@@ -16,8 +16,10 @@ struct ViewOptions : WorldOptions {
   std::string bind;                ///< IP address to listen on; empty: the loopback addresses
   std::vector<std::string> hosts;  ///< host names of proxies; requests may have them in the header `Host`
   double rate = 1;                 ///< limit of the speed, times real time; 0: no limit
-  std::filesystem::path folder;    ///< folder for the session and other files; empty: the working folder
-  bool open = false;               ///< open the page in the default browser
+  /// Folder for the session file (the actions of the users), checkpoints and recordings; empty: the working
+  /// folder.
+  std::filesystem::path folder;
+  bool open = false;  ///< open the page in the default browser
 };
 
 /// Adds the options of `view`; parsing fills `options`, which must outlive `command`.

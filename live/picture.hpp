@@ -30,7 +30,7 @@ struct Picture {
   /// stands for the same part of several robots; these robots are in the order of the page. Empty if take()
   /// was called without `has_colors`.
   std::vector<std::uint8_t> colors;
-  /// For each client that colours robots by a value: one byte per robot, see take_shades().
+  /// For each client that colours robots by a value: one byte per robot (take_shades(), live/watched.hpp).
   std::map<std::uint64_t, std::vector<std::uint8_t>> shades;
 };
 /// Heading of robots that are not in the world.
@@ -51,10 +51,10 @@ struct SentPicture {
   std::vector<std::uint8_t> shades;
 };
 
-/// Returns the binary frame of a picture for a client (docs/live.md), which contains the number of the
-/// picture and its differences from `sent`. Sets `sent` to the content of this picture. If the picture has no
-/// shades for the client, the frame has none either, and `sent.shades` does not change. robots: number of
-/// robots that the page shows. client: number of the client, which selects its Picture::shades.
+/// Returns the binary WebSocket frame of a picture for a client (docs/live.md), which contains the number of
+/// the picture and its differences from `sent`. Sets `sent` to the content of this picture. If the picture
+/// has no shades for the client, the frame has none either, and `sent.shades` does not change. robots: number
+/// of robots that the page shows. client: number of the client, which selects its Picture::shades.
 std::string encode(const Picture& picture, std::size_t robots, std::uint64_t client, SentPicture& sent);
 
 }  // namespace troupe::live

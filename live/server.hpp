@@ -9,8 +9,8 @@
 
 namespace troupe::live {
 
-/// The two WebSocket frames with which the server sends a picture: first the text frame, then the binary
-/// frame.
+/// The two WebSocket frames with which the server sends a picture, the state of the world after one tick
+/// (live/picture.hpp): first the text frame, then the binary frame.
 struct ViewFrames {
   std::string state;  ///< text frame: a JSON object
   std::string poses;  ///< binary frame: see encode() in live/picture.hpp

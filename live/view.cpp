@@ -457,7 +457,8 @@ void View::Impl::play(std::uint64_t ticks) {
   line_.clear();
 }
 
-/// Obeys a request that runs or pauses the world. Returns false if the request is of another sort.
+/// Obeys a request that runs or pauses the world, or limits its speed. Returns false if the request is of
+/// another sort.
 bool View::Impl::obey_clock(const Request& request) {
   if (request.what() == "play") {
     play(0);

@@ -19,7 +19,8 @@ inline constexpr double k_least_rate = 0.001;
 inline constexpr double k_most_rate = 1e6;  ///< largest speed that a viewer may request
 
 /// Shows a running simulation in browsers, where users can pause it, change it and drive its robots
-/// (docs/live.md). Writes the actions of the users to a session file:
+/// (docs/live.md). A page or program that has connected to the view is called a viewer. Writes the actions of
+/// the users to a session file:
 ///
 ///     troupe::Simulation simulation("cave.world", {.mortal = true});
 ///     troupe::live::View view(simulation);

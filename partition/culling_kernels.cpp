@@ -40,14 +40,14 @@ struct Shape {
   bool mirrored;
 };
 
-/// The beams as line segments. Let p be the centre of a circle relative to the reference, d the direction of
-/// a beam, and x the cross product in the plane. The centre is |p x d - aside| away from the line of the
-/// beam. Along the beam, it is |p . d - middle| - half beyond the nearer end of the segment, or between the
-/// two ends if this number is negative.
+/// The beams as line segments. Let p be the centre of a circle relative to the reference point (see Fan), d
+/// the direction of a beam, and x the cross product in the plane. The centre is |p x d - aside| away from the
+/// line of the beam. Along the beam, it is |p . d - middle| - half beyond the nearer end of the segment, or
+/// between the two ends if this number is negative.
 ///
-/// A segment ends at the limit of its beam, but is at most `high` + |ox| + |oy| long. `high` is the largest
-/// distance from the reference of this search, so no circle of the search is beyond such a segment. Because
-/// segments are short, rounding errors do not grow with the length of a beam.
+/// A segment ends at the limit of its beam (limits_of()), but is at most `high` + |ox| + |oy| long. `high` is
+/// the largest distance from the reference of this search, so no circle of the search is beyond such a
+/// segment. Because segments are short, rounding errors do not grow with the length of a beam.
 struct Parts {
   alignas(64) float aside[k_most_beams];   // offset of the beam's line from the reference
   alignas(64) float middle[k_most_beams];  // middle of the segment, along the beam

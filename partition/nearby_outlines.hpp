@@ -21,19 +21,20 @@ using CircleRun = std::span<const BodyCircle>;
 void unpack(std::span<const CircleRun> runs, std::uint32_t mark, std::size_t size, CircleArrays& out);
 
 /// Finds the outlines that the rays of the sensors in one block of cells (GridGeometry::block_bits()) may
-/// hit: outlines of bodies, and pieces (short chains of edges) of static outlines. Returns the circles that
-/// enclose them. The circles are divided into bands by their distance from the block; band 0 is the nearest.
-/// A wide body (see BodyIndex) may be in several bands, and several times in one band. A band is gathered on
-/// first use and then serves all sensors in the block. In a crowd most sensors need only the first band.
+/// hit: outlines of bodies, and pieces (short chains of edges) of static outlines. Gives the circles that
+/// enclose these outlines. The circles are divided into bands by their distance from the block; band 0 is the
+/// nearest. A wide body (see BodyIndex) may be in several bands, and several times in one band. A band is
+/// gathered on first use and then serves all sensors in the block. In a crowd most sensors need only the
+/// first band.
 class NearbyOutlines {
  public:
   /// In circles(), the member `row` is the index of a body in the state tables or, with this bit set, the
   /// number of a piece of a static outline.
   static constexpr std::uint32_t k_fixed = 1u << 31;
 
-  /// Sets the indices to search, which must stay valid during the queries, and forgets the current block.
-  /// geometry: the grid of `bodies`, whose blocks are used. reach: largest distance from a sensor at which
-  /// its rays may hit a circle, metres.
+  /// Sets the two spatial indexes to search, which must stay valid during the queries, and forgets the
+  /// current block. geometry: the grid of `bodies`, whose blocks are used. reach: largest distance from a
+  /// sensor at which its rays may hit a circle, metres.
   void begin(const BodyIndex& bodies, const FixedOutlines& fixed, const GridGeometry& geometry, double reach);
   /// Makes the block that contains this point (world frame, metres) the current block, to which the members
   /// below refer. If the block changes, all bands are gathered again on their next use. begin() must have

@@ -7,7 +7,7 @@
 
 namespace troupe::partition {
 
-/// A circle that encloses a piece, metres, in the frame of its shape.
+/// A circle that encloses a piece (a convex prism) of a shape, metres, in the frame of the shape.
 struct PieceCircle {
   Vec2 centre;    ///< centre of the piece's bounding box
   double radius;  ///< distance from the centre to the piece's farthest corner

@@ -29,7 +29,7 @@ class Parallel {
 
   unsigned threads() const { return threads_; }  ///< number of threads, at least 1
 
-  /// Sets a callback for profiles. The thread that runs a task calls the callback before the task (`begins`
+  /// Sets a callback for profilers. The thread that runs a task calls the callback before the task (`begins`
   /// is true) and after the task (`begins` is false), with the index of the task in its loop. Several threads
   /// may call the callback at once, so it must be thread-safe. An empty function removes the callback;
   /// without a callback, tasks have no overhead. Call on_task() between loops only.

@@ -18,10 +18,11 @@ bool is_tiny(float area, float m) { return std::abs(area) <= k_tiny * (m * m); }
 
 float grazing_limit(const RayEdge& e) { return k_grazing * (std::abs(e.ex) + std::abs(e.ey)); }
 
-/// The inverse range of a beam and an edge that is hit at a grazing angle or looks tiny; 0 if the beam misses
-/// the edge. ca, cb: the sides of the vertices a and b, which are computed in float as for all edges;
-/// everything else is computed in double. m: the sum of the magnitudes of the coordinates of edge and origin,
-/// metres.
+/// The inverse range at which a beam hits an edge, for edges that are hit at a grazing angle (k_grazing) or
+/// look tiny (k_tiny); 0 if the beam misses the edge. ca, cb: the cross products (a - o) x d and (b - o) x d,
+/// whose signs tell on which side of the beam the ends a and b of the edge are. They are computed in float as
+/// for all edges; everything else is computed in double. m: the sum of the magnitudes of the coordinates of
+/// edge and origin, metres.
 float careful_inverse(const RayEdge& e, double dx, double dy, double ox, double oy, float ca, float cb,
                       float m) {
   constexpr float k_noise = 1.0f / (1 << 21);       // rounding error of a side, relative to m

@@ -28,10 +28,11 @@ constexpr Rebind<float, Full<double>> k_half;  // as many floats as doubles in a
 using Few = Capped<float, 8>;
 constexpr Few k_few;
 
-/// The edges of an EdgeBlock relative to the reference, in one array per component. The components are those
-/// of RayEdge, as relative_edge() computes them, except that relate() computes `area` differently. Edge j
-/// runs from vertex j to vertex j + 1. `magnitude` is the sum of the magnitudes of the coordinates of both
-/// ends, m. `grazing` is the limit of |d x e| below which the angle is grazing (k_grazing).
+/// The edges of an EdgeBlock relative to the reference point (see Fan), in one array per component. The
+/// components are those of RayEdge, as relative_edge() computes them, except that relate() computes `area`
+/// differently. Edge j runs from vertex j to vertex j + 1. `magnitude` is the sum of the magnitudes of the
+/// coordinates of both ends, m. `grazing` is the limit of |d x e| below which the angle is grazing
+/// (k_grazing).
 struct Relative {
   static constexpr std::size_t k_size = EdgeBlock::k_capacity + 3 * EdgeBlock::k_piece;
   alignas(64) float x[k_size], y[k_size];    // per vertex
@@ -171,8 +172,8 @@ HWY_NOINLINE void project_carefully(const RayEdge& edge, const Fan& fan, std::si
                inverse[i], returns == nullptr ? nullptr : returns + i);
 }
 
-/// Marks the lanes that have no edge. For a piece of n edges, a vector is read from index k_piece - n on: its
-/// first n lanes are 0, and the lanes after them are NaN.
+/// Marks the lanes that have no edge. For a piece of n edges, a vector is read from k_edges_then_none, from
+/// the index k_piece - n on: its first n lanes are 0, and the lanes after them are NaN.
 constexpr float k_no_edge = std::numeric_limits<float>::quiet_NaN();
 alignas(64) constexpr float k_edges_then_none[2 * EdgeBlock::k_piece] = {
     0,         0,         0,         0,         0,         0,         0,         0,

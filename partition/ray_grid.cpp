@@ -61,8 +61,9 @@ std::string too_fine(double resolution, double bytes, double most_bytes) {
 
 }  // namespace
 
-/// Draws outlines into a Drawing. Stores the cells from index `cell` of Drawing::cells on, and the runs from
-/// index `run` of Drawing::runs on. Calls file(region, index of the run) whenever a run is complete.
+/// Draws outlines into a Drawing. Stores the cells from index `cell` of Drawing::cells on, and the runs
+/// (consecutive cells of one outline in one region) from index `run` of Drawing::runs on. Calls file(region,
+/// index of the run) whenever a run is complete.
 class RayGrid::Rasterizer {
  public:
   Rasterizer(const GridGeometry& geometry, Drawing& drawing, std::uint32_t cell, std::uint32_t run)

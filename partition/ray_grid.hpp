@@ -110,7 +110,7 @@ class RayGrid {
   static constexpr std::uint32_t k_none = ~0u;
   static constexpr std::uint32_t k_shared = ~0u - 1;
 
-  /// A surface in a cell.
+  /// A surface of the static scene: its heights, m, world frame, and the intensity that a ray reads from it.
   struct Surface {
     double z_min;
     double z_max;
@@ -124,7 +124,7 @@ class RayGrid {
     std::array<std::uint32_t, 64> owners;   // per block: the only body that draws in it, or k_shared
     std::array<std::uint32_t, 64> marks{};  // per block: index in marks_ of the mark of its first drawn cell
   };
-  /// A region that is or was in use.
+  /// A region that is or was in use. `fixed` shows only the static scene, `live` also the mobile bodies.
   struct Slot {
     const Region* seen = nullptr;  // the one that rays see: live while bodies are in it, else fixed or null
     std::unique_ptr<Region> fixed;
@@ -162,7 +162,7 @@ class RayGrid {
     std::uint32_t first = 0;
     std::uint32_t count = 0;
   };
-  /// A run in a region that has no live slot yet.
+  /// A run in a region for which there is no Slot::live yet.
   struct NewRegionRun {
     Cell region;
     std::uint32_t run;

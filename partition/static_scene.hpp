@@ -59,8 +59,9 @@ class EdgeGrid {
 class StaticScene {
  public:
   StaticScene() = default;
-  /// solids: in the world frame. cell_m: edge length of the cells of the index of edges, metres, above 0; the
-  /// cell sizes of other indices follow from it. cell_m affects only the speed.
+  /// solids: in the world frame. cell_m: edge length of the cells of the index of obstacle edges, metres,
+  /// above 0; the cell sizes of most other grids of this object follow from it. cell_m affects only the
+  /// speed.
   StaticScene(std::vector<FixedSolid> solids, double cell_m);
 
   std::span<const FixedSolid> solids() const { return solids_; }  ///< all solids, in the order given
@@ -73,10 +74,10 @@ class StaticScene {
   const FixedOutlines& hidden_outlines() const { return hidden_outlines_; }
   bool has_obstacles() const { return has_obstacles_; }  ///< whether any solid blocks motions
 
-  /// Returns the index in solids() of an obstacle that has an edge that enters a piece of the shape at a
-  /// common height; -1 if there is none. If there are several, returns the one that the search finds first.
-  /// Solids for which ignored(index) is true are skipped. A solid that contains the whole shape is not found,
-  /// because none of its edges enters the shape; blocked() finds it.
+  /// Returns the index in solids() of an obstacle that has an edge that enters a piece (a convex prism)
+  /// of the shape at a common height; -1 if there is none. If there are several, returns the one that the
+  /// search finds first. Solids for which ignored(index) is true are skipped. A solid that contains the whole
+  /// shape is not found, because none of its edges enters the shape; blocked() finds it.
   template <class Ignored>
   int crossed(const PlacedShape& shape, Ignored&& ignored) const;
 

@@ -35,7 +35,7 @@ class TileOwners {
   static std::vector<Key> equal_cut(std::span<const Key> keys, unsigned ranks);
 
   /// For tests: returns a random cut (see the constructor). Each of its keys is a key of the ascending list
-  /// `keys`, or such a key plus 1. With this cut, some ranks own only one tile, and some own nothing.
+  /// `keys`, or such a key plus 1. With such a cut, many ranks own only one tile or no tile.
   static std::vector<Key> random_cut(std::span<const Key> keys, unsigned ranks, Random& random);
 
   unsigned ranks() const { return static_cast<unsigned>(cut_.size()) + 1; }  ///< number of ranks

@@ -14,7 +14,10 @@ namespace troupe::perf {
 
 /// A world to simulate, with its settings and the time to simulate.
 struct Scene {
-  std::string name;  ///< such as "hospital/2000"; key of its recorded hash and in paper_reference.json
+  /// Such as "hospital/2000": a world or a variant of it, and the number of robots. The scene has this name
+  /// in perf/paper_hashes.txt, the file with the recorded hashes, and in perf/paper_reference.json, the file
+  /// with the speeds of other simulators.
+  std::string name;
   std::filesystem::path world;
   worldio::LoadOptions load;
   std::size_t robots = 0;
@@ -23,7 +26,8 @@ struct Scene {
   bool grid = false;  ///< use the grid engine, the ray tracer of the paper on Stage (perf/paper.cpp)
 };
 
-/// One row of a table: a scene, and the way in which it is run.
+/// A scene, and the way in which it is run. Each run is a row of a table, except in the table `simd`, where
+/// all runs of a case are one row.
 struct Run {
   Scene scene;
   unsigned threads = 1;
@@ -67,7 +71,8 @@ struct Plan {
 /// simd: the instruction sets to compare, named as in partition::simd_targets()
 Plan make_plan(bool quick, const std::vector<unsigned>& threads, const std::vector<std::string>& simd);
 
-/// The folder with the worlds that Stage ships, beside the root folder of Troupe's sources.
+/// The folder with the worlds that Stage ships: ../shared/stage-worlds, relative to the root folder of
+/// Troupe's sources.
 std::filesystem::path stage_worlds();
 
 /// Returns an error if the world file of the scene does not exist.

@@ -9,8 +9,8 @@
 
 namespace troupe::perf {
 
-/// The recorded state hashes with which results are compared. The file has one line per hash, with the name
-/// of the scene, the tick and the hash in hexadecimal digits.
+/// The recorded state hashes with which results are compared. The file, by default perf/paper_hashes.txt, has
+/// one line per hash, with the name of the scene, the tick and the hash in hexadecimal digits.
 class HashBook {
  public:
   /// Reads the file. If it does not exist, there are no hashes. Throws std::runtime_error, with file and

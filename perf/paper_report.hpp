@@ -47,10 +47,11 @@ struct Scaling {
   double speedup;        ///< wall time on one thread divided by wall time on several
   double probe;          ///< speed-up of probe_s() on the same number of threads: the limit of the machine
 };
-/// The speed-ups of all rows that were measured on one thread and on several.
+/// The speed-ups of all rows that were measured on one thread and on several, except those of the tables
+/// `clusters`, `watching`, `grid` and `simd`.
 std::vector<Scaling> scalings(const Report& report);
 
-/// All tables of a report that have rows.
+/// All tables of a report that have rows. The comparison with the goals is left out if `report.quick`.
 std::vector<Sheet> sheets(const Report& report, const Reference& reference);
 
 /// A table as text with aligned columns.
@@ -64,10 +65,10 @@ std::string json(const Report& report);
 /// or the whole file if it has no such lines. Throws std::runtime_error if the file cannot be written.
 void write_between_marks(const std::filesystem::path& file, const std::string& text);
 
-/// Compares the hashes of a report with the book. If `record`, stores them in the book instead; the caller
-/// saves it. Returns one line of text for each wrong or unknown hash, and for each row whose repetitions
-/// ended with different hashes. With `record`, a hash is wrong if another row of the same scene has a
-/// different one.
+/// Compares the hashes of a report with those in `book`. If `record`, stores them in `book` instead; the
+/// caller then calls HashBook::save(). Returns one line of text for each wrong or unknown hash, and for each
+/// row whose repetitions ended with different hashes. With `record`, a hash is wrong if another row of the
+/// same scene has a different one.
 std::vector<std::string> check_hashes(const Report& report, HashBook& book, bool record);
 
 }  // namespace troupe::perf

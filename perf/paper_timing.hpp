@@ -14,15 +14,15 @@
 
 namespace troupe::perf {
 
-/// Measurements of a run, which is a row of a table. Members whose comments do not mention repetitions hold
-/// values of the last repetition.
+/// Measurements of a run. Members whose comments do not mention repetitions hold values of the last
+/// repetition.
 struct Timing {
   Run run;
   std::size_t robots = 0;
   double tick_s = 0;
   std::uint64_t ticks = 0;      ///< measured ticks in each repetition
   std::uint64_t hash_tick = 0;  ///< the tick at which `hash` is computed: the end of the first repetition
-  std::uint64_t hash = 0;       ///< hash of the whole state, ranges included
+  std::uint64_t hash = 0;       ///< hash of the whole state, ranges included, in the first repetition
   bool repeatable = true;       ///< false if another repetition had a different hash at hash_tick
   std::vector<double> wall_s;   ///< wall time of each repetition, s
   double beams_per_tick = 0;

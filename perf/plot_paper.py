@@ -44,7 +44,7 @@ def save(figure, folder, name):
 
 
 def series(rows, world, threads, frames):
-    """Returns (robots, least, median, greatest speed) for each population of a world, in ascending order.
+    """Returns (robots, least, median, greatest speed) for each measured number of robots of a world, in ascending order.
 
     Speeds are multiples of real time. frames: whether to return the runs with pictures or those without. The list is
     empty if the world was not measured in this way.

@@ -302,8 +302,9 @@ void bind_batch(py::module_& module) {
           py::arg("out") = std::filesystem::path(),
           "Shows the copy with the index `copy` in a browser and returns a BatchView with the address of the "
           "page. From then on,\nsteps of the batch wait while a user has paused the copy. `rate` limits the "
-          "speed to a multiple of real time; 0 is no\nlimit. Each episode writes a session file into the "
-          "folder `out`. port: TCP port; 0: any free port (docs/live.md).")
+          "speed to a multiple of real time; 0 is no\nlimit. Each episode writes a session file, which lists "
+          "the actions of the users, into the folder `out` (an empty path is\nthe current folder). port: TCP "
+          "port; 0: any free port (docs/live.md).")
       .def_property_readonly(
           "copies", [](const BatchHolder& b) { return b->use().copies(); }, "Number of copies of the world.")
       .def_property_readonly(
@@ -385,9 +386,9 @@ void bind_batch(py::module_& module) {
             BatchEnv& batch = b->use();
             return shown(py::dtype::of<bool>(), {extent(batch.copies())}, batch.over(), b, false);
           },
-          "One bool per copy: whether its episode is over. An episode is over if it is truncated, or if at "
-          "least one robot of the\nteams is finished and all robots of the teams that are in the world are "
-          "finished.")
+          "One bool per copy: whether the episode of the copy is over. It is over if it is truncated, or if "
+          "at least one robot of\nthe teams is finished and all robots of the teams that are in the world "
+          "are finished.")
       .def_property_readonly(
           "measure_columns", [](const BatchHolder& b) { return b->use().measure_columns(); },
           "Names of the columns of the array `measures`, with their units.")

@@ -42,7 +42,8 @@ class Unlocked {
 };
 
 /// Whether Ctrl-C was pressed or the interpreter exits, for code that waits without the interpreter's lock.
-/// The signal stays pending, so that Python raises KeyboardInterrupt later.
+/// Only calls on the main thread notice Ctrl-C. The signal stays pending, so that Python raises
+/// KeyboardInterrupt later.
 bool is_interrupted();
 
 /// Calls the Python function `function` with one argument. If the interpreter exits during the call, a daemon

@@ -145,8 +145,8 @@ py::tuple messages_of(const py::object& type, const std::string& device, const p
   const py::ssize_t room = (payload.ndim() > 1 ? payload.shape(1) : 1) / places;
   if (size == 0 || size > room)
     throw py::value_error(fmt::format(
-        "dtype: an element of {} bytes does not fit into the payload of \"{}\", which is {} bytes", size,
-        device, room));
+        "dtype: an element has {} bytes, but must have 1 to {} bytes, the size of the payload of \"{}\"",
+        size, room, device));
   const py::object bytes = payload.attr("reshape")(robots, places, room);
   const py::object part = bytes[py::make_tuple(py::ellipsis(), py::slice(0, size, 1))];
   const py::object shape = py::make_tuple(robots, places).attr("__add__")(dtype.attr("shape"));

@@ -53,12 +53,13 @@ const engine::StateField& command_field(std::span<const engine::StateField> fiel
                                         std::string_view whose);
 
 /// Converts a value to an array robots x columns with the element type of a field of a command. Throws
-/// ValueError if the shape does not fit, or if the element type is an integer type that cannot represent a
-/// number.
+/// ValueError if the shape does not fit, or if the element type is an integer type that cannot represent one
+/// of the numbers.
 py::array rows_for(const engine::StateField& field, const py::handle& value, py::ssize_t robots);
 
-/// Returns the fields of the command that makes the radios named `device` send `message`: a `bytes`, or an
-/// array with one row per robot. `fields` are the fields of the command of these radios.
+/// Returns the command that makes the radios named `device` send `message`, as a dict from names of fields to
+/// values. message: a `bytes`, or an array with one row per robot. fields: all fields of the command of these
+/// radios.
 py::dict message_command(std::span<const engine::StateField> fields, const std::string& device,
                          const py::object& message, py::ssize_t robots);
 /// Converts the fields count, length and payload of the readings of radios to the result of Swarm.heard(),

@@ -92,9 +92,9 @@ void bind_live(py::module_& module, SimulationClass& simulation) {
       "Shows the simulation in a browser and returns a View with the address of the page. Either View.run() "
       "steps the\nsimulation, or the program calls step(), which waits while a user has paused the run. "
       "`rate` limits the speed to a\nmultiple of real time; 0 is no limit. The session file is created in "
-      "the folder `out`; an empty path is the current\nfolder. Users can remove and disable robots only in a "
-      "world with \"mortal\": true. port, bind and hosts are the options\n--port, --bind and --allow-host of "
-      "`troupe view` (docs/live.md).");
+      "the folder `out`; an empty path is the current\nfolder. With \"mortal\": true in the world file, "
+      "users can also remove and disable robots. port, bind and hosts are the\noptions --port, --bind and "
+      "--allow-host of `troupe view` (docs/live.md).");
 }
 
 }  // namespace troupe::python

@@ -21,7 +21,8 @@ py::array readings(HeldModel& m, const std::string& field, const std::string& de
 }
 
 /// Converts a value to an array with the element type of a field of a command. Throws ValueError if the value
-/// has another number of elements than the field, or if an integer type cannot represent it.
+/// has another number of elements than the field, or if the field has an integer type that cannot represent
+/// the value.
 py::array elements_of(const engine::StateField& field, const py::handle& value) {
   const py::module_ numpy = py::module_::import("numpy");
   const py::array given = numpy.attr("asarray")(value);
@@ -119,7 +120,7 @@ void bind_models(py::module_& module) {
           "steering angle, rad).\nThey apply from the next tick on, until another command replaces them. If "
           "the robot has a controller, the commands of\nthe controller replace them. Raises RuntimeError if "
           "the model has no drive or its body is not in the world. A number\nthat is not finite makes the "
-          "next step raise StepError.")
+          "next step in which the drive runs raise StepError.")
       .def(
           "accelerate",
           [](HeldModel& m, double forward, double turn, double left) {
@@ -136,8 +137,8 @@ void bind_models(py::module_& module) {
           "set_speed().")
       .def(
           "speed", [](HeldModel& m) { return m.use().speed(); },
-          "Velocity that the drive of this model computed in the last tick, in the body frame. It is not 0 "
-          "while an obstacle blocks\nthe motion, see stalled().")
+          "Velocity that the drive of this model computed in the last tick, in the body frame. An obstacle "
+          "that blocks the motion\ndoes not change it; see stalled().")
       .def(
           "is_alive", [](HeldModel& m) { return m.use().is_alive(); },
           "Whether the body is in the world: spawned or present from the start, and not removed. Static "

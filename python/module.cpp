@@ -34,8 +34,8 @@ void raise_input_error(const InputError& error) {
   PyErr_SetObject(input_error.ptr(), value.ptr());
 }
 
-/// Selects the instruction set of the computation kernels that the environment variable TROUPE_SIMD names, if
-/// it is set.
+/// If the environment variable TROUPE_SIMD is set, selects the instruction set of this name for the
+/// computation kernels.
 void obey_simd_variable() {
   const char* name = std::getenv("TROUPE_SIMD");
   if (name == nullptr || *name == '\0') return;

@@ -139,8 +139,9 @@ void bind_observers(py::module_& module) {
            "Raises LookupError for an\nunknown column.");
 
   py::class_<Event>(module, "Event",
-                    "An event of a robot in a tick. type: what happened (docs/measures.md); robot and id: "
-                    "name and id of the robot;\nother: name of the other body that took part, or None.")
+                    "An event of a robot or another body in a tick. type: what happened, such as "
+                    "\"stall_begins\" (docs/measures.md); robot and\nid: name and id of this body; other: "
+                    "name of the body that it gripped or released, or None for other events.")
       .def_readonly("type", &Event::type)
       .def_readonly("robot", &Event::robot)
       .def_readonly("id", &Event::id)
@@ -163,10 +164,10 @@ void bind_observers(py::module_& module) {
   py::class_<HeldRecording>(
       module, "Recording",
       "A recording of a simulation: an HDF5 file (docs/recordings.md). fields: names of components of the "
-      "state or of fields of\nsensors; every_s: simulated time between two frames, s. Without fields, or "
-      "without every_s, the value that the world\nfile sets under \"record\" is used. replace: whether an "
-      "existing file is replaced; False: an existing file raises\nInputError. Use the object as in `with "
-      "Recording(...) as recording`, or call close() at the end.")
+      "state (\"pose\") or of\nfields of sensors (\"ranges\"); every_s: simulated time between two frames, "
+      "s. Without fields, or without every_s, the\nvalue that the world file sets under \"record\" is used. "
+      "replace: whether an existing file is replaced; False: an existing\nfile raises InputError. Use the "
+      "object as in `with Recording(...) as recording`, or call close() at the end.")
       .def(py::init([](const std::filesystem::path& file, const Holder& held,
                        const std::vector<std::string>& fields, double every_s, bool replace) {
              return HeldRecording{

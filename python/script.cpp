@@ -93,14 +93,15 @@ void call_script(const std::string& file, Call&& function) {
   }
 }
 
-/// A device that a controller uses, as in DecideBatch.
+/// A device that a controller uses. Its index in PreparedController::devices is also its index in the arrays
+/// of DecideBatch.
 struct UsedDevice {
   std::string name;
   std::vector<StateField> readings, command;
   std::vector<double> bearings;  ///< of the beams, rad, frame of the ranger; empty for other devices
 };
 
-/// ControllerKind::Prepared::data of a controller in Python.
+/// The content of ControllerKind::Prepared::data for a controller in Python.
 struct PreparedController {
   const PythonController* controller;
   std::vector<UsedDevice> devices;

@@ -48,7 +48,7 @@ std::string json_of(const py::object& value, const py::object& indent = py::none
 }
 
 /// Converts a value of the option `set` to JSON. Throws ValueError for a text with half of a surrogate pair:
-/// its JSON is invalid, and the reader of settings takes invalid JSON for a text without quotes.
+/// its JSON is invalid, and the reader of settings treats invalid JSON as a text without quotes.
 std::string setting_of(const py::object& value) {
   std::string json = json_of(value);
   const py::object text = py::module_::import("json").attr("dumps")(value, py::arg("ensure_ascii") = false);
@@ -316,8 +316,9 @@ std::optional<HeldModel> spawn(const Holder& held, const std::string& population
 void bind_values(py::module_& module) {
   py::class_<Pose>(
       module, "Pose",
-      "A pose, m and rad: +x is forward, +y is left, headings are counter-clockwise. Functions that take a "
-      "Pose also take a\ntuple (x, y, heading), with z = 0. Iterating over a Pose gives x, y and heading.")
+      "A pose: position x, y, z in m, and heading in rad, counter-clockwise from the x axis of the frame in "
+      "which the pose is\ngiven. In the frame of a body, +x is forward and +y is left. Functions that take a "
+      "Pose also take a tuple (x, y,\nheading), with z = 0. Iterating over a Pose gives x, y and heading.")
       .def(py::init([](double x, double y, double heading, double z) {
              return Pose{x, y, z, heading};
            }),
@@ -386,15 +387,15 @@ SimulationClass bind_simulation(py::module_& module) {
            "world file, whose\nrelative paths are resolved from the folder of `name`. robots: number of "
            "robots of the only population, or a dict from\nnames of populations to numbers of robots. "
            "threads: number of worker threads, at most 1024; 0: one per processor that\nthe process may use. "
-           "ranks: number of ranks, which divide the robots among themselves, each with its own copy of "
-           "the\nworld and `threads` threads (docs/cluster.md); no result depends on this number. seed and "
-           "ranging (\"exact\" or \"grid\")\nreplace the values of the world file. set: other values of the "
-           "world file to replace, a dict from JSON pointers to new\nvalues. controllers: a list of scripts "
-           "(file names) and of classes derived from Controller. search_path: folders in\nwhich the world "
-           "file and included files are searched by their names if they do not exist at their paths. "
-           "plugin_path:\nfolders in which plug-ins are searched. tile_size_m: edge length of the tiles of "
-           "the spatial index, m, which affects\nonly the speed; 0: automatic. Raises InputError if the "
-           "world is invalid.")
+           "ranks: number of ranks; each rank is a group of `threads` threads of this process that has its "
+           "own\ncopy of the world and computes some of the robots (docs/cluster.md); no result depends on "
+           "this number. seed and ranging\n(\"exact\" or \"grid\") replace the values of the world file. "
+           "set: other values of the world file to replace, a dict from\nJSON pointers to new values. "
+           "controllers: a list of scripts (file names) and of classes derived from "
+           "Controller.\nsearch_path: folders in which the world file and included files are searched by "
+           "their names if they do not exist at\ntheir paths. plugin_path: folders in which plug-ins are "
+           "searched. tile_size_m: edge length of the tiles of the spatial\nindex, m, which affects only the "
+           "speed; 0: automatic. Raises InputError if the world is invalid.")
       .def_static(
           "from_text", &from_text, py::arg("text"), py::arg("name") = "world.json", py::kw_only(),
           py::arg("robots") = py::none(), py::arg("threads") = 0, py::arg("seed") = py::none(),
@@ -413,9 +414,9 @@ SimulationClass bind_simulation(py::module_& module) {
                   "that may change in a resumed run (docs/checkpoints.md).\nplugin_path, controllers: as in "
                   "Simulation(); they must contain all plug-ins and scripts that the run used. "
                   "threads,\ntile_size_m, ranks: as in Simulation(). across_versions: whether a checkpoint "
-                  "of another version of Troupe is accepted.\nacross_plugins: whether a checkpoint is "
-                  "accepted that was written with other builds of its plug-ins. Raises InputError\nif the "
-                  "file is not a usable checkpoint, or if a plug-in or script of the run is missing.")
+                  "of another version of Troupe is accepted.\nacross_plugins: whether plug-ins and scripts "
+                  "are accepted whose files have changed since the checkpoint was saved.\nRaises InputError "
+                  "if the file is not a usable checkpoint, or if a plug-in or script of the run is missing.")
       .def("__repr__",
            [](const Holder& held) {
              Simulation& s = held->use();
@@ -552,9 +553,9 @@ SimulationClass bind_simulation(py::module_& module) {
           },
           py::arg("poses"),
           "Places many bodies at once. poses: pairs (model, pose in the world frame, m and rad). If a pose "
-          "is invalid, or if a body\nis carried or not in the world, the function raises ValueError and "
-          "moves no body. Raises RuntimeError for parts of\nbodies, static geometry and models of another "
-          "simulation.")
+          "is not finite or outside\nthe bounds of the world, or if a body is carried by another body or not "
+          "in the world, the function raises ValueError and\nmoves no body. Raises RuntimeError for parts of "
+          "bodies, static geometry and models of another simulation.")
       .def(
           "record",
           [](const Holder& held, const fs::path& file, const std::vector<std::string>& fields, double every_s,
@@ -564,20 +565,21 @@ SimulationClass bind_simulation(py::module_& module) {
           },
           py::arg("file"), py::kw_only(), py::arg("fields") = py::tuple(), py::arg("every_s") = 0.0,
           py::arg("replace") = false,
-          "Starts to record the run in an HDF5 file (docs/recordings.md), until stop_recording(), reset() or "
-          "the end of the\nsimulation. fields: names of components or sensor fields; every_s: simulated time "
-          "between two frames, s. Without fields,\nor without every_s, the value that the world file sets "
-          "under \"record\" is used. replace: whether an existing file is\nreplaced. Raises InputError for "
-          "an unknown field, for an existing file without `replace`, and if the file cannot be\nwritten, and "
-          "RuntimeError if a recording is already running.")
+          "Starts to record the run in an HDF5 file (docs/recordings.md), until stop_recording() or reset() "
+          "is called or the\nSimulation object is deleted. fields: names of components of the state "
+          "(\"pose\") or of fields of sensors (\"ranges\");\nevery_s: simulated time between two frames, s. "
+          "Without fields, or without every_s, the value that the world file sets\nunder \"record\" is used. "
+          "replace: whether an existing file is replaced. Raises InputError for an unknown field, for "
+          "an\nexisting file without `replace`, and if the file cannot be written, and RuntimeError if a "
+          "recording is already running.")
       .def(
           "stop_recording", [](const Holder& held) { held->use().stop_recording(); },
           "Closes the recording that record() started; all HDF5 tools can then read the file. Does nothing "
           "if no recording is\nrunning. Raises RuntimeError if the file cannot be written.")
       .def(
           "hash_log_header", [](const Holder& held) { return held->use().hash_log_header(); },
-          "Returns the first lines of a hash log, `# key: value`, which state the version of Troupe and the "
-          "options of the run.")
+          "Returns the first lines of a hash log (a file with the state hashes of every tick), `# key: "
+          "value`, which state the\nversion of Troupe and the options of the run.")
       .def(
           "hash_log_line", [](const Holder& held) { return held->use().hash_log_line(); },
           "Returns the line of a hash log for the current tick: the tick and its state hashes, `TICK STATE "
@@ -588,13 +590,16 @@ SimulationClass bind_simulation(py::module_& module) {
       .def(
           "subscribe", [](const Holder& held, const std::string& model) { held->use().subscribe(model); },
           py::arg("model"),
-          "Makes all sensors of the body named `model` run, also those that no controller reads. Call it "
-          "before the first step:\nlater calls raise RuntimeError. Raises LookupError for an unknown name.")
+          "Makes all sensors of the body named `model` run. Without this call, a sensor does not run if no "
+          "controller reads it and\nthe world file makes it inactive (\"active\": false in JSON, no "
+          "`alwayson 1` in a .world file). Call it before the first\nstep: later calls raise RuntimeError. "
+          "Raises LookupError for an unknown name.")
       .def("spawn", &spawn, py::arg("population"), py::arg("pose"),
-           "Spawns a robot: places the next unborn body of a population's reserve at a pose in the world "
-           "frame, m and rad. Returns\nthe Model of the robot, or None if the place is occupied or outside "
-           "the bounds of the world, or if the reserve is used\nup. Raises LookupError for a population "
-           "without a reserve, and ValueError for a pose that is not finite.")
+           "Spawns a robot: places the next unborn body of a population's reserve (the bodies that are not "
+           "in the world at the\nstart, docs/lives.md) at a pose in the world frame, m and rad. Returns the "
+           "Model of the robot, or None if the place is\noccupied or outside the bounds of the world, or if "
+           "the reserve is used up. Raises LookupError for a population without a\nreserve, and ValueError "
+           "for a pose that is not finite.")
       .def(
           "unborn", [](const Holder& held, const std::string& p) { return held->use().unborn(p); },
           py::arg("population"),

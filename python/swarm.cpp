@@ -113,12 +113,14 @@ void bind_swarm(py::module_& module, SimulationClass& simulation) {
   static_assert(sizeof(Pose) == 4 * sizeof(double) && sizeof(Model::Speed) == 3 * sizeof(double));
   py::class_<HeldSwarm>(
       module, "Swarm",
-      "A group of robots of one simulation, in ascending order of their ids. Its functions correspond to "
-      "those of Model, but\none call is for all robots. They return new arrays, with one row per robot (n "
-      "rows), also for robots that are not in\nthe world. Commands take one number for all robots or one "
-      "number per robot; arrays of other shapes raise ValueError.\nThe parameter `where` of a command "
-      "selects robots by one bool per robot; None selects all. Commands skip robots that\nare not in the "
-      "world.")
+      "A group of n robots of one simulation, in ascending order of their ids. Most functions do for all "
+      "robots, in one call,\nwhat the function of Model with the same name (in the singular) does for one "
+      "robot. Except for bearings() and\nrange_bound(), which describe one ranger, functions that read "
+      "values return them in new arrays with one row per robot,\nalso for robots that are not in the world. "
+      "The functions with the parameter `where` command or place robots: `where`\nselects robots by one bool "
+      "per robot; None selects all. These functions skip robots that are not in the world.\nset_speeds(), "
+      "accelerate() and go_to() take one number for all robots or one number per robot. Arrays whose shape "
+      "does\nnot fit raise ValueError.")
       .def("__len__", [](const HeldSwarm& s) { return s.swarm.size(); })
       .def("__repr__", [](const HeldSwarm& s) { return fmt::format("<Swarm of {} robots>", s.swarm.size()); })
       .def_property_readonly("ids",
@@ -151,7 +153,7 @@ void bind_swarm(py::module_& module, SimulationClass& simulation) {
       .def(
           "speeds", [](HeldSwarm& s) { return rows_of(s, 3, &Swarm::speeds); },
           "Velocities that the drives computed in the last tick, in the body frame, n x 3: forward, left "
-          "(m/s), turn (rad/s). They\nare not 0 while an obstacle blocks the motion.")
+          "(m/s), turn (rad/s). An\nobstacle that blocks a motion does not change them.")
       .def(
           "ranges",
           [](HeldSwarm& s, const std::string& sensor) {
@@ -173,19 +175,20 @@ void bind_swarm(py::module_& module, SimulationClass& simulation) {
           },
           py::arg("sensor") = "",
           "Headings of the beams of the ranger named `sensor` of the first robot, rad, in the frame of the "
-          "ranger and the order of\nranges(). An empty name means its first ranger. Raises LookupError if "
-          "the first robot has no such ranger.")
+          "ranger; they have the\norder of ranges(). An empty name means its first ranger. Raises "
+          "LookupError if the first robot has no such ranger.")
       .def(
           "range_bound", [](HeldSwarm& s, const std::string& sensor) { return s.use().range_bound(sensor); },
           py::arg("sensor") = "",
-          "An upper bound of the ranges of the ranger named `sensor` of the first robot, m: its largest "
-          "range_max, plus the\ndistances by which the ranger and its transducers are away from the origin "
-          "of the body. An empty name means its first\nranger. Raises LookupError if the first robot has no "
-          "such ranger.")
+          "An upper bound of the ranges of the ranger named `sensor` of the first robot, m: the largest "
+          "range_max of its\ntransducers (fans of beams), plus the distances by which the ranger and these "
+          "transducers are away from the origin of\nthe body. An empty name means its first ranger. Raises "
+          "LookupError if the first robot has no such ranger.")
       .def(
           "subscribe", [](HeldSwarm& s) { s.use().subscribe(); },
-          "Makes all sensors of the robots of this group run. Call it before the first step: later calls "
-          "raise RuntimeError.")
+          "Makes all sensors of the robots of this group run, also sensors that the world file makes "
+          "inactive (see\nSimulation.subscribe()). Call it before the first step: later calls raise "
+          "RuntimeError.")
       .def("set_speeds", &command<&Swarm::set_speeds>, py::arg("forward").none(false),
            py::arg("turn").none(false), py::kw_only(), py::arg("left").none(false) = 0.0,
            py::arg("where") = py::none(),
@@ -194,8 +197,9 @@ void bind_swarm(py::module_& module, SimulationClass& simulation) {
       .def("accelerate", &command<&Swarm::accelerate>, py::arg("forward").none(false),
            py::arg("turn").none(false), py::kw_only(), py::arg("left").none(false) = 0.0,
            py::arg("where") = py::none(),
-           "Commands accelerations in the body frame: forward and left in m/s^2, turn in rad/s^2. They apply "
-           "from the next tick on,\nuntil another command replaces them.")
+           "Commands accelerations in the body frame: forward and left in m/s^2, turn in rad/s^2 (for a car "
+           "drive: the steering\nangle, rad). They apply from the next tick on, until another command "
+           "replaces them.")
       .def("go_to", &go_to, py::arg("x").none(false), py::arg("y").none(false),
            py::arg("heading").none(false), py::kw_only(), py::arg("where") = py::none(),
            "Commands goal poses in the frame of estimates(), m and rad: the robots drive there and stay "

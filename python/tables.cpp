@@ -151,11 +151,11 @@ void bind_tables(py::module_& module, SimulationClass& simulation) {
 
   py::class_<Table>(
       module, "Table",
-      "A component of the state, with one row per body. table[\"ranges\"] is one field of it: a read-only "
-      "array that\nrefers to the memory of the simulation, so that its content changes with each step. Rows "
-      "are in the order of\nstorage, not of ids; ids[i] is the id of the body in row i. For a sensor that "
-      "does not run (`runs`), a field of\nfloating-point numbers is a copy instead, with NaN where there is "
-      "no reading.")
+      "A component of the state, such as the poses or the readings of one sensor: a table with one row for "
+      "each body that has\nsuch data. table[\"ranges\"] is one field of it: a read-only array that refers to "
+      "the memory of the simulation, so that\nits content changes with each step. Rows are in the order of "
+      "storage, not of ids; ids[i] is the id of the body in row i.\nFor a sensor that does not run (`runs`), "
+      "a field of floating-point numbers is a copy instead, with NaN where there is no\nreading.")
       .def_property_readonly(
           "component", [](const Table& t) { return t.table->component(); },
           "Name of the component in the state, such as \"ranger/ir\".")
@@ -164,9 +164,10 @@ void bind_tables(py::module_& module, SimulationClass& simulation) {
           "Name that the world gives the component, such as \"ir\".")
       .def_property_readonly(
           "runs", [](const Table& t) { return t.runs(); },
-          "False if the table has the readings of a sensor that does not run on one or more robots, because "
-          "the sensor is not\nactive and no controller uses it; subscribe() makes the sensor run. True for "
-          "all other tables.")
+          "False if the table has the readings of a sensor that does not run on one or more robots. A sensor "
+          "does not run on a\nrobot if no controller uses it, the world file makes it inactive (\"active\": "
+          "false in JSON, no `alwayson 1` in a .world\nfile), and subscribe() was not called for the robot. "
+          "True for all other tables.")
       .def_property_readonly(
           "type", [](const Table& t) { return t.type; },
           "Name of the type of the bodies; empty if they are of several types.")
@@ -186,7 +187,7 @@ void bind_tables(py::module_& module, SimulationClass& simulation) {
       .def("__len__", [](const Table& t) { return t.table->rows(); })
       .def("__repr__", [](const Table& t) {
         return fmt::format("<Table {}: {} rows{}>", t.given(), t.table->rows(),
-                           t.runs() ? "" : "; the sensor does not run");
+                           t.runs() ? "" : "; the sensor does not run on all robots");
       });
 
   simulation

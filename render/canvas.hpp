@@ -25,7 +25,7 @@ struct Vertex {
   /// Position, frame of the instance. x and y are in mesh units (Instance::size is the number of pixels per
   /// unit). z is the height above the origin of the instance, m.
   float x, y, z;
-  /// Offset added to x and y after scaling, pixels, frame of the instance. It gives strokes a width that does
+  /// Offset added to x and y after scaling, pixels, frame of the instance. It gives lines a width that does
   /// not depend on the scale.
   float offset_x, offset_y;
   Rgba own;  ///< colour for Paint::own

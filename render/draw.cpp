@@ -70,7 +70,7 @@ Framing empty_framing(const View& view) {
   return framing;
 }
 
-/// Height below the scene for scale bar and clock, in addition to the margin, pixels.
+/// Height below the scene for the scale bar and the simulated time, in addition to the margin, pixels.
 double furniture_band(const Framing& framing, double margin) {
   return framing.has_furniture() ? std::max(0.0, k_furniture_band * framing.stroke - margin) : 0;
 }

@@ -35,8 +35,8 @@ struct Camera {
 enum class Background : std::uint8_t { paper, white, dark, transparent };
 
 /// What is drawn in addition to the bodies. Some layers name the member of engine::Frame or
-/// engine::FrameScene that holds their data; a layer without data draws nothing. The scale bar, the clock and
-/// the legends are drawn only in pictures of at least 240 x 160 pixels.
+/// engine::FrameScene that holds their data; a layer without data draws nothing. The scale bar, the simulated
+/// time and the legends are drawn only in pictures of at least 240 x 160 pixels.
 struct Layers {
   bool grid = true;      ///< grid lines on the floor
   bool shadows = true;   ///< shadows of the bodies on the floor
@@ -46,7 +46,7 @@ struct Layers {
   bool stalls = true;
   /// In a view from above: a scale bar. In other views, if `grid` is set: the distance between grid lines.
   bool scale = true;
-  bool clock = true;   ///< a clock with the simulated time
+  bool clock = true;   ///< the simulated time as text: "12.5 s"
   bool speed = false;  ///< only with `clock`: the speed of the simulation, Frame::times_real_time, if above 0
   bool legend = true;  ///< legend of the colour scale, if bodies are coloured by Frame::values
   bool bounds = true;  ///< bounds of the world, which robots cannot leave: FrameScene::limits

@@ -17,8 +17,8 @@ using engine::FrameBody;
 using engine::FrameScene;
 using engine::FrameType;
 
-/// Robots narrower than this, in strokes, are drawn as dots: their shape would not be visible, and drawing
-/// 100,000 shapes takes long.
+/// Robots narrower than this, in strokes (Framing::stroke, the unit of line widths), are drawn as dots: their
+/// shape would not be visible, and drawing 100,000 shapes takes long.
 constexpr double k_smallest_shaped = 5;
 
 /// For each type, the factor by which its bodies are enlarged in the picture, so that they are at least
@@ -34,8 +34,9 @@ std::vector<double> enlargements(const FrameScene& scene, const Framing& framing
 
 /// Instances of bodies, by type.
 struct Instances {
-  std::vector<std::vector<Instance>> moving;   ///< bodies that are not drawn as stalled
-  std::vector<std::vector<Instance>> stalled;  ///< bodies drawn as stalled
+  std::vector<std::vector<Instance>> moving;  ///< bodies that are not drawn as stalled
+  /// Bodies drawn as stalled, with a red outline: their last motion was blocked or out of bounds.
+  std::vector<std::vector<Instance>> stalled;
 };
 
 /// The instances of those `bodies` that are in the picture, by type.

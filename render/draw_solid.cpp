@@ -16,7 +16,8 @@ using engine::FrameBody;
 using engine::FrameScene;
 using engine::FrameType;
 
-/// Bodies narrower than this, in strokes, are drawn as boxes: details would not be visible.
+/// Bodies narrower than this, in strokes (Framing::stroke, the unit of line widths), are drawn as boxes:
+/// details would not be visible.
 constexpr double k_smallest_prism = 10;
 /// Sides shorter than this, in strokes, are taken for the steps of a bitmap and have no edge lines.
 constexpr double k_shortest_side = 8;
@@ -27,7 +28,8 @@ constexpr double k_smallest_edged = 9;
 /// Visible bodies of one type, by level of detail.
 struct Seen {
   std::vector<SolidInstance> prisms;
-  std::vector<SolidInstance> stalled;  ///< prisms drawn as stalled
+  /// Prisms drawn as stalled, with a red outline: the last motion of the body was blocked or out of bounds.
+  std::vector<SolidInstance> stalled;
   std::vector<SolidInstance> boxes;
   double widest = 0;            ///< width of the largest prism, strokes
   double pixels_per_metre = 0;  ///< scale of the picture at the largest prism

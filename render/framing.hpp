@@ -22,7 +22,7 @@ struct Framing {
     const Vec2 half = Vec2(width, height) / (2 * pixels_per_metre);
     return {center - half, center + half};
   }
-  /// Whether the picture is large enough for the scale bar, the clock and the legends.
+  /// Whether the picture is large enough for the scale bar, the simulated time and the legends.
   bool has_furniture() const { return width >= 240 && height >= 160; }
 };
 

@@ -37,7 +37,9 @@ struct Text {
 
 /// The lettering of a picture: texts, and the lines and bars that belong to them.
 struct Writing {
-  Mesh under;               ///< bars and swatches below the lines and texts, pixels from the picture's centre
+  /// Bars and coloured squares over which the lines and texts are drawn, pixels right of and above the
+  /// picture's centre.
+  Mesh under;
   Lines lines;              ///< lines, such as those of the scale bar
   std::vector<Text> texts;  ///< the texts; vector formats store them as text, not as lines
 };

@@ -8,7 +8,8 @@
 
 namespace troupe::render {
 
-/// Distance of the furniture and of the legends from the edges of the picture, strokes.
+/// Distance of the scale bar, the texts and the legends from the edges of the picture, strokes
+/// (Framing::stroke).
 inline constexpr double k_furniture_margin = 14;
 
 /// A length of 1, 2 or 5 times a power of ten, in m.

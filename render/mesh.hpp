@@ -35,8 +35,8 @@ Pieces pieces_of(const engine::FrameType& type);
 /// `style` selects. Shapes with lower tops come first, the heading mark last. Shapes without a colour of
 /// their own use Paint::body, Paint::edge and Paint::mark. `pieces` must be pieces_of(type).
 Mesh body_mesh(const engine::FrameType& type, const Pieces& pieces, const MeshStyle& style);
-/// The triangles of a mesh without its strokes, all in the colour Paint::body. Maps draw this mesh as the
-/// shadow of a body.
+/// The triangles of a mesh without those of its lines, all in the colour Paint::body. Maps draw this mesh as
+/// the shadow of a body.
 Mesh silhouette(Mesh mesh);
 
 /// Adds a line from a to b at the height z. The square ends of the line extend beyond a and b by half the

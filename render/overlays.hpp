@@ -37,9 +37,9 @@ void add_in_air(std::vector<AnyLayer>& layers, const engine::FrameScene& scene, 
 void add_ties(std::vector<AnyLayer>& layers, const engine::Frame& frame, const Projection& projection,
               const Layers& shown, const Theme& theme);
 
-/// The lettering that `view.layers` selects for the picture: names, energy bars, legends, clock, and the
-/// scale bar or, in a view that is not from above and has a grid, the distance between grid lines. A small
-/// picture (Framing::has_furniture()) has only names and energy bars.
+/// The lettering that `view.layers` selects for the picture: names, energy bars, legends, the simulated time,
+/// and the scale bar or, in a view that is not from above and has a grid, the distance between grid lines. A
+/// small picture (Framing::has_furniture()) has only names and energy bars.
 Writing written(const engine::FrameScene& scene, const engine::Frame& frame, const Projection& projection,
                 const Framing& framing, const View& view);
 

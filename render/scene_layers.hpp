@@ -14,7 +14,7 @@ struct SceneMeshes {
   std::vector<Pieces> pieces;  ///< for each type of the scene, the result of pieces_of()
 };
 
-/// Colour of the outline of a stalled robot.
+/// Colour of the outline of a stalled robot: one whose last motion was blocked or out of bounds.
 inline constexpr Rgba k_stalled_edge = {224, 32, 32, 255};
 /// Width of the outline of a stalled robot divided by the width of the outlines of other robots.
 inline constexpr float k_stalled_widening = 1.3F;

@@ -149,8 +149,8 @@ void close_lines(VectorPath& path) {
   path.is_closed = true;
 }
 
-/// Whether a text of a drawing may contain a character: no control characters, surrogates, noncharacters
-/// (such as U+FFFF) and numbers above U+10FFFF, because XML or cairo refuses most of them.
+/// Whether a text of a drawing may contain a character. It must not contain control characters, surrogates,
+/// noncharacters (such as U+FFFF) or numbers above U+10FFFF, because XML or cairo refuses most of them.
 bool is_printable(char32_t code) {
   const bool is_control = code < 0x20 || code == 0x7f;
   const bool is_surrogate = code >= 0xd800 && code < 0xe000;

@@ -42,11 +42,11 @@ struct VectorDrawing {
 };
 
 /// The layers and the lettering of a map as a drawing. The projection must be from above (is_from_above()).
-/// Consecutive triangles of a triangle fan are joined to a polygon, and consecutive strokes to a line, if
-/// they have the same colour and height. A drawing has no depth buffer: the paths of consecutive layers are
-/// sorted by height and drawn in that order. A layer with `on_top` begins a new group of paths, which is
-/// sorted separately and drawn after all earlier paths. The paths of a SolidLayer form a group that is not
-/// sorted. Texts are passed through printable_utf8().
+/// Consecutive triangles of a triangle fan are joined to a polygon, and consecutive line segments to a
+/// polyline, if they have the same colour, line width and height. A drawing has no depth buffer: the paths of
+/// consecutive layers are sorted by height and drawn in that order. A layer with `on_top` begins a new group
+/// of paths, which is sorted separately and drawn after all earlier paths. The paths of a SolidLayer form a
+/// group that is not sorted. Texts are passed through printable_utf8().
 VectorDrawing vector_drawing(const Projection& projection, std::span<const AnyLayer> layers,
                              const Writing& writing, const Theme& theme);
 

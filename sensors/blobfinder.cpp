@@ -50,7 +50,7 @@ struct BlobFinder {
           "true: models whose blob_return is false are not reported, but hide what is behind them");
       d.member<&Params::most_blobs>(
           "most_blobs", within(1, 1000),
-          "number of blobs that the readings list, from right to left; `count` counts all blobs");
+          "greatest number of blobs that the readings list, from right to left; `count` may be larger");
     }
   };
 
@@ -170,7 +170,8 @@ DeviceKind::Prepared BlobFinder::prepare(const Params& params, const Pose& pose_
   }
   const std::uint32_t n = params.most_blobs;
   return {.data = std::move(finder),
-          .percepts = {{"count", Element::u32, 1, "", "number of blobs in sight"},
+          .percepts = {{"count", Element::u32, 1, "",
+                        "number of blobs in sight of the colours in `colors` (empty: of all colours)"},
                        {"left", Element::i32, n, "", "leftmost column of each blob"},
                        {"right", Element::i32, n, "", "rightmost column of each blob"},
                        {"top", Element::i32, n, "", "top row of each blob"},

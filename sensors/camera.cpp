@@ -101,8 +101,8 @@ struct Region {
 struct Crossing {
   std::uint32_t region = 0;
   double depth = 0;
-  /// Whether the ray passes from outside to inside here, or from inside to outside. If it passes through a
-  /// corner, this is true for only one of the two edges.
+  /// Whether the ray passes to the other side of the edge here, and so enters or leaves the region. If it
+  /// does so through a corner, this is true for only one of the two edges.
   bool is_change = false;
   friend auto operator<=>(const Crossing&, const Crossing&) = default;
 };

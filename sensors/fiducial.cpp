@@ -54,7 +54,8 @@ struct FiducialFinder {
           "ignore_zloc", "true: targets that are wholly above or below the finder's height are found too");
       d.member<&Params::most_targets>(
           "most_targets", within(1, 1000),
-          "number of targets that the readings list, the nearest first; `count` counts all targets in sight");
+          "greatest number of targets that the readings list, the nearest first; `count` counts all targets "
+          "in sight");
     }
   };
 

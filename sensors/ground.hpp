@@ -53,8 +53,9 @@ class Ground {
     std::uint32_t part = 0;  ///< number of the part in its body
     Color color;             ///< the colour of the part
 
-    /// Whether this zone hides the zone `other` at a point that both contain: the zone with the higher top;
-    /// at equal tops the one with the lower body id, then with the lower part number.
+    /// Whether this zone hides the zone `other` at a point that both contain. The zone with the higher top
+    /// hides the other; at equal tops, the zone of the body with the lower id does; within one body, the zone
+    /// with the lower part number.
     bool is_above(const Zone& other) const;
   };
 

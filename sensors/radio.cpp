@@ -127,8 +127,8 @@ struct Radio {
   }
 };
 
-/// A radio of a body type that is on the channel of the listener: the listener hears its messages if the
-/// two are near enough.
+/// A radio of a body type. It is on the listener's channel, so the listener can hear it if the two are near
+/// enough.
 struct Sender {
   const Radio* radio;
   const BodyType::Device* device;

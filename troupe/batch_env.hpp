@@ -169,9 +169,9 @@ struct BatchSpec {
 class BatchEnv {
  public:
   /// Loads a world file and makes the copies. Throws InputError as the constructors of Simulation and
-  /// Measures do; std::out_of_range for unknown names of robots, devices, fields, commands, targets and
-  /// arrays in the spec; and std::invalid_argument for other errors in the spec, such as a team without
-  /// robots. options.threads is ignored.
+  /// Measures do; std::out_of_range for unknown names of robots, devices, fields, commands, targets, arrays
+  /// and columns of measures in the spec; and std::invalid_argument for other errors in the spec, such as a
+  /// team without robots. options.threads is ignored.
   BatchEnv(const std::filesystem::path& world, const BatchSpec& spec, const SimulationOptions& options = {});
   /// Makes copies of the world of a simulation, at tick 0, as Simulation::another() does. The simulation is
   /// not changed and need not outlive the batch. Several batches may be made from one simulation. Throws as

@@ -16,8 +16,8 @@ constexpr bool changes_no_result(std::string_view option) {
   return std::ranges::find(k_options, option) != k_options.end();
 }
 
-/// Returns a key or value of effective_options() as it is written in the header of a hash log, in one line: a
-/// line break becomes `\n`, and a backslash `\\`.
+/// Returns a key or value of effective_options() as it is written in the header of a hash log (a file with
+/// the state hash of every tick), in one line: a line break becomes `\n`, and a backslash `\\`.
 inline std::string to_one_line(std::string_view text) {
   std::string line;
   for (const char c : text) {

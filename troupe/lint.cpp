@@ -177,8 +177,8 @@ std::string called_text(std::string_view sensor, std::string_view type) {
                         : fmt::format("sensor \"{}\" of \"{}\" sees nothing: ", sensor, type);
 }
 
-/// Warns if no other body has a fiducial mark with the finder's key, or if all such marks are at other
-/// heights than the finder.
+/// Warns if no other body has a fiducial mark whose fiducial_key is that of the finder, or if all such marks
+/// are at other heights than the finder.
 void Lint::check_finder(std::uint32_t type, const engine::DeviceSpec& sensor,
                         const engine::SoughtMarks& sought) {
   const std::string called = called_text(sensor.name, spec_.types[type].name);

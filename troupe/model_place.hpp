@@ -8,8 +8,8 @@
 
 namespace troupe {
 
-/// The model that a handle refers to: a body of a world, or one of its parts. `part` is the index of the
-/// part; 0: the body itself.
+/// What an object of the class Model, which is only a handle, refers to: a body of a world, or a part of this
+/// body. `part` is the index of the part; 0: the body itself.
 struct Model::Place {
   engine::World* world;
   BodyId body;

@@ -16,9 +16,9 @@
 #include <utility>
 #include <vector>
 
-/// A plug-in is a shared library with controllers and sensors (docs/controllers.md); this header is all that
-/// its sources must include. A controller is a class whose objects are called to decide on the commands of
-/// one robot:
+/// A plug-in is a shared library with controllers, measures, sensors or other devices (docs/controllers.md).
+/// This header is all that the sources of the library must include. A controller is a class whose objects are
+/// called to decide on the commands of one robot:
 ///
 ///     #include <troupe/plugin.hpp>
 ///

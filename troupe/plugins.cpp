@@ -130,8 +130,8 @@ struct Plugins::Loaded : Library {
   Group<engine::DeviceKind> devices{"sensor or device"};
   Group<engine::MeasureKind> measures{"measure"};
   std::shared_ptr<const Script> script;  ///< the owner of the kinds, if the library is a script
-  /// Returns a part of the error for a library that has no kind of a group: "no controller, but compass,
-  /// crowding". It lists the kinds that the library has. what: Group::what of the group.
+  /// Returns a part of the error for a library that has no kind of a group: "compass, crowding, but no
+  /// controller". It lists the kinds that the library has. what: Group::what of the group.
   std::string has_else(std::string_view what) const {
     std::vector<std::string_view> known = controllers.known();
     for (const std::string_view known_name : devices.known()) known.push_back(known_name);
@@ -184,8 +184,8 @@ auto Plugins::find(std::string_view name, Group Loaded::*kinds, std::string unkn
 Result<const Plugins::Library*> Plugins::load(std::string_view name) {
   if (!plugin::is_name(name))
     return Error{fmt::format(
-        "\"{}\" is not a valid name of a plug-in: give one word without : = / \\ and quotation marks "
-        "that does not begin with a dot",
+        "\"{}\" is not a valid name of a plug-in: give one word that does not begin with a dot and contains "
+        "none of : = / \\ and quotation marks",
         name)};
   const Loaded& library = loaded(name);
   if (!library.found) return library.found.error();
@@ -307,8 +307,8 @@ void Plugins::add(std::shared_ptr<const Script> script) {
   const std::string name = script->name();
   if (!plugin::is_name(name))
     throw InputError(fmt::format(
-        "{}: error: the script has the name \"{}\", but must have one word as its name, without : "
-        "= / \\ and quotation marks, and not beginning with a dot: rename the file",
+        "{}: error: the script has the name \"{}\", but its name must be one word that does not begin with a "
+        "dot and contains none of : = / \\ and quotation marks: rename the file",
         script->file.string(), name));
   for (const auto& library : loaded_)
     if (library->name == name)

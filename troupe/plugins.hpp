@@ -24,7 +24,7 @@ namespace troupe {
 /// off. Not thread-safe.
 class Plugins {
  public:
-  /// A loaded library.
+  /// A loaded library or an added script.
   struct Library {
     std::string name;            ///< name of the file without its ending, .so or .py
     std::filesystem::path file;  ///< path of the library or script

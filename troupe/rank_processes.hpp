@@ -23,8 +23,8 @@ namespace troupe {
 class Plugins;
 
 /// The processes of one program, each of them a rank (docs/cluster.md). Rank 0 runs the program. For each
-/// world of the program, it makes a replica (a copy of the world) on every other rank. The other ranks only
-/// execute the orders that rank 0 sends them.
+/// world of the program, rank 0 makes a replica (a copy of the world) on every other rank. The other ranks
+/// only execute the orders that rank 0 sends them.
 class RankProcesses {
  public:
   /// transport: the connection to the other processes; it must outlive this object

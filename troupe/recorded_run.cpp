@@ -157,8 +157,8 @@ struct RecordedRun::Impl {
     return values;
   }
 
-  /// The poses that a component stores in the current frame, one per recorded row. of() returns the pose of a
-  /// row, with the given z if z was not recorded.
+  /// The poses that a component stores in the current frame, one per row of the recording. of() returns the
+  /// pose of a row, with the given z if z was not recorded.
   class Poses {
    public:
     Poses(const Impl& run, const std::array<const Array*, 4>& arrays) {
@@ -205,8 +205,8 @@ struct RecordedRun::Impl {
     }
   }
 
-  /// Returns, for each recorded row and each joint of a type, the motion in the body frame that takes a part
-  /// on this joint from its rest pose to its pose in the current frame. Empty if the joints were not
+  /// Returns, for each row of the recording and each joint of a type, the motion in the body frame that takes
+  /// a part on this joint from its rest pose to its pose in the current frame. Empty if the joints were not
   /// recorded.
   std::vector<std::vector<engine::Mount>> mounts(std::size_t type) const {
     std::vector<std::vector<engine::Mount>> mounts;
@@ -241,7 +241,8 @@ struct RecordedRun::Impl {
     bool empty() const {
       return std::ranges::all_of(values_, [](const auto& values) { return values.empty(); });
     }
-    /// The colours of all parts of the body in a recorded row, three numbers each; -1: not known.
+    /// The colours of all parts of the body with this row in the recording, three numbers each; -1: not
+    /// known.
     std::vector<double> of(std::size_t row) const {
       std::vector<double> colors;
       for (const std::vector<double>& values : values_)
@@ -292,8 +293,8 @@ struct RecordedRun::Impl {
     }
   }
 
-  /// Returns for each recorded row the index of its body in Frame::mobile; k_none if the frame does not
-  /// contain the body.
+  /// Returns for each row of the recording the index of its body in Frame::mobile; k_none if the frame does
+  /// not contain the body.
   std::vector<std::uint32_t> places_in(const Frame& shown) const {
     std::vector<std::uint32_t> places(reader.ids().size(), k_none);
     for (std::size_t row = 0, i = 0; row < places.size() && i < shown.mobile.size(); ++row)

@@ -12,12 +12,12 @@
 
 namespace troupe {
 
-/// A recording (docs/recordings.md) as a source of pictures. Drawing it needs neither the world file nor its
-/// plug-ins, and simulates nothing. What pictures can show depends on the fields that were recorded
-/// (--record-fields): stalled robots need `stall`, scans of rangers need `ranges`, charges of power packs
-/// need `power_pack`, and colours by a value need the field of that value. Parts on joints are drawn at their
-/// recorded positions if `joint` was recorded, else in their rest position. The layers `sights`, `blobs`,
-/// `grips` and `links` cannot be drawn.
+/// A recording (docs/recordings.md) as a source of pictures. A frame is what the recording contains for one
+/// tick. Drawing a frame needs neither the world file nor its plug-ins, and simulates nothing. What pictures
+/// can show depends on the fields that were recorded (--record-fields): stalled robots need `stall`, scans of
+/// rangers need `ranges`, charges of power packs need `power_pack`, and colours by a value need the field of
+/// that value. Parts on joints are drawn at their recorded positions if `joint` was recorded, else in their
+/// rest position. The layers `sights`, `blobs`, `grips` and `links` cannot be drawn.
 class RecordedRun : public PictureSource {
  public:
   /// Throws InputError if the file is not a recording, has no poses or no frames, or was written by an old

@@ -22,8 +22,8 @@ namespace {
 constexpr double k_every_s = 0.1;
 constexpr const char* k_fields = "pose";
 
-/// Returns the head of a recording. Interval and fields are taken from the options, or else from the world
-/// file, or else they are the defaults.
+/// Returns the head of a recording: metadata, world, interval and fields. Interval and fields are taken from
+/// the options, or else from the world file, or else they are the defaults.
 worldio::RecordingHead head_of(const Simulation& simulation, const RecordingOptions& options) {
   const engine::WorldSpec& spec = simulation.world().spec();
   const engine::RecordSpec record = spec.record.value_or(engine::RecordSpec{});

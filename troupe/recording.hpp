@@ -17,7 +17,7 @@ struct RecordingOptions {
   /// Names of components of the state or of fields of sensors: "pose", "velocity", "stall", "ranges", ...;
   /// "all" for all of them. Empty: not given.
   std::vector<std::string> fields;
-  /// Simulated time between two recorded frames, s; rounded up to whole ticks. 0 or less: not given.
+  /// Simulated time between two frames (recorded ticks), s; rounded up to whole ticks. 0 or less: not given.
   double every_s = 0;
   /// Whether an existing file is replaced; if not, an existing file is an error. Recording::resume() ignores
   /// this option.

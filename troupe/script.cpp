@@ -18,7 +18,7 @@ using engine::WorldSpec;
 
 constexpr std::size_t k_most_names = 100;  // names in an error
 
-/// Whether a body is the robot `robots` or belongs to the population `robots`.
+/// Whether the body with this name is the robot `robots` or belongs to the population `robots`.
 bool is_of(std::string_view name, std::string_view robots) {
   return name == robots || (name.starts_with(robots) && name.size() > robots.size() &&
                             name.find_first_not_of("0123456789", robots.size()) == name.npos);

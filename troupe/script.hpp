@@ -15,7 +15,7 @@
 namespace troupe {
 
 /// Controllers and measures that a program has read from a script, such as a Python file. A simulation uses
-/// these kinds like those of a plug-in with the name of the script: `my.py` with a class `Wander` gives the
+/// them like those of a plug-in with the name of the script: `my.py` with a class `Wander` gives the
 /// controller `my:Wander`, and with a class `my` the controller `my`. A checkpoint stores the name and the
 /// hash of the script. To resume the run, the script must be given again.
 struct Script {

@@ -79,8 +79,8 @@ struct SimulationOptions {
   /// these directories for it, in their order. Only the name of the file is searched, without the folders of
   /// the given path.
   std::vector<std::filesystem::path> search_path;
-  /// Directories to search for plug-ins, shared libraries with controllers and sensors that Troupe does not
-  /// ship (docs/controllers.md).
+  /// Directories to search for plug-ins: shared libraries with controllers, measures, sensors or other
+  /// devices that Troupe does not ship (docs/controllers.md).
   std::vector<std::filesystem::path> plugin_path;
   /// Scripts, such as Python files, with controllers and measures (troupe/script.hpp). The controllers
   /// replace those that the world file gives to the same robots.
@@ -361,8 +361,8 @@ class Model {
   /// State of a power pack: its charge, and the energy that it dissipated, received and gave since tick 0, J
   /// (docs/energy.md).
   using Energy = engine::Energy;
-  /// Energy of the power pack that supplies this model: a pack on this part, or else on the nearest part
-  /// towards the root of the body. Empty if there is no such pack.
+  /// Energy of the power pack that supplies this model: a pack on this part, or else on the nearest of the
+  /// parts on which this part is mounted, up to the body itself. Empty if there is no such pack.
   std::optional<Energy> energy() const;
   /// Number of flags (coloured tokens that bodies exchange, docs/energy.md) that the first device of the kind
   /// `flags` on this part holds; 0 if the part has no such device. Devices on other parts of the body do not
@@ -561,8 +561,8 @@ class Simulation {
   std::optional<double> quit_time_s() const;
 
   /// Finds a model by name: a body ("r0"), or a part that is mounted on a body ("r0.ranger:1"). The name is
-  /// the one in the world file, or the one that Stage's rule generates. Throws std::out_of_range, with
-  /// similar names, if there is no such model.
+  /// the one in the world file, or the one that Stage's rule generates. If there is no such model,
+  /// throws std::out_of_range, whose text suggests a similar name if there is one.
   Model find(std::string_view name);
   /// The body with this id. Sensors and cast() report such ids. Throws std::out_of_range if there is no such
   /// body.
@@ -666,8 +666,8 @@ class Simulation {
     std::uint64_t memory = 0;    ///< memory of controllers, odometry, faults and disabled bodies
   };
   Hashes hashes() const;  ///< hashes of the current state
-  /// The first lines of a hash log, each `# key: value`. They state version and options, so they may differ
-  /// between logs of runs with equal states.
+  /// The first lines of a hash log (a file with the hashes of every tick), each `# key: value`. They state
+  /// version and options, so they may differ between logs of runs with equal states.
   std::string hash_log_header() const;
   /// The line of a hash log for the current tick: `TICK STATE pose=... velocity=... sensor=... memory=...`,
   /// with hashes as 16 hexadecimal digits.
@@ -680,11 +680,11 @@ class Simulation {
   unsigned threads() const;                ///< number of worker threads, per rank
   unsigned ranks() const;                  ///< number of ranks, threads or processes, that compute the world
   RankStatistics rank_statistics() const;  ///< numbers that describe the messages between ranks
-  /// For each rank, the number of its bodies and the times of its phases in the last tick, by number of the
-  /// rank; empty with one rank. The times are 0 if neither SimulationOptions::rank_clock nor
+  /// For each rank, the number of its bodies and the times of its phases in the last tick, in the order of
+  /// the ranks; empty with one rank. The times are 0 if neither SimulationOptions::rank_clock nor
   /// SimulationOptions::processes is set. Valid until the next step.
   std::span<const RankWork> rank_work() const;
-  /// What each rank has counted so far, by number of the rank; empty with one rank. This process asks the
+  /// What each rank has counted so far, in the order of the ranks; empty with one rank. This process asks the
   /// other ranks. Must not be called during a step.
   std::vector<RankCounts> rank_counts();
   /// Sets a callback, for example to measure the time of phases. It is called with the phase when a phase of

@@ -2,7 +2,8 @@
 """Draws cave.png, a cave of 16 x 16 m: four chambers around a hall, joined by passages, with walls of rough rock.
 Also writes the four worlds with Pioneer robots in this cave: cave-simple, cave-complex, and both with -laser.
 
-Discs are swept along lines, and their radius varies with smooth noise; the rock is all that the discs do not cover.
+Discs are swept along lines, and their radius varies with smooth noise; the rock is all that the discs do not cover,
+and some pillars.
 Only + - * / and whole numbers are used, so that the picture is the same on every machine.
 """
 

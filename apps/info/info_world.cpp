@@ -82,7 +82,8 @@ std::size_t add_robots(const engine::WorldSpec& spec, Summary& summary) {
   return robots;
 }
 
-/// Adds the reserves of populations to the summary. Returns the number of bodies in them.
+/// Adds the reserves of populations (bodies that can enter the world later) to the summary. Returns the
+/// number of these bodies.
 std::size_t add_reserves(const engine::WorldSpec& spec, Summary& summary) {
   std::string reserves;
   std::size_t bodies = 0;

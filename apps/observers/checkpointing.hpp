@@ -52,8 +52,9 @@ class Checkpointing : public Observer {
   SaveRequests requests_;
 };
 
-/// Returns a new output with the options --checkpoint and --checkpoint-every; it also adds --wall-limit.
-/// Parsing stores the values in RunOptions::checkpoint, checkpoint_every_s and wall_limit_s.
+/// Returns the kind of output that saves checkpoints (see RunOutput and Checkpointing). It adds the options
+/// --checkpoint, --checkpoint-every and --wall-limit to the command line. Parsing stores their values in
+/// RunOptions::checkpoint, checkpoint_every_s and wall_limit_s. Without --checkpoint, nothing is saved.
 std::unique_ptr<RunOutput> checkpoint_output();
 
 }  // namespace troupe::apps

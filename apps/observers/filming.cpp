@@ -17,7 +17,7 @@ namespace {
 constexpr std::size_t k_most_waiting = 2;
 
 /// Returns the options for the pictures of a film. By default a film whose speed is not real time shows the
-/// speed next to the clock.
+/// speed next to the simulated time.
 PictureOptions film_look(const PictureFiles& files) {
   PictureOptions look = files.look;
   if (files.film_speed != 1) look.layers = look.layers.empty() ? "speed" : "speed," + look.layers;

@@ -100,7 +100,9 @@ class Filming : public Observer {
   partition::JobThread thread_;     // last, because it uses all members above
 };
 
-/// Returns a new output with the options --snapshot and --film and those that set how pictures look.
+/// Returns the kind of output that writes pictures and a film of a run (see RunOutput, Snapshots and
+/// Filming). It adds the options of add_picture_options() to the command line. Among them, --snapshot and
+/// --film name the files; without these two, nothing is written.
 std::unique_ptr<RunOutput> pictures_output();
 
 }  // namespace troupe::apps

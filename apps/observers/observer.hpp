@@ -8,8 +8,9 @@
 
 namespace troupe::apps {
 
-/// Base class of objects that are notified of the phases and tasks of each tick. A run calls phase() in its
-/// callback of Simulation::on_phase(), and task() in its callback of Simulation::on_task().
+/// Base class of objects that are notified of the phases and tasks of each tick. A phase is a step of the
+/// tick, such as sense or move; a task is a part of a parallel loop. A run calls phase() in its callback of
+/// Simulation::on_phase(), and task() in its callback of Simulation::on_task().
 class TickWatcher {
  public:
   virtual ~TickWatcher() = default;
@@ -31,7 +32,8 @@ class Observer {
   virtual ~Observer() = default;
 
   /// Whether observe() reads the state of robots, not only hashes and times. If it does, and the robots are
-  /// divided among several ranks, rank 0 fetches the robots of the other ranks after every tick.
+  /// divided among several ranks (processes, or groups of threads, that compute the run together), rank 0
+  /// fetches the robots of the other ranks after every tick.
   virtual bool reads_robots() const { return true; }
   /// Called once before the first step and after every tick.
   virtual void observe(const Simulation& simulation) = 0;

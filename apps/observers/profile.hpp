@@ -36,7 +36,8 @@ struct ProfileLimits {
 
 /// Writes the timing of a run in the Trace Event Format, which the trace viewers of browsers read: one track
 /// with the ticks and their phases, one track per worker thread with its tasks (batches of robots), one track
-/// per rank if there are several, and counters of memory and robots.
+/// per rank (a process, or a group of threads, that computes some of the robots) if there are several ranks,
+/// and counters of memory and robots.
 ///
 /// file    the file is complete JSON after each tick: it can be read during the run, and after the program
 ///         was killed

@@ -24,8 +24,9 @@ class Recorder;
 /// fields are given for a run that is not recorded.
 std::unique_ptr<Recorder> make_recorder(const RunOptions& options, const Simulation& simulation);
 
-/// Writes a recording. Starts to flush the frames to the disk every 2 s of wall time, so that readers of the
-/// growing file see recent frames and a killed run loses few frames.
+/// Writes the recording of a run: an HDF5 file with one frame, the chosen fields of the state, per recorded
+/// tick. Starts to flush the frames to the disk every 2 s of wall time, so that readers of the growing file
+/// see recent frames and a killed run loses few frames.
 class Recorder : public Observer {
  public:
   explicit Recorder(Recording recording) : recording_(std::move(recording)) {}

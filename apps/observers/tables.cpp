@@ -168,7 +168,7 @@ class MeasuresOutput : public ClonedOutput<MeasuresOutput> {
                   [this](const std::string& text) { file_ = file_name("--measures", text); });
     add_values(
         app, "--measure", "NAME[:OF],...",
-        "Measures, also of type or population OF; repeatable; default: the world's, or all without keys",
+        "Measures (OF: type, population); repeatable; default: world's, or all that need no parameters",
         [this](const std::string& text) { add_names(text); })
         ->needs(measures);
     add_value(app, "--measure-every", "S",

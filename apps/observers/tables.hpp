@@ -14,9 +14,9 @@
 
 namespace troupe::apps {
 
-/// Writes the table of --measures with the columns `tick,time_s,coverage,...`. The table has one line for
-/// every tick that is a multiple of `every`, so that a resumed run writes the same lines as an uninterrupted
-/// run.
+/// Writes the table of --measures: the tick, the time and the values of the measures (numbers computed from
+/// the state), with the columns `tick,time_s,coverage,...`. The table has one line for every tick that is a
+/// multiple of `every`, so that a resumed run writes the same lines as an uninterrupted run.
 class MeasuresTable : public Observer {
  public:
   /// Creates the table. If the simulation was resumed from a checkpoint, an existing table is continued and
@@ -37,7 +37,7 @@ class MeasuresTable : public Observer {
   CsvFile csv_;
 };
 
-/// Writes the table of --events: one line per event,
+/// Writes the table of --events: one line per event (a robot stalls, is born, dies, ...),
 /// `tick,time_s,event,robot,id,x_m,y_m,heading_rad,other,other_id`, in the order of ticks and ids. The pose
 /// is that of the robot at the end of the tick. `other` and `other_id` are empty if no other body is
 /// involved.
@@ -65,9 +65,12 @@ inline constexpr std::string_view k_events_mark = "tick,time_s,event,robot,";
 inline constexpr std::string_view k_events_header =
     "tick,time_s,event,robot,id,x_m,y_m,heading_rad,other,other_id";
 
-/// Returns a new output with the options --measures, --measure and --measure-every.
+/// Returns the kind of output that writes a MeasuresTable (see RunOutput). It adds the options --measures,
+/// --measure and --measure-every to the command line, and writes the table to the file that --measures names.
+/// Without --measures, nothing is written.
 std::unique_ptr<RunOutput> measures_output();
-/// Returns a new output with the option --events.
+/// Returns the kind of output that writes an EventsTable (see RunOutput). It adds the option --events to the
+/// command line, and writes the table to the file that --events names. Without --events, nothing is written.
 std::unique_ptr<RunOutput> events_output();
 
 }  // namespace troupe::apps

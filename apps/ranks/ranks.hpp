@@ -12,19 +12,21 @@
 
 namespace troupe::apps {
 
-/// Runs a command on all processes that a launcher such as mpirun has started (docs/cluster.md). Rank 0 calls
-/// run() with options that refer to the other processes (SimulationOptions::processes). The other processes
-/// only compute their parts of the worlds that rank 0 loads. Without a launcher, or with a single process,
-/// calls run(options.simulation) and passes its exceptions on. Otherwise returns the result of run() on rank
-/// 0, and k_finished on the other ranks; for an InputError, which concerns all processes, rank 0 prints it
-/// and the function returns k_bad_input. After any other exception, this process prints the error and ends
-/// without returning, because other processes may wait for it.
+/// Runs a command on all processes that a launcher such as mpirun has started (docs/cluster.md). These
+/// processes are called ranks and numbered from 0. Rank 0 calls run() with options that refer to the other
+/// processes (SimulationOptions::processes). The other processes only compute their parts of the worlds that
+/// rank 0 loads. Without a launcher, or with a single process, calls run(options.simulation) and passes its
+/// exceptions on. Otherwise returns the result of run() on rank 0, and k_finished on the other ranks; for an
+/// InputError, which concerns all processes, rank 0 prints it and the function returns k_bad_input. After any
+/// other exception, this process prints the error and ends without returning, because other processes may
+/// wait for it.
 ExitCode on_ranks(const WorldOptions& options,
                   const std::function<ExitCode(const SimulationOptions& simulation)>& run);
 
 /// Divides independent runs, such as the runs of a sweep, among the processes (ranks) that a launcher has
-/// started. The ranks exchange messages: rank 0 shares the list of runs, and gathers the results. All
-/// processes must call the functions in the same order.
+/// started. The ranks exchange messages: rank 0 shares the list of runs, and gathers the results. Each rank
+/// must first call share() (rank 0) or shared() (other ranks), then tell_that_it_works() while it makes its
+/// runs, and then gather().
 class RankDeal {
  public:
   /// For a process that is the only one. threads: number of runs that this process makes at the same time

@@ -10,9 +10,10 @@
 namespace troupe::apps {
 
 /// What a run would need (--dry-run): its length, the memory, and how its bodies would be divided among the
-/// ranks. A row is the entry of a body in the state tables. The ground of a rank is the part of the world
-/// whose bodies it computes; their rows are its own rows. A ghost is a copy of a row of another rank. The
-/// neighbours of a rank are the ranks with which it has ghosts in common (engine/ranks/halo.hpp).
+/// ranks, which are processes, or groups of threads, that compute the world together. A row is the entry of a
+/// body in the state tables. The ground of a rank is the part of the world whose bodies it computes; their
+/// rows are its own rows. A ghost is a copy of a row of another rank. The neighbours of a rank are the ranks
+/// with which it has ghosts in common (engine/ranks/halo.hpp).
 struct DryRun {
   std::string world;              ///< name of the world file
   std::size_t robots = 0;         ///< robots in the world

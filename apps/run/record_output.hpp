@@ -4,9 +4,10 @@
 
 namespace troupe::apps {
 
-/// Returns a new output with the options --record, --record-every and --record-fields. Parsing stores the
-/// values of these options in RunOptions::record and RunOptions::recording, with which make_recorder() opens
-/// the recording.
+/// Returns the kind of output that records a run into an HDF5 file (see RunOutput and Recorder). It adds the
+/// options --record, --record-every and --record-fields to the command line. Parsing stores their values in
+/// RunOptions::record and RunOptions::recording, with which make_recorder() opens the recording. Without
+/// --record, the run is recorded only if the world file names a recording.
 std::unique_ptr<RunOutput> record_output();
 
 }  // namespace troupe::apps

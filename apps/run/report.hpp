@@ -24,8 +24,10 @@ struct Report {
   bool stopped = false;          ///< stopped before end_s by a signal or --wall-limit
   std::string stopped_by;        ///< the condition of the world's `stop_when` that ended the run; empty: none
   unsigned threads = 0;          ///< worker threads per rank
-  RankStatistics ranks;          ///< messages and waiting of the ranks during this run
-  /// Counts of this run, one entry per rank; empty with one rank.
+  /// Messages and waiting, during this run, of the ranks: processes, or groups of threads, that compute the
+  /// world together.
+  RankStatistics ranks;
+  /// Counts of own bodies, messages and so on in this run, one entry per rank; empty with one rank.
   std::vector<RankCounts> rank_counts;
   double load_s = 0;    ///< wall time of loading the world, s
   double wall_s = 0;    ///< wall time of all ticks, including the observers (hash log, ...), s

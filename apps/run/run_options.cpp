@@ -32,9 +32,9 @@ this run, or if an action is not possible.
 actions are written to a session file in the working folder.
 
 Several worlds run side by side, each to its own end, and do not interact. All worlds are loaded before the first tick.
-The world with the earliest simulated time always makes the next tick. With several worlds, the names of outputs must
-contain {world}, which is replaced by the name of the world: --hash-log {world}.log. A summary is printed for each
-world; with --json, each summary is one line.
+The world whose next tick ends at the earliest simulated time always makes its tick first. With several worlds, the
+names of outputs must contain {world}, which is replaced by the name of the world: --hash-log {world}.log. A summary is
+printed for each world; with --json, each summary is one line.
 
 A run is as fast as possible by default. --rate 1 limits it to real time, and --rate world to the speed that the world
 file sets (rate in JSON, speedup in Stage's syntax).

@@ -24,7 +24,7 @@ struct RunOptions : WorldOptions {
   std::optional<double> wall_limit_s;  ///< wall time after which the run stops, s; not given: no limit
   std::filesystem::path record;        ///< file of the recording; empty: the one that the world names, if any
   RecordingOptions recording;          ///< interval and fields of the recording
-  std::filesystem::path session;       ///< session file to repeat; empty: none
+  std::filesystem::path session;       ///< file with actions of users (troupe view) to repeat; empty: none
   bool view = false;                   ///< --view: show the run in browsers (docs/live.md)
   bool force = false;                  ///< replace an existing checkpoint or recording
   bool clock = false;       ///< print the simulated time even if the world file does not request this
@@ -36,8 +36,8 @@ struct RunOptions : WorldOptions {
   bool across_plugins = false;   ///< resume although plug-ins were rebuilt since the checkpoint
 
   bool dry_run = false;  ///< --dry-run: load the world, print what the run would need, and end
-  /// True (--rank-balance time): ranks that take longer than others pass robots to the faster ranks. False:
-  /// --rank-balance off
+  /// True (--rank-balance time): of the ranks (processes, or groups of threads, that compute the world
+  /// together), those that take longer pass robots to faster ranks. False: --rank-balance off
   bool balances_ranks = true;
   bool json = false;   ///< print the summary as JSON
   bool quiet = false;  ///< print neither progress, warnings nor the summary as text

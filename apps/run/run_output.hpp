@@ -39,8 +39,9 @@ class RunOutput {
   /// Returns the files that the output will write. The caller checks that they can be written. Throws
   /// OutputError if the output finds another error, such as an existing checkpoint. Creates nothing.
   virtual std::vector<std::filesystem::path> files(const RunOptions& options) const = 0;
-  /// If the command line names no file, takes the name from the loaded world, if the world gives one. Throws
-  /// InputError if that name is not allowed.
+  /// For a kind of output whose file a world can name: if the command line names no file, takes the name from
+  /// the loaded world, if the world gives one. The default does nothing. Throws InputError if that name is
+  /// not allowed.
   virtual void take_name_from_world(RunOptions& /*options*/, const Simulation& /*simulation*/) const {}
   /// Checks the output before any file is opened, so that errors in drawing, measuring or writing are
   /// reported before the run. Returns a function that opens the files; null if there is nothing to open.

@@ -10,7 +10,7 @@
 
 namespace troupe::apps {
 
-/// The result of one run of a study.
+/// The result of one run of a study (many runs of a world with different parameters and seeds).
 struct SweepOutcome {
   std::size_t run = 0;         ///< index of the run in the study
   std::uint64_t seed = 0;      ///< seed of the run
@@ -21,8 +21,8 @@ struct SweepOutcome {
   std::string state_hash;      ///< hash of the last state, as hexadecimal digits
 };
 
-/// A file (journal) with the results of the finished runs of one process of a sweep, one line of JSON per
-/// run. Each line is on the disk before the thread that made the run starts another run, so that a killed
+/// A file (journal) with the results of the finished runs of one process of `troupe sweep`, one line of JSON
+/// per run. Each line is on the disk before the thread that made the run starts another run, so that a killed
 /// sweep loses only its unfinished runs.
 class SweepJournal {
  public:

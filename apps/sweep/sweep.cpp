@@ -232,7 +232,8 @@ class Count {
   bool visible_;
 };
 
-/// Writes the samples of a run to its file of series_file(). Throws std::runtime_error if writing fails.
+/// Writes the samples of a run, `rows`, to the file that series_file() names. Throws std::runtime_error if
+/// writing fails.
 void keep_series(const fs::path& file, const std::string& rows) {
   try {
     worldio::write_whole(file, {rows});

@@ -25,8 +25,8 @@ struct SweepTable {
 /// results. Replaces the file only when the new table is complete. Throws OutputError if writing fails.
 void write_csv(const SweepTable& table, const std::filesystem::path& file);
 /// Writes the table `run,time_s,MEASURES...` to the file series.csv of the folder, with one row for each time
-/// at which a run was measured (Study::measure_every_s), by concatenating the files of series_file() of all
-/// finished runs. measures: names of the columns of measures (Measures::columns()). Replaces the file only
+/// at which a run was measured (Study::measure_every_s), by concatenating the files of all finished runs
+/// (series_file()). measures: names of the columns of measures (Measures::columns()). Replaces the file only
 /// when the new table is complete. Throws OutputError if the file of a finished run is missing or writing
 /// fails.
 void write_series(const SweepTable& table, const std::vector<std::string>& measures,

@@ -151,8 +151,8 @@ constexpr Fact columns(std::size_t n) { return Fact(Fact::Kind::columns, static_
 inline constexpr Fact required{Fact::Kind::required};
 /// The member gives a number of readings of a sensor (Field::counts_readings). Only for integers.
 inline constexpr Fact counts_readings{Fact::Kind::counts_readings};
-/// Interventions cannot change the member while the world runs. Has an effect only on the parameters of
-/// drives (Field::fixed).
+/// Neither interventions of the world file nor World::set() can change the member while the world runs. Has
+/// an effect only on the parameters of drives (Field::fixed).
 inline constexpr Fact fixed{Fact::Kind::fixed};
 /// The member records where the other members come from (a file and a line). It is stored, but comparisons
 /// ignore it (Field::provenance).
@@ -560,8 +560,8 @@ class Description {
     else
       detail::add_part(*table_, described<Type>(), example_, &(example_->*k_member));
   }
-  /// Marks a member that is computed from the other members. It gets no field: it is neither stored nor
-  /// compared. Not for structs that are state.
+  /// Marks a member that gets no field, and so is neither stored nor compared, for example because it can be
+  /// computed from the other members. Not for structs that are state.
   template <auto k_member>
   constexpr void derived() {
     if (table_ == nullptr) count(detail::tag<k_member>(), false);

@@ -131,8 +131,9 @@ struct Field {
   /// True: the field may be missing in a file, and then has no value (Value::given() is false). It is not
   /// required and has no default.
   bool optional = false;
-  /// True: interventions cannot change the parameter while the world runs. Used only for parameters of
-  /// drives: for parameters of devices and controllers, this member has no effect.
+  /// True: neither interventions of the world file nor World::set() can change the parameter while the world
+  /// runs. Used only for parameters of drives: for parameters of devices and controllers, this member has no
+  /// effect.
   bool fixed = false;
   /// True: the field records where the other fields come from (a file and a line). It is stored, but
   /// comparisons of records ignore it.

@@ -211,12 +211,13 @@ std::vector<StateField> memory_fields() {
 ///     static C make(const Params&);               // default: C{params}
 ///         // without Params: static C make(), by default C{}
 ///     Result<std::vector<std::size_t>> choose(std::span<const DeviceInfo>, std::vector<bool>& claimed);
-///         // returns Prepared::devices, see ControllerKind::prepare; default: uses all devices that are
-///         // offered, also those that other controllers claim, and claims none
+///         // returns Prepared::devices, and may reserve devices for itself in `claimed`, see
+///         // ControllerKind::prepare; default: uses all devices that are offered, also those that other
+///         // controllers have reserved, and reserves none
 ///     static constexpr std::array k_uses{std::string_view("ranger")};
 ///         // instead of choose: the kinds of the devices that it uses, in this order; a kind that is listed
-///         // twice stands for two devices; an error if the robot has too few devices of a kind; ignores the
-///         // claims of other controllers, and claims no device
+///         // twice stands for two devices; an error if the robot has too few devices of a kind; also uses
+///         // devices that other controllers have reserved, and reserves none
 ///     Result<> bind_world(const WorldSpec&, const TypeSpec&, std::uint32_t part);
 ///         // completes the object from the world: ControllerKind::bind_world
 ///     static constexpr std::array<std::string_view, N> brings;

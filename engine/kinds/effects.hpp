@@ -17,7 +17,7 @@ namespace troupe::engine {
 /// The payload is the pose at birth: x, y, z (m), heading (rad), world frame. If Effect::source dies in the
 /// same tick, the birth does not take place.
 inline constexpr std::uint32_t k_birth = ~0u;
-/// Death of Effect::target. It has no effect if the target is not valid(), is not in the world, or is a
+/// Death of Effect::target. Nothing happens if the target is not valid(), is not in the world, or is a
 /// static body.
 inline constexpr std::uint32_t k_death = ~0u - 1;
 

@@ -10,16 +10,17 @@ namespace troupe::engine {
 
 struct BodyType;
 
-/// The effect of a fault on a body, and how often the fault occurs. A fault that is no drop-out lasts until
-/// the end of the run, or until the body dies.
+/// The effect of a fault on a body, and how often the fault occurs. A fault that is no drop-out (`drops_out`)
+/// lasts until the end of the run, or until the body dies.
 struct Impairment {
   /// Devices that stop working: bit d for device d of the type (BodyType::devices).
   std::uint32_t dead = 0;
   double speed = 1;        ///< factor on the velocity of the body's drive; above 0, at most 1
   bool drops_out = false;  ///< true: a drop-out, which stops all devices, all controllers and the drive
-  /// The rate at which the fault occurs, 1/s. The time until the fault occurs counts from FaultSpec::from_s
-  /// or from the end of the last drop-out. It is exponentially distributed with the mean 1 / per_s, and
-  /// rounded up to whole ticks. 0: the fault occurs at FaultSpec::from_s.
+  /// The rate at which the fault occurs, 1/s. The time until the fault occurs counts from FaultSpec::from_s,
+  /// the world time from which on faults may occur, or from the end of the last drop-out. This time is
+  /// exponentially distributed with the mean 1 / per_s, and rounded up to whole ticks. 0: the fault occurs
+  /// at FaultSpec::from_s.
   double per_s = 0;
   /// Duration of a drop-out, s, rounded up to whole ticks; 0: it never ends. Not used by other faults. Only a
   /// drop-out that ends can occur again, and only if per_s is above 0; any other fault occurs at most once

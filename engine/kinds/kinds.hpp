@@ -72,7 +72,7 @@ struct DeviceBatch {
   StateTable& state;           ///< state of the device, by slot; hooks may write only to the slots of `rows`
   const StateTable* commands;  ///< commands from controllers, by slot; null if the kind takes none
   Effects& effects;            ///< receives effects on other bodies: see emit()
-  Links& links;                ///< receives goals of joints: see move_joint()
+  Links& links;                ///< receives the poses to which joints shall move: see move_joint()
   std::uint32_t device = 0;    ///< index of the device within the type
   std::uint32_t stream = 0;    ///< number of the device's random stream: see random()
   /// Time from one run of the device to the next, s: its period in whole ticks. The time since the device
@@ -98,8 +98,9 @@ struct DeviceBatch {
   const Velocity& velocity(std::size_t i) const;
   /// Command to the drive of the row's body. The numbers have no meaning if the body has no drive.
   const Command& command(std::size_t i) const;
-  /// Whether a device of the row's body is active (BodyType::Device::active), or World::subscribe() was
-  /// called for the body. Here and below, `its_device` is the index of the device in BodyType::devices.
+  /// Whether a device of the row's body is active (a controller uses it, or the world file makes it active:
+  /// BodyType::Device::active), or World::subscribe() was called for the body. Here and below, `its_device`
+  /// is the index of the device in BodyType::devices.
   bool senses(std::size_t i, std::size_t its_device) const;
   /// Whether a device of the row's body is switched on: no controller has switched it off.
   bool is_on(std::size_t i, std::size_t its_device) const;
@@ -137,8 +138,8 @@ struct DeviceBatch {
   /// Requests the birth of the next body of a reserve at the pose `at`, m and rad, world frame. Births come
   /// after all other effects and all deaths of the tick. DeviceKind::born receives the result, which says
   /// whether the body was born. There is neither a birth nor a result if the requesting body died in this
-  /// tick. Callers and errors are as for emit(), and a birth counts as an effect. If the world has neither
-  /// reserves nor deaths, World::step() throws std::logic_error.
+  /// tick. Callers and errors are as for emit(), and a birth counts as an effect. If no body of the world
+  /// can be born or die (World::has_lives() is false), World::step() throws std::logic_error.
   ///
   /// sequence: as for emit()
   /// reserve: index into WorldSpec::reserves; must exist
@@ -272,8 +273,9 @@ struct DeviceKind {
     /// The reach of the device: radius of a disc around the origin of its body, m. `sense` and `act` must
     /// not read the data of a body whose enclosing circle is outside the disc, except for bodies that move
     /// together with the device's own body (SensingView::same_tree()). For bodies with joints, the engine
-    /// adds to the radius the larger of BodyType::joint_reach and the present distance of the device's joint
-    /// from its rest position. Tests enforce this rule with World::hide_beyond_reach().
+    /// adds to the radius the larger of BodyType::joint_reach and the distance by which the present
+    /// transform of the device's joint (PublicColumns::joint_mounts) shifts the origin of the body. Tests
+    /// enforce this rule with World::hide_beyond_reach().
     double reach_m = 0;
     /// The reach for which the cells of the spatial index are chosen, m; not set: reach_m. A device that
     /// rarely searches far sets a smaller value, because a large one makes the cells coarse for all other
@@ -323,9 +325,10 @@ struct DeviceKind {
   /// Called in the phase `actuate`, in which the drives also run, before the controllers decide: executes the
   /// commands of the previous tick. Null: the device has no actions.
   void (*act)(const DeviceBatch& batch) = nullptr;
-  /// Called after bodies and joints have moved, if any joint of the world had a goal in this tick, for all
-  /// devices of the kind that move joints and whose bodies are in the world. The hook can then read with
-  /// DeviceBatch::moved_joint() whether the joints of a device reached their goals. Null: not needed.
+  /// Called after bodies and joints have moved, if any device of the world called DeviceBatch::move_joint()
+  /// in this tick, for all devices of the kind that move joints and whose bodies are in the world. The hook
+  /// can then read with DeviceBatch::moved_joint() whether the joints of a device reached their goals. Null:
+  /// not needed.
   void (*joints_moved)(const DeviceBatch& batch) = nullptr;
   /// Called after the bodies have moved: applies one effect that a device of this kind emitted with
   /// DeviceBatch::emit(). Effects are applied one by one, in the order of (Effect::source, device,
@@ -334,8 +337,8 @@ struct DeviceKind {
   void (*apply)(World& world, const std::any& data, const Effect& effect) = nullptr;
   /// Called after all other effects and all deaths of the tick were applied, once for each birth that the
   /// device requested, unless the body of the device died in this tick: receives the result of the birth. The
-  /// hook may change only the state of its device. If several ranks compute the world, the row of the new
-  /// body may be elsewhere. Null: not needed.
+  /// hook may change only the state of its device. If several ranks (threads or processes) compute the
+  /// world, the row of the new body may be on another rank. Null: not needed.
   void (*born)(World& world, const std::any& data, const Effect& effect, const Birth& birth) = nullptr;
 
   /// For power supplies: returns whether the supply of a row is empty. While it is empty, the devices that

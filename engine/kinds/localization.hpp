@@ -59,8 +59,9 @@ struct Localization {
 
 constexpr std::array<std::string_view, 2> names_of(Localization::Kind) { return {"gps", "odom"}; }
 
-/// The parameters of localization, which are part of the parameters of drives. Interventions cannot change
-/// them while a world runs, because the layout of the state depends on the source of the estimate.
+/// The parameters of localization, which are part of the parameters of drives. Neither interventions of the
+/// world file nor World::set() can change them while a world runs, because the layout of the state depends on
+/// the source of the estimate.
 struct LocalizationParams {
   /// The heading along which a tick's motion is added; in files "old" and "new".
   enum class Heading : std::uint8_t {
@@ -105,7 +106,7 @@ struct LocalizationParams {
   Result<Localization> read() const;
 };
 
-/// The component `odometry`: the estimated pose of a robot with odometry.
+/// A row of the component (state table) `odometry`: the estimated pose of a robot with odometry.
 struct Odometry {
   double x = 0;        ///< estimated x, m, in the frame of the estimate
   double y = 0;        ///< estimated y, m, in the frame of the estimate

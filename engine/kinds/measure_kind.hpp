@@ -28,8 +28,8 @@ class Measure {
   /// state. see() was called for this state before. This function may be called any number of times per
   /// tick.
   virtual double value(World& world) = 0;
-  /// The memory as bytes; by default there is none. A checkpoint saves these bytes, and a resumed run
-  /// overwrites them. The number of bytes must be the same in every call.
+  /// The memory as bytes; by default there is none. A checkpoint saves these bytes, and a run that is resumed
+  /// from the checkpoint writes the saved bytes back. The number of bytes must be the same in every call.
   virtual std::span<std::byte> memory() { return {}; }
 };
 
@@ -39,7 +39,9 @@ struct MeasureKind {
   Unit unit = Unit::none;       ///< SI unit of the values; MeasureSet adds it to the name of the column
   std::string_view text;        ///< description in one line
   std::string_view definition;  ///< exact definition, and its source
-  std::string_view formula;  ///< the definition as a formula, with n robots i at positions x_i; may be empty
+  /// The definition as a formula, in which n is the number of robots and x_i the position of robot i; may be
+  /// empty.
+  std::string_view formula;
   /// For an alias, the name of the original measure; otherwise empty. An alias is computed only if the user
   /// chooses it (is_usual()).
   std::string_view same_as;

@@ -37,7 +37,8 @@ inline Mount compose(const Mount& a, const Mount& b) {
 }
 
 /// Returns pose_a_c from mount_a_b and pose_b_c, with the heading wrapped into [-pi, pi]. If `a` was made
-/// from a body's pose and its transform, the result has the same bits as compose(pose, transform, b).
+/// from a body's pose and its transform, the result has the same bits as compose(pose, transform, b) of
+/// base/pose.hpp.
 inline Pose compose(const Mount& a, const Pose& b) {
   const Vec2 p = a.transform * b.position();
   return {p.x(), p.y(), a.z + b.z, wrap_angle(a.heading + b.heading)};

@@ -27,10 +27,10 @@ namespace troupe::engine {
 class Links {
  public:
   static constexpr std::uint32_t k_none = ~0u;  ///< no row
-  /// The state of a joint's motion in this tick.
+  /// Whether ask() has set a goal for a joint in this tick, and what became of the motion to that goal.
   enum class Goal : std::uint8_t {
-    none,     ///< the joint has no command to move
-    asked,    ///< the joint has a command that is not yet resolved, or whose goal equals the joint's pose
+    none,     ///< ask() was not called for the joint
+    asked,    ///< the motion is not yet resolved, or is not needed because the joint already was at its goal
     moved,    ///< the joint is at its goal
     refused,  ///< the motion was blocked: the joint is at its old pose
   };
@@ -66,8 +66,8 @@ class Links {
   /// it carries, directly or through others, whatever the poses of their joints, m. The types of these bodies
   /// must not have joints that drive devices move (DeviceKind::drives): their motion has no limit.
   double farthest(Row row) const;
-  /// Upper bound on the distance of any point on a joint of a body from the place where it is at rest, m. The
-  /// condition of farthest() holds.
+  /// Upper bound, for all poses of the joints of a body, on how much farther than at rest any point of the
+  /// body can be from the body's origin, m. The condition of farthest() holds.
   static double farthest_shift(const BodyType& type);
 
   /// Sets the joints of a row to Goal::none, and updates WorldState::joint_mounts from the poses of the
@@ -106,15 +106,17 @@ class Links {
   class Border {
    public:
     virtual ~Border() = default;
-    /// Called in each round, when this rank knows which of its own trees are blocked (is_blocked()). Passes
-    /// those of the ghosts to block().
+    /// Called in each round, when this rank has tested its own trees. Sends the results (is_blocked()) to the
+    /// ranks on which these trees are ghosts, receives the results for the ghosts here, and calls block() for
+    /// each ghost whose motion is blocked.
     virtual void exchange_blocked(Links& links) = 0;
   };
   /// For a Border: whether a joint of the tree with this root moves in this round. False for carried bodies.
   bool moves_joints(Row root) const;
   /// For a Border: whether the motion of the joints of the tree with this root is blocked in this round.
   bool is_blocked(Row root) const { return refused_[composite_of_[root.index()]] != 0; }
-  /// For a Border: the motion of the joints of the tree with this root, which has moves_joints(), is blocked.
+  /// For a Border: notes that the motion of the joints of the tree with this root is blocked. moves_joints()
+  /// must be true for the root.
   void block(Row root) { refused_[composite_of_[root.index()]] = 1; }
 
   /// State of the motion of a joint in this tick.
@@ -166,7 +168,7 @@ class Links {
   partition::Parallel& parallel_;
 
   std::vector<Joint> joints_;        // joints of all rows, at WorldState::joint_begins
-  std::atomic<bool> asked_ = false;  // whether any joint has a command to move in this tick
+  std::atomic<bool> asked_ = false;  // whether ask() has set a goal for any joint in this tick
   // Number of rounds of joint resolution per tick: the largest number of devices that move joints of one
   // body of the world, whose row may be elsewhere. In each round, the joints of at most one device per body
   // move.

@@ -9,10 +9,11 @@ namespace troupe::engine {
 std::span<const EventKind> event_kinds() {
   using enum EventType;
   static constexpr std::array<EventKind, 10> kinds{{
-      {stall_ends, "stall_ends", "after blocked motions, the robot moved, its velocity was 0, or it died"},
+      {stall_ends, "stall_ends",
+       "the motion of the robot was not blocked, or there was none, but it was blocked in the tick before"},
       {held_ends, "held_ends",
-       "after motions that would have left the bounds of the world, the robot moved, its velocity was "
-       "0, or it died"},
+       "the motion of the robot would not have left the bounds of the world, or there was none, but it would "
+       "have in the tick before"},
       {stall_begins, "stall_begins", "the motion of the robot was blocked: something was in its way"},
       {held_begins, "held_begins",
        "the motion of the robot would have left the bounds of the world, so it stayed in place"},
@@ -20,7 +21,9 @@ std::span<const EventKind> event_kinds() {
       {grip, "grip", "the robot gripped a body, and carries it from now on"},
       {birth, "birth", "a body from the reserve of its population entered the world at this pose"},
       {death, "death", "the body died at this pose"},
-      {fails, "fails", "the robot stopped completely: it was disabled, or a drop_out fault occurred"},
+      {fails, "fails",
+       "the devices, controllers and drive of the robot stopped: it was disabled, or a drop_out fault "
+       "occurred"},
       {recovers, "recovers", "the robot works again after an event `fails`"},
   }};
   return kinds;

@@ -23,9 +23,10 @@ enum class EventType : std::uint8_t {
   grip,          ///< the robot began to carry another body (Event::other)
   birth,         ///< the body was born, and so entered the world
   death,         ///< the body died, and so left the world
-  /// the robot was disabled, or a fault stopped it completely; no event if it was already stopped
+  /// the robot was disabled, or a drop-out fault occurred, so that its devices, controllers and drive
+  /// stopped; no event if they had already stopped for one of these reasons
   fails,
-  recovers,  ///< the robot is in the world, and no longer disabled or stopped by a fault
+  recovers,  ///< the robot is in the world, and no longer disabled or stopped by a drop-out fault
 };
 
 /// Name and text of an event type in tables and recordings. Both have static storage.

@@ -37,9 +37,9 @@ struct SpatialLine {
 /// their memory.
 class LineCrossings {
  public:
-  /// A horizontal length, m, which affects only the speed. If `longest` in find_walls() or find_bodies() is
-  /// at most this length, one search around the origin serves all lines. Otherwise the surroundings of each
-  /// line are searched separately, piece by piece.
+  /// A horizontal length, m, which affects only the computing time. If `longest` in find_walls() or
+  /// find_bodies() is at most this length, one search around the origin serves all lines. Otherwise the
+  /// surroundings of each line are searched separately, piece by piece.
   static constexpr double k_together_m = 12;
 
   LineCrossings();  ///< an object without an origin: call stand() first

@@ -22,8 +22,8 @@ namespace troupe::engine {
 /// Where the row of a body is, that is, its data in the state tables.
 enum class RowLocation : std::uint8_t {
   none,       ///< the body is static: it has no row, and its pose does not change during a run
-  here,       ///< in this world
-  elsewhere,  ///< in the world of another rank
+  here,       ///< in this World
+  elsewhere,  ///< in the World of another rank (a thread or process that computes the same world)
 };
 /// The entry of PublicColumns::rows of a body with RowLocation::elsewhere.
 inline constexpr Row k_elsewhere{std::size_t{0xfffffffe}};
@@ -263,8 +263,8 @@ class CommittedView : public SensingView {
   using SensingView::velocity;
   /// Command to the drive of the row's body. The numbers have no meaning for rows without a drive.
   using SensingView::command;
-  /// Whether a sensor of the row is active (BodyType::Device::active), or World::subscribe() was called for
-  /// its body.
+  /// Whether a sensor of the row is active (a controller uses it, or the world file makes it active:
+  /// BodyType::Device::active), or World::subscribe() was called for its body.
   using SensingView::senses;
   /// Whether the row's device is switched on: no controller has switched it off.
   using SensingView::is_on;

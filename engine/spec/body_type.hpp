@@ -52,9 +52,9 @@ struct BodyType {
   /// Radius of the circle about the body's origin that encloses, at rest, every outline and the origins of
   /// all parts that fiducial finders detect, m.
   double radius = 0;
-  /// Upper bound on the distance by which moving joints can extend `radius`, m: the sum of
-  /// DeviceKind::Prepared::joint_reach_m of all devices. Joints that are moved by drive devices
-  /// (DeviceKind::drives) do not count, because their motion is unlimited.
+  /// Upper bound on the distance by which shifts of joints can extend `radius`, m: the sum of
+  /// DeviceKind::Prepared::joint_reach_m of all devices. Turns of joints do not count, nor do joints that are
+  /// moved by drive devices (DeviceKind::drives), because their motion is unlimited.
   double joint_reach = 0;
   std::vector<std::uint32_t> targets;  ///< indices of the parts that fiducial finders detect; ascending
 
@@ -72,7 +72,7 @@ struct BodyType {
   struct Drive {
     const DriveKind* kind;      ///< kind of the drive; the registry owns it
     std::any data;              ///< result of DriveKind::prepare
-    std::uint64_t period;       ///< ticks from one run to the next
+    std::uint64_t period;       ///< ticks from one run of the drive to the next
     Localization localization;  ///< how the robots of the type estimate their poses
     /// State table of the odometry estimates: index into World::tables(). Not set: the robots have no
     /// odometry.
@@ -92,9 +92,9 @@ struct BodyType {
     std::string name;
     const DeviceKind* kind;         ///< kind of the device; the registry owns it
     DeviceKind::Prepared prepared;  ///< result of prepare_device()
-    std::uint64_t period;           ///< ticks from one run to the next
-    /// True: the device runs whether or not a program subscribes to it (World::subscribe()). It is true if
-    /// DeviceSpec::active is true, or if a controller uses the device.
+    std::uint64_t period;           ///< ticks from one run of the device to the next
+    /// True: the device runs whether or not a program subscribes to its body (World::subscribe()). It is true
+    /// if DeviceSpec::active is true, or if a controller uses the device.
     bool active;
     std::uint32_t part;  ///< part that carries it: index into TypeSpec::parts
     std::int32_t joint;  ///< joint that it is mounted on: index in `joints`; k_rigid: none

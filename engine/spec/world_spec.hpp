@@ -256,8 +256,9 @@ void add_ground(WorldSpec& spec);
 /// Checks the members of a world against one another. Calls report(place in the file, message) for the
 /// inconsistencies, such as a part whose parent comes later, a body whose type does not exist, or reserves
 /// that overlap. The report need not be complete: further inconsistencies may appear when the reported ones
-/// are mended. Each message begins with the path of the value: `types[0].parts[2].parent: ...`. This function
-/// does not check the limits of single members, which are in the tables of engine/spec/spec_description.hpp.
+/// are corrected. Each message begins with the path of the value: `types[0].parts[2].parent: ...`. This
+/// function does not check the limits of single members, which are in the tables of
+/// engine/spec/spec_description.hpp.
 void check_rules(const WorldSpec& spec, const std::function<void(Where, const std::string&)>& report);
 
 /// Appends a reserve of `count` bodies (at least 1) for each population of robots that has no reserve. Here

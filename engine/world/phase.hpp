@@ -16,6 +16,6 @@ enum class Phase : std::uint8_t {
   index,      ///< the spatial index of all bodies is rebuilt
 };
 inline constexpr std::size_t k_phases = 6;  ///< number of phases
-std::string_view phase_name(Phase phase);   ///< name of a phase, as in "sense"
+std::string_view phase_name(Phase phase);   ///< name of a phase, such as "sense"
 
 }  // namespace troupe::engine

@@ -189,9 +189,9 @@ void World::set_estimate(Row row, const Pose& pose) {
                     state_.spec.name(body(row))));
   if (!is_finite(pose))
     throw std::invalid_argument(fmt::format(
-        "the estimated pose of \"{}\" cannot be x {}, y {} (m), heading {} (rad): the numbers must "
+        "the estimated pose of \"{}\" cannot be x {}, y {}, z {} (m), heading {} (rad): the numbers must "
         "be finite",
-        state_.spec.name(body(row)), pose.x, pose.y, pose.heading));
+        state_.spec.name(body(row)), pose.x, pose.y, pose.z, pose.heading));
   touch();
   state_.as<Odometry>(*drive->odometry_table)[slot(row)] = {pose.x + 0.0, pose.y + 0.0,
                                                             wrap_angle(pose.heading) + 0.0};
@@ -291,7 +291,7 @@ bool World::is_out_of_bounds(Row row) const {
 
 void World::throw_half_made() const {
   throw std::logic_error(fmt::format(
-      "the step to tick {} failed and left an incomplete state: call reset() before anything else",
+      "tick {}: a step or a birth failed and left an incomplete state: call reset() before anything else",
       state_.now.tick));
 }
 

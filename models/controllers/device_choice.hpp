@@ -42,8 +42,8 @@ class DeviceChoice {
   /// the robot. share: the second argument of the constructor of Scanner.
   Result<Scanner> take_scanner(std::size_t share);
   /// Claims a ground sensor, a radio and a scanner (take_scanner), in this order, and returns the scanner.
-  /// Returns an error if one of the three is missing; devices that were claimed before stay claimed. share:
-  /// as for take_scanner().
+  /// Returns an error if one of the three is missing; the devices claimed up to then stay claimed. share: as
+  /// for take_scanner().
   Result<Scanner> take_ground_radio_scanner(std::size_t share);
   /// Indices of the claimed devices, in the order in which they were claimed.
   const std::vector<std::size_t>& chosen() const { return chosen_; }

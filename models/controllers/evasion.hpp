@@ -49,9 +49,10 @@ struct Evasion {
   }
 
   /// Backs out for 5 to 14 decisions if the robot is stuck at an obstacle that its scanner does not see
-  /// (Evasion::stuck). Call it once per decision. here: the estimated pose of the robot. command: the command
-  /// of the last decision, which is replaced when the robot begins to back out. Returns true while the robot
-  /// backs out: the caller must then leave the command as it is.
+  /// (Evasion::stuck). To back out means to drive backwards if the last command was to drive forwards, and
+  /// else forwards, at a random turn rate. Call it once per decision. here: the estimated pose of the robot.
+  /// command: the command of the last decision, which is replaced when the robot begins to back out. Returns
+  /// true while the robot backs out: the caller must then leave the command as it is.
   template <class Memory>
   bool escapes(Memory& memory, const Pose& here, Random& random, engine::Command& command) const {
     const bool is_to_move = command.x != 0 || command.turn != 0;

@@ -298,7 +298,7 @@ void Forager::leave(Memory& memory, const engine::Percept& percept, engine::Acti
 
 constexpr const char* k_map_text =
     "name of the model around whose walls robots plan their paths; if no model has this name, the first "
-    "model whose outline is an image is used";
+    "floor plan in the world is used";
 
 struct Fasr : Forager {
   struct Params {

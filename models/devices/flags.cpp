@@ -87,14 +87,15 @@ struct Flags {
 
   static DeviceKind::Prepared prepare(const Params& params, const Pose&) {
     const auto most = static_cast<std::uint32_t>(params.most);
-    return {.data = Flags{params},
-            .percepts =
-                {{"received", Element::u64, 1, "", "number of flags received from other bodies since tick 0"},
-                 {"count", Element::u32, 1, "", "number of flags in the list"},
-                 {"request", Element::u32, 1, "", "`request` of the last command that was carried out"},
-                 {"colors", Element::u32, most, "", "colour of each flag, the first flag first: 0xRRGGBBAA"},
-                 {"sizes", Element::f32, most, "m", "size of each flag"}},
-            .most_effects = 1};
+    return {
+        .data = Flags{params},
+        .percepts = {{"received", Element::u64, 1, "", "number of flags given by other bodies since tick 0"},
+                     {"count", Element::u32, 1, "", "number of flags in the list"},
+                     {"request", Element::u32, 1, "", "value of `request` in the command that was last read"},
+                     {"colors", Element::u32, most, "",
+                      "colour of each flag, the first flag first: 0xRRGGBBAA"},
+                     {"sizes", Element::f32, most, "m", "size of each flag"}},
+        .most_effects = 1};
   }
 
   void start(StateTable& state, std::size_t slot) const {

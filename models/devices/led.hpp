@@ -40,8 +40,8 @@ struct LedState {
   }
 };
 
-/// An LED, or paint: a device that gives a colour to the part of the body that carries the device. Blob
-/// finders, cameras and ground sensors see this colour, and pictures show it.
+/// A device that gives a colour to the part of the body that carries the device. It can model an LED or a
+/// coat of paint. Blob finders, cameras and ground sensors see this colour, and pictures show it.
 ///
 /// parameters  shows: the colour at the start, white by default
 /// when        A commanded colour is visible from the tick after the command on.

@@ -18,7 +18,8 @@ struct LightCommand {
   std::uint8_t state = as_world_says;  ///< how the light is switched, a Switch
 
   static constexpr void describe(engine::Description<LightCommand>& d) {
-    d.member<&LightCommand::state>("state", "0: as the parameters say, 1: lit, 2: dark");
+    d.member<&LightCommand::state>(
+        "state", "0: a blinkenlight is lit as its parameters say, a lightindicator is dark; 1: lit; 2: dark");
   }
 };
 

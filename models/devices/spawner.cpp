@@ -58,7 +58,8 @@ struct Spawner {
                                "time from one birth to the next; 0: no periodic births");
       d.member<&Params::per_flags>(
           "per_flags", at_least(0), at_most(1e9),
-          "number of flags that the spawner's body must receive for each birth; 0: flags cause no births");
+          "number of flags that other bodies must give to the spawner's body for each birth; 0: flags cause "
+          "no births");
       d.member<&Params::within>("within", meters, at_least(0), at_most(1000),
                                 "bodies are born at random poses within this distance of the spawner; 0: at "
                                 "the pose of the spawner");

@@ -41,7 +41,7 @@ struct SpawnerState {
     d.member<&SpawnerState::owed>("owed", "number of births that are due but have not succeeded yet");
     d.member<&SpawnerState::refused>("refused",
                                      "number of failed births: the place was occupied or out of bounds");
-    d.member<&SpawnerState::request>("request", "`request` of the last command that was carried out");
+    d.member<&SpawnerState::request>("request", "value of `request` in the command that was last read");
     d.member<&SpawnerState::last>("last", "id + 1 of the body that it spawned last; 0: none");
     d.member<&SpawnerState::status>("status",
                                     "result of the last attempted birth: 0: none, 1: born, 2: occupied or "
@@ -53,9 +53,9 @@ struct SpawnerState {
 /// not in the world at the start. A spawner can model a nest, a door or a factory.
 ///
 /// when    A birth becomes due every `every` seconds of the life of the spawner's body, for each `per_flags`
-///         flags that this body receives, and for each request of a controller (SpawnerCommand). `every` and
-///         `per_flags` are parameters; with 0, they cause no births. A birth stays due until it succeeds. In
-///         each tick, the spawner tries at most one birth.
+///         flags that other bodies give to this body, and for each request of a controller (SpawnerCommand).
+///         `every` and `per_flags` are parameters; with 0, they cause no births. A birth stays due until it
+///         succeeds. In each tick, the spawner tries at most one birth.
 /// where   Bodies are born at the pose of the spawner. With `within` (m) above 0, they are born at a random
 ///         position in the circle of this radius around the spawner, with a random heading. Each try uses a
 ///         new random pose. If another body or a wall occupies the place, or if the place is outside the

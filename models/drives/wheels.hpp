@@ -21,10 +21,10 @@ struct WheelsState {
 
   static constexpr void describe(engine::Description<WheelsState>& d) {
     using enum engine::Unit;
-    d.member<&WheelsState::x>("x", meters, "estimated position, world frame");
-    d.member<&WheelsState::y>("y", meters, "estimated position, world frame");
-    d.member<&WheelsState::z>("z", meters, "estimated height, world frame");
-    d.member<&WheelsState::heading>("heading", radians, "estimated heading, world frame");
+    d.member<&WheelsState::x>("x", meters, "x of the part, world frame");
+    d.member<&WheelsState::y>("y", meters, "y of the part, world frame");
+    d.member<&WheelsState::z>("z", meters, "height of the part, world frame");
+    d.member<&WheelsState::heading>("heading", radians, "heading of the part, world frame");
     d.member<&WheelsState::forward>("forward", meters_per_second, "velocity of the part, forward");
     d.member<&WheelsState::left>("left", meters_per_second, "velocity of the part, to the left");
     d.member<&WheelsState::turn>("turn", radians_per_second,
@@ -44,8 +44,9 @@ struct WheelsState {
 ///             or that it carries, do not block the motion. A blocked part keeps its pose and is stalled.
 /// estimate    The estimated pose of the part is its true pose in the world. The controllers of the part read
 ///             this pose, and give goals in the world frame.
-/// edges       The drive runs in each tick. The part may leave the bounds of the world. A motion that would
-///             take it farther than 100 m from its place on the body in the world file is blocked.
+/// edges       The drive runs, and the part moves, once per period of the device, by default in each tick.
+///             The part may leave the bounds of the world. A motion that would take it farther than 100 m
+///             from its place on the body in the world file is blocked.
 /// errors      If a command is not a finite number, the step throws engine::StepError.
 engine::DeviceKind wheels_kind();
 

@@ -93,8 +93,8 @@ struct DropOut {
       using namespace engine::facts;
       using enum engine::Unit;
       d.member<&Params::rate>("rate", per_second, above(0), at_most(1e6), required,
-                              "mean number of failures of one robot per second: within t seconds it fails "
-                              "with probability 1 - exp(-rate t)");
+                              "mean number of failures per second of a working robot: within t seconds, such "
+                              "a robot fails with probability 1 - exp(-rate t)");
       d.member<&Params::duration>("for", seconds, within(0, engine::k_most_seconds),
                                   "duration of a failure, after which the robot works again until its next "
                                   "failure; 0: failures are permanent");
@@ -119,7 +119,9 @@ engine::FaultKind slow_wheels_fault() {
 
 engine::FaultKind drop_out_fault() {
   return engine::make_fault_kind<DropOut>(
-      "drop_out", "a robot that stops completely at a random time, permanently or for a limited time");
+      "drop_out",
+      "a robot that fails as a whole at random times (its drive, devices and controllers all stop), each "
+      "time for a limited time, or once and permanently");
 }
 
 }  // namespace troupe::models

@@ -36,7 +36,7 @@ class Clusters : public Measure {
           "bodies connects them");
       d.member<&Params::bodies>("bodies",
                                 "the bodies that form clusters. pushable: all pushable bodies; robots: the "
-                                "robots that `of` selects");
+                                "robots that the key `of` of the measure selects");
     }
   };
 
@@ -120,10 +120,10 @@ engine::MeasureKind clusters_measure() {
   return engine::make_measure_kind<ClusterCount>(
       "clusters", Unit::none, "number of clusters of pushable bodies or of robots",
       "The number of connected components of the graph that joins all pairs of bodies whose origins are at "
-      "most `distance` apart. By default the bodies are all pushable bodies, and `of` has no effect. With "
-      "`bodies`: \"robots\" they are the robots that `of` selects. A body without neighbours is a cluster of "
-      "one. Source, for aggregates of robots: Garnier et al., The embodiment of cockroach aggregation "
-      "behavior in a group of micro-robots, Artificial Life 14, 2008.",
+      "most `distance` apart. By default the bodies are all pushable bodies, and the key `of` of the measure "
+      "has no effect. With `bodies`: \"robots\" they are the robots that `of` selects. A body without "
+      "neighbours is a cluster of one. Source, for aggregates of robots: Garnier et al., The embodiment of "
+      "cockroach aggregation behavior in a group of micro-robots, Artificial Life 14, 2008.",
       "number of components of the graph {(i, j): |x_i - x_j| <= distance}");
 }
 
@@ -131,10 +131,10 @@ engine::MeasureKind largest_cluster_measure() {
   return engine::make_measure_kind<LargestCluster>(
       "largest_cluster", Unit::none,
       "fraction of the pushable bodies or of the robots that are in the largest cluster",
-      "The number of bodies in the largest of the clusters that the measure `clusters` counts, divided by "
-      "the number of bodies in all clusters. The value is NaN if there are no such bodies. Source, for "
-      "aggregates of robots: Gauci et al., Self-organized aggregation without computation, International "
-      "Journal of Robotics Research 33, 2014.",
+      "The number of bodies in the largest cluster, divided by the number of bodies in all clusters. "
+      "Clusters are defined as for the measure `clusters`. The value is NaN if there are no bodies that can "
+      "form clusters. Source, for aggregates of robots: Gauci et al., Self-organized aggregation without "
+      "computation, International Journal of Robotics Research 33, 2014.",
       "max_c |c| / sum_c |c|, over the clusters c");
 }
 

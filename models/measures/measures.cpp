@@ -200,7 +200,8 @@ class ShareWithin : public OfRobots {
   Params circle_;
 };
 
-/// Base of the measures of one number of the state (Params), over the robots whose types have this number.
+/// Base of the measures of one variable of the robots' state, which Params selects. Robots whose types do not
+/// have this variable are left out.
 class OfState : public OfRobots {
   struct Cell {
     std::size_t table = k_none;
@@ -219,7 +220,7 @@ class OfState : public OfRobots {
       using namespace engine::facts;
       d.member<&Params::component>(
           "component", required,
-          "name of a component of the state: \"pose\", the name of a device, or "
+          "name of a component (a table) of the state, such as \"pose\", the name of a device, or "
           "\"wander/0\" for the memory of the first controller if its kind is `wander`");
       d.member<&Params::field>("field", required, "name of a field of that component");
       d.member<&Params::column>("column", within(0, 1e6),
@@ -231,8 +232,8 @@ class OfState : public OfRobots {
       : OfState(world, params, std::move(robots), cells_of(world, params)) {}
 
  protected:
-  /// Mean of term(number) over the present numbers (Params) of those robots that are in the world and whose
-  /// number exists (engine::SensedRows); NaN if there are none.
+  /// Mean of term(value) over the robots that are in the world and whose variable (Params) has a value
+  /// (engine::SensedRows::exist()); NaN if there are none. value: the present value of the variable.
   template <class Term>
   double mean_of(World& world, Term&& term) const {
     const std::span<const StateTable> tables = world.tables();
@@ -264,8 +265,8 @@ class OfState : public OfRobots {
     for (const std::size_t table : tables) sensed_rows_.emplace_back(world, world.tables()[table]);
   }
 
-  /// For each body, in order of ids, the table and field that hold its number; `table` is k_none if the body
-  /// has no such number. A component of a device or a controller has one table per type. Throws
+  /// For each body, in order of ids, the table and field that hold its variable; `table` is k_none if the
+  /// body does not have the variable. A component of a device or a controller has one table per type. Throws
   /// std::invalid_argument if no table has the component, or if a table of the component lacks the field or
   /// the column.
   static std::vector<Cell> cells_of(const World& world, const Params& params) {
@@ -437,7 +438,8 @@ engine::MeasureKind mean_speed_measure() {
   return engine::make_measure_kind<MeanSpeed>(
       "mean_speed", Unit::meters_per_second, "mean speed of the robots in the last tick",
       "The mean over the robots of the speed of a robot's origin in the last tick, regardless of the "
-      "direction of motion. The speed is 0 for a stalled robot, and for all robots before the first tick.",
+      "direction of motion. The speed is 0 for a stalled robot. Before the first tick, it is the start speed "
+      "of the robot's drive, which is 0 by default.",
       "1/n sum_i |v_i|");
 }
 
@@ -477,19 +479,20 @@ engine::MeasureKind share_within_measure() {
 
 engine::MeasureKind state_mean_measure() {
   return engine::make_measure_kind<StateMean>(
-      "state_mean", Unit::none, "mean of one number of the robots' state",
-      "The mean of one number of the state, such as a variable in the memory of a controller or a reading of "
-      "a sensor, over the robots that have this number. Readings of sensors that do not run are left out; "
-      "the mean is NaN if no robot has the number. If the number is 0 or 1, the mean is the fraction of "
-      "these robots for which it is 1.",
+      "state_mean", Unit::none, "mean of one variable of the robots' state",
+      "The mean, over the robots, of one variable of their state, such as a variable in the memory of a "
+      "controller or a reading of a sensor. Robots that do not have this variable are left out, and so are "
+      "readings of sensors that do not run; the mean is NaN if no robot remains. If the variable is always 0 "
+      "or 1, the mean is the fraction of the remaining robots for which it is 1.",
       "m = 1/n sum_i s_i");
 }
 
 engine::MeasureKind state_variance_measure() {
   return engine::make_measure_kind<StateVariance>(
-      "state_variance", Unit::none, "variance of one number of the robots' state",
-      "The variance, over the robots, of the number whose mean is the measure `state_mean`: the mean of the "
-      "squared differences from this mean. The variance is 0 if all robots have the same number.",
+      "state_variance", Unit::none, "variance of one variable of the robots' state",
+      "The variance, over the robots, of one variable of their state: the mean of the squared differences "
+      "between its values and their mean. The same robots are left out as in the measure `state_mean`, which "
+      "has the same parameters; the variance is NaN if no robot remains, and 0 if all values are equal.",
       "1/n sum_i (s_i - m)^2, with m = 1/n sum_i s_i");
 }
 

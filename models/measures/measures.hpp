@@ -32,11 +32,12 @@ engine::MeasureKind spread_measure();
 /// `share_within`: fraction of the robots whose origin is in the circle with the parameters `center` and
 /// `radius` (m); NaN without robots.
 engine::MeasureKind share_within_measure();
-/// `state_mean`: mean of one number of the robots' state, such as a reading, over the robots that have this
-/// number. The parameters `component`, `field` and `column` select the number. If it is a reading, robots
-/// whose sensor does not run are left out. NaN if no robot has the number.
+/// `state_mean`: mean, over the robots, of one variable of their state, such as a reading. The parameters
+/// `component`, `field` and `column` select the variable. Robots that do not have the variable are left out.
+/// If it is a reading, robots whose sensor does not run are also left out. NaN if no robot remains.
 engine::MeasureKind state_mean_measure();
-/// `state_variance`: variance of the number that `state_mean` averages, over the same robots.
+/// `state_variance`: variance, over the robots, of one variable of their state. It has the parameters of
+/// `state_mean`, and the same robots are left out. NaN if no robot remains.
 engine::MeasureKind state_variance_measure();
 
 }  // namespace troupe::models

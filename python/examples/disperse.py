@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""Two thousand robots disperse through a hospital, driven by the controller `expand`, rewritten in Python with NumPy.
+"""Two thousand robots disperse through a hospital, driven by the controller `expand_swarm`, rewritten in NumPy.
 
     python3 python/examples/disperse.py [WORLD [SECONDS]]
 

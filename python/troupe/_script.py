@@ -38,7 +38,8 @@ class Controller:
     memory  the fields of each robot's memory: a dict from names to initial values (NumPy scalars or one-dimensional
             arrays) or to NumPy types, which stand for an initial value of 0. decide() finds them in `robots.memory`.
             The engine owns, hashes, saves and resets the memory
-    name    name of the controller in world files and in components of the state; None: the name of the class
+    name    name of the controller; None: the name of the class. In world files and in components of the state, the
+            controller NAME of the script my.py is called `my:NAME`, or `my` if NAME is `my`
 
     Data of a robot belong in its memory. An instance must have no attributes of its own, because hashes, checkpoints
     and resets would not include them.

@@ -49,11 +49,12 @@ def replay(
 ) -> None:
     """Steps the simulation by `seconds` of world time and writes a page (.html) that plays this run in a browser.
 
-    every_s: world time between two frames of the page, s. fields: names of components or sensor fields that the page
-    can show, as in record(). If either is not given, the value that the world file sets under "record" is used.
-    replace: whether an existing file is replaced. If `replace` is False and the file exists, raises FileExistsError
-    before the first step. The run ends earlier if a stop condition holds. Raises ValueError if `seconds` is not a
-    finite number above 0 or `every_s` is not a finite number of 0 or more, and TypeError if `fields` is a string.
+    every_s: world time between two frames of the page, s. fields: names of components of the state ("pose") or of
+    fields of sensors ("ranges") that the page can show, as in record(). If either is not given, the value that the
+    world file sets under "record" is used. replace: whether an existing file is replaced. If `replace` is False and the
+    file exists, raises FileExistsError before the first step. The run ends earlier if a stop condition holds. Raises
+    ValueError if `seconds` is not a finite number above 0 or `every_s` is not a finite number of 0 or more, and
+    TypeError if `fields` is a string.
     """
     _check_finite("replay()", seconds=seconds)
     if not 0 <= every_s < math.inf:

@@ -1,8 +1,9 @@
 """Checks of random worlds: ways to run a world that must not change its results. They are plain data, so that a failing check can
 be run again.
 
-A check is a dict {"check": name, ...}. The runner (random_proof.py) compares the lines of its hash log, one per tick, with those
-of the plain run: one thread, automatic tile size, one tick per call.
+A check is a dict {"check": name, ...}. The runner (random_proof.py) runs the world as the check says, and compares the hash log
+of this run, one line per tick, with that of the plain run: one thread, automatic tile size, one tick per call. The checks
+`program`, `ranks` and those in OPTIONS are calls of `troupe check`, which itself compares several runs.
 """
 
 import random
@@ -61,7 +62,7 @@ def plan(seed, index, ticks, program_only=False, controllers=False):
 
 def plan_of_ranks(seed, index, *_):
     """Returns the checks of a random world, as plan() does, for `scripts/prove --ranks`. There are five checks, each with
-    several numbers of ranks and threads and with its own random delays of messages: in three checks each rank has all robots,
+    several numbers of ranks (groups of threads that compute a world together) and of threads and with its own random delays of messages: in three checks each rank has all robots,
     in two checks only its own robots and those near them (`--distribute`)."""
     draws = random.Random(f"ranks {seed} {index}")
     return [{"check": "ranks", "ranks": [1, 2, 3, 4, 7], "threads": [1, 2], "seed": draws.randrange(1 << 32),

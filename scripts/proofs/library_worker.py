@@ -143,8 +143,8 @@ class Job:
         yield self.steps(troupe.Simulation(str(target), threads=1, **options), self.ticks)
 
     def session(self, check):
-        """Records a session, and lets the program repeat it: from the start with other threads or several ranks, and from a
-        checkpoint that was saved in the session."""
+        """Records a session (random actions of a viewer, sessions.py), and lets the program repeat it: from the start with other
+        threads or several ranks, and from a checkpoint that was saved in the session."""
         draws = random.Random(f"session {check['seed']}")
         source, log = self.folder / "session.json", self.folder / "session.log"
         for old in (*self.folder.glob("session.session*.jsonl"), *self.folder.glob("session.checkpoint*.h5")):

@@ -199,8 +199,8 @@ class Program:
 
 class RandomProof:
     """Makes and checks random worlds, until `count` worlds have been made or `seconds` have passed (None: no limit), or until
-    MOST_KEPT worlds differ. runner: a Library or Program; first: index of the first world; kept: folder for worlds that
-    differ."""
+    MOST_KEPT worlds differ. A world differs if one of its checks fails, for example because a run gives other hashes than the
+    plain run. runner: a Library or Program; first: index of the first world; kept: folder for worlds that differ."""
 
     def __init__(self, runner, seed, count=None, seconds=None, controllers=False, first=0, kept=KEPT, shrink=True, say=print,
                  kinds=None, sound=None, plan=check_plans.plan, now=time.monotonic):

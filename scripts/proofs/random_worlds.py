@@ -108,7 +108,8 @@ class Generator(Parameters):
         return wanted
 
     def _with_companions(self, devices):
-        """Yields the devices, (kind, parameters), each preceded by the device that it needs on the same body (COMPANIONS)."""
+        """Yields the devices, (kind, parameters), and, before a device that needs another one on the same body (COMPANIONS), also
+        that one."""
         for kind, given in devices:
             if kind in COMPANIONS:
                 yield COMPANIONS[kind], {}
@@ -116,7 +117,7 @@ class Generator(Parameters):
 
     def robot(self, name, part=None, mortal_pack=False):
         """Adds a type of this name that contains the given part, (family, kind), and returns the name. The type has a drive
-        unless its controller is one of STANDS. mortal_pack: adds a power pack with which a body dies when it is empty."""
+        unless its controller is one of STANDS. mortal_pack: adds a power pack; the body dies when the pack is empty."""
         family, wanted = part or (None, None)
         controllers = self.kinds.of("controller")
         controller = wanted if family == "controller" else self.draws.choice([*controllers, None, "waypoints", "wander", "script"])
@@ -321,7 +322,9 @@ class Generator(Parameters):
                 del world[key]
 
     def _fixtures(self):
-        """Adds the objects that controllers look for, and sources, sinks, chargers and lights."""
+        """Adds the sources and sinks that controllers in this world look for by name (MODELS_NEEDED). At random, also adds bodies
+        with devices of other kinds: a nest, which spawns bodies of a reserve; a pit, which removes bodies; a pad, which charges
+        power packs; a lamp; and a black tile with an LED."""
         world = self.world
         used = {controller["kind"] for one in world["types"].values() for controller in one.get("controllers", ())}
         flat = {"size_m": [0.5, 0.5, 0.01], "obstacle": False, "ranger_return": -1}
@@ -354,7 +357,7 @@ class Generator(Parameters):
 
     def _grips(self, of_type):
         """Adds one or two bodies of the type `catcher`, each with a body of the type `of_type` between the paddles of its
-        gripper, on which the gripper closes."""
+        gripper; the gripper closes on this body."""
         world = self.world
         world["types"][of_type]["gripper_return"] = True
         world["types"]["catcher"] = {

@@ -35,7 +35,8 @@ def threads_and_tiles(program, threads, tiles):
 
 
 def ranks(base, teams):
-    """Several ranks in one process. Messages are delayed and shuffled, and robots are moved to other ranks at random. teams:
+    """Several ranks in one process. A rank is a group of threads that computes some of the robots, and exchanges messages with
+    the other ranks. Messages are delayed and shuffled, and robots are moved to other ranks at random. teams:
     (number of ranks, threads per rank, seed of the delays) of each variant."""
     variants = tuple(replace(base, label=f"{n} ranks, {threads} threads, seed {seed}", threads=threads,
                              options=("--ranks", n, "--rank-seed", seed)) for n, threads, seed in teams)
@@ -46,7 +47,7 @@ def distributed_ranks(base, teams):
     """Like ranks(), but each rank has only its own robots and those near them, if the world allows it."""
     variants = tuple(replace(base, label=f"{n} ranks, distributed, {threads} threads, seed {seed}", threads=threads,
                              options=("--ranks", n, "--rank-seed", seed, "--distribute")) for n, threads, seed in teams)
-    return Proof("T0 distributed ranks", "late, shuffled messages; ground changes its rank", variants)
+    return Proof("T0 distributed ranks", "late, shuffled messages; random regions", variants)
 
 
 # The launcher of each MPI, and options that let ranks share the processors of a small computer.

@@ -313,7 +313,7 @@ TEST_F(Describe, EveryFieldOfAStateOrCommandHasAMeaning) {
   }
   EXPECT_GT(fields, 80u);
   EXPECT_THAT(troupe({"describe", "wheels"}).out,
-              HasSubstr("  heading  float64 rad           estimated heading"));
+              HasSubstr("  heading  float64 rad           heading of the part"));
 }
 
 // Kinds of others may leave the scope at its default, `anything`.

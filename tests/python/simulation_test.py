@@ -292,7 +292,7 @@ print(eight.threads)
             measures.values,
             events.see,
         ):
-            with self.assertRaisesRegex(RuntimeError, "^the step to tick 1 failed .* call reset"):
+            with self.assertRaisesRegex(RuntimeError, "^tick 1: a step or a birth failed .* call reset"):
                 use()
         self.assertEqual(list(self.folder.iterdir()), [])
         world.reset()

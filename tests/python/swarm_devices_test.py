@@ -100,7 +100,7 @@ class Devices(unittest.TestCase):
              lambda: self.swarm.say(np.array([object()] * 6))),
             (ValueError, "message: the elements of the array are Python objects",
              lambda: self.swarm.say(np.zeros(6, [("text", "O")]))),
-            (ValueError, "does not fit into the payload", lambda: self.swarm.heard("S9")),
+            (ValueError, "must have 1 to", lambda: self.swarm.heard("S9")),
             (ValueError, "where, an array of float64, has shape", lambda: self.swarm.command("lamp", red=1, where=np.zeros(6))),
         ):
             with self.subTest(text), self.assertRaisesRegex(error, text):

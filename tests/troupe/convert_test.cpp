@@ -279,7 +279,7 @@ TEST_F(ConvertTest, SecondNamesJointsAndLargeSeedsAreNamedWithTheirLines) {
                     "the joint that it is mounted on")));
   EXPECT_THAT(warnings,
               ElementsAre(HasSubstr("type \"big bot\" is called \"big_bot\" when the written file is read"),
-                          HasSubstr("part \"turned\": its heading is changed by whole turns")));
+                          HasSubstr("part \"turned\": its heading is wrapped into [-pi, pi]")));
 }
 
 TEST_F(ConvertTest, PartsThatAPowerPackSuppliesAreKeptOrNamed) {
@@ -420,7 +420,7 @@ TEST_F(ConvertTest, HeadingsOfDevicesBeyondHalfATurnAreAWarning) {
   EXPECT_THAT(found, IsEmpty());
   EXPECT_THAT(warnings,
               ElementsAre(HasSubstr(
-                  "w.json:3: warning: type \"bot\": device \"eye\": its heading is changed by whole turns")));
+                  "w.json:3: warning: type \"bot\": device \"eye\": its heading is wrapped into [-pi, pi]")));
 }
 
 TEST_F(ConvertTest, AWorldOfTheSearchPathHasItsLines) {

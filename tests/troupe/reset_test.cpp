@@ -261,7 +261,7 @@ TEST_F(Reset, IsAllThatLeadsOnFromAStepThatThrew) {
     } catch (const std::logic_error& error) {
       EXPECT_STREQ(
           error.what(),
-          "the step to tick 1 failed and left an incomplete state: call reset() before anything else")
+          "tick 1: a step or a birth failed and left an incomplete state: call reset() before anything else")
           << name;
     }
   }

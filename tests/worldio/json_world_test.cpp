@@ -87,7 +87,8 @@ TEST(JsonWorld, PopulationsWhoseNamesDifferOnlyInDigitsAtTheEndAreRefused) {
       Loaded(changed("NAME", "r2", world)).found,
       ElementsAre("maze.json:19: error: /populations/1/name: the names of the populations \"r\" and \"r2\" "
                   "differ only in digits at the end, so a body of one could have the same name as a body of "
-                  "the other: end one of the two names with a character that is not a digit, as in \"r2_\""));
+                  "the other: append a character that is not a digit to one of the two names, as in "
+                  "\"r2_\""));
   for (const char* name : {"r2_", "rs", "R2"})
     EXPECT_THAT(Loaded(changed("NAME", name, world)).found, IsEmpty()) << name;
 }
@@ -686,7 +687,7 @@ INSTANTIATE_TEST_SUITE_P(
               "m; at most 100 million are allowed: give a larger \"pitch_m\""},
         Wrong{
             R"("pitch_m": 0.25)", R"("pitch_m": 0.25, "heading": "random", "heading_deg": 3)",
-            R"(maze.json:18: error: /populations/0/place: give "heading": "random" or "heading_rad" or "heading_deg", not both)"},
+            R"(maze.json:18: error: /populations/0/place: give only one of "heading": "random", "heading_rad" or "heading_deg")"},
         Wrong{
             R"("pitch_m": 0.25)", R"("pitch_m": 0.25, "heading": 3)",
             R"(maze.json:18: error: /populations/0/place: "heading" needs its unit: write "heading_rad" or "heading_deg")"}));

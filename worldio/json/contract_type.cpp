@@ -152,9 +152,9 @@ void TypeContractor::contract_contents(std::uint32_t p, const std::optional<std:
     if (type_.parts[q].parent == p && !is_brought[q]) contract_part(q, joint, document.parts.emplace_back());
 }
 
-/// Returns the index of the device that a part itself is: the first device of the part that has a joint, or
-/// else a device that has the name of the part and the kind ModelKind::device of the part's model kind. Empty
-/// if the part has neither.
+/// Returns the index of the device that a part itself is: the first of its devices that has a joint, or else
+/// the first that has the name of the part and the kind ModelKind::device of the part's model kind. Empty if
+/// the part has neither.
 std::optional<std::size_t> TypeContractor::own_device(std::uint32_t p) const {
   const PartSpec& part = type_.parts[p];
   const engine::ModelKind* model = registry_.model(part.kind);

@@ -88,8 +88,9 @@ void WorldContractor::drop_images() {
       if (part.image && !makes(part, false)) part.image.reset();
 }
 
-/// Whether the list `floorplans` can express a body. True if the body is only an image and no other body has
-/// the type of the body.
+/// Whether the list `floorplans` can express a body if no other body has its type, which
+/// count_floor_plans() checks. True if the body is only an image, and its type has the same index as the
+/// body.
 bool WorldContractor::is_floor_plan(std::size_t body) {
   const BodySpec& spec = spec_.bodies[body];
   if (spec.type.index() != body || spec.type.index() >= spec_.types.size()) return false;

@@ -49,8 +49,8 @@ enum class Form : std::uint8_t {
   kept,             ///< JsonNode: stored uninterpreted, because its valid keys depend on other objects
   kind,             ///< std::string: the name of one of DocumentTable::kinds
   parameters,       ///< engine::Record: the parameters of the kind, which are keys of the same object
-  faults,  ///< std::vector<FaultDocument::Impairment>: each entry is a key of the object, the name of
-           ///< a fault in Registry::faults
+  faults,  ///< std::vector<FaultDocument::Impairment>: each entry is a key of the object, named like a fault
+           ///< in Registry::faults, whose value is an object of parameters
   object,  ///< a struct with a DocumentTable
   list,    ///< std::vector of structs with a DocumentTable
   map,     ///< std::vector of pairs of a name and a struct with a DocumentTable: an object whose keys are the
@@ -59,10 +59,12 @@ enum class Form : std::uint8_t {
 
 /// One key of a struct with a DocumentTable.
 struct DocumentKey {
-  engine::Field field;         ///< name and meaning of the key; for Form::value also unit, limits and choices
-  Form form = Form::value;     ///< form of its value
-  bool required = false;       ///< true: an object without the key is an error
-  std::string_view hint = {};  ///< text after `missing "key": ` in errors; empty: see missing_hint()
+  /// Name and meaning of the key; for Form::value also unit and limits; for Form::value and Form::choice also
+  /// choices.
+  engine::Field field;
+  Form form = Form::value;        ///< form of its value
+  bool required = false;          ///< true: an object without the key is an error
+  std::string_view hint = {};     ///< text after `missing "key": ` in errors; empty: see missing_hint()
   std::string_view expects = {};  ///< if the value is a text: what follows `expected ` in errors. For
                                   ///< Form::kept: a key that the schema requires in the object; empty: none
   /// What an absent key means, if the default of the member does not say it, such as "the bounds of the
@@ -76,8 +78,8 @@ struct DocumentKey {
   /// has a parameter with the name of `field`, because parameters are keys of the same object. Not set: the
   /// key has only one name.
   std::optional<engine::Field> other;
-  /// Bit i is 1 if an object may have this key while its key with the name DocumentTable::variant has the
-  /// i-th of the choices of that key.
+  /// The values of the key DocumentTable::variant with which an object may also have this key: bit i is 1 for
+  /// the i-th of the choices of that key, counted from 0. All bits are 1 if that key does not matter.
   std::uint32_t variants = ~0u;
   const DocumentTable& (*table)() = nullptr;  ///< Form::object, list and map: table of the struct
   const engine::FieldTable* block = nullptr;  ///< Form::block: the fields of the object
@@ -163,7 +165,7 @@ struct DocumentRule {
   How how = How::one_of;
   std::vector<std::string_view> keys = {};  ///< names of keys, as in DocumentKey::field
   std::string none = {};                    ///< text of the error if the object has none of the keys
-  std::string several = {};                 ///< text of the error if it has more; empty: that of `none`
+  std::string several = {};                 ///< text of the error if it has several; empty: that of `none`
   bool at_key = false;  ///< true: `several` is reported at every key after the first; false: once, at the
                         ///< object
 };
@@ -185,7 +187,8 @@ struct DocumentKind {
 /// The kinds that objects of one struct can have.
 struct DocumentKinds {
   std::string_view what;  ///< word for a kind in messages: "drive"
-  std::string_view page;  ///< documentation page of plug-ins with such kinds; empty: plug-ins cannot have any
+  /// Name of the page of docs/ about plug-ins with such kinds: "extending". Empty: plug-ins cannot have any.
+  std::string_view page;
   /// Returns all kinds of the registry, then all presets of these kinds.
   std::vector<DocumentKind> (*all)(const engine::Registry& registry);
   /// Returns the names of all kinds and presets, sorted, for messages.
@@ -220,7 +223,7 @@ struct DocumentTable {
   std::string_view definition;      ///< name under "definitions" in the schema; empty: each use has a copy
   std::vector<DocumentKey> keys;    ///< in the order in which the writer writes them
   std::vector<DocumentRule> rules;  ///< checked in this order
-  const DocumentKinds* kinds = nullptr;          ///< null: the objects have no key `kind`
+  const DocumentKinds* kinds = nullptr;          ///< values of the key of Form::kind; null: no such key
   const DocumentShorthand* shorthand = nullptr;  ///< null: no text may be given in place of an object
   /// Name of the key, of Form::choice, whose value determines which other keys are valid, such as `rule` of a
   /// population's place. Empty if the same keys are valid in all objects.
@@ -448,7 +451,7 @@ class DocumentKeys {
   struct Noted {
     std::string_view name;                  ///< name_of() of the struct, which identifies it
     std::size_t count = 0;                  ///< number of its members
-    std::vector<std::string_view> members;  ///< those that were given, by engine::detail::tag()
+    std::vector<std::string_view> members;  ///< the given members, each as its engine::detail::tag()
   };
   /// The compiler's text for this function, which is different for each C and contains the name of C.
   template <class C>

@@ -62,7 +62,8 @@ JsonNode color_node(const Color& color);
 /// Returns the double with the fewest decimal digits that converts to exactly this float.
 double short_number(float x);
 
-/// Whether two values have the same type and are equal bit by bit: 0 and -0 differ, and NaN equals NaN.
+/// Whether two values have the same type and are equal bit by bit: 0 and -0 differ, and a NaN equals a NaN
+/// with the same bits.
 bool same_bits(const engine::Value& a, const engine::Value& b);
 bool same_bits(double a, double b);
 bool same_bits(const Pose& a, const Pose& b);

@@ -18,7 +18,7 @@
 namespace troupe::worldio {
 namespace {
 
-constexpr std::string_view k_watch_heading = "### `watch{}`: clock and pace";
+constexpr std::string_view k_watch_heading = "### `watch{}`: printed time and speed";
 constexpr std::string_view k_window_heading = "### `window{}`: the view of `--camera window`";
 
 using engine::Field;
@@ -114,7 +114,8 @@ struct Section {
   std::string_view heading;
   std::string_view name;  ///< name of the objects, in references such as "as for `types`"
   const DocumentTable& (*table)();
-  /// Which keys the table lists, if the keys of some kinds have a table of their own.
+  /// Which keys the table lists: all of them, only those of objects of every kind, or only those of objects
+  /// of some kinds (DocumentKey::is_of).
   enum class Of { all, every_kind, some_kinds } of = Of::all;
 };
 
@@ -144,7 +145,7 @@ constexpr Section k_sections[] = {
     {"#### `set{}`", "set", document_table<SettingDocument>},
     {"### `faults[]`", "faults", document_table<FaultDocument>}};
 
-/// Returns the anchor of a heading, as in the address of a page: "### `watch{}`: clock" has "watch-clock".
+/// Returns the anchor of a heading, with which a link refers to it: "watch-speed" for "### `watch{}`: speed".
 std::string anchor(std::string_view heading) {
   std::string text;
   heading.remove_prefix(heading.find(' ') + 1);
@@ -156,7 +157,7 @@ std::string anchor(std::string_view heading) {
   return text;
 }
 
-/// Returns the heading below which the page describes the value of a key; empty if it is nowhere else.
+/// Returns the heading of the section of the page that describes the value of a key; empty if none does.
 std::string_view heading_of(const DocumentKey& key) {
   if (key.block == &engine::watch_fields()) return k_watch_heading;
   if (key.block == &window_fields()) return k_window_heading;
@@ -273,8 +274,8 @@ TableRow row_of(const DocumentTable& table, const DocumentKey& key, std::string_
                       default_text(table, key, key.field), meaning(table, key, heading))};
 }
 
-/// Appends the rows of a table. If an earlier table also has at least `k_fewest` consecutive rows, one row
-/// that refers to the earlier table replaces them.
+/// Appends the rows of a table. If an earlier table also has `k_fewest` or more consecutive ones of these
+/// rows, one row that refers to the earlier table replaces them.
 void append_rows(const std::vector<TableRow>& rows, const std::map<std::string, const Section*>& earlier,
                  std::string& text) {
   constexpr std::size_t k_fewest = 3;

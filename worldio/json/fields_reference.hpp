@@ -23,8 +23,8 @@ struct KeyTable {
 };
 
 /// Returns the tables of keys of docs/world-format.md, in the order of the page. The tables are made from the
-/// descriptions of the structs of a WorldDocument (worldio/json/document_table.hpp). Consecutive keys that
-/// another table describes in the same way share one row, which refers to that table.
+/// descriptions of the structs of a WorldDocument (worldio/json/document_table.hpp). Three or more
+/// consecutive keys that an earlier table describes in the same way share one row, which refers to it.
 std::vector<KeyTable> document_key_tables(const engine::Registry& registry);
 
 /// Returns the text of a Markdown page with its tables of keys replaced by `tables`. Below each heading, the

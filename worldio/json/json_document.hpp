@@ -12,7 +12,8 @@ namespace troupe::worldio {
 /// Parses a whole document. If the text is not JSON (RFC 8259), repeats a key in one object, has a number
 /// that is too large for a double, or is nested deeper than 64 levels, reports errors and returns nothing.
 /// Every node gets its place: the file of `start`, and its line in `text`, counted from 1. With
-/// `fixed_place`, every node gets `start` as its place instead; this is for values from the command line.
+/// `fixed_place`, every node gets `start` as its place instead; this is for text without lines of its own,
+/// such as a value from the command line.
 std::optional<JsonNode> parse_json(std::string_view text, Where start, bool fixed_place,
                                    Diagnostics& diagnostics);
 

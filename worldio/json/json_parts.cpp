@@ -113,7 +113,7 @@ bool same_size(const Eigen::Vector3d& a, const Eigen::Vector3d& b) {
          worldio::same_bits(a.z(), b.z());
 }
 
-/// Returns the blocks after Stage's scaling to the size of the part, in the frame of the body.
+/// Returns the blocks, scaled to the size of the part as Stage does it, in the frame of the body.
 std::vector<Solid> fitted_solids(const engine::FittedBlocks& fitted, const PartSpec& part) {
   std::vector<Solid> solids = fitted.blocks;
   normalise(solids, part.size);

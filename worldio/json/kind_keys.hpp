@@ -8,10 +8,11 @@ namespace troupe::worldio {
 // The parameters of a kind are keys of the same JSON object as `name`, `pose` and the other keys that all
 // objects of such kinds have. The functions below check that no parameter has the name of one of these keys.
 
-/// Every JSON object of such a kind has certain keys, such as "name". Each of these functions returns success
-/// if no parameter of the kind has the name of one of these keys: only then can JSON worlds use the kind. As
-/// an exception, a parameter may have the name of a key that has a second name for this case
-/// (DocumentKey::other). The error continues a sentence about the kind: `has a parameter "name", but ...`.
+/// The JSON objects of devices, drives, controllers and measures have certain keys, such as "kind", whatever
+/// their kind is. Each of these functions returns success if no parameter of the kind has the name of one of
+/// these keys: only then can JSON worlds use the kind. As an exception, a parameter may have the name of a
+/// key that has a second name for this case (DocumentKey::other). The error continues a sentence about the
+/// kind: `has a parameter "name", but ...`.
 ///@{
 Result<> check_parameter_names(const engine::DeviceKind& kind);
 Result<> check_parameter_names(const engine::DriveKind& kind);

@@ -197,7 +197,7 @@ void ObjectReader::read_heading(const DocumentKey& key) {
     for (const engine::UnitSuffix& suffix : engine::unit_suffixes(angle.unit))
       if (keys_.find(fmt::format("{}{}", angle.name, suffix.suffix)))
         at_.error_at(word->where,
-                     fmt::format("give \"heading\": \"random\" or {}, not both", quoted_keys(angle)));
+                     fmt::format("give only one of \"heading\": \"random\", {}", quoted_keys(angle)));
     return;
   }
   const FoundField found = find_field(keys_, angle);

@@ -101,7 +101,8 @@ void read_values(JsonObject& object, Act& act) {
   }
 }
 
-/// Reads the keys of a setting. The keys and values are checked against the type when the act is performed.
+/// Reads the new parameters of an act of kind `set`. They are checked against the type when the act is
+/// performed.
 void read_setting_keys(JsonObject& object, Act& act) {
   JsonNode::Object setting;
   for (const std::string_view key : {"drive", "device", "controller"})
@@ -114,7 +115,7 @@ std::string_view whom_key(Kind kind) {
   return kind == Kind::add ? "population" : kind == Kind::set ? "type" : "robot";
 }
 
-/// Reads the members of an act other than `do`.
+/// Reads all keys of an act except `do`.
 void read_members(JsonObject& object, Act& act) {
   act.whom = read_name(object, whom_key(act.kind),
                        act.kind == Kind::add   ? "the name of a population"

@@ -38,7 +38,7 @@ std::size_t alternative_of(FieldType type) {
   return Value(std::vector<Record>()).v.index();
 }
 
-/// Returns the values that a parameter of this type accepts, for messages.
+/// Returns a phrase for the values that a parameter of this type accepts, such as "a whole number".
 std::string_view noun_of(FieldType type) {
   switch (type) {
     case FieldType::boolean: return "true or false";

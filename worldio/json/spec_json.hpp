@@ -13,9 +13,9 @@
 
 namespace troupe::worldio {
 
-/// The bodies of a spec as columns, because there may be millions of bodies. Each column has one entry per
-/// body, in the order of the ids; `pose` and `color` have four entries per body. The aliases, which are
-/// second names of bodies, have columns of their own.
+/// The bodies of a spec (engine::WorldSpec) as columns, one array per member, because there may be millions
+/// of bodies. Each column has one entry per body, in the order of the ids; `pose` and `color` have four
+/// entries per body. The aliases, which are second names of bodies, have columns of their own.
 struct BodyColumns {
   std::vector<std::uint32_t> word, number;  ///< the name of the body: the members of engine::Name
   std::vector<std::uint32_t> type;          ///< index into WorldSpec::types

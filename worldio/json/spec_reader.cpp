@@ -110,8 +110,8 @@ Value scalar(const JsonCursor& at, const Field& field) {
   return {};
 }
 
-/// Sets a struct that consists only of numbers from the first elements of `numbers`, and removes these
-/// elements from the span.
+/// Fills a struct, which must consist only of numbers, with the first elements of `numbers`, and removes
+/// these elements from the span.
 void set_numbers(const FieldTable& table, void* object, std::span<const double>& numbers) {
   for (const Field& field : table.fields) {
     if (field.type == FieldType::record) {
@@ -128,7 +128,8 @@ void set_numbers(const FieldTable& table, void* object, std::span<const double>&
   }
 }
 
-/// An entry of WorldSpec::part_aliases.
+/// An entry of WorldSpec::part_aliases: a name by which programs can look up a part, the body that has the
+/// part, and the name of the part in its type.
 struct NamedPart {
   std::string name;
   BodyId body{0};
@@ -243,7 +244,7 @@ void SpecReader::read_struct(const JsonCursor& at, const Field& field, const Fie
   read_object(at, table, object);
 }
 
-/// Reads a struct that consists only of numbers, within the limits of the member.
+/// Reads a struct that consists only of numbers. Each number must be within the limits of `field`.
 void SpecReader::read_numbers(const JsonCursor& at, const Field& field, const FieldTable& table,
                               void* object) {
   const Value value = read_value(at, numbers_like(field, numbers_in(table)));

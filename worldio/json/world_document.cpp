@@ -94,8 +94,8 @@ Result<DocumentKind> find_device(const Registry& registry, const std::string& na
                                : "is not a sensor: move this entry to the list \"devices\"")};
 }
 
-/// Returns the device kind that a part is because of its model kind: a part of kind "ranger" is a ranger.
-/// Empty if its model kind has no device.
+/// Returns the kind of the device that a part itself is. It follows from the model kind of the part, which is
+/// the value of its key `kind`: a part of kind "ranger" is a ranger. Empty if the model kind is no device.
 std::optional<DocumentKind> implied_device(const Registry& registry, const JsonNode& part) {
   const JsonNode* named = part.find("kind");
   const std::string* name = named ? named->text() : nullptr;
@@ -370,8 +370,8 @@ bool has_height(const JsonNode& object) { return has_map(object) || has_lines(ob
 bool has_scaled_image(const JsonNode& object) { return !has_map(object) && !has_lines(object); }
 
 /// Describes the keys of an image; `text` is the meaning of `bitmap`. `is_plan` says that the objects are
-/// floor plans, which have a `bitmap` unless they have lines. In other objects `bitmap` is optional; without
-/// it, `size` is the only key of an image that they may have.
+/// floor plans, which have a `bitmap` unless they have the key `walls_m`. In other objects `bitmap` is
+/// optional; without it, `size` is the only key of an image that they may have.
 template <class T, auto Image>
 void describe_image(DocumentKeys<T>& d, std::string_view text, bool is_plan) {
   constexpr std::string_view k_path =
@@ -403,11 +403,11 @@ void describe_image(DocumentKeys<T>& d, std::string_view text, bool is_plan) {
   boundary.when(is_plan ? has_no_lines : has_image);
 }
 
-/// Describes the key `ring`, which a list's entry with a pose may have.
+/// Describes the key `ring`, which an entry of a list may have if it has a pose.
 template <class T>
 void describe_ring(DocumentKeys<T>& d) {
   DocumentKey& key = d.template other<>(
-      Form::object, "ring", "repeats this entry on a circle whose centre is the pose of the entry");
+      Form::object, "ring", "replaces this entry by several copies on a circle around its position");
   key.table = &document_table<RingDocument>;
   key.resolve();
 }
@@ -458,7 +458,7 @@ void describe_device(DocumentKeys<D>& d, std::string_view word, bool is_own) {
   d.template value<&D::active>("active",
                                "false: the device runs only while a controller or a program reads it");
   d.template value<&D::period>("period", seconds, within(0, k_most_period_s),
-                               "time between two readings; 0: every tick")
+                               "time between two updates of the device; 0: every tick")
       .or_named("update_period");
   d.template other<&D::params>(Form::parameters, "");
   d.template no_key<&D::is_kind_implied>();  // is_kind_implied: the writer sets it
@@ -530,8 +530,8 @@ void describe_body(DocumentKeys<P>& d) {
       .when(no_image);
   d.template value<&P::floor_plan>(
        "floor_plan",
-       "true: the shape is that of walls; controllers that plan paths and `troupe lint` then treat the body "
-       "as a floor plan")
+       "true: the shape is that of walls; `troupe lint`, and controllers that plan paths, then treat the "
+       "body as a floor plan")
       .or_default("true with `bitmap`");
   d.template value<&P::extent>(
       "extent", meters, within(0, 2 * k_max_size_m),
@@ -539,8 +539,9 @@ void describe_body(DocumentKeys<P>& d) {
       "of the solids");
   d.template other<&P::color>(Form::color, "color",
                               std::is_same_v<P, TypeDocument> ? "colour of the bodies" : "colour of the part")
-      .or_default(std::is_same_v<P, TypeDocument> ? "dark grey, or a colour of the default palette"
-                                                  : "that of the body");
+      .or_default(std::is_same_v<P, TypeDocument>
+                      ? "a colour of the default palette; dark grey for types such as walls"
+                      : "that of the body");
   describe_returns<P, &P::returns>(d);
 }
 
@@ -581,8 +582,8 @@ void check_block(const BlockDocument& block, const JsonCursor& at) {
     JsonCursor(at, "points_m", *at.node().find("points_m")).error(outline.error().text);
 }
 
-/// Checks the name of a column. Only plain characters are allowed, because the name is part of the header of
-/// CSV tables and users type it.
+/// Checks the name of the column that a measure has in tables of results. Only letters, digits and the
+/// characters _ - . : are allowed, because the name is part of the header of CSV tables and users type it.
 void check_measure(const MeasureDocument& measure, const JsonCursor& at) {
   constexpr std::string_view k_plain = "abcdefghijklmnopqrstuvwxyzABCDEFGHIJKLMNOPQRSTUVWXYZ0123456789_-.:";
   if (measure.name.find_first_not_of(k_plain) == measure.name.npos) return;
@@ -709,7 +710,7 @@ void ControllerDocument::describe(DocumentKeys<ControllerDocument>& d) {
   d.other<&ControllerDocument::kind>(Form::kind, "kind").require();
   d.value<&ControllerDocument::period>(
        "period", seconds, within(0, k_most_period_s),
-       "time between two calls of a controller that reads no sensor and has no drive; 0: every tick")
+       "time between two calls of a controller that uses no device, in a type without a drive; 0: every tick")
       .or_named("update_period");
   d.other<&ControllerDocument::params>(Form::parameters, "");
 }
@@ -975,7 +976,8 @@ void InterventionDocument::describe(DocumentKeys<InterventionDocument>& d) {
   d.value<&InterventionDocument::time>("time", seconds, within(0, engine::k_most_seconds),
                                        "simulated time of the intervention, rounded up to the end of a tick")
       .require();
-  d.object<&InterventionDocument::remove>("remove", "removes bodies; removed bodies are dead");
+  d.object<&InterventionDocument::remove>("remove",
+                                          "removes bodies from the world: they die (docs/lives.md)");
   d.object<&InterventionDocument::add>("add", "bodies from the reserve of a population are born");
   d.object<&InterventionDocument::disable>("disable", "stops the drives, controllers and devices of bodies");
   d.object<&InterventionDocument::enable>(
@@ -1052,7 +1054,9 @@ void WorldDocument::describe(DocumentKeys<WorldDocument>& d) {
   d.object<&WorldDocument::record>("record",
                                    "the recording of a run: its file, the time between frames, and the "
                                    "fields of the state that it contains");
-  d.other<&WorldDocument::watch>(Form::block, "watch", "clock and pace of a run")
+  d.other<&WorldDocument::watch>(
+       Form::block, "watch",
+       "the speed of a run, whether it prints the world time, and whether a window starts paused")
       .or_default("the defaults of its keys")
       .block = &engine::watch_fields();
   d.other<&WorldDocument::window>(Form::block, "window", "the view of `--camera window`").block =

@@ -41,12 +41,14 @@ inline constexpr double k_max_size_m = k_world_reach_m;  ///< maximum of sizes a
 inline constexpr std::size_t k_most_block_points =
     1000;  ///< most points of a block or a line of walls; the time of check_outline() grows with their square
 
-/// The place (file and line) of an object, and the places of the values of its keys, for error messages. The
-/// parameters of a kind have no places of their own.
+/// Base of the structs that are read from JSON objects: the place (file and line) of the object, and the
+/// places of the values of its keys, for error messages. Keys that are parameters of a kind (a sort of drive,
+/// device, controller, measure or fault) have no places here.
 struct Placed {
   /// A key that the object has, even if its value is wrong.
   struct Key {
-    /// Name of the key in its DocumentTable: "period" for the key `period_s`, "points_m" for `points_m`.
+    /// Name of the key in its DocumentTable: the key without its unit if a file can choose the unit, as in
+    /// "period" for `period_s` or `period_ms`; otherwise the whole key, as in "points_m".
     std::string_view name;
     Where where;  ///< place of the value
   };
@@ -113,7 +115,7 @@ struct ImageDocument {
   std::string bitmap;  ///< path, relative to the folder of the world file; empty: no image
   /// Size [x, y, z] to which the image is scaled, m. Empty for a map, which has a size of its own.
   std::optional<Eigen::Vector3d> size;
-  std::optional<double> height;     ///< height of the walls of a map or of lines, m; empty: 1
+  std::optional<double> height;     ///< height of the walls of a map or of walls along a line, m; empty: 1
   Unknown unknown = Unknown::free;  ///< how unknown cells of a map are treated
   Margins margins = Margins::trim;  ///< the region of the image that is scaled to `size`
   bool boundary = false;  ///< true: adds four walls just inside the edges of the scaled image or map
@@ -125,14 +127,14 @@ struct DeviceDocument : Placed {
   /// the part.
   std::string name;
   std::string kind;              ///< name of a kind in Registry::devices
-  bool is_kind_implied = false;  ///< true: the writer omits `kind`, which follows from that of the part
+  bool is_kind_implied = false;  ///< true: the writer omits `kind`, because the `kind` of the part implies it
   /// Pose in the frame of the body or, with `on`, of the device that `on` names. Empty: at the origin of this
   /// frame; for the `device` of a part, the pose of the part.
   std::optional<Pose> pose;
   std::optional<JointName> joint;  ///< joint that moves the device; empty: the joint that moves its part
   bool active = true;              ///< false: the device runs only while a controller or a program reads it
-  double period = 0;               ///< time between two readings, s; 0: every tick
-  engine::Record params;           ///< parameters, one value per field of the kind's table
+  double period = 0;               ///< time between two updates, s; 0: every tick
+  engine::Record params;           ///< one value per parameter of the kind (DeviceKind::params)
   std::string on;                  ///< name of the device on which this one is mounted; empty: none
   // The members below describe the body of an entry of `devices` that has a joint. Other devices have no
   // body. The size and blocks of grippers follow from their parameters.
@@ -154,8 +156,8 @@ struct OwnDeviceDocument : DeviceDocument {
 /// The drive of a type.
 struct DriveDocument : Placed {
   std::string kind;       ///< name of a kind in Registry::drives
-  double period = 0;      ///< time between two commands, s; 0: every tick
-  engine::Record params;  ///< parameters, one value per field of the kind's table
+  double period = 0;      ///< time between two commands that the drive accepts, s; 0: every tick
+  engine::Record params;  ///< one value per parameter of the kind (DriveKind::params)
   static void describe(DocumentKeys<DriveDocument>& d);  ///< adds the keys of this struct to `d`
 };
 
@@ -165,7 +167,7 @@ struct ControllerDocument : Placed {
   /// Time between two calls, s; 0: every tick. It has no effect if the controller uses a sensor or another
   /// device, or if the type has a drive.
   double period = 0;
-  engine::Record params;  ///< parameters, one value per field of the kind's table
+  engine::Record params;  ///< one value per parameter of the kind (ControllerKind::params)
   static void describe(DocumentKeys<ControllerDocument>& d);  ///< adds the keys of this struct to `d`
 };
 
@@ -173,7 +175,8 @@ struct ControllerDocument : Placed {
 struct PartDocument : Placed {
   std::string name;   ///< name of the part or type; empty for a type that is named like its key
   std::string alias;  ///< another name, by which programs can also find the part; empty: none
-  std::string kind;   ///< name in Registry::models; empty: "position" for a type with a drive, else "model"
+  std::string kind;   ///< name in Registry::models, the model types of Stage; empty: "position" for a type
+                      ///< with a drive, else "model"
   std::optional<Pose> pose;        ///< pose in the frame of the body; empty: at the origin of the body
   std::optional<JointName> joint;  ///< joint that moves the part; empty: that of the enclosing part
   /// The image that gives the part its shape. If image.bitmap is empty, there is no image, and only
@@ -287,7 +290,7 @@ struct PopulationDocument : Placed {
   std::string name;                    ///< name of the population; its bodies are called NAME0, ...
   std::string type;                    ///< a key of WorldDocument::types
   std::optional<std::int64_t> count;   ///< number of bodies; required
-  std::int64_t reserve = 0;            ///< number of further bodies, which may be born later
+  std::int64_t reserve = 0;            ///< number of further bodies that may enter the world (be born) later
   std::optional<ColorDocument> color;  ///< colours; empty: the type's colour
   std::optional<PlaceDocument> place;  ///< how the bodies are placed; required
   static void describe(DocumentKeys<PopulationDocument>& d);  ///< adds the keys of this struct to `d`
@@ -300,7 +303,7 @@ struct MeasureDocument : Placed {
   std::string kind;       ///< name of a kind in Registry::measures
   std::string of;         ///< the type, population or robot that is measured; empty: all robots
   std::string name;       ///< name of the column of results; empty: KIND, or KIND:OF if `of` is given
-  engine::Record params;  ///< parameters, one value per field of the kind's table
+  engine::Record params;  ///< one value per parameter of the kind (MeasureKind::params)
   static void describe(DocumentKeys<MeasureDocument>& d);  ///< adds the keys of this struct to `d`
 };
 
@@ -329,7 +332,7 @@ struct GroupDocument : Placed {
   static void describe(DocumentKeys<GroupDocument>& d);  ///< adds the keys of this struct to `d`
 };
 
-/// Births of bodies from the reserve of a population.
+/// Births: bodies of the reserve of a population enter the world.
 struct AddDocument : Placed {
   std::string population;             ///< name of a population with a reserve
   std::optional<std::int64_t> count;  ///< number of births; empty: all bodies that remain in the reserve
@@ -346,7 +349,7 @@ struct MoveDocument : Placed {
 };
 
 /// New parameters of the drive, a device or a controller, for all bodies of a type. Exactly one of `drive`,
-/// `device` and `controller` is given. This value is stored as uninterpreted JSON, because the type
+/// `device` and `controller` is given. The given one is stored as uninterpreted JSON, because the type
 /// determines which parameters are valid.
 struct SettingDocument : Placed {
   std::string type;                                        ///< a key of WorldDocument::types
@@ -359,21 +362,21 @@ struct SettingDocument : Placed {
 /// An intervention: a time and exactly one action.
 struct InterventionDocument : Placed {
   std::optional<double> time;            ///< simulated time, s, rounded up to the end of a tick; required
-  std::optional<GroupDocument> remove;   ///< bodies to remove
-  std::optional<AddDocument> add;        ///< bodies to be born
-  std::optional<GroupDocument> disable;  ///< bodies to disable
-  std::optional<GroupDocument> enable;   ///< disabled bodies to enable again
+  std::optional<GroupDocument> remove;   ///< bodies that leave the world
+  std::optional<AddDocument> add;        ///< bodies of a reserve that enter the world
+  std::optional<GroupDocument> disable;  ///< bodies whose drives, controllers and devices stop
+  std::optional<GroupDocument> enable;   ///< disabled bodies whose drives, controllers and devices restart
   std::optional<MoveDocument> move;      ///< a body and its new pose
   std::optional<SettingDocument> set;    ///< new parameters of a type
   static void describe(DocumentKeys<InterventionDocument>& d);  ///< adds the keys of this struct to `d`
 };
 
-/// Faults of a group of bodies.
+/// Faults, which are failures during the run, of the bodies of a group.
 struct FaultDocument : GroupDocument {
   /// A kind of fault that each body of the group may have, with its parameters.
   struct Impairment {
     std::string kind;       ///< name in Registry::faults
-    engine::Record params;  ///< parameters, one value per field of the kind's table
+    engine::Record params;  ///< one value per parameter of the kind (FaultKind::params)
   };
   double from = 0;                      ///< earliest simulated time at which a fault occurs, s
   std::vector<Impairment> impairments;  ///< kinds of faults, at least one
@@ -395,7 +398,7 @@ struct RecordDocument : Placed {
   /// Path of the recording that `troupe run` writes, relative to the working folder, which it must not leave.
   /// Empty: a run records only if `--record` names a file.
   std::string file;
-  std::optional<double> every;      ///< simulated time between frames, s, above 0; empty: 0.1
+  std::optional<double> every;      ///< simulated time between two recorded states, s, above 0; empty: 0.1
   std::vector<std::string> fields;  ///< names of fields of the state to record; empty: only the poses
   static void describe(DocumentKeys<RecordDocument>& d);  ///< adds the keys of this struct to `d`
 };
@@ -408,7 +411,8 @@ struct GroundDocument : Placed {
 
 /// A whole world.
 struct WorldDocument : Placed {
-  /// How expand() and the constructor of World treat bodies that overlap or that have the same name.
+  /// Whether bodies that overlap at the start, or that have the same name, are an error or a warning.
+  /// expand() reports all of these, except warnings about overlaps, which the constructor of World reports.
   enum class Check : std::uint8_t {
     error,  ///< an overlap or a repeated name is an error
     warn,   ///< an overlap or a repeated name is a warning
@@ -417,17 +421,17 @@ struct WorldDocument : Placed {
   std::string schema;                  ///< value of the key `$schema`, for editors
   std::string title;                   ///< title; empty: the file's name without its ending
   std::uint64_t seed = 1;              ///< seed of all random numbers
-  double tick = 0.1;                   ///< simulated time of a tick, s
+  double tick = 0.1;                   ///< length of a tick (one simulation step), s
   std::optional<double> quit_time;     ///< simulated time at which a run ends, s; empty: no end
   double measure_every = 1;            ///< simulated time between measurements, s; 0: every tick
   engine::RangingEngine ranging = engine::RangingEngine::exact;  ///< method of computing ranges
-  double resolution = engine::k_resolution_m;  ///< edge length of the cells of the grid engine, m
+  double resolution = engine::k_resolution_m;  ///< edge length of the cells of RangingEngine::grid, m
   /// Where robots may be, m; empty: the bounding box of the floor plans and the arena.
   std::optional<Box> bounds;
   std::optional<GroundDocument> ground;  ///< properties of the ground
   std::optional<RecordDocument> record;  ///< what a run records
-  std::optional<engine::Record> watch;   ///< clock display and pace of a run: engine::watch_fields()
-  std::optional<engine::Record> window;  ///< the view of `--camera window`: window_fields()
+  std::optional<engine::Record> watch;   ///< how a run is watched, such as its speed: engine::watch_fields()
+  std::optional<engine::Record> window;  ///< settings of the view of `--camera window`: window_fields()
   bool mortal = false;  ///< true: programs may remove and disable bodies, even if nothing in the world does
   Check overlaps = Check::error;              ///< how a model that overlaps a body at the start is treated
   Check same_names = Check::error;            ///< how bodies with the same name are treated

@@ -214,7 +214,7 @@ JsonNode entry_schema(const FieldTable& table) {
   ObjectSchema entry;
   if (table.find("pose") >= 0)
     entry.member("ring", reference("ring"),
-                 "repeats this entry on a circle whose centre is the pose of the entry");
+                 "replaces this entry by several copies on a circle around its position");
   return entry.fields(table).done();
 }
 

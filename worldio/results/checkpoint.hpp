@@ -19,8 +19,8 @@ namespace troupe::worldio {
 /// is needed to continue a run, in one HDF5 file with a hash that detects damage
 /// (worldio/results/sealed_file.hpp). The groups and datasets of the file are:
 ///
-/// `/meta`        attributes: layout, tick, time_s, state_hash, counters, and the FileHeader given by the
-///                caller
+/// `/meta`        attributes: layout, tick, time_s, state_hash, counts such as beams and stalled, and the
+///                FileHeader given by the caller
 /// `/world`       the spec as JSON (worldio/json/spec_json.hpp), without its bodies and aliases
 /// `/bodies`      the bodies of the spec, one column per field
 /// `/aliases`     the other names of the bodies

@@ -231,7 +231,8 @@ class Hdf5File : public Hdf5Group {
   void start_swmr();
   /// Hands all data written to the file to the operating system.
   void flush();
-  /// Returns the present bytes of a file in memory. They begin with the user block, whose bytes are all 0.
+  /// Returns the present bytes of a file that create_in_memory() created. They begin with the user block,
+  /// whose bytes are all 0.
   std::vector<std::byte> image();
   /// Writes the remaining data and closes the file. All datasets and groups of the file must have been
   /// destroyed before. Throws Hdf5Error if one of them still exists, or if writing or closing fails. Does

@@ -32,7 +32,7 @@ struct RecordedScene {
   struct Eye {                             ///< a ranger
     std::string name;                      ///< name of the ranger's group in /sensors/<type>
     std::vector<Fan> fans;                 ///< one per transducer of the ranger
-    std::int32_t joint = engine::k_rigid;  ///< index in Type::joints of its joint; k_rigid: none
+    std::int32_t joint = engine::k_rigid;  ///< index in Type::joints of the joint that moves it, or k_rigid
   };
   struct Joint {  ///< a joint that moves parts and devices of a body
     std::string
@@ -54,7 +54,7 @@ struct RecordedScene {
     /// The component whose field `shown_color` gives each body its colour (engine/sensing/shown_color.hpp),
     /// such as "sensors/robot/lamp". Empty if no such field was recorded.
     std::string shown_color;
-    std::vector<std::int32_t> shape_joints;  ///< for each shape of `look`: index of its joint; k_rigid: none
+    std::vector<std::int32_t> shape_joints;  ///< for each shape of `look`: joint that moves it; k_rigid: none
     std::vector<std::uint32_t> shape_parts;  ///< for each shape of `look`: index of its part
     /// For each part, the component whose field `shown_color` gives the shapes of this part their colour;
     /// empty if there is none, and for the first part, whose colour is that of the body (`shown_color`).

@@ -22,8 +22,8 @@ using engine::StateTable;
 using engine::World;
 
 /// Whether a name of --record-fields chooses all fields of a table. True if the name is "all" or selects the
-/// component of the table (engine::selects()). The name "pose" also chooses the poses of moving parts,
-/// without which a body cannot be drawn. chosen_fields() handles the names of single fields.
+/// component of the table (engine::selects()). The name "pose" also chooses the displacements of joints,
+/// without which moving parts cannot be drawn. chosen_fields() handles the names of single fields.
 bool chooses(const std::string& name, const StateTable& table) {
   const std::string_view component = table.component();
   return name == "all" || engine::selects(name, component) ||
@@ -101,11 +101,11 @@ RecordedComponent component_of(const StateTable& table, std::vector<std::string>
   return component;
 }
 
-/// For each body of a world, by BodyId, its row in a recording.
+/// For each body of a world, by BodyId, its row in a recorded component: RecordedComponent::Source::recorded.
 using RecordedRows = std::shared_ptr<const std::vector<std::uint32_t>>;
 
-/// Returns, for each body of `bodies`, its index among them or, if `of_type`, among those of them that have
-/// its type. `bodies` must be in the order of ids.
+/// Returns, for each of `bodies`, its index in this list or, if `of_type` is true, its index among the bodies
+/// of its type in this list. `bodies` must be in the order of ids.
 RecordedRows recorded_rows(const World& world, std::span<const BodyId> bodies, bool of_type) {
   std::vector<std::uint32_t> rows(world.spec().bodies.size());
   std::vector<std::uint32_t> counts(world.types().size(), 0);  // if not `of_type`, only the first is used
@@ -136,8 +136,8 @@ void add_sensors(const World& world, std::span<const BodyId> bodies, std::span<c
   }
 }
 
-/// Overwrites the values of bodies that are not in the world, and the readings of sensors that never run
-/// (World::senses()), with absent().
+/// Overwrites the values of bodies that are not in the world, and the readings of sensors that do not run
+/// because they are inactive and not read (World::senses()), with absent().
 void leave_out_absent(const World& world, const RecordedComponent& component,
                       const RecordedComponent::Source& source, std::span<const std::span<std::byte>> fields) {
   const StateTable& table = world.tables()[source.table];

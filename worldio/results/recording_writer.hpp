@@ -33,8 +33,9 @@ struct RecordingHead {
 /// readers): other programs can read the file in the meantime, and flushed data survives if the process is
 /// killed.
 ///
-/// Frames are gathered in memory and written in batches, one chunk per batch. The state of a batch is flushed
-/// before its ticks are written, so a frame whose tick can be read is complete.
+/// Frames are gathered in memory and written in batches. A chunk of an array holds the frames of one batch
+/// or, if a batch is one large frame, a part of this frame. The state of a batch is flushed before its ticks
+/// are written, so a frame whose tick can be read is complete.
 ///
 /// With `in_background`, a thread of the writer writes a batch while the caller gathers the next one. The
 /// caller waits only if batches come faster than they can be written. The bytes of the file do not depend on

@@ -10,12 +10,13 @@ namespace troupe::worldio {
 
 /// The options of replay_data().
 struct ReplayOptions {
-  std::size_t most_bytes =
-      18000000;                     ///< maximum size of ReplayData::bytes; frames are omitted until it is met
+  /// Maximum size of ReplayData::bytes. Frames are omitted until the data fit.
+  std::size_t most_bytes = 18000000;
   std::vector<std::string> fields;  ///< entries as for plan_replay(); empty: all recorded fields
 };
 
-/// A recording for a replay page: rounded, compressed, and with fewer frames if it would be too large.
+/// A recording as data for a replay page, an HTML file that shows it: rounded, compressed, and with fewer
+/// frames if it would be too large.
 struct ReplayData {
   std::string bytes;         ///< the data, in the format of docs/replay.md
   std::size_t robots = 0;    ///< number of bodies with a drive
@@ -23,8 +24,10 @@ struct ReplayData {
   std::size_t recorded = 0;  ///< number of frames in the recording
   std::size_t frames = 0;    ///< number of frames in the page
   std::size_t stride = 1;    ///< the page has every stride-th frame, and always the last frame
-  double every_s = 0;        ///< simulated time between the first two frames of the page, s; 0: one frame
-  bool at_rest = false;  ///< whether moving parts are drawn at rest, because their poses were not recorded
+  /// Simulated time between the first two frames of the page, s; 0 if the page has only one frame.
+  double every_s = 0;
+  /// Whether moving parts are drawn at rest, because the displacements of their joints were not recorded.
+  bool at_rest = false;
 };
 
 /// Makes the data of a replay page from a recording. Throws InputError if the recording has no poses, no

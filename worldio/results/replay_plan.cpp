@@ -45,7 +45,7 @@ std::string name_of(const Array& array) {
   return fmt::format("{}.{}", engine::given_name(array.component), array.field.name);
 }
 
-/// Whether an array has the poses of a part that moves, which a page needs to draw the body.
+/// Whether an array has the displacements of a joint, which a page needs to draw the parts that it moves.
 bool is_joint(const Array& array) { return array.component.starts_with("joint/"); }
 
 /// Whether a page needs an array, besides those of the component "pose", to draw the bodies.
@@ -172,7 +172,7 @@ void survey(const RecordingReader& recording, ReplayPlan& plan) {
   }
 }
 
-/// Whether robots have parts that move whose poses were not recorded.
+/// Whether robots have joints whose displacements were not recorded.
 bool lacks_joints(const ReplayPlan& plan, const RecordingReader& recording) {
   std::vector<std::uint8_t> seen(plan.scene.types.size(), 0);
   for (const std::uint32_t row : plan.order) seen[plan.scene.bodies[recording.ids()[row]].type] = 1;

@@ -13,7 +13,7 @@ namespace {
 constexpr std::size_t k_most_macro_steps = 20000000;  // steps from a macro to its base, in a whole world
 constexpr std::string_view k_ranger_aliases[] = {"laser", "sonar"};
 constexpr std::string_view k_radio_alias = "wifi";
-/// Types of models that Stage had before version 4.3.
+/// Types of models that older versions of Stage had, and that Stage 4.3 does not have.
 constexpr std::string_view k_dropped[] = {"charger", "environment",  "ptz",   "puck",
                                           "region",  "simple_laser", "speech"};
 constexpr std::size_t k_names_compared =

@@ -18,7 +18,7 @@ using engine::TypeSpec;
 using engine::Value;
 
 /// Types of models whose power draw follows from their activity, as in Stage. Their property `watts` is
-/// ignored. (Stage's manual gives a camera 100 W, but Stage's code does not.)
+/// ignored. (A camera draws 100 W, as Stage's manual says; Stage's code does not implement this.)
 constexpr std::array<std::string_view, 6> k_own_draw{"actuator", "blobfinder", "bumper",
                                                      "camera",   "position",   "ranger"};
 

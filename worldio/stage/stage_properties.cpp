@@ -21,8 +21,8 @@ constexpr auto k_rows = std::to_array<StageRow>({
     {"world", "unit_length", fixed, "\"m\", \"cm\" or \"mm\"; anything else is an error"},
     {"world", "unit_angle", fixed, "\"degrees\" or \"radians\"; anything else is an error"},
     {"world", "wrap_headings", honoured,
-     "added by Troupe: 1 (default) changes the headings of transducers and bumpers by whole turns to at most "
-     "half a turn, as Stage does; 0 keeps them"},
+     "added by Troupe: 1 (default) wraps the headings of transducers and bumpers into the range from -180 to "
+     "180 degrees, as Stage does; 0 keeps them"},
     {"world", "seed", honoured, "added by Troupe: the seed of all random numbers; default 1"},
     {"world", "resolution", honoured,
      "cell size of the grid ray engine, m, from 0.0001 to 100; the exact ray engine and collisions use no "
@@ -31,8 +31,8 @@ constexpr auto k_rows = std::to_array<StageRow>({
      "the number of threads is an option of the run and never changes a result"},
     {"world", "test", no_effect, "a debugging aid of Stage's parser"},
     {"world", "show_clock", fixed,
-     "1: prints the time on standard error, as `--clock` does; in Stage, the option `--clock` overrides this "
-     "property"},
+     "1: prints the simulated time on standard error, as `--clock` does; in Stage, the option `--clock` "
+     "overrides this property"},
     {"world", "show_clock_interval", honoured, "number of ticks from one line of `show_clock` to the next"},
     {"world", "speedup", fixed,
      "speed of a run relative to real time with `troupe run --rate world`; at 0 or without that option, a "

@@ -90,8 +90,8 @@ class RoundTrip {
   bool is_turned(Where where, const std::string& owner, double a, double b) {
     if (same_bits(a, b) || !same_bits(wrap_angle(a), b)) return false;
     const std::string text = fmt::format(
-        "type \"{}\": {}: its heading is changed by whole turns to at most half a turn, as in Stage; the "
-        "state hashes of a run may differ from those of the original world",
+        "type \"{}\": {}: its heading is wrapped into [-pi, pi], as in Stage; the state hashes of a run may "
+        "differ from those of the original world",
         type_.name, owner);
     if (told_.insert(text).second) diagnostics_.warning(where, text);
     return true;

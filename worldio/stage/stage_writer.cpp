@@ -161,7 +161,8 @@ void WorldText::write_settings() {
   if (spec_.window) write_stage_window(*spec_.window, text_);
 }
 
-/// Writes a macro for each type that has bodies. Its name is that of the type, with a number if it is taken.
+/// Writes a macro for each type that has bodies. The name of the macro is that of the type, with a number if
+/// another macro has this name.
 void WorldText::write_types() {
   std::vector<bool> is_used(spec_.types.size(), false);
   std::vector<bool> has_many_colors(spec_.types.size(), false);

@@ -46,7 +46,10 @@ class Batch:
         self.teams = [dataclasses.replace(team) for team in task.teams]
         if robot is not None:
             if len(self.teams) != 1:
-                raise ValueError(f"robot={robot!r} needs a task with one team, but {type(task).__name__} has {len(self.teams)}: omit robot")
+                raise ValueError(
+                    f"robot={robot!r} needs a task with one team, but {type(task).__name__} has {len(self.teams)}: "
+                    "give the task one team, or use ParallelEnv without robot"
+                )
             self.teams[0].robots = robot
         for index, team in enumerate(self.teams):
             team.name = team.name or f"team{index}"

@@ -25,8 +25,9 @@ class ParallelEnv(_ParallelEnv):
                  that the first reset() prints
     render_size  width and height of pictures, pixels
     options      keyword arguments of troupe.Simulation, except threads
-    episodes     an episode ends for all agents after task.seconds, and for a single agent when its robot is finished or
-                 dies. A robot that is born during an episode becomes an agent at that time
+    episodes     an episode ends for all agents after task.seconds, and for a single agent when its robot is finished
+                 (by Team.ends, Task.terminated() or the world's `stop_when`) or dies. A robot that is born during an
+                 episode becomes an agent at that time
     seeds        reset(seed=s) begins an episode with the seed s. A later reset() without a seed begins an episode whose
                  seed is derived from s. If no seed was ever given, the first seed is that of the world
     errors       ValueError if two robots have the same name; RuntimeError after close()

@@ -39,7 +39,8 @@ class Team:
     #: list per name, for a Dict of boxes. If a list has one part with the member "shape", the Box has this shape and
     #: the element type of the reading instead of float32; use this for images.
     observation: Union[Parts, Dict[str, Parts]] = dataclasses.field(default_factory=_no_parts)
-    #: The commands that an action sets. By default an action is a Box with one number from -1 to 1 per command.
+    #: The commands that an action sets. By default an action is a Box with one number from -1 to 1 per command. The
+    #: number -1 commands the value `low`, and 1 the value `high`.
     actions: List[Part] = dataclasses.field(default_factory=lambda: list(DRIVE))
     #: If given, the action space is Discrete: an action is the index of a row in this list, and each row has one number
     #: from -1 to 1 per command.

@@ -325,7 +325,7 @@ class Foraging(Task):
 
 
 class Pursuit(Task):
-    """Robots catch a slower robot that wanders.
+    """Robots (the hunters) catch a slower robot that wanders (the prey).
 
     observed  12 ranges, divided by 3 m; x, y and distance of the prey in the robot's frame, divided by the size of the
               room; for each of the 3 nearest hunters within 6 m: x and y in the robot's frame, divided by 6 m, cosine

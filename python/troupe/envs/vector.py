@@ -28,12 +28,13 @@ class VectorEnv(_VectorEnv[Any, Any, Any]):
                     address that the first reset() prints
     render_size     width and height of pictures, pixels
     options         keyword arguments of troupe.Simulation, except threads
-    episodes        the episodes of all robots of a copy end together, when all robots are finished or task.seconds have
-                    passed. If several robots learn in each copy, step() returns infos["finished"] and infos["alive"],
-                    one bool per environment. From the step in which a robot is finished to the end of the episode,
-                    infos["finished"] is True for the robot. Its rewards in the steps after that step are 0. If a robot
-                    has not been born yet, infos["alive"] is False for the robot, its observation and its rewards are 0,
-                    and its episode ends with that of its copy
+    episodes        the episodes of all robots of a copy end together, when all robots are finished (by Team.ends,
+                    Task.terminated(), the world's `stop_when` or death) or task.seconds have passed. If several robots
+                    learn in each copy, step() returns infos["finished"] and infos["alive"], one bool per environment.
+                    From the step in which a robot is finished to the end of the episode, infos["finished"] is True for
+                    the robot. Its rewards in the steps after that step are 0. If a robot has not been born yet,
+                    infos["alive"] is False for the robot, its observation and its rewards are 0, and its episode ends
+                    with that of its copy
     seeds           after reset(seed=s) the first episode of copy c has the seed s + c, modulo 2^64. s may also be a list
                     with one seed per copy, or, as in Gymnasium, per environment; all environments of a copy then need
                     the same seed. The seeds of later episodes of the copy are derived from this seed
