@@ -146,12 +146,16 @@ bool Links::hold() const {
 }
 
 void Links::derive() {
-  state_.now.carried = 0;
   asked_ = false;
+  for (const std::uint32_t r : composites_) rest_joints(Row(r));  // before any shape of a tree is computed
+  link_all();
+}
+
+void Links::link_all() {
+  state_.now.carried = 0;
   if (!any()) return;
   std::ranges::fill(first_cargo_, k_none);
   for (std::uint32_t r = 0; r < state_.row_count(); ++r) state_.roots[r] = r;
-  for (const std::uint32_t r : composites_) rest_joints(Row(r));  // before any shape of a tree is computed
   for (std::uint32_t r = 0; state_.carrier_table && r < state_.row_count(); ++r) {
     const std::uint32_t id = state_.carried(r).carrier;
     if (id != 0) link_cargo(r, state_.view.row(BodyId(id - 1)).value);

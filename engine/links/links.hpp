@@ -46,6 +46,10 @@ class Links {
   /// Computes all data that this class derives from the state tables, except the shapes of trees, which
   /// reshape() computes.
   void derive();
+  /// The part of derive() that concerns carriers: computes which bodies carry which, and the roots of all
+  /// trees, from the component `carrier`. The shapes of trees that have changed must then be computed again
+  /// (reshape()).
+  void link_all();
   /// Overwrites all derived data with junk: see World::forget().
   void forget();
   /// Whether the tables of joints and carriers are consistent: all poses are finite, all carriers and the

@@ -7,6 +7,7 @@
 
 #include <algorithm>
 #include <cstddef>
+#include <functional>
 #include <memory>
 #include <stdexcept>
 #include <string>
@@ -79,7 +80,7 @@ void DistributedRows::adopt_all(MessageReader message, bool is_in_tick) {
 // ---- The tick
 
 /// Leaves on each rank only its own rows and its ghosts. Distributes the rows if rank 0 has all of them, if
-/// bodies were born, have died, have jumped or were pushed far (must_distribute_), or if a device now has a
+/// bodies were born or have died (must_distribute_), have jumped or were pushed far, or if a device now has a
 /// longer reach (World::set()) than the ghosts cover.
 void DistributedRows::redistribute(bool have_jumped) {
   const bool have_changed = std::exchange(must_distribute_, false);
@@ -140,13 +141,17 @@ bool DistributedRows::prepare_motions(std::span<const std::uint64_t> times) {
   return !times.empty();
 }
 
-/// When a body dies, it releases the bodies that it carries, which then are trees of their own at other
-/// places. The ghosts may not suffice for these places (Halo::suffices_for()).
 void DistributedRows::apply_effects(std::span<const Effect> effects,
                                     const std::function<void(const Effect&)>& apply) {
   effects_.apply(effects, apply);
+  // When a body dies, it releases the bodies that it carries, which then are trees of their own at other
+  // places. The ghosts may not suffice for these places (Halo::suffices_for()).
   const auto is_death = [](const Effect& effect) { return effect.verb == k_death; };
-  must_distribute_ = must_distribute_ || (halo_.has_trees() && std::ranges::any_of(effects, is_death));
+  if (!halo_.has_trees() || std::ranges::none_of(effects, is_death)) return;
+  const bool own = std::ranges::any_of(
+      effects, [&](const Effect& effect) { return is_death(effect) && halo_.has_cargo(effect.target); });
+  const bool any = post_.agree(Order::effects, own, std::logical_or());
+  must_distribute_ = must_distribute_ || any;
 }
 
 // ---- Births

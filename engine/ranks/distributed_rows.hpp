@@ -65,7 +65,7 @@ class DistributedRows final : public RankRows {
   SharedEffects effects_;
   SharedError error_;           // of births
   std::uint64_t attempts_ = 0;  // in this tick
-  // Until redistribute(): bodies were born, whose rows are on any rank, or have died, which ends trees.
+  // Until redistribute(): bodies were born, whose rows are on any rank, or bodies with cargo have died.
   bool must_distribute_ = false;
   bool is_on_rank_0_ = false;  // until redistribute(): rank 0 has all rows, and the other ranks have none
   double longest_ = 0;  // longest motion of a body in this tick, of the ranks whose messages are read, m

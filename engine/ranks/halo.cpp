@@ -495,18 +495,36 @@ void Halo::get_seen(unsigned from, MessageReader& message) {
       if (message.get<std::uint8_t>() != 0) links_.ask(Row(r), j, message.get<Pose>());
 }
 
-bool Halo::is_shown(BodyId body) const {
-  return std::ranges::any_of(shown_, [&](const std::vector<BodyId>& list) {
-    return std::ranges::binary_search(list, body.value, {}, &BodyId::value);
-  });
+bool Halo::has_cargo(BodyId body) const {
+  if (!links_.any() || body.index() >= world_.spec().bodies.size()) return false;
+  if (world_.location(body) != RowLocation::here || world_.row(body).index() >= own_) return false;
+  return links_.first_cargo(world_.row(body)) != Links::k_none;
+}
+
+/// The ranks that have the row of an own body as a ghost, in ascending order.
+std::vector<unsigned> Halo::shown_to(BodyId body) const {
+  std::vector<unsigned> ranks;
+  for (unsigned to = 0; to < post_.ranks; ++to)
+    if (std::ranges::binary_search(shown_[to], body.value, {}, &BodyId::value)) ranks.push_back(to);
+  return ranks;
 }
 
 bool Halo::suffices_for(Row row) const {
-  const Vec2 at = place(row);
-  if (owners_.owner(at) != post_.rank || links_.farthest(world_.root(row)) > extent_.radius) return false;
+  const Row root = world_.root(row);
+  const Vec2 at = place(root);
+  if (owners_.owner(at) != post_.rank || links_.farthest(root) > extent_.radius) return false;
+  const std::vector<unsigned> shown = shown_to(world_.body(root));
+  if (row != root && shown_to(world_.body(row)) != shown) return false;
+  // A body without a ghost on a rank was farther than the coverage from the ground of this rank when the rows
+  // were distributed, and has moved by at most moved_ since then.
   std::vector<unsigned> near;
-  owners_.find_near(at, coverage_, near);
-  return near.empty();
+  owners_.find_near(at, coverage_ - moved_, near);
+  return std::ranges::includes(shown, near);
+}
+
+void Halo::link_again(std::span<const Row> ghosts) {
+  links_.link_all();
+  for (const Row row : ghosts) links_.reshape(row.value);
 }
 
 Vec2 Halo::place(Row row) const { return place_of(world_, row); }

@@ -134,15 +134,19 @@ class Halo {
   /// distribute()
   void prepare_motions(double longest, bool distributes, std::span<const Guest> guests);
 
-  /// Whether bodies can carry others.
-  bool has_trees() const { return extent_.has_trees; }
-  /// Whether another rank has the row of an own body as a ghost.
-  bool is_shown(BodyId body) const;
-  /// For an own row whose body has become a part of another tree since the last distribution, so that its
-  /// place has changed: whether the ghosts of all ranks suffice for the new tree. They do if the tree would
-  /// belong to this rank and would have no ghosts if the rows were distributed now, and if it is no larger
-  /// than the largest tree was at the last distribution.
+  bool has_trees() const { return extent_.has_trees; }  ///< whether bodies can carry others
+  /// Whether a body is of an own row and carries others.
+  bool has_cargo(BodyId body) const;
+  /// For an own row whose body may have become a part of another tree since the last distribution, so that
+  /// its place has changed: whether the ghosts of all ranks suffice for the new tree. They do if
+  /// - the tree would still belong to this rank if the rows were distributed now;
+  /// - it is no larger than the largest tree was at a distribution (Extent::radius);
+  /// - all its bodies are ghosts on the same ranks;
+  /// - these are at least the ranks whose ground is so near that the row of a body that has not changed its
+  ///   tree, at the same place, would be a ghost there.
   bool suffices_for(Row row) const;
+  /// Called after get_state() has changed the carriers of these ghosts: updates their trees.
+  void link_again(std::span<const Row> ghosts);
   std::size_t own() const { return own_; }        ///< number of own rows
   double reach() const { return extent_.reach; }  ///< longest reach for which the ghosts suffice, m
   /// Whether bodies were pushed so far in the last tick that the rows must be distributed before any device
@@ -232,6 +236,7 @@ class Halo {
   std::vector<Goal> goals_of(RowRange rows) const;
   void set_goals(std::span<const Goal> goals);
   void note_pushes();
+  std::vector<unsigned> shown_to(BodyId body) const;
   void find_ranks_near(Row row, std::vector<unsigned>& near) const;
   void cut_again();
   void note_neighbours();

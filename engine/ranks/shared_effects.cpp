@@ -6,6 +6,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <functional>
 #include <memory>
 #include <numeric>
 #include <optional>
@@ -22,10 +23,9 @@ using partition::MessageWriter;
 void SharedEffects::note_tree(BodyId body) {
   const std::vector<Row> tree = halo_.tree(world_.row(body));
   const unsigned owner = halo_.owner(body);
-  const bool is_shown = owner != post_.rank || halo_.is_shown(body);
   for (const Row row : tree)
-    affected_.push_back({world_.body(row), world_.body(tree.front()), tree.size() == 1, is_shown, owner, 0,
-                         halo_.place(row)});
+    affected_.push_back(
+        {world_.body(row), world_.body(tree.front()), tree.size() == 1, owner, 0, halo_.place(row)});
 }
 
 void SharedEffects::note() {
@@ -74,7 +74,6 @@ void SharedEffects::put_affected(MessageWriter& message, std::span<const Affecte
     message.put(each.body);
     message.put(each.root);
     message.put(each.is_alone);
-    message.put(each.is_shown);
     message.put(each.owner);
     message.put_point(each.place);
   }
@@ -87,7 +86,6 @@ void SharedEffects::get_affected(MessageReader& message) {
     each.body = message.get<BodyId>();
     each.root = message.get<BodyId>();
     each.is_alone = message.get<bool>();
-    each.is_shown = message.get<bool>();
     each.owner = message.get<unsigned>();
     each.place = message.get_point();
   }
@@ -139,10 +137,7 @@ bool SharedEffects::acts_anywhere(const Effect& effect) const {
 
 void SharedEffects::begin(bool is_new) {
   for (Affected& each : affected_) {
-    if (is_new) {
-      each.owner = halo_.owner_at(each.place);
-      each.is_shown = true;  // perhaps: only the owner knows
-    }
+    if (is_new) each.owner = halo_.owner_at(each.place);
     each.last = each.owner;
   }
 }
@@ -158,8 +153,9 @@ bool SharedEffects::may_join_trees(const Effect& effect) const {
   return !effect.is_of_life() && world_.type(effect.source).devices[effect.device].kind->carries;
 }
 
-/// Finds the groups of the tick (groups_).
-SharedEffects::Groups SharedEffects::find_groups(std::span<const Effect> effects) {
+/// Finds the groups of the tick (groups_). Returns the trees whose rows must go to another rank, because the
+/// trees of their group belong to several ranks.
+std::vector<Halo::Gift> SharedEffects::find_groups(std::span<const Effect> effects) {
   groups_.clear();
   if (std::ranges::none_of(effects, [&](const Effect& effect) { return may_join_trees(effect); })) return {};
   std::vector<Affected> trees(affected_);  // one element per tree
@@ -189,15 +185,14 @@ SharedEffects::Groups SharedEffects::find_groups(std::span<const Effect> effects
   std::vector<bool> may_join(trees.size());
   for (const Effect& effect : effects)
     if (may_join_trees(effect)) may_join[lead_of(index_of(*find(effect.source)))] = true;
-  Groups groups;
+  std::vector<Halo::Gift> gifts;
   for (std::size_t t = 0; t < trees.size(); ++t) {
     const Affected& lead = trees[lead_of(t)];
     if (!may_join[lead_of(t)]) continue;
     groups_.push_back({trees[t].root, lead.owner});
-    groups.are_shown = groups.are_shown || trees[t].is_shown;
-    if (trees[t].owner != lead.owner) groups.gifts.push_back({trees[t].root, trees[t].owner, lead.owner});
+    if (trees[t].owner != lead.owner) gifts.push_back({trees[t].root, trees[t].owner, lead.owner});
   }
-  return groups;
+  return gifts;
 }
 
 /// The rank that applies the effects of the group of a tree; not set if the tree is in no group. root: the
@@ -216,14 +211,13 @@ std::optional<unsigned> SharedEffects::group_applier(const Effect& effect) {
 }
 
 void SharedEffects::apply(std::span<const Effect> effects, const std::function<void(const Effect&)>& apply) {
-  const Groups groups = find_groups(effects);
+  const std::vector<Halo::Gift> gifts = find_groups(effects);
   apply_in_turns(effects, apply);
-  bool must_distribute = groups.are_shown || !groups.gifts.empty();
+  bool must_distribute = !gifts.empty();
   if (!groups_.empty()) {
-    halo_.give(groups.gifts);
+    halo_.give(gifts);
     apply_groups(effects, apply);
-    if (!must_distribute)
-      must_distribute = post_.agree(Order::effects, !have_sufficed(), [](bool a, bool b) { return a || b; });
+    if (!must_distribute) must_distribute = post_.agree(Order::effects, !have_sufficed(), std::logical_or());
   }
   if (must_distribute)
     halo_.distribute(0);
@@ -240,8 +234,8 @@ void SharedEffects::apply_groups(std::span<const Effect> effects,
       error_.attempt(i, [&] { apply(effects[i]); });
 }
 
-/// After apply_groups(), if no tree of a group was shown before: whether the ghosts of all ranks suffice for
-/// the trees that this rank has changed.
+/// After apply_groups(), if no tree has changed its owner: whether the ghosts of all ranks suffice for the
+/// trees that this rank has changed.
 bool SharedEffects::have_sufficed() const {
   return std::ranges::all_of(affected_, [&](const Affected& each) {
     return group_applier(each.root) != post_.rank || halo_.suffices_for(world_.row(each.body));
@@ -287,7 +281,7 @@ void SharedEffects::bring(Affected& body, unsigned to) {
 }
 
 /// Sends the states of affected bodies whose rows this rank owns to the ranks that have these bodies as
-/// ghosts. Receives the states of affected bodies that are ghosts on this rank.
+/// ghosts. Receives the states of affected bodies that are ghosts on this rank, and links their trees again.
 void SharedEffects::show() {
   for (unsigned to = 0; to < post_.ranks; ++to) {
     std::optional<MessageWriter> message;
@@ -298,14 +292,18 @@ void SharedEffects::show() {
     }
     if (message) post_.send(to, std::make_shared<const partition::Message>(message->take()));
   }
+  std::vector<Row> in_groups;
   for (unsigned from = 0; from < post_.ranks; ++from) {
     std::optional<ReceivedOrder> received;
     for (const BodyId body : halo_.seen(from)) {
-      if (find(body) == nullptr) continue;
+      const Affected* const affected = find(body);
+      if (affected == nullptr) continue;
       if (!received) received = post_.receive(Order::effects, from);
       halo_.get_state(received->rest, body);
+      if (group_applier(affected->root)) in_groups.push_back(world_.row(body));
     }
   }
+  if (!in_groups.empty()) halo_.link_again(in_groups);
 }
 
 }  // namespace troupe::engine

@@ -28,8 +28,9 @@ namespace troupe::engine {
 /// effect needs all changes that earlier effects of the tick have made to these trees. Effects whose sources
 /// and targets are in trees that such effects could join form a *group*. One rank applies all effects of a
 /// group. It owns the trees of the group or, if they belong to several ranks, gets them (Halo::give()) after
-/// all other effects of the tick. At the end all ranks distribute the rows, because the trees have changed,
-/// unless all groups are *local*: no other rank has a row of their trees, before or after the effects.
+/// all other effects of the tick. At the end all ranks distribute the rows if trees have changed their owner,
+/// or if any rank lacks ghosts of the changed trees (Halo::suffices_for()). Otherwise, the owners of the
+/// trees send the states of their bodies to the ranks that have them as ghosts.
 ///
 /// Births and deaths are effects too. They change no other state, so the ranks only learn of them here: every
 /// rank then carries them out (World::resolve_lives()).
@@ -76,7 +77,6 @@ class SharedEffects {
     BodyId body;
     BodyId root;                // root of its tree
     bool is_alone = true;       // no other body is in the tree
-    bool is_shown = false;      // other ranks than the owner may have the row
     unsigned owner = 0;         // the rank that owns its row
     unsigned last = 0;          // the rank that has its present state
     Vec2 place = Vec2::Zero();  // Halo::place() before the motion of this tick, m, world frame
@@ -85,11 +85,6 @@ class SharedEffects {
     BodyId root;
     unsigned applier = 0;  // the rank that applies the effects of the group
   };
-  struct Groups {  // what find_groups() returns
-    // The trees whose rows must go to another rank, because the trees of their group belong to several ranks.
-    std::vector<Halo::Gift> gifts;
-    bool are_shown = false;  // other ranks than the owner may have a row of a tree
-  };
   void note_tree(BodyId body);
   static void put_affected(partition::MessageWriter& message, std::span<const Affected> some);
   void get_affected(partition::MessageReader& message);
@@ -97,7 +92,7 @@ class SharedEffects {
   void unite();
   bool acts_anywhere(const Effect& effect) const;
   bool may_join_trees(const Effect& effect) const;
-  Groups find_groups(std::span<const Effect> effects);
+  std::vector<Halo::Gift> find_groups(std::span<const Effect> effects);
   void apply_groups(std::span<const Effect> effects, const std::function<void(const Effect&)>& apply);
   bool have_sufficed() const;
   std::optional<unsigned> group_applier(BodyId root) const;
