@@ -193,7 +193,8 @@ const RunOptions& WorldRun::take_names_from_world() {
 }
 
 void WorldRun::rehearse() {
-  // Outputs look up the robots that they observe. Without outputs, rank 0 need not have memory for all robots.
+  // Outputs look up the robots that they observe. Without outputs, rank 0 need not have memory for all
+  // robots.
   const auto is_given = [](const std::filesystem::path* name) { return !name->empty(); };
   if (std::ranges::any_of(options_.outputs.names(options_), is_given)) fetch_robots();
   prepared_ = options_.outputs.prepare(options_, simulation_, ticks_);

@@ -89,7 +89,8 @@ struct Pushables {
 ///         geometry, except for bodies with very many dependencies. A body that may push has a zone: a circle
 ///         that contains everything that it could touch or move. It is resolved after all bodies of higher
 ///         priority whose zones overlap its zone.
-/// memory  Grows with the number of rows. resolve() allocates only when the number of rows has changed by more
+/// memory  Grows with the number of rows. resolve() allocates only when the number of rows has changed by
+/// more
 ///         than a little (base/room.hpp), or the sum of push limits is larger than ever before, or when a
 ///         pusher has more than 512 bodies in its zone.
 class Conflicts {
