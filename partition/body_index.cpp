@@ -147,10 +147,13 @@ void BodyIndex::rebuild(std::span<const Transform> places, std::span<const doubl
   radii_ = radii;
   if (rows != homes_.size()) {
     resize_with_room(homes_, rows);
+    tile_rows_.clear();
+    circles_.clear();
+    order_.clear();
     // Memory is reserved for all rows, also for those of absent bodies, so that later ticks do not allocate.
-    make_room(tile_rows_, std::max(rows, tile_rows_.size()));
-    make_room(circles_, std::max(rows + k_read_beyond, circles_.size()));
-    make_room(order_, std::max(rows, order_.size()));
+    make_room(tile_rows_, rows);
+    make_room(circles_, rows + k_read_beyond);
+    make_room(order_, rows);
   }
   // A tile stays in the directory after all bodies have left it. The directory is cleared only when there are
   // far more tiles than rows.

@@ -63,7 +63,8 @@ py::array rows_for(const engine::StateField& field, const py::handle& value, py:
 py::dict message_command(std::span<const engine::StateField> fields, const std::string& device,
                          const py::object& message, py::ssize_t robots);
 /// Converts the fields count, length and payload of the readings of radios to the result of Swarm.heard(),
-/// with messages of the NumPy type `type`.
+/// with messages of the NumPy type `type`. Throws ValueError, whose text names the radios by `device`, if an
+/// element of this type has no bytes, or more bytes than the payload of a message.
 py::tuple messages_of(const py::object& type, const std::string& device, const py::array& count,
                       const py::array& length, const py::array& payload);
 

@@ -107,7 +107,8 @@ std::string dry_run_text(const DryRun& run) {
   line("ghosts", fmt::format("{} per rank: copies of robots of other ranks, up to {} m from the region of "
                              "the rank",
                              of_rank(run.ghosts), four_digits(run.coverage_m)));
-  line("neighbours", fmt::format("{} neighbouring ranks per rank", of_rank(run.neighbours)));
+  line("neighbours", fmt::format("{} per rank: ranks that own its ghosts or have ghosts of its robots",
+                                 of_rank(run.neighbours)));
   const Report::PerRank bytes = run.rank_state_bytes();
   line("state per rank", fmt::format("{} MiB in the state tables, for own robots and ghosts",
                                      of_rank({mib(bytes.mean), mib(bytes.most)})));

@@ -27,8 +27,8 @@ struct DryRun {
   std::string why_replicated;     ///< why not distributed (RankStatistics::why_replicated); else empty
   double longest_motion_m = 0;    ///< motion in one tick at the highest speed limit of any drive, m
   double coverage_m = 0;          ///< a rank has ghosts of bodies up to this distance from its ground, m
-  /// Numbers of own rows, ghosts and neighbours of a rank. If the world is not distributed: equal numbers of
-  /// own rows, and no ghosts and neighbours.
+  /// Numbers of own rows, ghosts and neighbours per rank: the mean over the ranks, and the largest. If the
+  /// world is not distributed, the rows are divided evenly, and there are neither ghosts nor neighbours.
   Report::PerRank own, ghosts, neighbours;
   double most_rows = 0;  ///< own rows and ghosts of the rank that has the most, if distributed
   /// Memory of the state tables of the rows that a rank has, bytes.

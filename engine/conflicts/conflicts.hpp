@@ -90,9 +90,8 @@ struct Pushables {
 ///         that contains everything that it could touch or move. It is resolved after all bodies of higher
 ///         priority whose zones overlap its zone.
 /// memory  Grows with the number of rows. resolve() allocates only when the number of rows has changed by
-/// more
-///         than a little (base/room.hpp), or the sum of push limits is larger than ever before, or when a
-///         pusher has more than 512 bodies in its zone.
+///         more than a little (base/room.hpp), or the sum of push limits is larger than ever before, or when
+///         a pusher has more than 512 bodies in its zone.
 class Conflicts {
  public:
   static constexpr int k_push_passes = 16;  ///< largest number of passes: see `pushing`, above
@@ -147,8 +146,9 @@ class Conflicts {
     /// received in the order of the rounds (round_of()) in which they were made. Returns false if the
     /// outcomes of all ghosts are known and those of all own rows were sent.
     virtual bool exchange(Conflicts& conflicts) = 0;
-    /// Called last. Passes the final position of each pushed body that has a row here to receive_place():
-    /// this rank may have no ghost of the body that pushed it last.
+    /// Called last. Sends all other ranks the final position of each body that was pushed last by a row of
+    /// this rank. Passes the final positions that it receives, of bodies that have a row here, to
+    /// receive_place(): this rank may have no ghost of the body that pushed them last.
     virtual void exchange_places(Conflicts& conflicts) = 0;
   };
 

@@ -32,6 +32,8 @@ void Movement::build() {
     pushables_.radius = std::max(pushables_.radius, t.obstacle.radius);
     pushables_.thinnest = std::min(pushables_.thinnest, t.obstacle.thinnest);
   }
+  make_room(is_pushable_, is_pushable_.size());
+  make_room(push_limits_, push_limits_.size());
   pushables_.is_pushable = is_pushable_;
   pushables_.limits = push_limits_;
 }

@@ -140,8 +140,8 @@ void StateTable::fill_row(std::size_t row, std::byte value) {
 
 void StateTable::copy_row(std::size_t row, const StateTable& from) {
   for (std::size_t f = 0; f < fields_.size(); ++f) {
-    const std::size_t at = starts_[f] + row * strides_[f];
-    std::memcpy(data_.data() + at, from.data_.data() + at,
+    std::memcpy(data_.data() + starts_[f] + row * strides_[f],
+                from.data_.data() + from.starts_[f] + row * strides_[f],
                 element_size(fields_[f].element) * fields_[f].columns);
   }
 }

@@ -169,7 +169,7 @@ class StateTable {
   /// Sets every byte of a row's fields to 0; bytes between the fields stay.
   void clear_row(std::size_t row) { fill_row(row, std::byte{0}); }
   void fill_row(std::size_t row, std::byte value);  ///< sets every byte of a row's fields to `value`
-  /// Copies the row of the same index from a table that has the same fields, layout and number of rows.
+  /// Copies the row of the same index from a table that has the same fields and layout.
   void copy_row(std::size_t row, const StateTable& from);
   /// Changes the memory of the table to that for room_for(rows) rows (base/room.hpp). `rows` must be at least
   /// rows(). The rows may move in memory.

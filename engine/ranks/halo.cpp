@@ -516,13 +516,15 @@ bool Halo::suffices_for(Row row) const {
   const std::vector<unsigned> shown = shown_to(world_.body(root));
   if (row != root && shown_to(world_.body(row)) != shown) return false;
   // A body without a ghost on a rank was farther than the coverage from the ground of this rank when the rows
-  // were distributed, and has moved by at most moved_ since then.
+  // were distributed, and has moved by at most moved_ since then, if it was not pushed in this tick. The
+  // places of bodies that have changed their trees since then were tested here, in the same way.
   std::vector<unsigned> near;
   owners_.find_near(at, coverage_ - moved_, near);
   return std::ranges::includes(shown, near);
 }
 
 void Halo::link_again(std::span<const Row> ghosts) {
+  if (!links_.any()) return;  // no body here can carry others, so no tree here has changed
   links_.link_all();
   for (const Row row : ghosts) links_.reshape(row.value);
 }
@@ -602,6 +604,7 @@ void Halo::own_all() {
     if (world_.location(BodyId(b)) == RowLocation::elsewhere) coming.push_back({BodyId(b), {}});
   own_ = world_.rows() + coming.size();
   world_.exchange_rows({}, coming, own_);
+  extent_.radius = extent_of(world_).radius;  // a new run may begin, whose trees may be smaller
   is_complete_ = true;
 }
 
@@ -610,6 +613,7 @@ void Halo::own_none() {
   for (std::size_t r = 0; r < world_.rows(); ++r) leaving.push_back(world_.body(Row(r)));
   own_ = 0;
   world_.exchange_rows(leaving, {}, 0);
+  extent_.radius = extent_of(world_).radius;  // as in own_all(): rank 0 has all trees
   is_complete_ = false;
 }
 

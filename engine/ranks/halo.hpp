@@ -252,7 +252,7 @@ class Halo {
   std::optional<double> skin_m_;
 
   // Its `reach` is as of the last distribution. Its `radius`, if it has trees, is that of the largest tree
-  // that any rank had at a distribution so far.
+  // that any rank had at a distribution since rank 0 last had all rows as its own.
   Extent extent_;
   std::vector<partition::TileOwners::Key> keys_;  // of the bodies at tick 0, ascending; only with cut_seed_
   partition::TileOwners owners_;

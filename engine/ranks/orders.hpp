@@ -34,7 +34,7 @@ enum class Order : std::uint8_t {
   places,      ///< in a tick: final positions of pushed bodies (RankBorder)
   joints,      ///< in a tick: whether joint motions of ghosts on the receiver are blocked (RankBorder)
   candidates,  ///< in a tick: bodies of the sender among which an intervention chooses at random
-  effects,     ///< in a tick: rows that effects change (SharedEffects)
+  effects,     ///< in a tick: rows that effects change, and whether the ghosts suffice (SharedEffects)
   births,      ///< in a tick: free places that the sender has found for a birth (RankRows::lowest_trial())
   ended,       ///< in a tick: whether an effect or a birth has failed on the sender (SharedError::agree())
   /// The sender could not make the replica or compute its rows of the tick, or the callback of

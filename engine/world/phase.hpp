@@ -9,7 +9,7 @@ namespace troupe::engine {
 /// The phases of a tick, in their order.
 enum class Phase : std::uint8_t {
   intervene,  ///< interventions and faults of the world file, then the callback of World::before_tick()
-  sense,      ///< sensors that are due read the state of the last tick
+  sense,      ///< sensors that are due read the state after the last tick, as changed by `intervene`
   actuate,    ///< drives turn the commands of the last tick into velocities; devices execute their commands
   decide,     ///< controllers compute new commands from readings, memory and random numbers
   move,       ///< bodies and joints move unless blocked; then effects of devices, deaths and births follow

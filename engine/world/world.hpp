@@ -169,7 +169,9 @@ class World {
   /// remaining bodies then do what they would do if the removed bodies were far away, except that
   /// interventions choose at random among the remaining bodies only. Throws std::invalid_argument if a body
   /// has no row in this world, occurs twice, or is listed without the bodies that move together with it, and
-  /// std::logic_error if several ranks compute the world. Call this between steps.
+  /// std::logic_error if several ranks compute the world. Call this between steps. The tables and all other
+  /// lists with one element per row may move in memory, as they may in add_rows() and, if the rows are
+  /// distributed among ranks, in gather().
   std::vector<RowState> remove_rows(std::span<const BodyId> bodies);
   /// Adds rows that remove_rows() has removed, in any order. Throws std::invalid_argument if location() of a
   /// body is not RowLocation::elsewhere. Call this between steps.

@@ -264,9 +264,11 @@ TEST_F(LintTest, ReportsPropertiesWithoutEffectEachWhereItStands) {
           "w.world:5: warning: friction: this property has no effect in Troupe",
           "w.world:6: warning: \"wheelbase\" has no effect: only a model with drive \"car\" has a wheelbase",
           "w.world:9: warning: \"color_rgba\" has no effect: \"color\" is also given",
-          "w.world:10: warning: \"alwayson\" has no effect: this model has no sensor",
-          "w.world:11: warning: \"update_interval\" has no effect: this model has neither a sensor nor a "
-          "drive",
+          "w.world:10: warning: \"alwayson\" has no effect: this model is not a sensor itself (set it in the "
+          "sensor)",
+          "w.world:11: warning: \"update_interval\" has no effect: this model is not a device itself and has "
+          "no "
+          "drive (set it in the device)",
           "w.world:12: warning: scount: this property is obsolete, ignored as in Stage",
           "w.world:13: warning: sensor \"fiducial\" sees nothing: no other body with a fiducial_return has "
           "the fiducial_key of the finder, 0",

@@ -1045,6 +1045,39 @@ TEST_F(HaloOfARoom, APuckIsHandedOnFromZoneToZone) {
   expect_same_bits(simulation, 2, teams_of_random_ground());
 }
 
+/// Robots that doors spawn, and that die at drains or when their packs are empty, and interventions that add
+/// and remove robots, some in the same tick and at the same place.
+constexpr std::string_view k_turnover = R"({
+  "troupe": 1, "title": "Turnover", "seed": 5, "mortal": true,
+  "types": {
+    "wanderer": {"size_m": [0.31, 0.17, 0.2],
+      "drive": {"kind": "diff", "localization": "odom", "odom_error": [0.03, 0.03, 0.05]},
+      "controller": {"kind": "wander"}, "sensors": [
+      {"name": "eyes", "kind": "ranger", "pose": {"z_m": 0.1}, "transducers": [{"range_max_m": 1.1, "fov_deg": 170.5, "samples": 9}]}],
+      "devices": [{"name": "pack", "kind": "power_pack", "capacity_J": 35, "mass_kg": 1, "when_empty": "die"}]},
+    "door": {"size_m": [0.2, 0.2, 0.01], "obstacle": false, "ranger_return": -1,
+      "devices": [{"name": "spawner", "kind": "spawner", "population": "w", "every_s": 0.3, "within_m": 0.6}]},
+    "drain": {"size_m": [0.2, 0.2, 0.01], "obstacle": false, "ranger_return": -1,
+      "devices": [{"name": "remover", "kind": "remover", "radius_m": 0.35}]}
+  },
+  "populations": [
+    {"name": "w", "type": "wanderer", "count": 60, "reserve": 150,
+     "place": {"rule": "uniform", "region_m": [[-4, -4], [4, 4]]}},
+    {"name": "d", "type": "door", "count": 9, "place": {"rule": "grid", "region_m": [[-3, -3], [3, 3]], "pitch_m": 3}},
+    {"name": "h", "type": "drain", "count": 4, "place": {"rule": "grid", "region_m": [[-1.5, -1.5], [1.5, 1.5]], "pitch_m": 3}}],
+  "at": [
+    {"time_s": 0, "add": {"population": "w", "count": 4, "region_m": [[-4, -4], [4, 4]]}},
+    {"time_s": 0.5, "add": {"population": "w", "count": 70, "region_m": [[-2, -2], [2, 2]]}},
+    {"time_s": 0.5, "remove": {"population": "w", "share": 0.4}},
+    {"time_s": 0.5, "add": {"population": "w", "count": 10, "region_m": [[-2, -2], [2, 2]]}},
+    {"time_s": 0.8, "add": {"population": "w", "count": 1, "pose": {"x_m": 0.1, "y_m": 0.1}}},
+    {"time_s": 0.8, "add": {"population": "w", "count": 1, "pose": {"x_m": 0.2, "y_m": 0.1}}},
+    {"time_s": 0.8, "disable": {"population": "w", "share": 0.1}},
+    {"time_s": 1.2, "remove": {"population": "w", "count": 5}},
+    {"time_s": 1.4, "add": {"population": "w", "count": 100, "region_m": [[-4, -4], [4, 4]]}}
+  ]
+})";
+
 /// Attaches bodies to its own body and releases them again, in ticks and with bodies that look random.
 struct Hook {
   struct State {
@@ -1054,6 +1087,10 @@ struct Hook {
   };
   static constexpr double k_reach_m = 0.7;
 
+  static bool holds(const DeviceBatch& batch, std::size_t i, BodyId held) {
+    return batch.view.location(held) == RowLocation::here &&
+           batch.view.carrier(batch.view.row(held)) == batch.body(i);
+  }
   static DeviceKind kind() {
     DeviceKind kind{.name = "hook", .text = "for this test"};
     kind.carries = true;
@@ -1061,7 +1098,8 @@ struct Hook {
     kind.prepare = [](const Record&, const Pose&) { return prepared<State>(k_reach_m, 1); };
     kind.act = [](const DeviceBatch& batch) {
       for (std::size_t i = 0; i < batch.rows.size(); ++i) {
-        const std::uint64_t held = batch.state.as<State>(batch.slot(i)).held;
+        std::uint64_t& held = batch.state.as<State>(batch.slot(i)).held;
+        if (held != 0 && !holds(batch, i, BodyId(held - 1))) held = 0;  // the body has died
         const std::uint64_t number = (batch.body(i).value * 7919 + batch.view.tick() * 104729) >> 3;
         if (number % 5 > 1) continue;
         if (held != 0) {
@@ -1165,8 +1203,8 @@ TreeTicks tree_ticks(World& world, std::uint64_t ticks) {
   return count;
 }
 
-// Trees that no other rank has as ghosts change on their own rank alone. Trees that grow beyond the largest
-// tree so far, and trees near borders, cause a distribution.
+// Trees that no other rank has as ghosts change on their own rank alone. Only trees that grow beyond the
+// largest tree so far cause a distribution.
 TEST_F(HaloOfHooks, TreesFarFromBordersNeedNoDistribution) {
   constexpr std::uint64_t k_ticks = 60;
   const Simulation simulation = load(60, 30, "[[50, 50], [53, 53]]");
@@ -1188,7 +1226,7 @@ TEST_F(HaloOfHooks, TreesFarFromBordersNeedNoDistribution) {
   expect_log(simulation, teams, expected);
 }
 
-// The same with few trees everywhere, so that in some ticks all trees that change are local.
+// The same with few trees everywhere: some of them are ghosts on other ranks, which link them again.
 TEST_F(HaloOfHooks, LocalAndSharedTreesChangeInTheSameTicks) {
   constexpr std::uint64_t k_ticks = 60;
   const Simulation simulation = load(16, 24, "[[-14, -14], [14, 14]]");
@@ -1199,6 +1237,55 @@ TEST_F(HaloOfHooks, LocalAndSharedTreesChangeInTheSameTicks) {
   std::vector<HaloTeam> teams = k_experiment_teams;
   for (std::uint64_t seed = 1; seed <= 6; ++seed)
     teams.push_back({4, 1, seed, 0.05 * static_cast<double>(seed), 1, {}});
+  expect_log(simulation, teams, expected);
+}
+
+// In a small room, all trees are ghosts on the other rank. Few of them have bodies of both ranks.
+TEST_F(HaloOfHooks, GhostsOfChangedTreesAreLinkedAgain) {
+  constexpr std::uint64_t k_ticks = 60;
+  const Simulation simulation = load(7, 4, "[[-6, -6], [6, 6]]");
+  const WorldSpec& spec = simulation.world().spec();
+  Diagnostics diagnostics(spec.files);
+  World whole(spec, simulation.registry(), {.threads = 1}, diagnostics);
+  const std::vector<Hashes> expected = halo_log(whole, k_ticks);
+  whole.reset();
+  const TreeTicks trees = tree_ticks(whole, k_ticks);
+  EXPECT_GT(trees.changes, k_ticks / 3);
+  HaloRanks ranks(spec, simulation.registry(), {.ranks = 2, .skin_m = 20.0});
+  expect_equal_logs(halo_log(ranks.world(), k_ticks), expected, "a small room");
+  for (const RankCounts& counts : ranks.counts()) {
+    EXPECT_EQ(counts.own + counts.ghosts, whole.rows() * counts.ticks) << "all robots are here";
+    EXPECT_LT(counts.distributions, trees.changes * 3 / 4);
+  }
+}
+
+// Robots that carry others die, by interventions and by removers. Their cargo is released.
+TEST_F(HaloOfHooks, CarriersDie) {
+  Registry registry = test::registry();
+  registry.devices.push_back(Hook::kind());
+  SimulationOptions options;
+  options.threads = 1;
+  std::string world(k_turnover);
+  const std::string_view pack = R"("when_empty": "die"})";
+  world.insert(world.find(pack) + pack.size(), R"(, {"name": "hook", "kind": "hook"})");
+  const Simulation simulation(write("turnover.json", world), options, registry);
+  ASSERT_EQ(why_replicated(simulation.world()), "");
+  const WorldSpec& spec = simulation.world().spec();
+  Diagnostics diagnostics(spec.files);
+  World whole(spec, simulation.registry(), {.threads = 1}, diagnostics);
+  std::size_t dead_carriers = 0;
+  std::vector<Hashes> expected{whole.hashes()};
+  for (int tick = 0; tick < 20; ++tick) {
+    std::vector<BodyId> carriers;
+    for (std::size_t r = 0; r < whole.rows(); ++r)
+      if (const std::optional<BodyId> by = whole.carrier(Row(r))) carriers.push_back(*by);
+    whole.step();
+    expected.push_back(whole.hashes());
+    for (const BodyId by : carriers) dead_carriers += !whole.is_there(whole.row(by));
+  }
+  EXPECT_GT(dead_carriers, 10u);
+  std::vector<HaloTeam> teams = k_experiment_teams;
+  for (std::uint64_t seed = 1; seed <= 3; ++seed) teams.push_back({5, 1, seed, 0.0, 0.5, {}});
   expect_log(simulation, teams, expected);
 }
 
@@ -1298,39 +1385,6 @@ INSTANTIATE_TEST_SUITE_P(Worlds, HaloOfAWorld,
                              if (std::isalnum(static_cast<unsigned char>(c)) == 0) c = '_';
                            return name;
                          });
-
-/// Robots that doors spawn, and that die at drains or when their packs are empty, and interventions that add
-/// and remove robots, some in the same tick and at the same place.
-constexpr std::string_view k_turnover = R"({
-  "troupe": 1, "title": "Turnover", "seed": 5, "mortal": true,
-  "types": {
-    "wanderer": {"size_m": [0.31, 0.17, 0.2],
-      "drive": {"kind": "diff", "localization": "odom", "odom_error": [0.03, 0.03, 0.05]},
-      "controller": {"kind": "wander"}, "sensors": [
-      {"name": "eyes", "kind": "ranger", "pose": {"z_m": 0.1}, "transducers": [{"range_max_m": 1.1, "fov_deg": 170.5, "samples": 9}]}],
-      "devices": [{"name": "pack", "kind": "power_pack", "capacity_J": 35, "mass_kg": 1, "when_empty": "die"}]},
-    "door": {"size_m": [0.2, 0.2, 0.01], "obstacle": false, "ranger_return": -1,
-      "devices": [{"name": "spawner", "kind": "spawner", "population": "w", "every_s": 0.3, "within_m": 0.6}]},
-    "drain": {"size_m": [0.2, 0.2, 0.01], "obstacle": false, "ranger_return": -1,
-      "devices": [{"name": "remover", "kind": "remover", "radius_m": 0.35}]}
-  },
-  "populations": [
-    {"name": "w", "type": "wanderer", "count": 60, "reserve": 150,
-     "place": {"rule": "uniform", "region_m": [[-4, -4], [4, 4]]}},
-    {"name": "d", "type": "door", "count": 9, "place": {"rule": "grid", "region_m": [[-3, -3], [3, 3]], "pitch_m": 3}},
-    {"name": "h", "type": "drain", "count": 4, "place": {"rule": "grid", "region_m": [[-1.5, -1.5], [1.5, 1.5]], "pitch_m": 3}}],
-  "at": [
-    {"time_s": 0, "add": {"population": "w", "count": 4, "region_m": [[-4, -4], [4, 4]]}},
-    {"time_s": 0.5, "add": {"population": "w", "count": 70, "region_m": [[-2, -2], [2, 2]]}},
-    {"time_s": 0.5, "remove": {"population": "w", "share": 0.4}},
-    {"time_s": 0.5, "add": {"population": "w", "count": 10, "region_m": [[-2, -2], [2, 2]]}},
-    {"time_s": 0.8, "add": {"population": "w", "count": 1, "pose": {"x_m": 0.1, "y_m": 0.1}}},
-    {"time_s": 0.8, "add": {"population": "w", "count": 1, "pose": {"x_m": 0.2, "y_m": 0.1}}},
-    {"time_s": 0.8, "disable": {"population": "w", "share": 0.1}},
-    {"time_s": 1.2, "remove": {"population": "w", "count": 5}},
-    {"time_s": 1.4, "add": {"population": "w", "count": 100, "region_m": [[-4, -4], [4, 4]]}}
-  ]
-})";
 
 class HaloOfATurnover : public test::ScratchTest {
  protected:

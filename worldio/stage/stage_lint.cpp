@@ -107,9 +107,10 @@ void StageLint::check_overruled(const StageModel& model) {
   const bool has_energy =
       model.find(document_, "watts") || model.find(document_, "give_watts") ||
       (is_position && (model.find(document_, "joules") || model.find(document_, "kjoules")));
-  if (is_model && !runs && !has_energy) report("alwayson", "this model has no sensor");
+  if (is_model && !runs && !has_energy)
+    report("alwayson", "this model is not a sensor itself (set it in the sensor)");
   if (is_model && !runs && !is_position && !model.find(document_, "ctrl"))
-    report("update_interval", "this model has neither a sensor nor a drive");
+    report("update_interval", "this model is not a device itself and has no drive (set it in the device)");
   const std::vector<StageModel::Child> children = model.children(document_);
   const bool has_sensors = std::ranges::any_of(
       children, [&](const StageModel::Child& child) { return document_.word(*child.entity) == "sensor"; });

@@ -278,7 +278,9 @@ constexpr auto k_rows = std::to_array<StageRow>({
     {"blobfinder", "image", fixed,
      "[columns rows]; a single column looks straight ahead; in Stage, it causes a division by 0"},
     {"blobfinder", "range", honoured, "largest distance, m, whatever `unit_length` says"},
-    {"blobfinder", "fov", fixed, "opening angle; unlike in Stage, no column between two blobs is skipped"},
+    {"blobfinder", "fov", fixed,
+     "opening angle; Stage skips the column after each blob, even if another blob begins there; Troupe skips "
+     "none"},
     {"blobfinder", "pan", honoured, "angle that is added to the heading of the blob finder"},
     {"blobfinder", "colors_count", honoured,
      "number of `colors` that are used; without it, every colour is reported"},
