@@ -295,8 +295,9 @@ void Halo::set_goals(std::span<const Goal> goals) {
     if (world_.location(body) == RowLocation::here) links_.ask(world_.row(body), joint, goal);
 }
 
-/// Makes the largest radius of a tree known to all ranks. The radius never decreases: otherwise each body
-/// that is gripped when there are no such trees would cause a distribution (suffices_for()).
+/// Makes the largest radius of a tree known to all ranks. The radius does not decrease when trees end, only
+/// when rank 0 takes all rows (own_all()): otherwise each body that is gripped when there are no such trees
+/// would cause a distribution (suffices_for()).
 void Halo::agree_on_trees() {
   if (!extent_.has_trees) return;
   const double own = std::max(extent_.radius, extent_of(world_).radius);
