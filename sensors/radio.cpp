@@ -405,10 +405,11 @@ void Listener::weaken_links() {
 /// Collects the walls and bodies that may be between the listener and the speakers.
 void Listener::find_obstacles() {
   lines_ += links_.size();
-  if (links_.empty()) return;
+  const bool may_have_walls = radio_->params.walls != Walls::pass && view_->scene().edge_count() > 0;
+  if (links_.empty() || !(may_have_walls || radio_->bodies_block())) return;
   lines_between_.stand(*view_, here_);
   if (radio_->bodies_block()) lines_between_.find_bodies(radio_->hears, bodies_);
-  if (radio_->params.walls == Walls::pass) return;
+  if (!may_have_walls) return;
   double farthest = 0;
   for (const Link& link : links_) farthest = std::max(farthest, link.range);
   has_walls_ = lines_between_.find_walls(farthest);

@@ -82,7 +82,6 @@ void LineCrossings::stand(const SensingView& view, const Vec2& origin) {
 }
 
 bool LineCrossings::find_walls(double longest) {
-  if (view_->scene().edge_count() == 0) return false;
   are_walls_gathered_ = longest <= k_together_m;
   if (!are_walls_gathered_) return true;
   walls_.begin(origin_, longest);
