@@ -59,12 +59,19 @@ std::size_t table_bytes_of(const World& world) {
   return bytes;
 }
 
-/// The ranks of a distributed world, as threads of this process. The calling thread is rank 0.
+/// The world of a simulation on one rank.
+World whole_world(const Simulation& simulation, const WorldOptions& options = {.threads = 1}) {
+  Diagnostics diagnostics(simulation.world().spec().files);
+  return World(simulation.world().spec(), simulation.registry(), options, diagnostics);
+}
+
+/// The world of a simulation on several ranks, distributed, as threads of this process. The calling thread is
+/// rank 0. The simulation must outlive this object.
 class HaloRanks {
  public:
-  HaloRanks(const WorldSpec& spec, const Registry& registry, const HaloTeam& team)
-      : spec_(spec),
-        registry_(registry),
+  HaloRanks(const Simulation& simulation, const HaloTeam& team)
+      : spec_(simulation.world().spec()),
+        registry_(simulation.registry()),
         options_{.threads = team.threads, .tile_size_m = team.tile_m},
         replica_options_{.cut_seed = team.seed,
                          .verify = true,
@@ -192,7 +199,7 @@ const std::vector<HaloTeam> k_experiment_teams{
 void expect_log(const Simulation& simulation, const std::vector<HaloTeam>& teams,
                 const std::vector<Hashes>& expected) {
   for (const HaloTeam& team : teams) {
-    HaloRanks ranks(simulation.world().spec(), simulation.registry(), team);
+    HaloRanks ranks(simulation, team);
     expect_equal_logs(halo_log(ranks.world(), expected.size() - 1), expected, name_of(team));
     if (::testing::Test::HasFatalFailure()) return;
   }
@@ -202,13 +209,11 @@ void expect_log(const Simulation& simulation, const std::vector<HaloTeam>& teams
 /// tick 0 on, and also in each further run after World::reset().
 void expect_same_bits(const Simulation& simulation, std::uint64_t ticks, const std::vector<HaloTeam>& teams,
                       int runs = 1, const HaloProgram& program = {}) {
-  const WorldSpec& spec = simulation.world().spec();
   ASSERT_EQ(why_replicated(simulation.world()), "");
-  Diagnostics diagnostics(spec.files);
-  World whole(spec, simulation.registry(), {.threads = 1}, diagnostics);
+  World whole = whole_world(simulation);
   const std::vector<Hashes> expected = halo_log(whole, ticks, program);
   for (const HaloTeam& team : teams) {
-    HaloRanks ranks(spec, simulation.registry(), team);
+    HaloRanks ranks(simulation, team);
     for (int run = 0; run < runs; ++run) {
       if (run > 0) ranks.world().reset();
       expect_equal_logs(halo_log(ranks.world(), ticks, program), expected,
@@ -263,8 +268,7 @@ TEST_F(HaloOfARoom, WorldsWithDistantPartsOfTheRowsStepAlone) {
 
 TEST_F(HaloOfARoom, RanksGiveTheSameBits) {
   const Simulation simulation = load(150, 4);
-  Diagnostics diagnostics(simulation.world().spec().files);
-  World whole(simulation.world().spec(), simulation.registry(), {.threads = 1}, diagnostics);
+  World whole = whole_world(simulation);
   const std::vector<Hashes> expected = halo_log(whole, 60);
   EXPECT_GT(whole.conflict_rounds(), 100u) << "no motion depends on another";
   for (const HaloTeam& team : std::vector<HaloTeam>{{1, 1, {}, {}},
@@ -274,7 +278,7 @@ TEST_F(HaloOfARoom, RanksGiveTheSameBits) {
                                                     {7, 2, 2, 0.3},
                                                     {7, 1, 3, 3.0},
                                                     {2, 2, 4, 0.0}}) {
-    HaloRanks ranks(simulation.world().spec(), simulation.registry(), team);
+    HaloRanks ranks(simulation, team);
     expect_equal_logs(halo_log(ranks.world(), 60), expected, name_of(team));
     EXPECT_EQ(ranks.world().beams_cast(), whole.beams_cast());
     std::uint64_t migrated = 0;
@@ -308,14 +312,12 @@ std::vector<HaloTeam> all_teams(double tile_m) {
 
 TEST_F(HaloOfARoom, AllTeamsGiveTheSameBitsInACrowd) {
   const Simulation simulation = load(120, 3.5);
-  const WorldSpec& spec = simulation.world().spec();
-  Diagnostics diagnostics(spec.files);
-  World whole(spec, simulation.registry(), {.threads = 1}, diagnostics);
+  World whole = whole_world(simulation);
   const std::vector<Hashes> expected = halo_log(whole, 16);
   EXPECT_GT(whole.conflict_rounds(), 10u) << "no motion depends on another";
   std::uint64_t rounds = 0;
   for (const HaloTeam& team : all_teams(1)) {
-    HaloRanks ranks(spec, simulation.registry(), team);
+    HaloRanks ranks(simulation, team);
     expect_equal_logs(halo_log(ranks.world(), 16), expected, name_of(team));
     if (HasFatalFailure()) return;
     for (const RankCounts& counts : ranks.counts()) rounds += counts.rounds;
@@ -325,12 +327,10 @@ TEST_F(HaloOfARoom, AllTeamsGiveTheSameBitsInACrowd) {
 
 TEST_F(HaloOfARoom, AllTeamsGiveTheSameBitsInASparseWorld) {
   const Simulation simulation = load(400, 80);
-  const WorldSpec& spec = simulation.world().spec();
-  Diagnostics diagnostics(spec.files);
-  World whole(spec, simulation.registry(), {.threads = 1}, diagnostics);
+  World whole = whole_world(simulation);
   const std::vector<Hashes> expected = halo_log(whole, 10);
   for (const HaloTeam& team : all_teams(4)) {
-    HaloRanks ranks(spec, simulation.registry(), team);
+    HaloRanks ranks(simulation, team);
     expect_equal_logs(halo_log(ranks.world(), 10), expected, name_of(team));
     if (HasFatalFailure()) return;
     std::uint64_t own = 0;
@@ -349,12 +349,10 @@ TEST_F(HaloOfARoom, AllTeamsGiveTheSameBitsInASparseWorld) {
 
 TEST_F(HaloOfARoom, APlanHasTheRowsOfTheRanks) {
   const Simulation simulation = load(400, 80);
-  const WorldSpec& spec = simulation.world().spec();
-  Diagnostics diagnostics(spec.files);
-  World whole(spec, simulation.registry(), {.threads = 1, .tile_size_m = 4}, diagnostics);
+  World whole = whole_world(simulation, {.threads = 1, .tile_size_m = 4});
   const HaloPlan plan = plan_halo(whole, 7, 0);
   EXPECT_GT(plan.coverage_m, 1.1);
-  HaloRanks ranks(spec, simulation.registry(), {.ranks = 7, .skin_m = 0.0, .tile_m = 4});
+  HaloRanks ranks(simulation, {.ranks = 7, .skin_m = 0.0, .tile_m = 4});
   ranks.world().step();  // all robots stand still in the first tick: the ghosts are those of the plan
   static_cast<void>(ranks.world().hashes());  // waits until all ranks have ended the tick
   const std::vector<RankCounts>& counts = ranks.counts();
@@ -373,10 +371,9 @@ TEST_F(HaloOfARoom, APlanHasTheRowsOfTheRanks) {
 TEST_F(HaloOfARoom, GhostsAreFewInASparseWorld) {
   const Simulation simulation = load(400, 80);
   const WorldSpec& spec = simulation.world().spec();
-  Diagnostics diagnostics(spec.files);
-  World whole(spec, simulation.registry(), {.threads = 1}, diagnostics);
+  World whole = whole_world(simulation);
   const std::vector<Hashes> expected = halo_log(whole, 20);
-  HaloRanks ranks(spec, simulation.registry(), {.ranks = 7, .tile_m = 4});
+  HaloRanks ranks(simulation, {.ranks = 7, .tile_m = 4});
   expect_equal_logs(halo_log(ranks.world(), 20), expected, "sparse");
   EXPECT_LT(ranks.world().rows(), spec.bodies.size() / 3);
   std::uint64_t own = 0;
@@ -396,7 +393,6 @@ TEST_F(HaloOfARoom, GhostsAreFewInASparseWorld) {
 
 TEST_F(HaloOfARoom, ProgramsReadAndChangeAllRows) {
   const Simulation simulation = load(60, 3);
-  const WorldSpec& spec = simulation.world().spec();
   const BodyId moved = simulation.world().find("w7");
   const HaloProgram program = [&](World& world) {
     if (world.tick() % 4 == 1) static_cast<void>(world.tables());  // all rows are here
@@ -412,11 +408,10 @@ TEST_F(HaloOfARoom, ProgramsReadAndChangeAllRows) {
     if (world.tick() == 12) world.before_tick([&world] { static_cast<void>(world.tables()); });
     if (world.tick() == 15) world.before_tick({});
   };
-  Diagnostics diagnostics(spec.files);
-  World whole(spec, simulation.registry(), {.threads = 1}, diagnostics);
+  World whole = whole_world(simulation);
   const std::vector<Hashes> expected = halo_log(whole, 30, program);
   for (const HaloTeam& team : std::vector<HaloTeam>{{3, 1, {}, {}}, {4, 1, 5, {}}, {2, 2, 6, 0.5}}) {
-    HaloRanks ranks(spec, simulation.registry(), team);
+    HaloRanks ranks(simulation, team);
     expect_equal_logs(halo_log(ranks.world(), 30, program), expected, name_of(team));
     ranks.world().gather();
     EXPECT_EQ(ranks.world().rows(), whole.rows());
@@ -438,7 +433,7 @@ TEST_F(HaloOfARoom, ProgramsReadAndChangeAllRows) {
     };
     EXPECT_TRUE(ranks.world().restore(whole.tick(), whole.counters(), whole.hashes().state, fill));
     ranks.world().before_tick({});
-    World other(spec, simulation.registry(), {.threads = 1}, diagnostics);
+    World other = whole_world(simulation);
     ASSERT_TRUE(other.restore(whole.tick(), whole.counters(), whole.hashes().state, fill));
     expect_equal_logs(halo_log(ranks.world(), 10), halo_log(other, 10), "after restore, " + name_of(team));
   }
@@ -446,29 +441,25 @@ TEST_F(HaloOfARoom, ProgramsReadAndChangeAllRows) {
 
 TEST_F(HaloOfARoom, AFarMotionIsFollowed) {
   const Simulation simulation = load(60, 3);
-  const WorldSpec& spec = simulation.world().spec();
   const BodyId fast = simulation.world().find("w7");
   const HaloProgram program = [&](World& world) {
     if (world.tick() % 10 != 3) return;
     world.gather();
     world.set_command(world.row(fast), Command{.x = 40});  // 4 m in a tick
   };
-  Diagnostics diagnostics(spec.files);
-  World whole(spec, simulation.registry(), {.threads = 1}, diagnostics);
+  World whole = whole_world(simulation);
   const std::vector<Hashes> expected = halo_log(whole, 30, program);
-  HaloRanks ranks(spec, simulation.registry(), {.ranks = 5, .tile_m = 0.5});
+  HaloRanks ranks(simulation, {.ranks = 5, .tile_m = 0.5});
   expect_equal_logs(halo_log(ranks.world(), 30, program), expected, "far motions");
 }
 
 TEST_F(HaloOfARoom, SlowRanksGiveGroundToOthers) {
   const Simulation simulation = load(200, 8);
-  const WorldSpec& spec = simulation.world().spec();
-  Diagnostics diagnostics(spec.files);
-  World whole(spec, simulation.registry(), {.threads = 1}, diagnostics);
+  World whole = whole_world(simulation);
   const std::vector<Hashes> expected = halo_log(whole, 80);
   std::vector<double> now_s(3, 0);
   const auto clock = [&](unsigned rank) { return now_s[rank] += rank == 1 ? 3 : 1; };  // rank 1 is slow
-  HaloRanks ranks(spec, simulation.registry(), {.ranks = 3, .tile_m = 0.5, .clock = clock});
+  HaloRanks ranks(simulation, {.ranks = 3, .tile_m = 0.5, .clock = clock});
   expect_equal_logs(halo_log(ranks.world(), 31), {expected.begin(), expected.begin() + 32}, "before");
   const auto rows_of = [&](unsigned rank) { return ranks.replica().work()[rank].rows; };
   const std::uint64_t before = rows_of(1);
@@ -514,15 +505,13 @@ TEST_F(HaloOfARoom, StopConditionsReadTheRobotsOfAllRanks) {
   "stop_when": ["path_length >= 0.3", "stalls > 1000", "displacement > 1000",
     {"measure": {"kind": "state_mean", "component": "eyes", "field": "ranges", "column": 4, "name": "front"}, "is": "< 0"}],
   "at": [{"time_s": 0.5, "move": {"model": "w7", "pose": {"x_m": -3.5, "y_m": 3.5}}}])");
-  const WorldSpec& spec = simulation.world().spec();
   ASSERT_EQ(why_replicated(simulation.world()), "");
-  Diagnostics diagnostics(spec.files);
-  World whole(spec, simulation.registry(), {.threads = 1}, diagnostics);
+  World whole = whole_world(simulation);
   const HaloStops expected = halo_stops(whole, simulation.registry(), 20);
   EXPECT_EQ(expected.holding.front(), std::nullopt);
   EXPECT_EQ(expected.holding.back(), std::optional<std::size_t>(0));
   for (const HaloTeam& team : k_experiment_teams) {
-    HaloRanks ranks(spec, simulation.registry(), team);
+    HaloRanks ranks(simulation, team);
     const HaloStops got = halo_stops(ranks.world(), simulation.registry(), 20);
     EXPECT_EQ(got.holding, expected.holding) << name_of(team);
     EXPECT_EQ(got.values, expected.values) << name_of(team);
@@ -577,8 +566,7 @@ TEST_F(HaloOfARoom, RobotsFailAlikeOnAllRanks) {
   ])");
   const WorldSpec& spec = simulation.world().spec();
   ASSERT_EQ(why_replicated(simulation.world()), "");
-  Diagnostics diagnostics(spec.files);
-  World whole(spec, simulation.registry(), {.threads = 1}, diagnostics);
+  World whole = whole_world(simulation);
   const std::vector<Hashes> expected = halo_log(whole, 40);
   const std::size_t impaired = whole.impaired_count();
   EXPECT_GT(impaired, 40u);
@@ -586,7 +574,7 @@ TEST_F(HaloOfARoom, RobotsFailAlikeOnAllRanks) {
   whole.restart(spec.seed + 1, spec.bodies, simulation.registry());
   const std::vector<Hashes> of_other_seed = halo_log(whole, 20);
   for (const HaloTeam& team : k_experiment_teams) {
-    HaloRanks ranks(spec, simulation.registry(), team);
+    HaloRanks ranks(simulation, team);
     expect_equal_logs(halo_log(ranks.world(), 40), expected, name_of(team));
     ranks.world().gather();
     EXPECT_EQ(ranks.world().impaired_count(), impaired) << name_of(team);
@@ -598,7 +586,6 @@ TEST_F(HaloOfARoom, RobotsFailAlikeOnAllRanks) {
 TEST_F(HaloOfARoom, ProgramsDisableRobots) {
   const Simulation simulation = load(60, 3, R"(,
   "at": [{"time_s": 1000, "disable": {"model": "w1"}}])");
-  const WorldSpec& spec = simulation.world().spec();
   const HaloProgram program = [&](World& world) {
     if (world.tick() % 5 != 2) return;
     world.gather();
@@ -606,12 +593,11 @@ TEST_F(HaloOfARoom, ProgramsDisableRobots) {
       if (const BodyId body(b); world.location(body) == RowLocation::here)
         world.set_disabled(world.row(body), !world.is_disabled(world.row(body)));
   };
-  Diagnostics diagnostics(spec.files);
-  World whole(spec, simulation.registry(), {.threads = 1}, diagnostics);
+  World whole = whole_world(simulation);
   const std::vector<Hashes> expected = halo_log(whole, 30, program);
   EXPECT_GT(whole.impaired_count(), 5u);
   for (const HaloTeam& team : k_experiment_teams) {
-    HaloRanks ranks(spec, simulation.registry(), team);
+    HaloRanks ranks(simulation, team);
     expect_equal_logs(halo_log(ranks.world(), 30, program), expected, name_of(team));
   }
 }
@@ -635,15 +621,13 @@ TEST_F(HaloOfARoom, InterventionsHaveTheSameEffectOnAllRanks) {
     {"time_s": 3, "move": {"model": "w7", "pose": {"x_m": 0, "y_m": 0}}},
     {"time_s": 3.5, "set": {"type": "wanderer", "device": {"name": "eyes", "transducers": [{"range_max_m": 0.5, "fov_deg": 170.5, "samples": 9}]}}}
   ])");
-  const WorldSpec& spec = simulation.world().spec();
   ASSERT_EQ(why_replicated(simulation.world()), "");
   EXPECT_GE(simulation.world().longest_reach(), 3.5);
-  Diagnostics diagnostics(spec.files);
-  World whole(spec, simulation.registry(), {.threads = 1}, diagnostics);
+  World whole = whole_world(simulation);
   const std::vector<Hashes> expected = halo_log(whole, 50);
   EXPECT_LT(whole.robots(), 136u);
   for (const HaloTeam& team : k_experiment_teams) {
-    HaloRanks ranks(spec, simulation.registry(), team);
+    HaloRanks ranks(simulation, team);
     expect_equal_logs(halo_log(ranks.world(), 50), expected, name_of(team));
     EXPECT_EQ(ranks.world().beams_cast(), whole.beams_cast()) << name_of(team);
     EXPECT_EQ(ranks.world().robots(), whole.robots()) << name_of(team);
@@ -706,10 +690,8 @@ TEST_F(HaloOfARoom, RobotsChargeOneAnotherAcrossBorders) {
         {"name": "contact", "kind": "power_contact", "give_W": 20, "take_W": 30})",
                                                                 120, 3)),
                               options);
-  const WorldSpec& spec = simulation.world().spec();
   ASSERT_EQ(why_replicated(simulation.world()), "");
-  Diagnostics diagnostics(spec.files);
-  World whole(spec, simulation.registry(), {.threads = 1}, diagnostics);
+  World whole = whole_world(simulation);
   const std::vector<Hashes> expected = halo_log(whole, 40);
   double received = 0;
   for (std::size_t r = 0; r < whole.rows(); ++r)
@@ -842,15 +824,13 @@ std::string error_of_tick(std::uint64_t tick, World& world, std::uint64_t& throw
 /// contains `text`, for any ranks as for one, and that the world then restarts with the same bits.
 void expect_same_error(const Simulation& simulation, std::uint64_t tick, std::uint64_t& throws_at,
                        const std::string& text) {
-  const WorldSpec& spec = simulation.world().spec();
-  Diagnostics diagnostics(spec.files);
-  World whole(spec, simulation.registry(), {.threads = 1}, diagnostics);
+  World whole = whole_world(simulation);
   const std::string expected = error_of_tick(tick, whole, throws_at);
   EXPECT_THAT(expected, HasSubstr(text));
   whole.reset();
   const std::vector<Hashes> log = halo_log(whole, 20);
   for (const HaloTeam& team : k_experiment_teams) {
-    HaloRanks ranks(spec, simulation.registry(), team);
+    HaloRanks ranks(simulation, team);
     EXPECT_EQ(error_of_tick(tick, ranks.world(), throws_at), expected) << name_of(team);
     ranks.world().reset();
     expect_equal_logs(halo_log(ranks.world(), 20), log, "after the error, " + name_of(team));
@@ -927,10 +907,8 @@ TEST_F(HaloOfARoom, RobotsPushBodiesAcrossBorders) {
   SimulationOptions options;
   options.threads = 1;
   const Simulation simulation(write("shovers.json", halo_shovers()), options, registry);
-  const WorldSpec& spec = simulation.world().spec();
   ASSERT_EQ(why_replicated(simulation.world()), "");
-  Diagnostics diagnostics(spec.files);
-  World whole(spec, simulation.registry(), {.threads = 1}, diagnostics);
+  World whole = whole_world(simulation);
   const std::vector<Pose> before(whole.poses().begin(), whole.poses().end());
   const std::vector<Hashes> expected = halo_log(whole, 10);
   std::size_t pushed = 0;
@@ -973,15 +951,13 @@ TEST_F(HaloOfARoom, PushersDependOnPushersFarAway) {
   SimulationOptions options;
   options.threads = 1;
   const Simulation simulation(write("rows.json", halo_rows_of_bars()), options);
-  const WorldSpec& spec = simulation.world().spec();
-  Diagnostics diagnostics(spec.files);
-  World whole(spec, simulation.registry(), {.threads = 1}, diagnostics);
+  World whole = whole_world(simulation);
   const std::vector<Hashes> expected = halo_log(whole, 20);
   EXPECT_EQ(whole.stalled_count(), 48u) << "the halves of all rows have met";
   for (const unsigned ranks : {2u, 3u, 5u, 7u})
     for (const std::optional<std::uint64_t> seed : {std::optional<std::uint64_t>(), {1}, {2}, {3}}) {
       const HaloTeam team{ranks, 1, seed, 0.0, 0.25, {}};
-      HaloRanks halo(spec, simulation.registry(), team);
+      HaloRanks halo(simulation, team);
       expect_equal_logs(halo_log(halo.world(), 20), expected, name_of(team));
     }
 }
@@ -1138,10 +1114,8 @@ TEST_F(HaloOfARoom, RobotsCarryOneAnotherAcrossBorders) {
   const std::string_view before = R"("wanderer": {)";
   room.insert(room.find(before) + before.size(), R"("devices": [{"name": "hook", "kind": "hook"}], )");
   const Simulation simulation(write("room.json", room), options, registry);
-  const WorldSpec& spec = simulation.world().spec();
   ASSERT_EQ(why_replicated(simulation.world()), "");
-  Diagnostics diagnostics(spec.files);
-  World whole(spec, simulation.registry(), {.threads = 1}, diagnostics);
+  World whole = whole_world(simulation);
   const std::vector<Hashes> expected = halo_log(whole, 40);
   EXPECT_GT(whole.carried_count(), 50u);
   std::size_t deep = 0;
@@ -1208,16 +1182,14 @@ TreeTicks tree_ticks(World& world, std::uint64_t ticks) {
 TEST_F(HaloOfHooks, TreesFarFromBordersNeedNoDistribution) {
   constexpr std::uint64_t k_ticks = 60;
   const Simulation simulation = load(60, 30, "[[50, 50], [53, 53]]");
-  const WorldSpec& spec = simulation.world().spec();
   ASSERT_EQ(why_replicated(simulation.world()), "");
-  Diagnostics diagnostics(spec.files);
-  World whole(spec, simulation.registry(), {.threads = 1}, diagnostics);
+  World whole = whole_world(simulation);
   const std::vector<Hashes> expected = halo_log(whole, k_ticks);
   whole.reset();
   const TreeTicks trees = tree_ticks(whole, k_ticks);
   EXPECT_GT(trees.changes, k_ticks * 3 / 4);
   EXPECT_GT(trees.deep, k_ticks / 2);
-  HaloRanks ranks(spec, simulation.registry(), {.ranks = 2});
+  HaloRanks ranks(simulation, {.ranks = 2});
   expect_equal_logs(halo_log(ranks.world(), k_ticks), expected, "far from the border");
   for (const RankCounts& counts : ranks.counts()) EXPECT_LT(counts.distributions, trees.changes / 2);
   std::vector<HaloTeam> teams = k_experiment_teams;
@@ -1230,9 +1202,7 @@ TEST_F(HaloOfHooks, TreesFarFromBordersNeedNoDistribution) {
 TEST_F(HaloOfHooks, LocalAndSharedTreesChangeInTheSameTicks) {
   constexpr std::uint64_t k_ticks = 60;
   const Simulation simulation = load(16, 24, "[[-14, -14], [14, 14]]");
-  const WorldSpec& spec = simulation.world().spec();
-  Diagnostics diagnostics(spec.files);
-  World whole(spec, simulation.registry(), {.threads = 1}, diagnostics);
+  World whole = whole_world(simulation);
   const std::vector<Hashes> expected = halo_log(whole, k_ticks);
   std::vector<HaloTeam> teams = k_experiment_teams;
   for (std::uint64_t seed = 1; seed <= 6; ++seed)
@@ -1244,14 +1214,12 @@ TEST_F(HaloOfHooks, LocalAndSharedTreesChangeInTheSameTicks) {
 TEST_F(HaloOfHooks, GhostsOfChangedTreesAreLinkedAgain) {
   constexpr std::uint64_t k_ticks = 60;
   const Simulation simulation = load(7, 4, "[[-6, -6], [6, 6]]");
-  const WorldSpec& spec = simulation.world().spec();
-  Diagnostics diagnostics(spec.files);
-  World whole(spec, simulation.registry(), {.threads = 1}, diagnostics);
+  World whole = whole_world(simulation);
   const std::vector<Hashes> expected = halo_log(whole, k_ticks);
   whole.reset();
   const TreeTicks trees = tree_ticks(whole, k_ticks);
   EXPECT_GT(trees.changes, k_ticks / 3);
-  HaloRanks ranks(spec, simulation.registry(), {.ranks = 2, .skin_m = 20.0});
+  HaloRanks ranks(simulation, {.ranks = 2, .skin_m = 20.0});
   expect_equal_logs(halo_log(ranks.world(), k_ticks), expected, "a small room");
   for (const RankCounts& counts : ranks.counts()) {
     EXPECT_EQ(counts.own + counts.ghosts, whole.rows() * counts.ticks) << "all robots are here";
@@ -1270,9 +1238,7 @@ TEST_F(HaloOfHooks, CarriersDie) {
   world.insert(world.find(pack) + pack.size(), R"(, {"name": "hook", "kind": "hook"})");
   const Simulation simulation(write("turnover.json", world), options, registry);
   ASSERT_EQ(why_replicated(simulation.world()), "");
-  const WorldSpec& spec = simulation.world().spec();
-  Diagnostics diagnostics(spec.files);
-  World whole(spec, simulation.registry(), {.threads = 1}, diagnostics);
+  World whole = whole_world(simulation);
   std::size_t dead_carriers = 0;
   std::vector<Hashes> expected{whole.hashes()};
   for (int tick = 0; tick < 20; ++tick) {
@@ -1341,10 +1307,8 @@ TEST_F(HaloOfARoom, JointsMoveAndGrippersHoldAcrossBorders) {
   SimulationOptions options;
   options.threads = 1;
   const Simulation simulation(write("wavers.json", halo_wavers()), options);
-  const WorldSpec& spec = simulation.world().spec();
   ASSERT_EQ(why_replicated(simulation.world()), "");
-  Diagnostics diagnostics(spec.files);
-  World whole(spec, simulation.registry(), {.threads = 1}, diagnostics);
+  World whole = whole_world(simulation);
   const std::vector<Hashes> expected = halo_log(whole, 40);
   EXPECT_GT(whole.carried_count(), 8u);
   std::size_t blocked = 0;
@@ -1397,17 +1361,15 @@ class HaloOfATurnover : public test::ScratchTest {
 
 TEST_F(HaloOfATurnover, BirthsAndDeathsAreTheSameOnAllRanks) {
   const Simulation simulation = load();
-  const WorldSpec& spec = simulation.world().spec();
   ASSERT_EQ(why_replicated(simulation.world()), "");
-  Diagnostics diagnostics(spec.files);
-  World whole(spec, simulation.registry(), {.threads = 1}, diagnostics);
+  World whole = whole_world(simulation);
   const std::vector<Hashes> expected = halo_log(whole, 18);
   EXPECT_EQ(whole.unborn(0), 0u) << "the last births are refused";
   std::size_t dead = 0;
   for (std::size_t r = 0; r < whole.rows(); ++r) dead += whole.presence(Row(r)) == Presence::dead;
   EXPECT_GT(dead, 40u);
   for (const HaloTeam& team : all_teams(1)) {
-    HaloRanks ranks(spec, simulation.registry(), team);
+    HaloRanks ranks(simulation, team);
     expect_equal_logs(halo_log(ranks.world(), 18), expected, name_of(team));
     if (HasFatalFailure()) return;
     EXPECT_EQ(ranks.world().robots(), whole.robots()) << name_of(team);
@@ -1489,8 +1451,7 @@ TEST_F(HaloOfMixers, RefusesAWorldThatMustBeReplicated) {
   DeviceKind kind = Mixer::kind();
   kind.scope = ApplyScope::anything;
   const Simulation simulation = load_mixers(kind);
-  Diagnostics diagnostics(simulation.world().spec().files);
-  World world(simulation.world().spec(), simulation.registry(), {.threads = 1}, diagnostics);
+  World world = whole_world(simulation);
   partition::Mailboxes mailboxes(1);
   EXPECT_THROW(Replica(world, simulation.registry(), mailboxes.of(0), 0, {.is_distributed = true}),
                std::logic_error);
