@@ -110,7 +110,8 @@ void Movement::resolve(std::span<const std::uint32_t> composites, Conflicts::Bor
   Pushables pushables = pushables_;  // sizes with joints at rest and without cargo; corrected below
   if (pushables.any())
     for (const std::uint32_t row : composites) {
-      if (is_pushable_[row] == 0) continue;
+      // A body that is carried or not in the world has an empty shape, which has no width.
+      if (is_pushable_[row] == 0 || state_.shapes[row]->empty()) continue;
       pushables.radius = std::max(pushables.radius, state_.shapes[row]->radius);
       pushables.thinnest = std::min(pushables.thinnest, state_.shapes[row]->thinnest);
     }

@@ -30,6 +30,8 @@ constexpr std::string_view k_types = R"(
     "blocked": {"size_m": [0.4, 0.3, 0.3], "drive": {"kind": "diff", "pushes": 0}},
     "puck": {"size_m": [0.1, 0.1, 0.1], "pushable": true},
     "grippable": {"size_m": [0.1, 0.1, 0.1], "gripper_return": true},
+    "hand": {"size_m": [0.1, 0.1, 0.1], "pushable": true, "devices": [
+      {"name": "gripper", "kind": "gripper", "paddle_size": [0.5, 0.2, 0.4]}]},
     "wall": {"size_m": [0.02, 4, 0.5]}
   })";
 
@@ -208,6 +210,23 @@ TEST_F(Pushing, NothingIsJumpedOver) {
       ASSERT_LE(simulation.find("p").pose().x, 2.94 + 1e-9);
     }
   }
+}
+
+// The smallest width of pushable bodies decides at how many poses a motion is tested. The shape of a body
+// that is unborn is empty and has no width, so that of its type counts.
+TEST_F(Pushing, AnUnbornBodyCountsLikeOneThatIsFarAway) {
+  constexpr std::string_view k_reserve = R"(
+  "populations": [{"name": "spare", "type": "hand", "count": 0, "reserve": 1,
+    "place": {"rule": "grid", "region_m": [[8, 8], [9, 9]], "pitch_m": 0.5}}],
+  "at": [{"time_s": 1000, "add": {"population": "spare", "count": 1, "pose": {"x_m": 9}}}],)";
+  const auto pushed = [](Simulation simulation) {
+    drive(simulation, "r", 0.3, 30, 0.1);
+    const Pose puck = simulation.find("p").pose();
+    EXPECT_GT(puck.x, 0.8) << "the puck is pushed";
+    return std::tuple(puck.x, puck.y, puck.heading);
+  };
+  EXPECT_EQ(pushed(world({{"r", "robot", 0}, {"p", "puck", 0.5, 0.04, 20}}, k_reserve)),
+            pushed(world({{"r", "robot", 0}, {"p", "puck", 0.5, 0.04, 20}, {"h", "hand", 9}})));
 }
 
 TEST_F(Pushing, WhatDrivesIsNotPushed) {
