@@ -516,6 +516,9 @@ void bind_script(py::module_& module) {
       .def_property_readonly("time_s", [](const RobotBatch& robots) { return robots.batch().time_s; })
       .def_property_readonly("tick_s", [](const RobotBatch& robots) { return robots.batch().tick_s; })
       .def_property_readonly(
+          "period_s", [](const RobotBatch& robots) { return robots.batch().period_s; },
+          "Time from one decision of a robot to its next one, s.")
+      .def_property_readonly(
           "memory", &RobotBatch::memory,
           "The memories of the robots: a structured array with one row per robot and the fields of "
           "Controller.memory. The next call\nof decide() finds the values that this call writes to the "

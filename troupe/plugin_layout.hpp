@@ -63,8 +63,8 @@ constexpr std::uint64_t of_sizes() {
 /// Returns a hash of the layouts of all types that plug-in and program exchange, and of the types whose
 /// members the inline functions of SensingView and World read: sizes, alignments, and for structs the offset
 /// of each member by name. If the hashes of plug-in and program differ although their version numbers are
-/// equal, they were compiled with headers of different revisions of Troupe. tests/plugins/layouts.txt has the
-/// hash of each version of the interface.
+/// equal, plug-in and program were compiled with headers of different revisions of Troupe.
+/// tests/plugins/layouts.txt has the hash of each version of the interface.
 constexpr std::uint64_t layout() {
   using namespace engine;
   using namespace detail;
@@ -85,8 +85,8 @@ constexpr std::uint64_t layout() {
                              above_min, counts_readings, optional, fixed, provenance, sparse, appearance,
                              member, offset),
        TROUPE_PLUGIN_MEMBERS(FieldTable, fields), TROUPE_PLUGIN_MEMBERS(Value, v),
-       TROUPE_PLUGIN_MEMBERS(DecideBatch, tick, time_s, tick_s, seed, stream, rows, ids, slots, commands,
-                             estimates, percepts, device_commands, switches, devices, memories,
+       TROUPE_PLUGIN_MEMBERS(DecideBatch, tick, time_s, tick_s, period_s, seed, stream, rows, ids, slots,
+                             commands, estimates, percepts, device_commands, switches, devices, memories,
                              drive_commands, drive_state),
        TROUPE_PLUGIN_MEMBERS(Effect, source, device, sequence, verb, target, payload, reserve),
        TROUPE_PLUGIN_MEMBERS(MeasureKind, name, unit, text, definition, formula, same_as, is_foreign, params,

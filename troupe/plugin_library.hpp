@@ -39,7 +39,7 @@ namespace troupe::plugin {
 /// Version of the plug-in interface, which consists of struct Library, the functions that it points to, and
 /// the layouts of the types that plug-in and program exchange (layout()). A test fails if the layouts have
 /// changed but the version has not.
-inline constexpr std::uint32_t k_interface = 10;
+inline constexpr std::uint32_t k_interface = 11;
 
 /// Build settings that change the layout of types or the bits of results although all headers are equal.
 inline constexpr const char* k_build = TROUPE_PLUGIN_STANDARD_LIBRARY
@@ -68,9 +68,9 @@ struct Library {
 inline constexpr const char* k_symbol = "troupe_plugin";
 using Symbol = const Library* (*)();
 
-/// Whether a text can be the name of a kind or a plug-in: one word without slash, colon, equals sign,
-/// quotation mark, backslash and white space, which does not begin with a dot. Such a word cannot be mistaken
-/// for a path or for the parameters of a controller.
+/// Whether a text can be the name of a kind (a controller, device or measure) or of a plug-in: one word
+/// without slash, colon, equals sign, quotation mark, backslash and white space, which does not begin with a
+/// dot. Such a word cannot be mistaken for a path or for the parameters of a controller.
 constexpr bool is_name(std::string_view name) {
   return !name.empty() && name.find_first_of("/:=\"\\ \t\n") == std::string_view::npos && name.front() != '.';
 }

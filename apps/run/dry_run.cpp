@@ -17,23 +17,13 @@
 namespace troupe::apps {
 namespace {
 
-/// Returns the highest speed that the drives of a world allow, m/s. Drives of plug-ins, whose parameters may
-/// have other names, count as 0.
+/// Returns the highest speed that the drives of a world allow, m/s. A drive whose kind does not tell it
+/// (DriveKind::top_speed) counts as 0.
 double highest_speed(const engine::World& world) {
   double highest = 0;
-  for (std::size_t t = 0; t < world.spec().types.size(); ++t) {
-    const auto& drive = world.spec().types[t].drive;
-    if (!drive || !world.types()[t].drive) continue;
-    const engine::FieldTable& table = world.types()[t].drive->kind->params;
-    const auto limit = [&](std::string_view axis) {
-      double most = 0;
-      for (const std::string_view side : {"min", "max"})
-        if (const int field = table.find(fmt::format("velocity_{}_{}", side, axis)); field >= 0)
-          most = std::max(most, std::abs(drive->params[static_cast<std::size_t>(field)].number()));
-      return most;
-    };
-    highest = std::max(highest, drive->kind == "omni" ? Vec2(limit("x"), limit("y")).norm() : limit("x"));
-  }
+  for (std::size_t t = 0; t < world.types().size(); ++t)
+    if (const auto& drive = world.types()[t].drive; drive && drive->kind->top_speed)
+      highest = std::max(highest, drive->kind->top_speed(world.spec().types[t].drive->params));
   return highest;
 }
 

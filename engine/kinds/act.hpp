@@ -45,7 +45,7 @@ struct Act {
   std::array<double, 3> speed{};
   std::string device;  ///< for `command`: name of the device, which must take commands
   /// For `command`: names of fields of the device's command struct, each with its new numbers: one finite
-  /// number for each column of the field. A field of an integer type takes only whole numbers within its
+  /// number, or for an array as many as it has elements. An integer field takes only whole numbers within its
   /// range (with 64 bits: from -2^53, or 0 if unsigned, to 2^53 - 1). A field of type float rounds the
   /// number, which must not exceed the largest float in magnitude.
   std::vector<std::pair<std::string, std::vector<double>>> values;

@@ -32,9 +32,9 @@ enum class Presence : std::uint8_t {
 struct Life {
   /// Number of ticks that were completed when the body was born; 0 if it was present at tick 0 or is unborn.
   std::uint64_t birth = 0;
-  /// x of its position at birth, m, world frame; 0 if it was present at tick 0 or is unborn.
+  /// x of the body's position at birth, m, world frame; 0 if it was present at tick 0 or is unborn.
   double x = 0;
-  /// y of its position at birth, m, world frame; 0 if it was present at tick 0 or is unborn.
+  /// y of the body's position at birth, m, world frame; 0 if it was present at tick 0 or is unborn.
   double y = 0;
   std::uint8_t presence = 0;  ///< whether the body is in the world: a value of Presence
 };
@@ -44,7 +44,7 @@ struct Life {
 struct Condition {
   /// The reasons why all devices, controllers and the drive of a body are stopped; both may apply.
   enum Out : std::uint8_t {
-    k_disabled = 1,  ///< an intervention or a program disabled it, until it is enabled again
+    k_disabled = 1,  ///< disabled by an intervention, a program or a user, until it is enabled again
     /// A drop-out fault stopped it. The end of any drop-out of the body clears this bit, even if another
     /// drop-out of the body still lasts.
     k_dropped_out = 2,
@@ -52,8 +52,8 @@ struct Condition {
   /// Factor by which faults scale the velocity that the drive of the body produces, above 0 and at most 1; 0:
   /// no fault has changed the velocity.
   double speed = 0;
-  /// Devices that faults have broken: bit d for device d of the type (BodyType::devices). Devices from number
-  /// 32 on cannot break.
+  /// Devices that faults have broken: bit d for device d of the type (BodyType::devices). Devices with an
+  /// index of 32 or more cannot break.
   std::uint32_t dead = 0;
   std::uint8_t out = 0;  ///< bits of Out; each alone stops devices, controllers and drive
 

@@ -123,7 +123,11 @@ template <class Memory, class C>
 void decide_one_by_one(const C& controller, const DecideBatch& batch) {
   std::array<Readings, k_most_devices_read> readings;
   std::array<std::byte*, k_most_devices_read> devices;
-  Percept percept{batch.tick, batch.time_s, batch.tick_s, 0, {readings.data(), batch.devices}, {}};
+  Percept percept{.tick = batch.tick,
+                  .time_s = batch.time_s,
+                  .tick_s = batch.tick_s,
+                  .period_s = batch.period_s,
+                  .devices = {readings.data(), batch.devices}};
   std::size_t i = 0;
   try {
     for (; i < batch.size(); ++i) {
@@ -195,9 +199,9 @@ std::vector<StateField> memory_fields() {
 }
 
 /// Makes a controller kind (ControllerKind in engine/kinds/kinds.hpp) from a class C. One object of C serves
-/// all robots of a type. Several threads call this object at once, each for other robots, so its operator()
-/// must not change it. Data that a robot keeps from one decision to the next belong in Memory. `name` and
-/// `text` must live as long as the kind. C must be copyable. It has
+/// all robots of a type. Several threads call this object at once, each for different robots, so operator()
+/// must not change the object. Data that a robot keeps from one decision to the next belong in Memory. `name`
+/// and `text` must live as long as the kind. C must be copyable. It has
 ///
 ///     void operator()([Memory&,] const Percept&, Random&, Actions&) const;  // for one robot, or
 ///     void operator()(const DecideBatch&) const;                            // for a batch of robots
@@ -211,9 +215,9 @@ std::vector<StateField> memory_fields() {
 ///     static C make(const Params&);               // default: C{params}
 ///         // without Params: static C make(), by default C{}
 ///     Result<std::vector<std::size_t>> choose(std::span<const DeviceInfo>, std::vector<bool>& claimed);
-///         // returns Prepared::devices, and may reserve devices for itself in `claimed`, see
-///         // ControllerKind::prepare; default: uses all devices that are offered, also those that other
-///         // controllers have reserved, and reserves none
+///         // returns the indices of the devices that it uses, and may reserve devices for itself in
+///         // `claimed`, see ControllerKind::prepare; default: uses all devices that are offered, also those
+///         // that other controllers have reserved, and reserves none
 ///     static constexpr std::array k_uses{std::string_view("ranger")};
 ///         // instead of choose: the kinds of the devices that it uses, in this order; a kind that is listed
 ///         // twice stands for two devices; an error if the robot has too few devices of a kind; also uses

@@ -50,9 +50,10 @@ DeviceKind::Prepared prepare_device(const Record& record, const Pose& pose_body_
 ///         // instead of prepare, if `data` is the only member to be set; only if C has Params
 ///         // default, without prepare and make: C{params}, or C{} if C has no Params
 ///
-/// C may also have the following hooks of DeviceKind, without the argument `data`. If C has a State, the
-/// hooks marked "row" may take a reference to the State of one body instead of the table and the slot (the
-/// index of the body's row in the table). A hook that C lacks is null:
+/// C may also have the following hooks, without the argument `data`, and constants of DeviceKind. If C has a
+/// State, the hooks marked "row" may take a reference to the State of one body instead of the table and the
+/// slot (the index of the body's row in the table). A hook that C lacks is null, and a constant that C lacks
+/// has its default value:
 ///
 ///     std::uint64_t sense(const SenseBatch&) const;                      // or a const DeviceBatch&
 ///     void act(const DeviceBatch&) const;

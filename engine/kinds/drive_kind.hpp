@@ -15,14 +15,15 @@ namespace troupe::engine {
 ///     struct Params { ...; describe };         // its parameters (engine/fields/description.hpp)
 ///     void drive(const DriveBatch&) const;     // DriveKind::drive
 ///
-/// and may have the following members for the other hooks of DriveKind. If D lacks start, localization or
-/// pushes, the hook of that name is null.
+/// and may have the following members for the other hooks of DriveKind. If D lacks start, localization,
+/// pushes or top_speed, the hook of that name is null.
 ///
 ///     static D make(const Params&);            // makes the object; default: D{params}
 ///     static Result<> check(const Params&);    // default: reports no error
 ///     Velocity start() const;
 ///     static Result<Localization> localization(const Params&);
 ///     static std::int64_t pushes(const Params&);
+///     static double top_speed(const Params&);
 template <class D>
 DriveKind make_drive_kind(std::string_view name, std::string_view text) {
   using Params = typename D::Params;
@@ -47,6 +48,8 @@ DriveKind make_drive_kind(std::string_view name, std::string_view text) {
     kind.localization = [](const Record& record) { return D::localization(from_record<Params>(record)); };
   if constexpr (requires { &D::pushes; })
     kind.pushes = [](const Record& record) { return D::pushes(from_record<Params>(record)); };
+  if constexpr (requires { &D::top_speed; })
+    kind.top_speed = [](const Record& record) { return D::top_speed(from_record<Params>(record)); };
   return kind;
 }
 

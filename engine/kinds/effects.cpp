@@ -16,11 +16,10 @@ void Effects::reserve(std::size_t most) {
 void Effects::emit(const Effect& effect) {
   const std::size_t at = count_.fetch_add(1, std::memory_order_relaxed);
   if (at >= most_)
-    throw std::length_error(
-        "the devices emitted more effects in a tick than their kinds declare, which is " +
-        std::to_string(most_) +
-        " for all devices together: set a larger DeviceKind::Prepared::most_effects in the kind of the "
-        "device");
+    throw std::length_error("the devices of the world emitted more effects in a tick than the " +
+                            std::to_string(most_) +
+                            " that their kinds declare for all devices together: set a larger "
+                            "DeviceKind::Prepared::most_effects in the kind whose devices emit too many");
   effects_[at] = effect;
 }
 

@@ -37,8 +37,9 @@ inline constexpr std::size_t k_most_fallible = 32;
 /// no robot is impaired, faults take no extra computing time.
 struct FaultKind {
   std::string_view name;  ///< name in files; unique in the registry
-  std::string_view text;  ///< one sentence for `troupe describe`; the strings must live as long as the kind
-  FieldTable params;      ///< table of the parameters of such a fault, with their limits and defaults
+  /// One sentence for `troupe describe`. `name` and `text` must live as long as the kind.
+  std::string_view text;
+  FieldTable params;  ///< table of the parameters of such a fault, with their limits and defaults
   /// Compiles the parameters for the bodies of a type. Called when a world is built or restarted, once for
   /// each impairment of a FaultSpec and each type with bodies that may have the fault. The parameters are
   /// within the limits of `params`. The error says why bodies of the type cannot have the fault.

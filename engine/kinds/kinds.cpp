@@ -25,7 +25,7 @@ std::vector<StateField> command_fields() {
        offsetof(Command, y)},
       {"turn", Element::f64, 1, "rad/s",
        "turn rate or angular acceleration, counter-clockwise, or heading of the goal pose: see `mode`; for a "
-       "car drive, the steering angle (rad)",
+       "car drive in the modes 0 and 1, the steering angle (rad)",
        offsetof(Command, turn)},
       {"mode", Element::u8, 1, "",
        "meaning of x, y and turn: 0: speeds, 1: accelerations (m/s^2, rad/s^2), 2: a goal pose (m, rad)",

@@ -41,9 +41,9 @@ struct WorldSpec;
 /// A *kind* is a table of functions (hooks) that implements one sort of sensor, other device, drive or
 /// controller. The engine itself implements no sensor, device, drive or controller: it only calls the hooks.
 /// When the world is built, the hook `prepare` converts the parameters to data of a type that the kind
-/// chooses. Most other hooks receive these data, and either a batch of robots, given as a list of rows, or a
-/// single robot. Several threads call the hooks at once, so a hook may write only to its arguments. If a
-/// hook other than DeviceKind::is_spent throws an exception during a step, World::step() throws a StepError.
+/// chooses. Most other hooks receive these data, and either a batch of bodies, given as a list of rows, or a
+/// single body. Several threads call the hooks at once, so a hook may write only to its arguments. If a hook
+/// other than DeviceKind::is_spent throws an exception during a step, World::step() throws a StepError.
 ///
 /// A body has a *row*, its index in the state tables of the world, and a *slot*, its index in the tables of
 /// its type. The state of a sensor is also called its percepts or readings.
@@ -75,8 +75,8 @@ struct DeviceBatch {
   Links& links;                ///< receives the poses to which joints shall move: see move_joint()
   std::uint32_t device = 0;    ///< index of the device within the type
   std::uint32_t stream = 0;    ///< number of the device's random stream: see random()
-  /// Time from one run of the device to the next, s: its period in whole ticks. The time since the device
-  /// last ran is longer if the device was switched off, broken or without power meanwhile.
+  /// Time from one run of the device to the next, s: its period, rounded up to whole ticks. The time since
+  /// the device last ran is longer if the device was switched off, broken or without power meanwhile.
   double period_s = 0;
 
   BodyId body(std::size_t i) const;       ///< id of the row's body
@@ -92,9 +92,9 @@ struct DeviceBatch {
   /// that the device is mounted on. compose(mount(i), p) is the present pose of the device, where
   /// p is the argument `pose_body_device` of DeviceKind::prepare.
   Mount mount(std::size_t i) const;
-  /// Velocity that the drive of the row's body computed last, body frame, m/s and rad/s; 0 if the body has
-  /// no drive. If the drive is due in this tick, it has computed the velocity before the hook `act` is
-  /// called.
+  /// Velocity that the drive of the row's body computed last, slowed by faults, body frame, m/s and rad/s; 0
+  /// if the body has no drive or its drive has no power. If the drive is due in this tick (once per period),
+  /// it has computed the velocity before the hook `act` is called.
   const Velocity& velocity(std::size_t i) const;
   /// Command to the drive of the row's body. The numbers have no meaning if the body has no drive.
   const Command& command(std::size_t i) const;
@@ -115,8 +115,9 @@ struct DeviceBatch {
   /// Sets the goal of joint n for this tick: a pose relative to the rest pose of the joint, m and rad; the
   /// heading is not wrapped. A second call in the same tick replaces the goal. Only the hook `act` may call
   /// this. The joints of one device move together or not at all: if the motion of one joint is blocked, no
-  /// joint of the device moves. If bodies carry one another, a blocked motion also stops joints of those
-  /// other bodies: see Links::resolve_joints(). Throws StepError if a number of `to` is not finite.
+  /// joint of the device moves. If the body carries other bodies or is carried, a blocked motion also stops
+  /// joints of the bodies that move with it: see Links::resolve_joints(). Throws StepError if a number of
+  /// `to` is not finite.
   void move_joint(std::size_t i, std::size_t n, const Pose& to) const;
   /// Whether move_joint() set a goal of joint n in this tick. Only the hook `joints_moved` may call this.
   bool asked_joint(std::size_t i, std::size_t n) const;
@@ -138,8 +139,9 @@ struct DeviceBatch {
   /// Requests the birth of the next body of a reserve at the pose `at`, m and rad, world frame. Births come
   /// after all other effects and all deaths of the tick. DeviceKind::born receives the result, which says
   /// whether the body was born. There is neither a birth nor a result if the requesting body died in this
-  /// tick. Callers and errors are as for emit(), and a birth counts as an effect. If no body of the world
-  /// can be born or die (World::has_lives() is false), World::step() throws std::logic_error.
+  /// tick. Only the hook `act` may call this. Errors are as for emit(): a birth counts as an effect. If no
+  /// body of the world can be born or die (World::has_lives() is false), World::step() throws
+  /// std::logic_error.
   ///
   /// sequence: as for emit()
   /// reserve: index into WorldSpec::reserves; must exist
@@ -147,8 +149,8 @@ struct DeviceBatch {
     effects.emit({body(i), device, sequence, k_birth, BodyId(), {at.x, at.y, at.z, at.heading}, reserve});
   }
   /// Requests the death of the body `whose`. The kind must have set Prepared::ends_lives. The request has no
-  /// effect if the body has no row or is not in the world. Callers, `sequence` and errors are as for emit(),
-  /// and a death counts as an effect.
+  /// effect if the body has no row or is not in the world. Only the hook `act` may call this. `sequence` and
+  /// errors are as for emit(): a death counts as an effect.
   void emit_death(std::size_t i, std::uint32_t sequence, BodyId whose) const {
     effects.emit({body(i), device, sequence, k_death, whose});
   }
@@ -229,7 +231,8 @@ inline constexpr std::string_view k_command_of_others = "command";    ///< comma
 inline constexpr std::string_view k_runs_of_others = "runs";
 
 /// A kind of device: a sensor, which only reads the world, or another device (gripper, light, power pack),
-/// which takes commands and acts. A device is mounted on a part of a body and has a state of its own.
+/// which acts on its own body or on others. A device is mounted on a part of a body and has a state of its
+/// own.
 struct DeviceKind {
   std::string_view name;  ///< name in files: "ranger"
   std::string_view text;  ///< one sentence for `troupe describe`
@@ -281,13 +284,16 @@ struct DeviceKind {
     /// rarely searches far sets a smaller value, because a large one makes the cells coarse for all other
     /// devices.
     std::optional<double> cell_hint_m = {};
-    /// Number of rays that the device casts each time it runs. It only counts towards the limit of 10 million
-    /// rays for all devices of all types of a world.
+    /// Number of rays that the device casts each time it runs. Used only for the limit of 10 million rays for
+    /// the devices of all types of a world together; each type counts once, however many bodies it has.
     std::size_t beams = 0;
-    /// Largest number of effects that a row may emit in a tick, requested births and deaths included.
+    /// Largest number of effects that the device of one body may emit in a tick, including the births and
+    /// deaths that it requests.
     std::size_t most_effects = 0;
     bool ends_lives = false;  ///< whether it may emit deaths: emit_death()
-    double watts = 0;         ///< power that it draws from its supply while it runs, W
+    /// Power that the device draws from its supply while DeviceBatch::senses() and is_on() are true for it,
+    /// W, even if a fault has broken it.
+    double watts = 0;
     /// Poses of its joints at tick 0 or at the birth of the body, relative to rest, m and rad: one for each
     /// name of DeviceKind::joints. Empty: all joints are at rest.
     std::vector<Pose> joints;
@@ -341,10 +347,10 @@ struct DeviceKind {
   /// world, the row of the new body may be on another rank. Null: not needed.
   void (*born)(World& world, const std::any& data, const Effect& effect, const Birth& birth) = nullptr;
 
-  /// For power supplies: returns whether the supply of a row is empty. While it is empty, the devices that
-  /// it serves do not run. A supply serves the devices of its part and of the parts mounted on that part,
-  /// except parts with a supply of their own and the parts mounted on them. A supply of the root part also
-  /// serves the drive. The hook must not throw. Null: the device is not a power supply.
+  /// For power supplies: returns whether the supply of a row is empty and so gives no power. The devices that
+  /// it serves then do not run. A supply serves the devices of its part and of the parts mounted on that
+  /// part, except parts with a supply of their own and the parts mounted on them. A supply of the root part
+  /// also serves the drive. The hook must not throw. Null: the device is not a power supply.
   bool (*is_spent)(const std::any& data, const StateTable& state, std::size_t slot) = nullptr;
 
   bool needs_supply = false;  ///< true: it is an error if no power supply of the body serves the device
@@ -430,6 +436,8 @@ struct DriveKind {
   /// Returns the number of pushable bodies that a robot can push at once. A number below 0 counts as 0, and a
   /// number above k_most_pushed as k_most_pushed. Null: 0.
   std::int64_t (*pushes)(const Record& params) = nullptr;
+  /// Returns the highest speed that the limits of the drive allow, m/s. Null: unknown.
+  double (*top_speed)(const Record& params) = nullptr;
   ///@}
 };
 
@@ -464,8 +472,10 @@ struct Percept {
   std::uint64_t tick = 0;  ///< number of the present tick; the first tick is 1
   double time_s = 0;       ///< world time at the end of the tick, s
   double tick_s = 0;       ///< length of a tick, s
+  double period_s = 0;     ///< time from one call of the controller for this robot to the next, s
   std::uint32_t body = 0;  ///< id of the robot
-  /// The sensors and other devices that the controller chose in `prepare`, in that order.
+  /// States of the sensors and other devices that the controller uses, in the order of
+  /// ControllerKind::Prepared::devices.
   std::span<const Readings> devices;
   /// Estimated pose, m and rad: that of the drive device which the controller commands (DeviceKind::drives)
   /// or, if there is none, that of the robot. Its frame is defined by the Localization of the drive
@@ -478,7 +488,7 @@ struct Percept {
 
 /// The outputs of one robot's controller. An output that the controller does not set keeps its last value.
 struct Actions {
-  Command& command;  ///< command to the robot's drive, or to the drive device (DeviceKind::drives) instead
+  Command& command;  ///< command to the drive device (DeviceKind::drives) or, if there is none, to the drive
   /// Command structs of the chosen devices, in the order of Percept::devices; null for devices that take no
   /// commands.
   std::span<std::byte* const> devices;
@@ -530,6 +540,7 @@ struct DecideBatch {
   std::uint64_t tick = 0;                ///< number of the present tick; the first tick is 1
   double time_s = 0;                     ///< world time at the end of the tick, s
   double tick_s = 0;                     ///< length of a tick, s
+  double period_s = 0;                   ///< time from one decision of a robot to the next, s
   std::uint64_t seed = 0;                ///< seed of the world
   std::uint32_t stream = 0;              ///< number of the controller's random stream: see random()
   std::span<const Row> rows;             ///< rows of the batch
@@ -646,7 +657,7 @@ struct ControllerKind {
   /// devices of the controller's part and of the parts mounted on that part, except drive devices
   /// (DeviceKind::drives). claimed[d] is true if an earlier controller of the type has reserved devices[d]
   /// for itself; this function may set further entries. The text of the error says what the type lacks and
-  /// continues the words `controller "NAME"`: for example, `needs a device of kind ranger`.
+  /// continues the words `controller "NAME"`: for example, `needs a device of kind "ranger"`.
   Result<Prepared> (*prepare)(const Record& params, std::span<const DeviceInfo> devices,
                               std::vector<bool>& claimed);
   /// Called after each call of `prepare`: completes the data of the controller from the world, the type and

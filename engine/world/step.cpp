@@ -160,9 +160,13 @@ void World::actuate() {
     for_enabled(state_, rows, [&](std::span<const Row> enabled) { actuate_rows(enabled, type); });
   });
   if (const BodyId id(faulty.load()); id.valid()) {
-    throw StepError(fmt::format("tick {}: robot \"{}\" was commanded {}", state_.now.tick,
-                                state_.spec.name(id), asked_for(commands()[row(id).index()].mode)),
-                    id);
+    const Command& command = commands()[row(id).index()];
+    const std::string& name = state_.spec.name(id);
+    const std::string wrong =
+        is_finite(command)
+            ? fmt::format("the drive of robot \"{}\" computed a velocity that is not a finite number", name)
+            : fmt::format("robot \"{}\" was commanded {}", name, asked_for(command.mode));
+    throw StepError(fmt::format("tick {}: {}", state_.now.tick, wrong), id);
   }
 }
 
@@ -274,6 +278,7 @@ void World::decide(std::span<const Row> rows, const BodyType& type, const BodyTy
   DecideBatch batch{.tick = state_.now.tick,
                     .time_s = time_s(),
                     .tick_s = state_.spec.tick_s,
+                    .period_s = static_cast<double>(controller.period) * state_.spec.tick_s,
                     .seed = state_.spec.seed,
                     .stream = controller.stream,
                     .rows = rows,

@@ -13,7 +13,7 @@ namespace troupe::models {
 /// Geometry of one beam of a ranger, in the frame of the drive that the controller commands: x points
 /// straight ahead, y to the left.
 struct Beam {
-  std::size_t reading = 0;     ///< index of its reading in Percept::ranges()
+  std::size_t reading = 0;     ///< index of the reading of this beam in Percept::ranges()
   std::size_t transducer = 0;  ///< index of the transducer (fan of beams) to which it belongs
   double bearing = 0;          ///< bearing, rad, counter-clockwise from straight ahead, in [-pi, pi]
   SinCos direction;            ///< cosine and sine of the bearing

@@ -45,6 +45,7 @@ struct Beeclust {
       describe_min_front(d);
     }
   };
+  /// Durations are in decisions; a decision is one call of the controller.
   struct Memory {
     std::uint32_t wait_updates = 0;  ///< decisions that remain of the present wait
     std::uint32_t turn_updates = 0;  ///< decisions that remain of the present turn
@@ -111,13 +112,13 @@ struct Beeclust {
     const double brightness = (color[0] + color[1] + color[2]) / 3;
     const double square = brightness * brightness;
     return static_cast<std::uint32_t>(
-        std::min(params.max_wait * square / (square + params.half) / percept.tick_s, 1e9));
+        std::min(params.max_wait * square / (square + params.half) / percept.period_s, 1e9));
   }
 
   static void begin_turn(Memory& memory, const engine::Percept& percept, Random& random, bool right) {
     memory.turn = static_cast<float>(right ? -k_turn : k_turn);
     memory.turn_updates =
-        static_cast<std::uint32_t>(random.uniform(k_least_turn, k_pi) / k_turn / percept.tick_s);
+        static_cast<std::uint32_t>(random.uniform(k_least_turn, k_pi) / k_turn / percept.period_s);
   }
 };
 

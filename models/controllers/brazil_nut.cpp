@@ -53,6 +53,7 @@ struct BrazilNut {
                                "time after which the robot chooses a new random direction");
     }
   };
+  /// Durations are in decisions; a decision is one call of the controller.
   struct Memory {
     std::uint32_t updates_left = 0;  ///< decisions until the robot chooses a new random direction
     double heading = 0;              ///< present random direction, rad, in the frame of the estimated pose
@@ -91,7 +92,7 @@ struct BrazilNut {
     radio.say(static_cast<float>(params.radius));
     if (memory.updates_left == 0) {
       memory.heading = random.uniform(-k_pi, k_pi);
-      memory.updates_left = static_cast<std::uint32_t>(std::max(params.shake / percept.tick_s, 1.0));
+      memory.updates_left = static_cast<std::uint32_t>(std::max(params.shake / percept.period_s, 1.0));
     }
     --memory.updates_left;
     const SinCos shaken = sincos(memory.heading - percept.estimate.heading);

@@ -56,13 +56,14 @@ struct Chain {
       describe_min_front(d);
       d.member<&Params::joins>(
           "joins", within(0, 1),
-          "probability per decision that a robot becomes the next link of a chain while it is at the place "
-          "of this link");
+          "probability per decision (call of the controller) that a robot becomes the next link of a chain "
+          "while it is at the place of this link");
       d.member<&Params::leaves>("leaves", within(0, 1),
                                 "probability per decision that the last link of a chain leaves the chain, as "
                                 "long as the chain has not reached the prey");
     }
   };
+  /// Durations are in decisions; a decision is one call of the controller.
   struct Memory {
     std::uint8_t link = 0;            ///< 1: the robot is a link
     std::uint8_t number = 0;          ///< number of the link, counted from the nest
@@ -209,7 +210,7 @@ struct Chain {
     if (memory.homeward != 0 && post->number == 0) {
       memory.homeward = 0;
       memory.round_updates =
-          static_cast<std::uint32_t>(random.uniform(0, k_longest_round_s) / percept.tick_s);
+          static_cast<std::uint32_t>(random.uniform(0, k_longest_round_s) / percept.period_s);
     }
     if (memory.homeward != 0) {
       head_for(nearest(radio, post->number - 1).value_or(*post).place, command);

@@ -19,7 +19,7 @@ namespace troupe::models {
 ///           last link, the place is on the line from this link to the robot. At the nest it may also start a
 ///           new chain: at a place `spacing` from the nest that is more than `spacing` from the nearest first
 ///           link (a link with the number 1). At the place for a new link, it becomes a link with probability
-///           `joins` per decision.
+///           `joins` per decision (call of the controller).
 /// leaves    A link leaves the chain in three cases. If it has no path and hears no next link, it leaves with
 ///           probability `leaves` per decision. If it has not heard the previous link for more than 20
 ///           decisions, it leaves. If two links of the same number are nearer to each other than half of

@@ -28,6 +28,7 @@ struct Clustering {
       describe_min_front(d);
     }
   };
+  /// Durations are in decisions; a decision is one call of the controller.
   struct Memory {
     double x = 0;                    ///< estimated x at the last decision, m
     double y = 0;                    ///< estimated y at the last decision, m
@@ -64,7 +65,7 @@ struct Clustering {
     if (is_stuck && memory.does == k_back) {
       memory.back_updates = 0;  // the robot cannot back off either, so it turns at once
     } else if (is_stuck) {
-      memory.back_updates = static_cast<std::uint32_t>(params.back / percept.tick_s);
+      memory.back_updates = static_cast<std::uint32_t>(params.back / percept.period_s);
       begin_turn(memory, percept, random, random.below(2) == 0 ? -1 : 1);
     } else if (memory.does == k_ahead && seen.obstruction) {
       begin_turn(memory, percept, random, seen.left < seen.right ? -1 : 1);
@@ -87,7 +88,7 @@ struct Clustering {
 
   static void begin_turn(Memory& memory, const engine::Percept& percept, Random& random, int side) {
     memory.turn = static_cast<float>(side * k_turn);
-    memory.turn_updates = 1 + static_cast<std::uint32_t>(random.uniform(0, k_pi / k_turn) / percept.tick_s);
+    memory.turn_updates = 1 + static_cast<std::uint32_t>(random.uniform(0, k_pi / k_turn) / percept.period_s);
   }
 };
 

@@ -53,6 +53,7 @@ struct CollectivePerception {
       describe_min_front(d);
     }
   };
+  /// Durations are in decisions; a decision is one call of the controller.
   struct Memory {
     std::uint32_t updates_left = 0;        ///< decisions that remain of exploring or sharing
     std::uint32_t looked = 0;              ///< number of floor readings since the robot began to explore
@@ -93,7 +94,7 @@ struct CollectivePerception {
     }
     if (memory.shares == 0)
       sample_ground(memory, percept);
-    else if (memory.updates_left * percept.tick_s <= k_listen_s)
+    else if (memory.updates_left * percept.period_s <= k_listen_s)
       hear(memory, radio);
     if (memory.updates_left > 0) {
       --memory.updates_left;
@@ -116,7 +117,7 @@ struct CollectivePerception {
 
   /// An exponentially distributed random time with the mean mean_s (s), as a number of decisions.
   static std::uint32_t updates(double mean_s, const engine::Percept& percept, Random& random) {
-    return static_cast<std::uint32_t>(std::min(random.exponential() * mean_s / percept.tick_s, 1e9));
+    return static_cast<std::uint32_t>(std::min(random.exponential() * mean_s / percept.period_s, 1e9));
   }
 
   void begin_exploring(Memory& memory, const engine::Percept& percept, Random& random) const {
@@ -166,7 +167,7 @@ struct CollectivePerception {
       memory.turn_updates = 5 + static_cast<std::int32_t>(random.below(15));
     } else if (memory.turn_updates == 0 && --memory.straight_updates < 0) {
       memory.turn = static_cast<float>(random.below(2) == 0 ? -k_turn : k_turn);
-      memory.turn_updates = static_cast<std::int32_t>(random.uniform(0, k_pi / k_turn) / percept.tick_s);
+      memory.turn_updates = static_cast<std::int32_t>(random.uniform(0, k_pi / k_turn) / percept.period_s);
       memory.straight_updates = static_cast<std::int32_t>(updates(k_straight_s, percept, random));
     }
     if (memory.turn_updates == 0) {

@@ -6,8 +6,8 @@
 
 namespace troupe::models {
 
-/// The opinion of a robot with the controller `collective_perception`: the colour that, in its opinion,
-/// covers more of the floor. Robots broadcast it by radio as one byte.
+/// The opinion of a robot with the controller `collective_perception`: the colour that the robot takes to
+/// cover more of the floor. Robots broadcast their opinions by radio, as one byte each.
 enum class FloorOpinion : std::uint8_t {
   black,  ///< 0: more of the floor is black
   white,  ///< 1: more of the floor is white

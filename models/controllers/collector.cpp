@@ -47,6 +47,7 @@ bool is_number(std::string_view text) { return text.find_first_not_of("012345678
 
 struct Collector {
   enum Mode : std::uint8_t { seeking, gripping, carrying, releasing, leaving, charging };
+  /// Durations are in decisions; a decision is one call of the controller.
   struct Memory {
     std::int32_t avoid_updates = 0;    ///< decisions that remain of the present turn
     std::uint32_t still_updates = 0;   ///< consecutive decisions in which a command did not move the robot

@@ -9,15 +9,16 @@ namespace troupe::models {
 ///
 /// seeks    The robot drives straight on and turns away from obstacles ahead until its fiducial finder sees a
 ///          puck that is 0.8 m or more away from every sink. A puck is a model whose fiducial_return is the
-///          parameter `puck`. It drives up to the puck, slowly for the last half metre, and closes its
-///          gripper when the puck breaks the inner light beam of the gripper.
+///          parameter `puck`. The robot drives up to the puck, slowly for the last half metre, and
+///          closes its gripper when the puck breaks the inner light beam of the gripper.
 /// carries  It carries the puck to within 0.5 m of the nearest sink and opens the gripper there. Sinks are
 ///          the models that are in the world from the start and whose name is the parameter `sink`, or this
 ///          name followed by digits. A world without sinks is an error. The robot looks for sinks and
 ///          chargers where the world file places them, even if they have moved since.
-/// charges  If its power pack holds less than 25 % of its capacity, it goes to the nearest model whose
-///          fiducial_return is `charger` and stands there until the pack holds 95 %. A robot without a pack,
-///          or in a world without a charger, never charges.
+/// charges  If the power pack holds less than 25 % of its capacity during the search, the robot goes to the
+///          nearest charger and stands there until the pack holds 95 %. A charger is a model whose
+///          fiducial_return is the parameter `charger`. A robot without a pack, or in a world without a
+///          charger, never charges.
 /// needs    a drive, a ranger with more than 8 beams that sees ahead, a fiducial finder, a gripper, a sink
 /// source   none: written for Troupe. Stage has the devices, but no example that combines them
 engine::ControllerKind collector_controller();

@@ -19,17 +19,17 @@ struct Evasion {
   double min_front = 0.7;     ///< the robot turns away when a reading ahead is below this
   double stop = 0.5;          ///< the robot turns on the spot when a reading ahead is below this
   double back_speed = 0.1;    ///< absolute speed while the robot backs out
-  /// The robot backs out (escapes()) after more than this number of consecutive decisions in which it had a
-  /// command to move but its estimated pose did not change. The number must be larger than the number of
-  /// decisions after which a command takes effect.
+  /// The robot backs out (escapes()) after more than this number of consecutive decisions (calls of the
+  /// controller) in which it had a command to move but its estimated pose did not change. The number must be
+  /// larger than the number of decisions after which a command takes effect.
   std::uint32_t stuck = 5;
   /// Argument `share` of the constructor of Scanner for the scanner that is passed to avoids(). With 4, the
   /// scanner looks at the middle half of the scan.
   static constexpr std::size_t window_share = 4;
 
   /// Turns away from obstacles as the controller `wander` does, with two differences, because many robots
-  /// meet near their common goals. It looks at the middle half of the scan (window_share) instead of the
-  /// middle third. A turn takes 5 to 9 decisions instead of 10 to 19. ranges: readings of the scanner's
+  /// meet near their common goals. The scanner looks at the middle half of the scan (window_share) instead of
+  /// the middle third. A turn takes 5 to 9 decisions instead of 10 to 19. ranges: readings of the scanner's
   /// ranger, m. command: on entry, the last command of the robot, whose turn rate is kept until the turn
   /// ends. Returns true if it has set `command`. Returns false if the way is free; `command` is then
   /// unchanged.

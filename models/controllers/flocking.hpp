@@ -10,7 +10,8 @@ namespace troupe::models {
 /// and turns to the heading of the nearest robot that its fiducial finder reports.
 ///
 /// needs  a ranger with beams ahead and to both sides, and a fiducial finder. The controller takes the first
-///        such ranger with eight or more transducers, or, if there is none, the first such ranger
+///        such ranger with eight or more transducers (fans of beams), or, if there is none, the first such
+///        ranger
 /// free   The way is free while three conditions hold. All readings within 30 degrees of straight ahead
 ///        exceed 1 m; on Stage's Pioneer, these are the sonars 2 to 5, counted from 0. All readings between
 ///        30 and 50 degrees exceed 0.5 m; these are the sonars 1 and 6. The direction of free space is less

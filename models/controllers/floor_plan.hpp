@@ -69,8 +69,8 @@ class WaysTo {
   std::vector<std::int16_t> next_;
 };
 
-/// The body with this name. Bodies have the names that the world file gives or that loading it generates. If
-/// several bodies have the name, returns the last of them; if none has it, returns an invalid id.
+/// The body with this name. The name is from the world file, or was generated when the file was loaded. If
+/// several bodies have the name, returns the last of them; if no body has the name, returns an invalid id.
 BodyId find_body(const engine::WorldSpec& world, std::string_view name);
 
 }  // namespace troupe::models

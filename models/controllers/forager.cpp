@@ -70,12 +70,13 @@ struct Sight {
 
 struct Forager {
   enum Mode : std::uint8_t { working, refuelling, leaving, to_zone };
+  /// Durations are in decisions; a decision is one call of the controller.
   struct Memory {
     std::int32_t avoid_updates = 0;  ///< decisions that remain of the present turn
     /// Consecutive decisions near the source or sink; in the mode `leaving`, decisions of backing away.
     std::uint32_t near_updates = 0;
-    std::uint32_t task = 0;            ///< index of its task
-    std::uint32_t charger = 0;         ///< index of its charger
+    std::uint32_t task = 0;            ///< index of the robot's task in `tasks`
+    std::uint32_t charger = 0;         ///< index of the robot's charger in `chargers`
     std::uint32_t still_updates = 0;   ///< consecutive decisions in which a command did not move the robot
     std::uint32_t escape_updates = 0;  ///< decisions that remain of backing out
     double x = 0;                      ///< estimated x at the last decision, m
@@ -321,8 +322,9 @@ struct Fasr : Forager {
   }
 };
 
-/// The controller `fasr2`. It also switches devices: the fiducial finder is on only while the robot docks and
-/// leaves. The scanner is off for the last half metre to a charger and while the robot charges.
+/// The controller `fasr2`. It also switches devices. The fiducial finder is on only while the robot goes to a
+/// charger, charges and leaves the charger. The scanner is off for the last half metre to a charger and while
+/// the robot charges.
 struct Fasr2 : Forager {
   struct Params {
     std::string task, task2, task3, task4, task5, task6, task7, task8;

@@ -10,9 +10,9 @@ namespace troupe::models {
 /// fasr    one source and one sink, which are models named by the parameters `source` and `sink`
 /// fasr2   up to eight tasks, each with a source and a sink: the task "red" leads from the model red_source
 ///         to the model red_sink. Each robot starts with a random task, and chooses a new random task after
-///         each delivery. With a probability of 0.0005 per decision, a robot that waits at a source chooses a
-///         random task again, and a robot that waits at a charger chooses a random charger; the choice may be
-///         the present one
+///         each delivery. With a probability of 0.0005 per decision (call of the controller), a robot that
+///         waits at a source chooses a random task again, and a robot that waits at a charger chooses a
+///         random charger; the choice may be the present one
 ///
 /// paths    Robots follow cheapest paths on a 32 x 32 raster of the floor plan `map`, found by A* when the
 ///          world is built (models/controllers/floor_plan.hpp). Stage's fasr has direction tables instead,
@@ -28,8 +28,9 @@ namespace troupe::models {
 ///          without chargers, never charges.
 /// zone     If there is a model `fuel_zone`, a robot with fasr2 that must charge goes there first. Then it
 ///          goes to the charger that is nearest from there.
-/// senses   fasr2 switches the fiducial finder of its robot on only while the robot docks and leaves. It
-///          switches the scanner off for the last half metre to a charger and while the robot charges.
+/// senses   fasr2 switches the fiducial finder of its robot on only while the robot goes to a charger (not to
+///          the fuel zone), charges and leaves the charger. It switches the scanner off for the last half
+///          metre to a charger and while the robot charges.
 /// needs    a drive, a scanner, a device `flags`, and the models of its sources and sinks in the world
 ///@{
 engine::ControllerKind fasr_controller();

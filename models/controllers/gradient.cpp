@@ -47,10 +47,11 @@ struct Gradient {
       describe_min_front(d);
       d.member<&Params::patience>(
           "patience", within(1, 1'000'000),
-          "number of decisions after which a robot recomputes its number of hops to the beacon, if no "
-          "message has confirmed this number in the meantime");
+          "number of decisions (calls of the controller) after which a robot recomputes its number of hops "
+          "to the beacon, if no message has confirmed this number in the meantime");
     }
   };
+  /// Durations are in decisions; a decision is one call of the controller.
   struct Memory {
     std::uint32_t hops = k_hops_unknown;  ///< hop count of a settled robot
     std::uint32_t unconfirmed = 0;        ///< decisions since a message confirmed `hops`

@@ -57,6 +57,7 @@ struct InformedAggregation {
       describe_min_front(d);
     }
   };
+  /// Durations are in decisions; a decision is one call of the controller.
   struct Memory {
     std::uint32_t enter_updates = 0;   ///< decisions that remain of driving on inside a site
     std::uint32_t turn_updates = 0;    ///< decisions that remain of the present turn
@@ -67,7 +68,7 @@ struct InformedAggregation {
     double heading = 0;                ///< estimated heading at the last decision, rad
     float turn = 0;                    ///< turn rate of the present turn, rad/s
     std::uint8_t does = 0;             ///< what the robot does, one of Does
-    std::uint8_t site = 0;             ///< colour of the site that it enters or stands on, a Ground
+    std::uint8_t site = 0;             ///< colour of the site that the robot enters or stands on, a Ground
     std::uint8_t leaves = 0;           ///< 1: the robot must leave the site before it may stop again
     TROUPE_FIELDS(enter_updates, turn_updates, still_updates, escape_updates, x, y, heading, turn, does, site,
                   leaves)
@@ -93,7 +94,7 @@ struct InformedAggregation {
     if (memory.does == k_stands) {
       const double rate =
           params.leave * exp(-params.others * static_cast<double>(standing_here(radio, memory.site)));
-      if (random.uniform() < rate * percept.tick_s) {
+      if (random.uniform() < rate * percept.period_s) {
         memory.does = k_walks;
         memory.leaves = 1;
         begin_turn(memory, percept, random, random.below(2) == 0);
@@ -133,7 +134,7 @@ struct InformedAggregation {
     } else if (memory.does == k_walks || memory.site != ground) {
       memory.does = k_enters;
       memory.site = ground;
-      memory.enter_updates = static_cast<std::uint32_t>(random.uniform(0, params.enter) / percept.tick_s);
+      memory.enter_updates = static_cast<std::uint32_t>(random.uniform(0, params.enter) / percept.period_s);
     } else if (memory.enter_updates > 0) {
       --memory.enter_updates;
     } else {
@@ -156,7 +157,7 @@ struct InformedAggregation {
   static void begin_turn(Memory& memory, const engine::Percept& percept, Random& random, bool right) {
     memory.turn = static_cast<float>(right ? -k_turn : k_turn);
     memory.turn_updates =
-        static_cast<std::uint32_t>(random.uniform(k_least_turn, k_pi) / k_turn / percept.tick_s);
+        static_cast<std::uint32_t>(random.uniform(k_least_turn, k_pi) / k_turn / percept.period_s);
   }
 };
 

@@ -15,8 +15,8 @@ namespace troupe::models {
 /// right could not be distinguished.
 inline constexpr std::size_t k_least_samples = 9;
 
-/// Summary of one scan, for obstacle avoidance. Scanner::ahead() returns it. The class Scanner defines the
-/// window ahead, left and right.
+/// Summary of one scan, for obstacle avoidance. Scanner::ahead() returns it. The class Scanner defines what
+/// "window", "left" and "right" mean.
 struct ScanAhead {
   bool obstruction = false;  ///< a reading within the window ahead is below the limit `min_front`
   bool stop = false;         ///< a reading within the window ahead is below the limit `stop_distance`
@@ -27,14 +27,14 @@ struct ScanAhead {
 };
 
 /// Obstacle detection with a ranger. It uses the bearings of the beams. The order of the beams, and the
-/// transducers to which they belong, make no difference.
+/// transducers (fans of beams) to which they belong, make no difference.
 ///
 /// window  The beams ahead. Let n beams cover an angle F from the rightmost to the leftmost beam, so that
 ///         neighbouring beams are F / (n - 1) apart on average. The window leaves out n / `share` beams
 ///         (rounded down) at either end: it has the bearings b with -W < b <= W, where
-///         W = F / 2 - (n / share) F / (n - 1). A beam exactly straight ahead is always in it. In a single
-///         fan that is symmetric about straight ahead, these are the beams of the middle third (share 3) or
-///         of the middle half (share 4), as in Stage's `wander`.
+///         W = F / 2 - (n / share) F / (n - 1). A beam exactly straight ahead is always in the window. In a
+///         single fan that is symmetric about straight ahead, the window has the beams of the middle third
+///         (share 3) or of the middle half (share 4), as in Stage's `wander`.
 /// sides   The beams to the left and to the right of straight ahead. The beam nearest to straight ahead is
 ///         called the middle beam. It counts as right, as in Stage. If two beams are nearest, at the same
 ///         angle to either side, the left of them is the middle beam. If several parallel beams are nearest,

@@ -33,7 +33,7 @@ struct Leg {
 
 struct Script {
   struct Memory {
-    std::uint32_t updates = 0;  ///< number of decisions so far: n in the laws
+    std::uint32_t updates = 0;  ///< calls of the controller so far: n in the formulas of script.hpp
     TROUPE_FIELDS(updates)
   };
   struct Params {

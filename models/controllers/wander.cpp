@@ -29,6 +29,7 @@ struct Wander {
                               "below this");
     }
   };
+  /// Durations are in decisions; a decision is one call of the controller.
   struct Memory {
     std::int32_t avoid_updates = 0;  ///< decisions that remain of the present turn
     TROUPE_FIELDS(avoid_updates)

@@ -5,6 +5,8 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
+#include <cmath>
 #include <string_view>
 
 namespace troupe::models {
@@ -16,6 +18,8 @@ using engine::Velocity;
 
 struct Bounds {
   double min, max;
+
+  double largest() const { return std::max(std::abs(min), std::abs(max)); }
 };
 
 struct Drive {
@@ -78,6 +82,7 @@ struct Missing {
 };
 
 struct Diff {
+  static double top_speed(const Drive& d) { return d.x.largest(); }
   static Velocity speed(const Drive& d, const Command& c) { return bounded(d, c.x, 0, c.turn); }
   static Velocity accelerate(const Drive& d, const Command& c, const Velocity& v, double dt) {
     return bounded(d, v.x + bounded(c.x, d.x_rate) * dt, 0, v.turn + bounded(c.turn, d.turn_rate) * dt);
@@ -96,6 +101,7 @@ struct Diff {
 };
 
 struct Omni {
+  static double top_speed(const Drive& d) { return Vec2(d.x.largest(), d.y.largest()).norm(); }
   static Velocity speed(const Drive& d, const Command& c) { return bounded(d, c.x, c.y, c.turn); }
   static Velocity accelerate(const Drive& d, const Command& c, const Velocity& v, double dt) {
     return bounded(d, v.x + bounded(c.x, d.x_rate) * dt, v.y + bounded(c.y, d.y_rate) * dt,
@@ -113,6 +119,7 @@ struct Omni {
 };
 
 struct Car {
+  static double top_speed(const Drive& d) { return d.x.largest(); }
   /// The velocity of the car whose front wheels have this speed (m/s) and steering angle (rad).
   static Velocity steer(const Drive& d, double speed, double angle) {
     const SinCos steering = sincos(angle);
@@ -156,6 +163,7 @@ struct Driving {
     return common(params).localization.read();
   }
   static std::int64_t pushes(const Params& params) { return common(params).pushes; }
+  static double top_speed(const Params& params) { return Law::top_speed(drive_of(params)); }
 
   Velocity start() const { return its.start; }
 

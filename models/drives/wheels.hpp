@@ -40,8 +40,9 @@ struct WheelsState {
 ///             start velocities (start_x, start_y, start_turn) and the parameters of localization
 /// state       WheelsState; commands: engine::Command, as for the drive of a body
 /// moves       The part moves as a joint does, together with the parts mounted on it. A motion is blocked if
-///             one of these parts would overlap a wall or another body. Bodies that carry the part's body,
-///             or that it carries, do not block the motion. A blocked part keeps its pose and is stalled.
+///             one of these parts would overlap a wall or another body. Bodies that move with the part's
+///             body (one carries the other, or a third body carries both) do not block the motion. A blocked
+///             part keeps its pose and is stalled.
 /// estimate    The estimated pose of the part is its true pose in the world. The controllers of the part read
 ///             this pose, and give goals in the world frame.
 /// edges       The drive runs, and the part moves, once per period of the device, by default in each tick.

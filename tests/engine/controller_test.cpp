@@ -86,6 +86,7 @@ struct Counter {
 struct Forgetful {
   std::vector<std::size_t> choose(std::span<const DeviceInfo>, std::vector<bool>&) const { return {2, 0}; }
   void operator()(const Percept& percept, Random&, Actions& actions) const {
+    actions.command.x = percept.period_s;
     actions.command.turn = percept.tick_s;
   }
 };
@@ -134,8 +135,10 @@ TEST(ControllerKind, NeedsNoMemory) {
   const std::vector<Row> rows{Row(0)};
   const std::vector<BodyId> ids{BodyId(9)};
   const std::vector<std::uint32_t> slots{0};
-  kind.decide(prepared->data,
-              {.tick_s = 0.25, .rows = rows, .ids = ids, .slots = slots, .commands = {&command, 1}});
+  kind.decide(
+      prepared->data,
+      {.tick_s = 0.25, .period_s = 0.5, .rows = rows, .ids = ids, .slots = slots, .commands = {&command, 1}});
+  EXPECT_EQ(command.x, 0.5);
   EXPECT_EQ(command.turn, 0.25);
 }
 

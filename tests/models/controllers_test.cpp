@@ -59,6 +59,7 @@ struct Decision {
     engine::DecideBatch batch{.tick = tick,
                               .time_s = tick_s * tick,
                               .tick_s = tick_s,
+                              .period_s = tick_s,
                               .seed = 1,
                               .stream = 2,
                               .rows = {&row, 1},

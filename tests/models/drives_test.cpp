@@ -1,5 +1,6 @@
 #include "models/drives/drives.hpp"
 
+#include "engine/kinds/drive_kind.hpp"
 #include "tests/support/scene.hpp"
 
 #include <gtest/gtest.h>
@@ -131,6 +132,38 @@ TEST(Drives, ASpeedThatIsNoNumberNamesRobotAndTick) {
     FAIL() << "a speed that is no number was taken";
   } catch (const engine::StepError& error) {
     EXPECT_STREQ(error.what(), "tick 2: robot \"r\" was commanded a speed that is not a finite number");
+  }
+}
+
+/// A drive that computes a velocity that is not a number from the command 1.
+struct BrokenDrive {
+  struct Params {
+    static constexpr void describe(engine::Description<Params>&) {}
+  };
+
+  Params params;
+
+  void drive(const engine::DriveBatch& batch) const {
+    for (std::size_t i = 0; i < batch.commands.size(); ++i)
+      batch.velocities[i] = {batch.commands[i].x == 1 ? std::nan("") : 0, 0, 0};
+  }
+};
+
+TEST(Drives, AComputedVelocityThatIsNoNumberNamesRobotAndTick) {
+  engine::Registry registry = test::registry();
+  registry.drives.push_back(engine::make_drive_kind<BrokenDrive>("broken", "for this test"));
+  Robot robot("diff");
+  robot.scene.spec.types[1].drive = engine::DriveSpec{.kind = "broken"};
+  Diagnostics diagnostics(robot.scene.spec.files);
+  engine::World world(robot.scene.spec, registry, {.threads = 1}, diagnostics);
+  world.step();
+  world.set_command(world.row(robot.body), {1, 0, 0});
+  try {
+    world.step();
+    FAIL() << "a velocity that is no number was taken";
+  } catch (const engine::StepError& error) {
+    EXPECT_STREQ(error.what(),
+                 "tick 2: the drive of robot \"r\" computed a velocity that is not a finite number");
   }
 }
 

@@ -349,6 +349,39 @@ TEST_F(SimulationTest, ASpeedThatIsNoNumberNamesRobotAndTick) {
             "tick 2: robot \"r0\" was commanded a speed that is not a finite number");
 }
 
+// A controller runs once in the period of its first device. The time that a robot waits must not depend on
+// it.
+TEST_F(SimulationTest, AControllerWaitsForSecondsWithSlowSensorsToo) {
+  const auto waiting_ticks = [this](double period_s) {
+    const std::string every = R"("period_s": )" + std::to_string(period_s);
+    Simulation simulation(write("wait.json", R"({"troupe": 1, "types": {
+      "floor": {"size_m": [4, 4, 0.001], "color": "white", "obstacle": false, "ranger_return": -1},
+      "robot": {"size_m": [0.07, 0.07, 0.06], "drive": {"kind": "diff"}, "sensors": [
+        {"name": "eye", "kind": "ground", )" + every +
+                                                 R"(},
+        {"name": "radio", "kind": "radio", "pose": {"z_m": 0.05}, "range_m": 0.3, "payload": 1, )" +
+                                                 every + R"(},
+        {"name": "ir", "kind": "ranger", "pose": {"z_m": 0.04}, )" +
+                                                 every + R"(,
+         "transducers": [{"range_max_m": 0.2, "fov_deg": 180, "samples": 9}]}],
+        "controller": {"kind": "beeclust", "max_wait_s": 20, "min_front_m": 0.001}}},
+      "models": [{"name": "floor", "type": "floor"}, {"name": "a", "type": "robot"},
+        {"name": "b", "type": "robot", "pose": {"x_m": 0.09, "heading_deg": 180}}]})"));
+    const auto waits = [&] {
+      const Model::Speed speed = simulation.find("a").speed();
+      return speed.forward == 0 && speed.turn == 0;
+    };
+    for (int tick = 0; tick < 20; ++tick) simulation.step();  // both robots have met
+    int ticks = 0;
+    for (; waits() && ticks < 2000; ++ticks) simulation.step();
+    return ticks;
+  };
+  const int fast = waiting_ticks(0.1);
+  EXPECT_GT(fast, 50);
+  EXPECT_LT(fast, 200);
+  EXPECT_NEAR(waiting_ticks(0.5), fast, 15);
+}
+
 TEST_F(SimulationTest, HandlesOutliveAMoveOfTheSimulation) {
   Simulation first = json();
   Model robot = first.find("r0");
