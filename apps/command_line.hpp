@@ -11,7 +11,7 @@ namespace troupe::apps {
 /// Runs the whole program: parses the arguments (argv[0] is the name of the program), runs the command that
 /// they name, and prints the output and the errors of the command. Without a command, prints the help on
 /// standard error and returns k_bad_input. Returns the exit code (apps/exit_code.hpp); throws nothing. With
-/// --controller, the process may be replaced by Python (apps/scripts.hpp), and the function does not return.
+/// --controller, the function may replace the process by Python (apps/scripts.hpp), and then does not return.
 /// limit: a callback that is called between parsing and running the command. It receives the options of the
 /// command (ProgramCommand::options) and may change them. The fuzz target uses it to shorten runs.
 int run_command_line(int argc, const char* const* argv,

@@ -22,8 +22,8 @@ namespace {
 
 constexpr const char* k_convert_footer = R"(
 Reads the world IN and writes it as OUT. The endings of the file names select the formats: .world is Stage's syntax,
-.json the format of docs/world-format.md. A run of OUT gives the same hash log as a run of IN; if the hash logs may
-differ, a warning is printed.
+.json the format of docs/world-format.md. A run of OUT gives the same hash log as a run of IN, unless a warning says
+that the hash logs may differ.
 
 JSON can express every .world file: macros and included files are expanded, bitmaps remain names of image files, and all
 values are in SI units. If OUT is a .world file, a feature of IN that Stage's syntax cannot express is an error, and
@@ -72,7 +72,7 @@ void add_convert_options(CLI::App& command, ConvertOptions& options) {
         ->required();
   };
   add_file("IN", options.in, "World file: Stage's .world, or .json");
-  add_file("OUT", options.out, "File to write, in the other format or the same");
+  add_file("OUT", options.out, "World file to write; its ending, .world or .json, selects the format");
   command.add_flag("--force", options.force, "Replace an existing file")->disable_flag_override();
   add_set_option(command, "Change a value of the world: a JSON pointer and a value; repeatable", options.set);
   add_plugin_path_option(command, options.plugin_path);

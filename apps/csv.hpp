@@ -42,8 +42,8 @@ class CsvFile {
   /// Writes the finished lines to the file. Call it only after end_line(), not within a line. tick: the
   /// current tick of the run, for before() and for the error. Throws std::runtime_error if writing fails.
   void flush(std::uint64_t tick);
-  /// Returns the lines that were flushed before the tick `tick`, which must not be earlier than the tick of
-  /// the last flush.
+  /// Returns length and hash of the lines that were flushed before the tick `tick`. This tick must not be
+  /// earlier than the tick of the last flush.
   Start before(std::uint64_t tick) const { return last_tick_ && *last_tick_ >= tick ? before_ : written_; }
 
  private:

@@ -74,8 +74,8 @@ std::string range_text(const Field& field) {
     case FieldType::texts: return "a list of texts";
     case FieldType::color: return "a colour";
     case FieldType::colors: return "a list of colours";
-    case FieldType::record: return "a block";
-    case FieldType::records: return "a list of blocks";
+    case FieldType::record: return "an object";
+    case FieldType::records: return "a list of objects";
     case FieldType::integer: range = "integer"; break;
     case FieldType::number: range = "number"; break;
     case FieldType::numbers:
@@ -139,9 +139,9 @@ std::string fields_text(const FieldTable& table) {
   return text;
 }
 
-/// Returns typical parameters of a kind: the defaults, and one block in each required list of blocks. With
-/// them, a device can be prepared to determine the fields of its readings. Returns std::nullopt if another
-/// required parameter has no default.
+/// Returns typical parameters of a kind: the defaults, and one object in each required list of objects.
+/// DeviceKind::prepare() needs parameters to determine the fields of the readings. Returns std::nullopt if
+/// any other parameter is required.
 std::optional<engine::Record> usual(const FieldTable& table) {
   engine::Record record = table.defaults();
   for (std::size_t i = 0; i < table.fields.size(); ++i) {

@@ -31,11 +31,12 @@ class HashLogReader {
 
   /// The hashes of one tick.
   struct Line {
-    std::size_t number;                                       ///< line number in the file, from 1
-    std::string text;                                         ///< the whole line, without its line break
-    std::uint64_t tick;                                       ///< number of the tick
-    std::uint64_t state;                                      ///< hash of the whole state
-    std::array<std::uint64_t, engine::k_hash_groups> groups;  ///< hashes by group of the state (HashGroup)
+    std::size_t number;   ///< line number in the file, from 1
+    std::string text;     ///< the whole line, without its line break
+    std::uint64_t tick;   ///< tick of the state; 0: the state as loaded
+    std::uint64_t state;  ///< hash of the whole state
+    /// Hashes of the four groups of the state: pose, velocity, sensor, memory (HashGroup).
+    std::array<std::uint64_t, engine::k_hash_groups> groups;
   };
   /// Returns the next line; the first call returns the first line below the header. Returns nothing at the
   /// end of the log. Throws InputError if a tick is missing or repeated, if the line is incomplete or

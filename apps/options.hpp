@@ -95,8 +95,8 @@ void add_simd_option(CLI::App& app);
 /// nothing if the variable is not set or empty. Throws InputError if the name is unknown or the processor
 /// lacks the set.
 void obey_simd_variable();
-/// Adds --rank-seed (for tests: random delays of messages and moves of robots between ranks), which sets
-/// SimulationOptions::rank_seed.
+/// Adds --rank-seed (for tests: messages between ranks are delayed, and robots are given to other ranks, at
+/// random), which sets SimulationOptions::rank_seed.
 void add_rank_seed_option(CLI::App& app, WorldOptions& options);
 /// Adds --distribute (each rank has only its own robots and those near them), which sets
 /// SimulationOptions::distribute.

@@ -44,7 +44,8 @@ void add_inputs(const Simulation& simulation, std::vector<Input>& inputs);
 /// Appends the files of Python scripts with controllers (--controller) to `inputs`.
 void add_inputs(std::span<const std::shared_ptr<const Script>> scripts, std::vector<Input>& inputs);
 /// Checks that files can be written into a folder. If the folder does not exist yet, checks that its parent
-/// folder exists and is writable. Ignores an empty path. Creates nothing. Throws OutputError.
+/// folder exists and is writable. Throws OutputError if a check fails. Ignores an empty path. Creates no file
+/// or folder.
 void check_folder(const std::filesystem::path& folder);
 
 /// Writes a hash log: a text file with one line per tick, which contains the hashes of the state after this

@@ -45,7 +45,7 @@ std::vector<DomainPart> domain_of(const std::string& version_line) {
 }
 
 /// Collects the differences between two headers as the lines of an error message. Each line begins with the
-/// name of the second file and a line number in it.
+/// name of the second file and, if this is a text file, a line number.
 class Unlike {
  public:
   Unlike(const RunHeader& first, const RunHeader& second) : first_(first), second_(second) {}

@@ -116,9 +116,9 @@ class Redirect {
   fs::path file_;
 };
 
-/// Loads a world, or resumes a checkpoint. Users can remove all robots of a world. In a resumed run, users
-/// can remove or add only the bodies that could be removed or added in the run that wrote the checkpoint.
-/// Throws InputError if the world or the checkpoint is invalid.
+/// Loads a world, or resumes a checkpoint. In a loaded world, users can remove any robot. In a resumed run,
+/// users can remove or add only the bodies that could be removed or added in the run that wrote the
+/// checkpoint. Throws InputError if the world or the checkpoint is invalid.
 Simulation load(const ViewOptions& options) {
   const SimulationOptions& simulation = options.simulation;
   const bool is_checkpoint = worldio::is_checkpoint(options.world);

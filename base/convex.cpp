@@ -36,7 +36,7 @@ Ring distinct(const Ring& ring) {
 
 // -- Trapezoids --
 
-/// An edge of a contour that is not parallel to the x axis.
+/// A contour edge that is not parallel to the x axis.
 struct Side {
   Vec2 low;
   Vec2 high;
@@ -144,7 +144,7 @@ std::vector<double> crossings(const std::vector<Side>& sides, std::vector<std::s
 
 /// A slab is the space between two neighbouring levels, in which no sides cross. Appends the even-odd region
 /// of a slab to `trapezoids`. Where a trapezoid of the slab below has the same two sides, that trapezoid is
-/// extended instead. open: the trapezoids of the slab below, replaced by those of this slab.
+/// extended instead. open: the indices of the trapezoids of the slab below; set to those of this slab.
 void cut_slab(const std::vector<Side>& sides, std::vector<std::size_t> active, double bottom, double top,
               std::vector<Trapezoid>& trapezoids, std::vector<std::size_t>& open, Effort& effort) {
   effort.spend(4 * active.size());

@@ -13,8 +13,8 @@
 
 namespace troupe {
 
-/// The names of the files that a world was read from, each with a number. Where, a place in a file, stores
-/// this number instead of the name.
+/// The names of the files that a world was read from, each with a number. A place in a file (struct Where)
+/// stores this number instead of the name.
 class SourceFiles {
  public:
   /// Returns the number of a file. Adds the file on first use; the same name always gives the same number.

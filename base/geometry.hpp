@@ -78,9 +78,10 @@ struct Box {
 /// A closed polygon, metres; the last vertex is joined to the first.
 using Ring = std::vector<Vec2>;
 
-/// A floor plan or a block: the region inside its contours, extruded over a z interval. A point is inside if
-/// a ray from it crosses the contours an odd number of times (the even-odd rule), so inner contours are
-/// holes. Rays of sensors hit the edges of every contour from both sides.
+/// A region of the plane, extruded over a z interval: a part of a robot, an obstacle, or the walls of a floor
+/// plan. A point is in the region if a ray from the point crosses the contours an odd number of times (the
+/// even-odd rule), so inner contours are holes. Rays of sensors hit the edges of every contour from both
+/// sides.
 struct Solid {
   std::vector<Ring> contours;  ///< outer and inner contours, in any order and direction
   ZInterval z;                 ///< the heights that the solid fills, in the frame of the contours

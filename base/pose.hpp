@@ -12,11 +12,11 @@ using Vec2 = Eigen::Vector2d;
 
 /// Position and heading in 2.5 dimensions: z is a height, and rotation is about z only. Metres and radians;
 /// +x forward, +y left, counter-clockwise positive. The name of a variable of this type names both frames:
-/// pose_world_body is the pose of the body frame in the world frame.
+/// pose_world_body is the pose of the body frame in its parent frame, the world frame.
 struct Pose {
   double x = 0;        ///< position along x, metres
   double y = 0;        ///< position along y, metres
-  double z = 0;        ///< metres: height of the origin of the frame
+  double z = 0;        ///< height above the origin of the parent frame, metres
   double heading = 0;  ///< radians from the x axis of the parent frame; may be outside [-pi, pi]
 
   Vec2 position() const { return {x, y}; }  ///< x and y in metres, without z

@@ -16,8 +16,8 @@ inline std::size_t room_for(std::size_t size, std::size_t room) {
   return size > room || size + size / 2 + k_small < room ? size + size / 32 : room;
 }
 
-/// Changes the memory of a list to that for room_for() elements. The list must have at most `size` elements,
-/// which it keeps.
+/// Changes the capacity of a list to room_for(size, its present capacity). The list must have at most `size`
+/// elements, which it keeps.
 template <class T>
 void make_room(std::vector<T>& list, std::size_t size) {
   const std::size_t room = room_for(size, list.capacity());
@@ -28,7 +28,8 @@ void make_room(std::vector<T>& list, std::size_t size) {
   list.swap(moved);
 }
 
-/// Resizes a list, and its memory by make_room(). New elements are copies of `value`.
+/// Resizes a list to `size` elements, and changes its capacity as make_room() does. New elements are copies
+/// of `value`.
 template <class T>
 void resize_with_room(std::vector<T>& list, std::size_t size, const T& value = T()) {
   if (size < list.size()) list.erase(list.begin() + static_cast<std::ptrdiff_t>(size), list.end());
@@ -36,8 +37,8 @@ void resize_with_room(std::vector<T>& list, std::size_t size, const T& value = T
   list.resize(size, value);
 }
 
-/// Returns memory that the process has freed to the operating system, as far as the C library can. Without
-/// this, the process may keep the pages of freed lists. Call it after much memory was freed for good.
+/// Returns freed memory to the operating system, as far as the C library can. Without this call, the process
+/// may keep the pages of freed lists. Call this after much memory was freed for good.
 void release_freed_memory();
 
 }  // namespace troupe

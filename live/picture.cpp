@@ -59,7 +59,7 @@ void append_poses(std::string& out, const std::vector<std::int32_t>& poses, std:
 }
 
 /// Appends the bytes of the robots (or parts) whose bytes differ from those in `sent`, and sets `sent` to
-/// `bytes`. each: bytes per robot.
+/// `bytes`. each: bytes per robot or part.
 void append_bytes(std::string& out, const std::vector<std::uint8_t>& bytes, std::size_t each,
                   std::vector<std::uint8_t>& sent) {
   sent.resize(bytes.size(), 0);
@@ -78,7 +78,8 @@ void append_bytes(std::string& out, const std::vector<std::uint8_t>& bytes, std:
   sent = bytes;
 }
 
-/// Writes the colour of a part of a body: the colour that a device gives it, else the colour of the body.
+/// Writes red, green and blue of a part of a body, each from 0 to 255, to `into`: the colour that a device
+/// gives the part, else the colour of the body. part: index of the part; 0: the body itself.
 void put_color(const engine::World& world, std::uint32_t body, std::uint32_t part,
                std::span<std::uint8_t> into) {
   const Color color = engine::shown_color(world.view(), world.row(BodyId(body)), part)

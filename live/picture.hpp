@@ -11,8 +11,8 @@
 
 namespace troupe::live {
 
-/// The part of the state of a running world, after one tick, that the pages of viewers show. The thread that
-/// steps the world fills it, and the thread of the server encodes it.
+/// The data of a running world after one tick that the server sends to its clients (connected pages and
+/// programs). The thread that steps the world fills a picture, and the thread of the server encodes it.
 struct Picture {
   std::uint64_t number = 0;  ///< number of the picture, from 1
   std::string state;         ///< JSON members, without braces, that every client receives (docs/live.md)
@@ -21,9 +21,9 @@ struct Picture {
   std::map<std::uint64_t, std::string> own;
   /// The poses of the robots that the page shows, world frame, in the order of the argument `order` of
   /// take(): first x of all robots, then y of all, then the heading of all, then, if heights can change, z of
-  /// all. x, y and z are in units of worldio::k_replay_step_m and clamped to +-1000 km. Headings are numbers
-  /// from 0 to worldio::k_replay_turn - 1, in units of 1 / k_replay_turn of a turn. A robot that is not in
-  /// the world has the heading k_gone; its other values are 0.
+  /// all. x, y and z are in units of worldio::k_replay_step_m (1 mm) and clamped to +-1000 km. Headings are
+  /// numbers from 0 to worldio::k_replay_turn - 1, in units of 1 / k_replay_turn of a turn. A robot that is
+  /// not in the world has the heading k_gone; its other values are 0.
   std::vector<std::int32_t> poses;
   /// Red, green and blue, each from 0 to 255: first of each robot, and then of each part whose colour is set
   /// by a device. The parts are in the order of worldio::LivePage::shown_parts. An entry of shown_parts

@@ -343,7 +343,8 @@ void ViewServer::Impl::accept(tcp::acceptor& acceptor) {
   });
 }
 
-/// Opens a port. Throws boost::system::system_error if it is not available.
+/// Listens on a port of an address. Throws boost::system::system_error if the address or the port is not
+/// available.
 void ViewServer::Impl::listen(const asio::ip::address& address, std::uint16_t port) {
   const tcp::endpoint here(address, port);
   auto acceptor = std::make_unique<tcp::acceptor>(context);

@@ -26,7 +26,7 @@ class ViewBackend {
   /// If 16 clients are connected already, the server disconnects the new client and does not call this
   /// function.
   virtual std::string opened(std::uint64_t client, bool may_steer) = 0;
-  /// Called when a client has sent a text.
+  /// Called when a client has sent a text after its token.
   virtual void received(std::uint64_t client, bool may_steer, std::string_view text) = 0;
   /// Called when a client has disconnected, also because the server stops. No function is called for this
   /// client afterwards.
@@ -78,9 +78,10 @@ class ViewServer {
   /// Announces a new picture. The server then calls ViewBackend::picture() for each client that can receive
   /// one. May be called on any thread.
   void offer();
-  /// Tells the server that a client has drawn a picture. While a client has not yet drawn two of the pictures
-  /// that the server has sent, the server sends the client no further picture. Does nothing if the client has
-  /// disconnected. Call it from functions of ViewBackend only, because it must run on the server's thread.
+  /// Tells the server that a client has drawn a picture. While two pictures that the server has sent to a
+  /// client are not drawn yet, the server sends this client no further picture. Does nothing if the client
+  /// has disconnected. Call it from functions of ViewBackend only, because it must run on the server's
+  /// thread.
   void drawn(std::uint64_t client);
 
  private:

@@ -76,7 +76,8 @@ std::string hello_of(const std::string& greeting, bool may_steer) {
   return fmt::format(R"({{"type":"hello","may_steer":{},{}}})", may_steer, greeting);
 }
 
-/// Returns the names of all measures that have no required parameters, which viewers can plot.
+/// Returns the names of the measures that viewers can plot: those that have no required parameters and are
+/// not a second name (alias) of another measure.
 Json plain_measures(const Simulation& simulation) {
   Json names = Json::array();
   for (const engine::MeasureKind& kind : simulation.registry().measures)
@@ -184,9 +185,10 @@ void View::Impl::received(std::uint64_t client, bool may_steer, std::string_view
   const Json json = Json::parse(text, nullptr, false);
   const auto what = json.is_object() ? json.value("do", Json()) : Json();
   if (!what.is_string()) {
-    refused("a message without \"do\"");
+    refused("a message that is not a JSON object with a text under the key \"do\"");
     return server_->send(
-        client, R"({"type":"refused","reason":"a message must be a JSON object with the text \"do\""})");
+        client,
+        R"({"type":"refused","reason":"a message must be a JSON object with a text under the key \"do\""})");
   }
   if (what == "drawn") return server_->drawn(client);
   const auto id = json.value("id", Json(0U));
@@ -266,9 +268,9 @@ void View::Impl::before_tick() {
 }
 
 /// Waits until the next tick is due, or, if the world is paused, until a viewer continues the run. Meanwhile
-/// the function executes the messages of viewers. Between two ticks it returns at once if the world is not
-/// paused, and also as soon as a viewer sends an act (a command that changes the world). Acts are applied in
-/// before_tick(), after the changes that the world schedules.
+/// the function executes the messages of viewers. It also returns if is_over() is true. Between two ticks it
+/// returns at once if the world is not paused, and as soon as a viewer sends an act (a command that changes
+/// the world). Acts are applied in before_tick(), after the changes that the world schedules.
 void View::Impl::wait() {
   for (;;) {
     if (!take_messages()) return;
@@ -306,8 +308,9 @@ void View::Impl::after_tick() {
   limit_recording();
 }
 
-/// Executes the messages that have arrived. Between two ticks, it returns false at the first act (a command
-/// that changes the world), and leaves this and later messages for before_tick().
+/// Executes the messages that have arrived, and returns true. Between two ticks, it returns false at the
+/// first act (a command that changes the world), or if a viewer that drives a robot has disconnected, and
+/// leaves what remains to be done for before_tick().
 bool View::Impl::take_messages() {
   std::vector<Message> messages;
   std::map<std::uint64_t, bool> arrived;
@@ -358,8 +361,8 @@ void View::Impl::refuse(std::uint64_t client, std::uint64_t id, const std::strin
   server_->send(client, text_of({{"type", "refused"}, {"id", id}, {"reason", reason}}));
 }
 
-/// A request of a viewer: a JSON object with a text `do`. The functions throw ActRefused for an invalid
-/// value.
+/// A request of a viewer: a JSON object whose key `do` has the name of the request. The functions throw
+/// ActRefused for an invalid value.
 class View::Impl::Request {
  public:
   explicit Request(const std::string& text)
@@ -558,7 +561,7 @@ void View::Impl::do_jobs() {
   }
 }
 
-/// Returns the name of the file that the job wrote; empty if it wrote none.
+/// Returns the name of the file that the job has created; empty if the job creates none.
 std::string View::Impl::do_job(const Job& job) {
   switch (job.what) {
     case Job::What::restart: restart(job.seed); break;
@@ -674,7 +677,8 @@ void View::Impl::limit_recording() {
 }
 
 /// Applies an act (a command that changes the world) of a viewer and adds the act to the session. Throws
-/// ActRefused if the act is impossible, or if another viewer holds the robot.
+/// ActRefused if the act is impossible, or if it takes or releases control of a robot that another viewer
+/// drives.
 void View::Impl::carry_out(std::uint64_t client, const Act& act) {
   const bool is_hold = act.kind == Act::Kind::hold || act.kind == Act::Kind::release;
   if (const auto holder = holders_.find(act.whom);

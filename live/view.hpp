@@ -19,10 +19,10 @@ inline constexpr double k_least_rate = 0.001;
 inline constexpr double k_most_rate = 1e6;  ///< largest speed that a viewer may request
 
 /// Shows a running simulation in browsers, where users can pause it, change it and drive its robots
-/// (docs/live.md). A page or program that has connected to the view is called a viewer. Writes the actions of
-/// the users to a session file:
+/// (docs/live.md). A page or program that has connected to the view is called a viewer. The view writes the
+/// actions of the users to a session file. Example:
 ///
-///     troupe::Simulation simulation("cave.world", {.mortal = true});
+///     troupe::Simulation simulation("cave.world", {.mortal = true});  // lets users remove robots
 ///     troupe::live::View view(simulation);
 ///     std::cout << view.address() << '\n';
 ///     view.run();

@@ -17,18 +17,20 @@ namespace troupe::live {
 
 // The data that a viewer requests in addition to the poses and colours of all robots (docs/live.md).
 
-/// Returns the state of a body as JSON: name, pose, the fields of all its components, the ranges of its
-/// rangers, and the commands to its devices. Each component has the members component (its name in the
-/// state), name (engine::given_name()), runs (false for a sensor that does not run, whose values are NaN) and
-/// fields. At most the first 2048 columns of a field are listed. Commands are listed only if the body is
-/// alive, and only their fields of at most 4 columns. Static geometry, such as a wall, has no row in the
-/// state tables: the result then has only the name, the member `alive` with the value true, and an empty list
-/// of components. Throws std::out_of_range if there is no body with this id.
+/// Returns the state of a body as JSON: name, whether it is in the world (`alive`), pose, the fields of all
+/// its components (state tables), the ranges of its rangers, and the commands to its devices. Each component
+/// has the members component (its name in the state), name (the name that the world file gives the device,
+/// engine::given_name()), runs (false for a sensor that does not run, whose values are NaN) and fields. At
+/// most the first 2048 columns of a field are listed. Commands are listed only if the body is alive, and only
+/// their fields of at most 4 columns. Static geometry, such as a wall, has no row in the state tables: the
+/// result then has only the name, the member `alive` with the value true, and an empty list of components.
+/// Throws std::out_of_range if there is no body with this id.
 nlohmann::ordered_json inspection(Simulation& simulation, BodyId id);
 
 /// A value of the state by which a viewer colours robots.
 struct ColorValue {
-  std::string component;                ///< a name that selects components (engine::selects())
+  /// Name of a component (a state table), or only its kind or the name of its device (engine::selects()).
+  std::string component;
   std::string field;                    ///< name of a field of the component
   std::optional<std::uint32_t> column;  ///< column of the field; not set: the minimum of all columns
   /// The least and the largest value that take_shades() has found for any robot since the viewer chose this

@@ -66,7 +66,7 @@ void BodyIndex::for_each_tile_of(std::uint32_t row, Visit&& visit) const {
     for (std::int32_t x = low.x; x <= high.x; ++x) visit(Cell{x, y});
 }
 
-/// Calls visit(index of the cell in the tile, whether the cell contains the body's origin) for each cell of
+/// Calls visit(index of the cell in the tile, whether the cell contains the body's origin) for those cells of
 /// the tile in which the row is listed.
 template <class Visit>
 void BodyIndex::for_each_cell_within(std::uint32_t row, Cell tile, Visit&& visit) const {

@@ -59,9 +59,8 @@ class BodyIndex {
 
   /// Replaces the contents. places and radii have one entry per row. places: the pose of the body (metres,
   /// world frame). radii: the radius (metres) of the circle that is centred on the body's origin and encloses
-  /// the body; a negative radius means that the body is absent. The position of a body that is not absent
-  /// must not be NaN. Queries read both arrays, so the caller must keep them valid and unchanged until the
-  /// next rebuild().
+  /// the body; negative if the body is not in the world. The position of a body in the world must not be NaN.
+  /// Queries read both arrays, so the caller must keep them valid and unchanged until the next rebuild().
   void rebuild(std::span<const Transform> places, std::span<const double> radii, Parallel& parallel);
 
   /// Calls visit(span of circles) for runs: consecutive entries of the index, from neighbouring cells. The

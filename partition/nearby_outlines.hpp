@@ -33,7 +33,7 @@ class NearbyOutlines {
   static constexpr std::uint32_t k_fixed = 1u << 31;
 
   /// Sets the two spatial indexes to search, which must stay valid during the queries, and forgets the
-  /// current block. geometry: the grid of `bodies`, whose blocks are used. reach: largest distance from a
+  /// current block. geometry: the grid of `bodies`, which defines the blocks. reach: largest distance from a
   /// sensor at which its rays may hit a circle, metres.
   void begin(const BodyIndex& bodies, const FixedOutlines& fixed, const GridGeometry& geometry, double reach);
   /// Makes the block that contains this point (world frame, metres) the current block, to which the members

@@ -22,7 +22,7 @@ struct ObstacleShape {
   std::vector<PieceCircle> circles;  ///< enclosing circles, one per piece
   std::size_t vertices = 0;          ///< number of vertices of all pieces
   double radius = 0;    ///< radius of the circle about the body's origin that encloses the body, m
-  double thinnest = 0;  ///< smallest width of any piece (convex_width()), m; 0: no pieces
+  double thinnest = 0;  ///< smallest width of any piece (convex_width()), m; without pieces 0 or infinite
   ZInterval z;          ///< the interval that encloses the heights of all pieces, body frame, m
 
   bool empty() const { return pieces.empty(); }  ///< true if the body blocks nothing

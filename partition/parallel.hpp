@@ -37,8 +37,8 @@ class Parallel {
     on_task_ = std::move(callback);
   }
 
-  /// Sets a callback for timing. The thread that calls for_each() calls it before the loop (`begins` is true)
-  /// and after the loop (`begins` is false). Call on_loop() between loops only.
+  /// Sets a callback for timing. The thread that calls for_each() calls the callback before the loop
+  /// (`begins` is true) and after the loop (`begins` is false). Call on_loop() between loops only.
   void on_loop(std::function<void(bool begins)> callback) { on_loop_ = std::move(callback); }
 
   /// Calls task(i) once for each i from 0 to count - 1 and returns when all calls are done. The calls run in

@@ -14,8 +14,8 @@ namespace troupe::partition {
 
 /// The worker threads wait until `loop`, the number of loops begun so far, changes. Then they take the
 /// indices of tasks from the counter `next` until there are no more, and report that they are done. The
-/// calling thread takes indices as well. A worker compares `loop` with the last loop that it has seen before
-/// it waits, so that it does not miss a loop that began before the wait.
+/// calling thread takes indices as well. Before a worker waits, it compares `loop` with the value of `loop`
+/// that it saw last, so that it does not miss a loop that began before the wait.
 struct Parallel::Workers {
   explicit Workers(unsigned helpers) {
     for (unsigned i = 0; i < helpers; ++i) threads.emplace_back([this] { serve(); });

@@ -75,7 +75,7 @@ class RayGrid {
           std::span<const Vec2> vertices, double resolution_m);
   static constexpr std::size_t k_most_bytes = std::size_t{2} << 30;  ///< limit on the memory of the cells
 
-  /// Optional data for redraw(): for bodies with moving parts, bodies that move together, and absent bodies.
+  /// Optional data for redraw(): bodies with moving parts, bodies that move together, and bodies not to draw.
   struct Linked {
     /// Per outline that the constructor did not drop: the height by which it is raised above its
     /// MovingOutline::z, m. Empty: no outline is raised.

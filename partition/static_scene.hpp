@@ -125,8 +125,8 @@ class StaticScene {
   /// Whether one of the shape's pieces is wholly inside the solid. Requires that no edge of the solid crosses
   /// the shape.
   bool swallows(std::size_t solid, const PlacedShape& shape) const;
-  /// Calls visit(solid) for each solid that contains a whole piece of the shape, some solids more than once,
-  /// until a call returns true. Returns whether a call did.
+  /// Calls visit(solid) for each obstacle solid that contains a whole piece of the shape, some solids more
+  /// than once, until a call returns true. Returns whether a call did.
   template <class Visit>
   bool find_swallowing(const PlacedShape& shape, Visit&& visit) const {
     return boxes_.any_near(Box::around(shape.position(), shape.shape().radius),

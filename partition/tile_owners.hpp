@@ -39,7 +39,7 @@ class TileOwners {
   static std::vector<Key> random_cut(std::span<const Key> keys, unsigned ranks, Random& random);
 
   unsigned ranks() const { return static_cast<unsigned>(cut_.size()) + 1; }  ///< number of ranks
-  /// The rank that owns the tile with a point (m, world frame).
+  /// The rank that owns the tile that contains a point (m, world frame).
   unsigned owner(const Vec2& point) const { return owner(key(geometry_, point)); }
 
   /// Appends to `near` the ranks that own a tile within `distance` (m) of a point (m, world frame), in

@@ -186,8 +186,8 @@ void write_file(const fs::path& file, const std::string& text) {
   if (!stream) throw std::runtime_error(fmt::format("{}: error: cannot be written", file.string()));
 }
 
-/// Makes the kernels run on the instruction set `name`. Returns the error text if this is not possible,
-/// otherwise an empty text. (CLI11 expects such a function as the check of an option.)
+/// Makes the kernels (vectorised loops) use the instruction set `name`. Returns the error text if this is not
+/// possible, otherwise an empty text. (CLI11 expects such a function as the check of an option.)
 std::string select_simd(const std::string& name) {
   try {
     partition::use_simd_target(name);

@@ -33,7 +33,8 @@ struct Run {
   unsigned threads = 1;
   bool frames = false;  ///< draw a picture every 0.1 s of wall time, as in the paper's runs with graphics
   Watch watch = Watch::nothing;
-  std::string simd = {};  ///< instruction set of the kernels; empty: the default of the report
+  /// Instruction set of the kernels (vectorised loops); empty: the first that the option --simd names.
+  std::string simd = {};
 };
 
 /// Runs that are repeated in turn (A B A B ...), so that other load on the machine affects all of them

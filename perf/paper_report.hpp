@@ -16,8 +16,8 @@ namespace troupe::perf {
 /// values are omitted, and host names are never included.
 std::vector<std::pair<std::string, std::string>> describe_machine();
 
-/// Speeds of other simulators, in times real time. The keys are the column of the tables, such as `paper`,
-/// and the name of the scene.
+/// Speeds of other simulators: simulated time divided by wall time. The keys are the column of the tables,
+/// such as `paper`, and the name of the scene.
 using Reference = std::map<std::string, std::map<std::string, double>>;
 /// Reads a file with the format of perf/paper_reference.json. Throws std::runtime_error if it cannot be read.
 Reference read_reference(const std::filesystem::path& file);
@@ -67,8 +67,8 @@ void write_between_marks(const std::filesystem::path& file, const std::string& t
 
 /// Compares the hashes of a report with those in `book`. If `record`, stores them in `book` instead; the
 /// caller then calls HashBook::save(). Returns one line of text for each wrong or unknown hash, and for each
-/// row whose repetitions ended with different hashes. With `record`, a hash is wrong if another row of the
-/// same scene has a different one.
+/// row whose repetitions ended with different hashes. With `record`, a hash is wrong if an earlier row
+/// of the same scene and tick has a different one.
 std::vector<std::string> check_hashes(const Report& report, HashBook& book, bool record);
 
 }  // namespace troupe::perf

@@ -387,8 +387,8 @@ void bind_batch(py::module_& module) {
             return shown(py::dtype::of<bool>(), {extent(batch.copies())}, batch.over(), b, false);
           },
           "One bool per copy: whether the episode of the copy is over. It is over if it is truncated, or if "
-          "at least one robot of\nthe teams is finished and all robots of the teams that are in the world "
-          "are finished.")
+          "at least one robot of\nthe teams is finished and every robot that belongs to a team and is in the "
+          "world is finished.")
       .def_property_readonly(
           "measure_columns", [](const BatchHolder& b) { return b->use().measure_columns(); },
           "Names of the columns of the array `measures`, with their units.")

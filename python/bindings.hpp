@@ -46,8 +46,8 @@ class Unlocked {
 /// KeyboardInterrupt later.
 bool is_interrupted();
 
-/// Calls the Python function `function` with one argument. If the interpreter exits during the call, a daemon
-/// thread blocks in this function until the process ends. Unlocked explains why.
+/// Calls the Python function `function` with one argument. If the interpreter exits during the call and the
+/// caller is a daemon thread, this function blocks until the process ends. Unlocked explains why.
 py::object call(py::handle function, py::handle argument);
 
 /// A simulation owned by Python. Arrays and handles that refer to it keep it alive.
@@ -124,7 +124,7 @@ struct HeldModel {
 
 /// A swarm owned by Python, which keeps its simulation alive.
 struct HeldSwarm {
-  Holder held;  ///< null for a swarm that a measure gets as its argument
+  Holder held;  ///< null for a swarm that a measure of a script gets as its argument
   Swarm swarm;
 
   /// Returns the swarm. Throws as Held::use() does.
@@ -153,8 +153,8 @@ std::span<T> elements(py::array_t<Element>& array) {
   return {reinterpret_cast<T*>(array.mutable_data()), static_cast<std::size_t>(array.nbytes()) / sizeof(T)};
 }
 
-/// Loads the controllers and measures of scripts (python/troupe/_script.py). sources: a list of files and of
-/// classes of controllers. Throws InputError.
+/// Loads the controllers and measures of scripts (python/troupe/_script.py). sources: a list whose elements
+/// are names of scripts or classes of controllers. Throws InputError for an invalid script or class.
 std::vector<std::shared_ptr<const Script>> scripts_of(const py::list& sources);
 
 /// Returns the NumPy type of an element type of state tables.
@@ -164,7 +164,8 @@ py::dtype dtype_of(engine::Element element);
 void bind_exit();
 /// Adds the exceptions of the module and maps C++ exceptions to Python exceptions.
 void bind_errors(py::module_& module);
-/// Converts the energies of power packs, J, to a dict whose keys are the names of the members.
+/// Converts the data of power packs (energies in J, and two bools) to a dict whose keys are the names of the
+/// members of Model::Energy.
 py::dict dict_of(const Model::Energy& energy);
 
 // Each of the following functions adds classes and functions to the module.

@@ -137,8 +137,8 @@ void bind_models(py::module_& module) {
           "set_speed().")
       .def(
           "speed", [](HeldModel& m) { return m.use().speed(); },
-          "Velocity that the drive of this model computed in the last tick, in the body frame. An obstacle "
-          "that blocks the motion\ndoes not change it; see stalled().")
+          "Velocity that the drive of this model computed in the last tick, in the body frame, m/s and "
+          "rad/s. An obstacle that\nblocks the motion does not change this velocity; see stalled().")
       .def(
           "is_alive", [](HeldModel& m) { return m.use().is_alive(); },
           "Whether the body is in the world: spawned or present from the start, and not removed. Static "

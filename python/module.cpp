@@ -34,8 +34,8 @@ void raise_input_error(const InputError& error) {
   PyErr_SetObject(input_error.ptr(), value.ptr());
 }
 
-/// If the environment variable TROUPE_SIMD is set, selects the instruction set of this name for the
-/// computation kernels.
+/// Selects the instruction set for range finding that the environment variable TROUPE_SIMD names. Does
+/// nothing if the variable is not set or empty. Throws ImportError if the instruction set cannot be used.
 void obey_simd_variable() {
   const char* name = std::getenv("TROUPE_SIMD");
   if (name == nullptr || *name == '\0') return;
@@ -46,8 +46,9 @@ void obey_simd_variable() {
   }
 }
 
-/// Before version 2.12, pybind11 reads the size of elements from a place that NumPy 2 has moved. All elements
-/// of an array would then show the first one, without an error.
+/// Whether this version of pybind11 works only with NumPy 1. Before version 2.12, pybind11 reads the size of
+/// array elements from a place that NumPy 2 has moved. With NumPy 2, all elements of an array would have the
+/// value of the first element, without an error.
 constexpr bool k_needs_numpy_1 = PYBIND11_VERSION_HEX < 0x020C0000;
 
 /// Throws ImportError for a NumPy that pybind11 cannot read.
@@ -151,7 +152,7 @@ Simulation& Held::use_outside(std::string_view what) {
   return use();
 }
 
-/// While an object of this class exists, a flag is set.
+/// Sets a flag, Held::stepping_, while an object of this class exists.
 class Held::Stepping {
  public:
   explicit Stepping(bool& flag) : flag_(flag) { flag_ = true; }

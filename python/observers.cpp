@@ -26,7 +26,7 @@ struct HeldMeasures {
   Holder held;
   std::optional<Measures> measures;     ///< not set: all columns are functions
   std::vector<py::object> functions;    ///< per column: the function; null: the next column of `measures`
-  std::vector<std::string> names = {};  ///< per column
+  std::vector<std::string> names = {};  ///< per column: the name of the measure or function
 
   void see() {
     static_cast<void>(held->use());

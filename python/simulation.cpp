@@ -182,8 +182,8 @@ void step_and_call(const py::object& self, const Holder& held, const py::list& c
   for (const py::handle callback : callbacks) call(callback, self);
 }
 
-/// Makes `ticks` ticks. After each tick, calls the callbacks of on_tick() and then `after`. to_its_end: if
-/// true, it stops early when a stop condition ends the run.
+/// Makes `ticks` ticks. After each tick, calls the callbacks of on_tick() and then `after`. to_its_end:
+/// whether to stop early if a stop condition of the world ends the run.
 void advance(const py::object& self, std::uint64_t ticks, bool to_its_end,
              const std::optional<py::function>& after = {}) {
   const Holder held = self.cast<Holder>();
@@ -634,7 +634,8 @@ SimulationClass bind_simulation(py::module_& module) {
           "are left out. Raises LookupError if there is\nno such type.")
       .def(
           "energy", [](const Holder& held) { return dict_of(held->use().energy()); },
-          "The sums of the energies of all power packs, J, as a dict with the keys of Model.energy().")
+          "The energies of all power packs as a dict with the keys of Model.energy(): sums, J; infinite and "
+          "charging are True\nif they are True for one or more packs.")
       .def("snapshot", &snapshot, py::arg("file"), py::arg("width") = 1280, py::arg("height") = 720,
            py::kw_only(), py::arg("camera") = "top", py::arg("layers") = "", py::arg("center_m") = py::none(),
            py::arg("angle_rad") = py::none(), py::arg("across_m") = py::none(), py::arg("color_by") = "",

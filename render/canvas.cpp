@@ -296,7 +296,7 @@ class Uploaded {
   }
 
  private:
-  /// Most vertices of a flat layer that are placed at once, unless one instance has more.
+  /// Greatest number of vertices of a flat layer that are transformed at once, unless one instance has more.
   static constexpr std::size_t k_most_placed = std::size_t{1} << 20;
 
   void place(std::span<const Instance> instances) {
@@ -570,7 +570,7 @@ struct Canvas::Impl {
 
   /// Does the same as draw_once(), but draws the tile once for each sample. Without solid layers, each sample
   /// is drawn nearer than the one before, and the depth buffer is cleared only once, which saves 1 ms for
-  /// 1280 x 720 pixels. Solid layers need all of its precision.
+  /// 1280 x 720 pixels. Solid layers need the full precision of the depth buffer.
   void draw_per_sample(const Projection& projection, std::span<const AnyLayer> layers,
                        const std::vector<std::unique_ptr<Uploaded>>& uploaded, int columns, int rows,
                        std::uint8_t* into) {

@@ -61,9 +61,9 @@ class Projection {
   /// the point of the floor below the viewer.
   Vec3 floor_center() const;
 
-  /// Origin of the single-precision coordinates of what is drawn in the world (class SolidLayer, and class
-  /// PointLayer, in render/canvas.hpp): a point, m, world frame, at the height 0. It is near the visible part
-  /// of the world, so that the coordinates are small, and so are their rounding errors.
+  /// Origin of the single-precision coordinates of SolidLayer and, without on_map, PointLayer
+  /// (render/canvas.hpp): a point, m, world frame, at the height 0. It is near the visible part of the world,
+  /// so that the coordinates and their rounding errors are small.
   const Vec3& origin() const { return origin_; }
   /// Column-major matrix that converts points relative to origin() to OpenGL's clip coordinates, with y up.
   std::array<float, 16> clip_matrix() const;

@@ -69,8 +69,8 @@ struct BlobFinder {
 
 struct Blob {
   Color color;
-  std::size_t first = 0;  ///< first ray
-  std::size_t last = 0;   ///< last ray
+  std::size_t first = 0;  ///< index of its first ray; ray 0 is the rightmost
+  std::size_t last = 0;   ///< index of its last ray
   double sum = 0;         ///< sum of the ranges of its rays, m
 };
 
@@ -134,8 +134,9 @@ class Writer {
   std::size_t count_ = 0;
 };
 
-/// Finds the blobs that the finder of the row `own` sees, and passes them to the writer. body: the transform
-/// from the frame in which the finder's pose is given to the world frame.
+/// Finds the blobs that the finder on the body with the row (index in the state tables) `own` sees, and
+/// passes them to the writer. body: the transform from the frame in which the finder's pose is given to the
+/// world frame.
 void find_blobs(const CommittedView& view, const BlobFinder& finder, Row own, const Transform& body,
                 Writer& writer) {
   const Vec2 origin = body * finder.pose_body_sensor.position();
@@ -171,7 +172,7 @@ DeviceKind::Prepared BlobFinder::prepare(const Params& params, const Pose& pose_
   const std::uint32_t n = params.most_blobs;
   return {.data = std::move(finder),
           .percepts = {{"count", Element::u32, 1, "",
-                        "number of blobs in sight of the colours in `colors` (empty: of all colours)"},
+                        "number of blobs whose colour is in `colors` (empty: of all blobs)"},
                        {"left", Element::i32, n, "", "leftmost column of each blob"},
                        {"right", Element::i32, n, "", "rightmost column of each blob"},
                        {"top", Element::i32, n, "", "top row of each blob"},

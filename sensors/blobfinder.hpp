@@ -21,11 +21,11 @@ enum BlobField : std::size_t {
 
 /// Returns the sensor kind `blobfinder`, which reports the blobs that a camera with few columns would see:
 /// runs of neighbouring columns that show the same colour.
-/// sees    It casts one ray per column, of length `range`. The rays are at equal angles from -fov/2 to +fov/2
-///         about the axis of view, which is the heading of the sensor plus `pan`; fov/2 is to the left, in
-///         column 0. A single column looks along the axis of view. A ray ends at the first wall or body; the
-///         heights of the sensor and of the body make no difference. A ray ignores the sensor's own robot and
-///         all bodies that move with it (one carries the other, or a third body carries both).
+/// sees    The sensor casts one ray per column, of length `range`. The rays are at equal angles from -fov/2
+///         to +fov/2 about the axis of view, which is the heading of the sensor plus `pan`; fov/2 is to the
+///         left, in column 0. A single column looks along the axis of view. A ray ends at the first wall or
+///         body; the heights of the sensor and of the body make no difference. A ray ignores the sensor's own
+///         robot and all bodies that move with it (one carries the other, or a third body carries both).
 /// rows    The rows of a blob are computed as if all bodies were 0.6 m tall and seen from the middle of their
 ///         height.
 /// source  Stage's blobfinder model. That model skips a column after each blob; this sensor skips none. As in

@@ -38,7 +38,7 @@ double distance(const Vec2& a, const Vec2& b, const Vec2& c, const Vec2& d) {
 
 /// Returns the nearest body with an outline within `thickness` (m) of a strip (world frame). At equal
 /// distances it is the body with the lower id. The result is not valid if there is no such body. Skips the
-/// body of the row `own` and the bodies that it carries or that carry it.
+/// body with the row (index in the state tables) `own` and all bodies that move with this body.
 BodyId felt(const engine::SensingView& view, Row own, const Strip& strip, double thickness) {
   Box box;
   box.extend(strip.right);

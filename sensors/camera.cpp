@@ -64,19 +64,19 @@ struct Lens {
 
   Params params;
   Pose pose_body_camera;   ///< pan included
-  double half_width = 0;   ///< half the width of the image at depth 1
-  double half_height = 0;  ///< half the height of the image at depth 1
+  double half_width = 0;   ///< half the width of the image plane at a depth of 1 m, m
+  double half_height = 0;  ///< half the height of the image plane at a depth of 1 m, m
   SinCos tilt;
 
   static DeviceKind::Prepared prepare(const Params& params, const Pose& pose_body_sensor);
   Result<> bind_part(const engine::TypeSpec& type, std::uint32_t part);
   std::uint64_t sense(const SenseBatch& batch) const;
 
-  /// Distance of the middle of a column of pixels from the middle of the picture, positive to the right, in
-  /// the image plane at depth 1.
+  /// Distance, m, of the middle of a column of pixels from the middle of the picture, positive to the right,
+  /// in the image plane at a depth of 1 m.
   double right(double column) const { return half_width * ((column + 0.5) / params.width * 2 - 1); }
-  /// Distance of the middle of a row of pixels from the middle of the picture, positive upwards, in the image
-  /// plane at depth 1.
+  /// Distance, m, of the middle of a row of pixels from the middle of the picture, positive upwards, in the
+  /// image plane at a depth of 1 m.
   double up(double row) const { return half_height * (1 - (row + 0.5) / params.height * 2); }
   bool is_level() const { return tilt.sin == 0; }
 };
@@ -111,8 +111,9 @@ struct Crossing {
 /// that only the first images allocate memory.
 class Painter {
  public:
-  /// Renders the image of the camera of the row `own` into its readings. mount: the frame in which the lens's
-  /// pose is given. state, slot: the table of the readings, and the entry of this row.
+  /// Renders the image of a camera into its readings. own: the row, in the state tables, of the body that has
+  /// the camera. mount: the frame in which the lens's pose is given. state, slot: the table of the readings,
+  /// and the entry of this body.
   void paint(const CommittedView& view, const Lens& lens, Row own, const engine::Mount& mount,
              engine::StateTable& state, std::size_t slot) {
     lens_ = &lens;

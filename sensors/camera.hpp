@@ -15,10 +15,10 @@ enum CameraField : std::size_t {
 
 /// Returns the sensor kind `camera`, which renders colour and depth of its field of view without a graphics
 /// library.
-/// sees    It shows walls and bodies as extruded blocks with tops and undersides, and the floor at z = 0. It
-///         does not show its own robot, nor bodies that move with this robot (one carries the other, or a
-///         third body carries both). There is no light or shadow: each body has its own colour. Surfaces
-///         nearer than range_near are not drawn; beyond range_far the picture shows sky.
+/// sees    A picture shows walls and bodies as extruded blocks with tops and undersides, and the floor at
+///         z = 0. It does not show the camera's own robot, nor bodies that move with this robot (one carries
+///         the other, or a third body carries both). There is no light or shadow: each body has its own
+///         colour. Surfaces nearer than range_near are not drawn; beyond range_far the picture shows sky.
 /// pixels  The camera is a pinhole camera: each pixel shows the colour along one ray through its middle.
 /// ties    Of two surfaces at the same depth, the surface of the body with the lower id is drawn; within one
 ///         body, the surface of the solid with the lower number. A body at the depth of the floor hides the

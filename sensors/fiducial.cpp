@@ -86,9 +86,9 @@ struct Target {
 /// only the first searches allocate memory.
 class Search {
  public:
-  /// Returns the targets that the finder of the row `own` finds, the nearest first; valid until the next
-  /// call. Adds the number of rays that it casts to rays(). mount: the frame in which the finder's pose is
-  /// given.
+  /// Returns the targets that the finder on the body with the row (index in the state tables) `own` finds,
+  /// the nearest first; valid until the next call. Adds the number of rays that it casts to rays(). mount:
+  /// the frame in which the finder's pose is given.
   std::span<const Target> find(const SensingView& view, const FiducialFinder& finder, Row own,
                                const engine::Mount& mount) {
     view_ = &view;
@@ -130,8 +130,9 @@ class Search {
   }
 
  private:
-  /// Adds a model to the candidates if its key is right and it is within range and field of view. extent:
-  /// upper bound on the distance of the model's surfaces from its origin, m; 0 if unknown.
+  /// Adds a model to the candidates if its fiducial_key is that of the finder and its origin is within range
+  /// and field of view. extent: upper bound on the distance of the model's surfaces from its origin, m; 0 if
+  /// unknown.
   void consider(BodyId body, std::uint32_t part, const PartSpec& spec, const Pose& pose_world_part,
                 double extent) {
     if (spec.returns.fiducial_key != finder_->params.key) return;

@@ -23,14 +23,15 @@ enum FiducialField : std::size_t {
 
 /// Returns the sensor kind `fiducial`: a finder that reports marked models in sight (bodies and parts with a
 /// fiducial_return other than 0) and their poses.
-/// finds   It finds models of other bodies, but not of bodies that move with the finder's body (one carries
-///         the other, or a third body carries both). The model must have the finder's `key` as fiducial_key,
-///         and its origin must be nearer than range_max and within fov. With apply_range_min, the origin must
-///         also be at least range_min away. The model must be in sight: a ray from the finder towards the
-///         model's origin, at the height of the finder, must meet the model first. Walls, all other bodies,
-///         and the other parts of the model's body stop this ray, even if rangers do not see them.
-/// z       With ignore_zloc, it also finds a model that the ray passes above or below, if the ray meets no
-///         other surface that is nearer than the model's origin.
+/// finds   The finder finds models of other bodies, but not of bodies that move with its own body (one
+///         carries the other, or a third body carries both). The model must have the finder's `key` as
+///         fiducial_key, and its origin must be nearer than range_max and within fov. With apply_range_min,
+///         the origin must also be at least range_min away. The model must be in sight: a ray from the finder
+///         towards the model's origin, at the height of the finder, must meet the model first. Walls, all
+///         other bodies, and the other parts of the model's body stop this ray, even if rangers do not see
+///         them.
+/// z       With ignore_zloc, the finder also finds a model that the ray passes above or below, if the ray
+///         meets no other surface that is nearer than the model's origin.
 /// edges   A model whose origin is at exactly range_max is not found; a model at exactly fov/2 is found. A
 ///         model whose origin is at the position of the finder has the bearing 0.
 /// source  Stage's fiducial model. There, with ignore_zloc, a body behind a target may hide the target; here

@@ -69,8 +69,8 @@ class Ground {
   void collect(const engine::WorldSpec& world);
   /// Returns the ground at a point (world frame, m) for a device on the body with the row (index in the
   /// state tables) `own`. This body, and all bodies that move with it (SensingView::same_tree()), are
-  /// ignored. If no part covers the point, the body of the result is not valid, its top is 0, and its colour
-  /// is that of the floor. Colours are those of the world file.
+  /// ignored. If no part covers the point, the result has no valid body, a top of 0, and the colour of the
+  /// floor. Colours are those of the world file.
   Zone below(const engine::SensingView& view, Row own, const Vec2& point) const;
   /// Like below(), but parts have the colours that devices such as LEDs show.
   Zone shown_below(const engine::CommittedView& view, Row own, const Vec2& point) const;

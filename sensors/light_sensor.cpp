@@ -70,9 +70,9 @@ class Eyes {
     first_.resize(k_room);
   }
 
-  /// Returns the lights that the sensor of the row `own` sees, sorted by body id and then by device; valid
-  /// until the next call. Adds the number of rays that it casts to rays(). mount: the frame in which the
-  /// sensor's pose is given.
+  /// Returns the lights that the sensor on the body with the row (index in the state tables) `own` sees,
+  /// sorted by body id and then by device; valid until the next call. Adds the number of rays that it casts
+  /// to rays(). mount: the frame in which the sensor's pose is given.
   std::span<const Seen> find(const CommittedView& view, const LightSensor& sensor, Row own,
                              const engine::Mount& mount) {
     seen_.clear();

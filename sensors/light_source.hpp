@@ -23,8 +23,8 @@ struct LightState {
 };
 
 /// The prepared data (engine::DeviceKind::Prepared::data) of a light. To a light sensor, each device whose
-/// prepared data has this type is a light. The members period_s, dutycycle and enabled state when the light
-/// is lit while no controller commands it.
+/// prepared data has this type is a light. The members period_s, dutycycle and `enabled` determine when the
+/// light is lit while no controller commands it.
 struct LightSource {
   /// Pose in the frame of the body or joint that carries the light. The heading has no effect: lights shine
   /// in all directions.

@@ -80,8 +80,8 @@ void group_beams(RangerBeams& ranger, const Transducer& transducer) {
   }
 }
 
-/// Adds the extras of a transducer to the ranger if the transducer has noise, a range_min that is applied, or
-/// a beam width. first: the column of its first reading.
+/// Adds the extras of a transducer to the ranger if the transducer has noise of readings, a range_min that is
+/// applied, or a beam width. first: the column of the transducer's first reading.
 void add_extras_of(const Transducer& transducer, std::size_t first, RangerBeams& ranger) {
   const TransducerParams& params = transducer.params;
   TransducerExtras extras{.first = first,

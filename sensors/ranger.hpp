@@ -22,8 +22,9 @@ namespace troupe::sensors {
 ///         and through all bodies that move with this robot (one carries the other, or a third body carries
 ///         both).
 /// ties    Of two surfaces at one distance, the larger intensity is reported.
-/// source  The exact engine projects edges on beams by inverse depth (partition/ranging.hpp). In worlds with
-///         the grid engine, rays walk through the cells of a grid (partition/ray_grid.hpp).
+/// source  In worlds with the grid engine, rays walk through the cells of a grid (partition/ray_grid.hpp). In
+///         all other worlds, the exact engine projects the edges of outlines on the beams by inverse depth
+///         (partition/ranging.hpp).
 engine::DeviceKind ranger_kind();
 
 struct RangerBeams;

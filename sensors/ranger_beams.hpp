@@ -29,18 +29,18 @@ struct BeamGroup {
   Vec2 middle = Vec2::UnitX();  ///< direction halfway between the first and the last beam, body frame
   double fov = 0;               ///< angle between the first and the last beam, rad
   double step = 0;              ///< angle between neighbouring beams, rad
-  /// Headings of the beams without noise, body frame, rad. This array and angular_noise are empty if no beam
-  /// of the group has angular noise.
+  /// Headings of the beams before noise is added, body frame, rad. This array and angular_noise are empty if
+  /// no beam of the group has angular noise.
   std::vector<double> headings;
   std::vector<double> angular_noise;  ///< bound of the uniformly distributed error of each heading, rad
 };
 
-/// The noise, the lower limit and the beam width of one transducer. add_extras() applies them to the readings
-/// of the transducer after its beams have been cast.
+/// The noise, the lower limit and the beam width of one transducer (fan of beams). add_extras() applies them
+/// to the readings of the transducer after its beams have been cast.
 struct TransducerExtras {
   std::size_t first = 0;      ///< column of its first reading
   std::size_t count = 0;      ///< number of its readings
-  double range_max = 0;       ///< largest reading, m; readings with noise are limited to 0 to range_max
+  double range_max = 0;       ///< largest reading, m; readings with noise are clamped to [0, range_max]
   double noise_stddev = 0;    ///< standard deviation of a normally distributed error of a reading, m
   double noise_relative = 0;  ///< standard deviation of a second normal error, as a fraction of the reading
   double noise_proportional = 0;  ///< bound of a uniform error, as a fraction of the reading
@@ -62,7 +62,8 @@ struct RangerBeams {
   double reach = 0;                ///< bound on the distance from the reference to the end of any beam, m
   bool intensity = false;          ///< whether the readings contain intensities
   bool has_angular_noise = false;  ///< whether any beam has angular noise
-  std::vector<TransducerExtras> extras;  ///< only of transducers with noise, a lower limit or a beam width
+  /// One entry for each transducer with noise of readings, a lower limit or a beam width.
+  std::vector<TransducerExtras> extras;
 };
 
 }  // namespace troupe::sensors

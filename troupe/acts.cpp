@@ -57,8 +57,9 @@ void store(std::byte* to, double x) {
   std::memcpy(to, &value, sizeof value);
 }
 
-/// Whether an element of this type can store a number. An integer type stores only integers in its range
-/// (64-bit types: below 2^53 in magnitude, where doubles are exact); f32 rounds.
+/// Whether an element of this type can store a finite number. An integer type stores only integers in its
+/// range (64-bit types: from -2^53, or 0 if unsigned, to 2^53 - 1, where doubles are exact). f32 rounds
+/// numbers that do not exceed the largest float in magnitude.
 bool holds(Element element, double x) {
   const auto within = [&](double least, double end) { return x >= least && x < end && std::trunc(x) == x; };
   switch (element) {

@@ -132,9 +132,7 @@ void BatchEnv::Impl::add_copy(const Simulation& world, std::size_t c) {
       team.robots = swarm.size();
       team.names = swarm.names();
       if (team.robots == 0)
-        refuse(fmt::format(
-            "team \"{}\" has no robots: its member \"robots\" must name a type, a population or a robot",
-            team.spec->name));
+        refuse(fmt::format("team \"{}\" has no robots: no body of the world has a drive", team.spec->name));
       plan(team, copy);
     }
     bind(teams[t], copy, bound);

@@ -42,10 +42,10 @@ struct BatchPart {
   /// heading relative to the observing robot's heading, and 1. If fewer than `count` robots are found, the
   /// remaining columns are 0. If two robots are at the same distance, the one with the lower id comes first.
   /// With `target`: if a body has this name, it is the target of all robots. Otherwise each robot has its own
-  /// target: the body whose name is `name` followed by the number at the end of the robot's name. With `name`
-  /// "goal", a population, the target of the robot "r3" is the body "goal3". If a robot has no target, the
-  /// constructor of BatchEnv throws std::out_of_range. The columns are 0 while the target is not in the
-  /// world.
+  /// target: the body whose name is `name` followed by the number at the end of the robot's name. For
+  /// example, if `name` is "goal" and no body has this name, the target of the robot "r3" is the body
+  /// "goal3". If a robot has no target, the constructor of BatchEnv throws std::out_of_range. The columns are
+  /// 0 while the target is not in the world.
   std::string name;
   std::size_t count = 1;  ///< `nearest`: number of robots to find, 1 to 1000
   /// `nearest`: the largest distance at which robots are found, m; above 0
@@ -55,8 +55,8 @@ struct BatchPart {
   double scale = 1;
 };
 
-/// An array of observations: copies x robots x columns, row-major. The columns of a robot that is not in the
-/// world are 0.
+/// An array of observations: copies of the world x robots of the team x columns, row-major. The columns of a
+/// robot that is not in the world are 0.
 struct BatchArraySpec {
   std::string name;              ///< unique among the arrays of its team
   std::vector<BatchPart> parts;  ///< one or more groups of columns, from the first column to the last
@@ -90,8 +90,8 @@ struct BatchColumn {
 };
 
 /// A term of the reward. The reward of a robot in a step is the sum of all terms, plus BatchEnd::reward of
-/// each end that holds after the step. It is 0 for robots that were finished before the step or are not in
-/// the world.
+/// each condition (BatchEnd) that holds after the step. The reward is 0 for robots that were finished before
+/// the step or are not in the world.
 struct BatchReward {
   BatchColumn of;     ///< the number that is rewarded
   double weight = 1;  ///< factor by which the number is multiplied
@@ -235,8 +235,8 @@ class BatchEnv {
   /// std::logic_error before the first reset(). Throws std::invalid_argument, before any copy makes its step,
   /// if `begins` has another size or an action of a copy that makes a step is not finite. Throws
   /// engine::StepError if the step of a copy throws, and as reset() does if a copy cannot begin its episode.
-  /// In both cases the other copies have made their step, and the failed copy must be reset before it can
-  /// step again.
+  /// In these last two cases the other copies have made their step, and the failed copy must be reset before
+  /// it can step again.
   void step(std::span<const std::uint8_t> begins = {});
 
  private:

@@ -170,8 +170,10 @@ void BatchEnv::Impl::plan_device_action(const BatchAction& action, std::span<con
     throw std::out_of_range(fmt::format("device \"{}\": {}", action.device,
                                         unknown_name("command", action.command, known_names(fields))));
   if (field->columns != 1)
-    refuse(fmt::format("command \"{}\" of device \"{}\" has {} numbers, but an action sets only one",
-                       action.command, action.device, field->columns));
+    refuse(
+        fmt::format("command \"{}\" of device \"{}\" has {} numbers, but an action sets only one: give "
+                    "a command with one number",
+                    action.command, action.device, field->columns));
   const auto of_devices = std::ranges::count_if(
       team.actions_plan, [](const Action& before) { return before.command >= k_drive; });
   team.actions_plan.push_back({.command = k_drive + static_cast<std::size_t>(of_devices),
@@ -228,7 +230,7 @@ void BatchEnv::Impl::bind(const TeamData& team, Copy& copy, TeamCopy& bound) {
     if (team.drives && !world.type(world.row(id)).drive)
       refuse(
           fmt::format("robot \"{}\" of team \"{}\" has no drive, but an action of the team commands the "
-                      "drive",
+                      "drive: put the robot in another team",
                       world.spec().name(id), team.spec->name));
   bound.before.resize(team.rewards_of.size() * robots.size());
   bound.was_terminated.resize(robots.size());

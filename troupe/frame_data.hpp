@@ -11,10 +11,11 @@
 namespace troupe {
 
 /// Finds a value of the state by name: COMPONENT.FIELD or COMPONENT.FIELD.COLUMN, such as `velocity.x` or
-/// `ranger/ir.ranges.3`. COMPONENT may be shortened to the kind of the component: `wander.turn_left_s` is a
-/// field of the component `wander/0`. If there is no such value, the error lists the known values; if only
-/// the column does not exist, the error states the columns of the field. If the value belongs to a sensor
-/// that runs on no robot, ChosenValue::text says so.
+/// `ranger/ir.ranges.3`. A component is a table of the state. COMPONENT may be shortened to the kind of the
+/// component or to the name of its device: `wander.turn_left_s` is a field of the component `wander/0`, and
+/// `ir.ranges.3` is the same as `ranger/ir.ranges.3`. If there is no such value, the error lists the known
+/// values; if only the column does not exist, the error states the columns of the field. If the value belongs
+/// to a sensor that runs on no robot, ChosenValue::text says so.
 Result<ChosenValue> find_value(const engine::World& world, const std::string& name);
 /// Returns one number per body of Frame::mobile (the bodies that are not static): the chosen value of the
 /// body, or NaN if the body does not have this value or its sensor does not run.

@@ -23,8 +23,8 @@ class Trails {
   /// number of points of a trail.
   bool wants(std::uint64_t tick) const;
   void see(const engine::Frame& frame);  ///< stores the positions of a frame's bodies if wants() is true
-  /// Replaces Frame::trails by one trail per body of Frame::mobile: the stored positions of the body, oldest
-  /// first, and then its position in `frame`; m, world frame.
+  /// Replaces Frame::trails by one trail per body of Frame::mobile (the bodies that are not static): the
+  /// stored positions of the body, oldest first, and then its position in `frame`; m, world frame.
   void add_to(engine::Frame& frame) const;
 
  private:

@@ -159,8 +159,8 @@ std::string heights_text(const ZInterval& z) {
 }
 
 /// Returns the second half of a warning, which states why a sensor at the heights `looks` detects none of the
-/// solids at the heights `there`. nothing, what: how the text names these solids, such as "no other visible
-/// body" and "visible bodies".
+/// solids at the heights `there`. nothing, what: how the text names these solids, such as "no other body that
+/// rangers see" and "bodies that rangers see".
 std::string missed_text(const Heights& there, const ZInterval& looks, std::string_view nothing,
                         std::string_view what) {
   if (there.empty() || there.extent().contains(looks.min))

@@ -29,8 +29,9 @@ class Measures {
   /// wanted: one text per measure: the name of a measure ("stalls"); a name and the type, population or robot
   /// that it is computed for ("stalls:leaders"); or a JSON object as in a world file (`{"kind": "coverage",
   /// "cell_m": 0.5}`). An empty list means the measures of the world file, or, if it has none, all measures
-  /// that need no parameters. Throws InputError, whose text lists all errors: unknown measures, parameters
-  /// and robots, and two measures with the same column.
+  /// that need no parameters, except those that are a second name (alias) of another measure. Throws
+  /// InputError, whose text lists all errors: unknown measures, parameters and robots, and two measures with
+  /// the same column.
   explicit Measures(Simulation& simulation, const std::vector<std::string>& wanted = {});
   ~Measures();
   Measures(Measures&&) noexcept;             ///< a moved-from object may only be destroyed or assigned to

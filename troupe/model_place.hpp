@@ -8,8 +8,8 @@
 
 namespace troupe {
 
-/// What an object of the class Model, which is only a handle, refers to: a body of a world, or a part of this
-/// body. `part` is the index of the part; 0: the body itself.
+/// What a Model, which is only a handle, refers to: a body of a world, or a part of a body. `part` is the
+/// index of the part; 0: the body itself. `name` is the result of Model::name().
 struct Model::Place {
   engine::World* world;
   BodyId body;

@@ -181,7 +181,7 @@ troupe_plugin() {
 /// library may have several controllers.
 #define TROUPE_CONTROLLER(name, ...)                                                                       \
   static_assert(::troupe::plugin::is_name(name),                                                           \
-                "a controller's name is one word, without / : = and without a leading dot");               \
+                "a controller's name is one word without / : = \\ \" and without a leading dot");          \
   static const ::troupe::plugin::Entry<::troupe::engine::ControllerKind> TROUPE_PLUGIN_ENTRY(__COUNTER__)( \
       name, ::troupe::plugin::kind_of<__VA_ARGS__>);
 
@@ -190,7 +190,7 @@ troupe_plugin() {
 /// device. A library may have several devices and controllers.
 #define TROUPE_DEVICE(name, make)                                                                      \
   static_assert(::troupe::plugin::is_name(name),                                                       \
-                "a device's name is one word, without / : = and without a leading dot");               \
+                "a device's name is one word without / : = \\ \" and without a leading dot");          \
   static const ::troupe::plugin::Entry<::troupe::engine::DeviceKind> TROUPE_PLUGIN_ENTRY(__COUNTER__)( \
       name, ::troupe::plugin::device_of<make>);
 
@@ -200,7 +200,7 @@ troupe_plugin() {
 /// per measure.
 #define TROUPE_MEASURE(name, ...)                                                                       \
   static_assert(::troupe::plugin::is_name(name),                                                        \
-                "a measure's name is one word, without / : = and without a leading dot");               \
+                "a measure's name is one word without / : = \\ \" and without a leading dot");          \
   static const ::troupe::plugin::Entry<::troupe::engine::MeasureKind> TROUPE_PLUGIN_ENTRY(__COUNTER__)( \
       name, ::troupe::plugin::measure_of<__VA_ARGS__>);
 

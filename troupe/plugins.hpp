@@ -32,15 +32,16 @@ class Plugins {
   };
 
   /// path: the folders to search, in this order. registry: the kinds that the program already has. A plug-in
-  /// with a kind that has the name of one of these kinds cannot be used.
+  /// cannot be used if worlds would refer to one of its controllers by the name of a controller in
+  /// `registry`; the same holds for devices and for measures.
   Plugins(std::vector<std::filesystem::path> path, const engine::Registry& registry);
   ~Plugins();
   Plugins(const Plugins&) = delete;
   Plugins& operator=(const Plugins&) = delete;
 
   /// Returns the controller of this name; loads its library at the first call. Registry::plugged_controllers
-  /// calls this function. The pointer is never null and is valid while this object lives. unknown: the
-  /// beginning of the error text if there is no such plug-in, to which the searched folders are appended.
+  /// calls this function. The pointer is never null and is valid while this object lives. unknown: the text
+  /// with which the error begins if there is no such plug-in; the searched folders follow.
   Result<const engine::ControllerKind*> controller(std::string_view name, std::string unknown);
   /// Returns the sensor or other device of this name, as controller() does for controllers.
   /// Registry::plugged_devices calls this function.

@@ -99,7 +99,8 @@ struct Follower {
   }
 };
 
-/// The replicas of a world on the other processes.
+/// The ranks of a world if each rank is a process. Holds the replica of rank 0; the destructor makes the
+/// other processes destroy their replicas of this world.
 class ProcessGroup : public RankGroup {
  public:
   ProcessGroup(engine::World& world, const engine::Registry& registry, Transport& transport, unsigned nodes,

@@ -82,7 +82,7 @@ struct RecordedRun::Impl {
   std::vector<const Array*> readings;
   std::vector<std::uint32_t> rows;         // per body id: its row in the recording, or k_none
   std::vector<const Array*> shown_colors;  // per type; null if not recorded
-  /// Per type and part: the colour that a device gives the part; null if there is none.
+  /// Per type and part: the array of the colours that a device gives the part; null if not recorded.
   std::vector<std::vector<const Array*>> part_colors;
   /// Displacements of the joints of each type: per joint four arrays (x, y, z, heading). Empty for a type
   /// whose joints were not recorded.
@@ -259,7 +259,7 @@ struct RecordedRun::Impl {
   };
 
   /// Replaces the type of each body whose joints were recorded, or whose parts show colours, by a new type.
-  /// Bodies without joints that show the same colours share a type, as in World::frame().
+  /// Bodies of a type without recorded joints share the new type if their parts have the same colours.
   void change_parts(Frame& shown) const {
     for (std::uint32_t type = 0; type < world.types.size(); ++type) {
       const auto moved = mounts(type);

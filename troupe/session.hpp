@@ -43,7 +43,7 @@ class SessionLog {
 /// Repeats a session: applies each of its acts at the tick at which it was applied in the original run. Call
 /// act() in the callback of Simulation::before_tick():
 ///
-///   troupe::Simulation simulation("cave.world", {.seed = 7, .mortal = true});
+///   troupe::Simulation simulation("cave.world", {.seed = 7, .mortal = true});  // as in the original run
 ///   troupe::SessionReplay session("cave.session.jsonl", simulation);
 ///   simulation.before_tick([&](troupe::Simulation& s) { session.act(s); });
 ///   simulation.run_for(60);

@@ -113,8 +113,8 @@ struct SimulationOptions {
   /// sets this option (docs/cluster.md). Null: this process computes the world alone.
   std::shared_ptr<RankProcesses> processes;
   /// True: each rank stores only the state of its own robots and of robots near them (docs/cluster.md). This
-  /// process then has the other robots only after engine::World::gather(). Without effect if one rank
-  /// computes the world, and for worlds that cannot be distributed in this way, for which
+  /// process then has the state of all other robots only after engine::World::gather(). Without effect if one
+  /// rank computes the world, and for worlds that cannot be distributed in this way, for which
   /// RankStatistics::why_replicated states the reason. Only the program `troupe` sets this option.
   bool distribute = false;
 };
@@ -247,10 +247,10 @@ class Model {
     double left = 0;     ///< speed to the left, m/s
     double turn = 0;     ///< turn rate, counter-clockwise, rad/s
   };
-  /// Velocity that the drive of this model computed in the last tick, in the body frame. An obstacle that
-  /// blocks the motion does not change it; stalled() is then true. At tick 0 it is the initial velocity of
-  /// the drive (0 for a part with a device `wheels`). It is 0 for a model without a drive, for a body that is
-  /// not in the world, and while a body is disabled or its drive has no power.
+  /// Velocity that the drive of this model computed in the last tick, in the body frame. This velocity does
+  /// not change if an obstacle blocks the motion; stalled() is then true. At tick 0 it is the initial
+  /// velocity of the drive (0 for a part with a device `wheels`). It is 0 for a model without a drive, for a
+  /// body that is not in the world, and while a body is disabled or its drive has no power.
   Speed speed() const;
   /// Whether the body is in the world: it was spawned or present from the start, and it was not removed
   /// (docs/lives.md). Static geometry is always in the world.
@@ -406,7 +406,7 @@ class Simulation {
   /// the file, each as `file:line: error: ...`, and std::invalid_argument for numbers of threads or ranks
   /// that are not allowed.
   explicit Simulation(const std::filesystem::path& world, const SimulationOptions& options = {});
-  /// Loads a world file that uses kinds of sensors, drives, controllers or other devices that the program
+  /// Loads a world file that uses kinds of sensors, other devices, drives or controllers that the program
   /// defines. To make `registry`, take the result of make_registry() (troupe/registry.hpp), which has the
   /// kinds that Troupe ships, and add the kinds of the program.
   Simulation(const std::filesystem::path& world, const SimulationOptions& options, engine::Registry registry);
@@ -505,22 +505,23 @@ class Simulation {
   void before_tick(std::function<void(Simulation&)> callback);
   /// Applies an act to the running world: a change that a user or a program requests, such as moving,
   /// removing or steering a robot (docs/live.md). Call it between two steps, or in the callback of
-  /// before_tick(). A hold, the act that steers a robot from outside, lasts until another act releases the
-  /// robot or until reset(), and checkpoints contain it. Throws ActRefused (troupe/acts.hpp), and changes
-  /// nothing, if the act is impossible.
+  /// before_tick(). A hold, the act that steers a robot instead of its controller, lasts until another act
+  /// releases the robot, until the robot leaves the world, or until reset(). Checkpoints contain holds.
+  /// Throws ActRefused (troupe/acts.hpp), and changes nothing, if the act is impossible.
   void act(const engine::Act& act);
-  /// Returns to the state after loading, bit for bit: the tick is 0, the hashes are those after loading, and
-  /// the same run follows. Models, swarms, callbacks and subscriptions stay valid; commanded speeds are
-  /// discarded. A recording of record() is closed. After a step that threw, call reset() to continue. reset()
-  /// reads no file, and allocates no memory unless the world has `stop_when`. Therefore a program can run
-  /// thousands of trials of one world for little more than the cost of their steps.
+  /// Returns to the state after loading, or after the last reset(seed), bit for bit: the tick is 0, the
+  /// hashes are those of that state, and the same run follows. Models, swarms, callbacks and subscriptions
+  /// stay valid; commanded speeds are discarded. A recording of record() is closed. After a step that threw,
+  /// call reset() to continue. reset() reads no file, and allocates no memory unless the world has
+  /// `stop_when`. Therefore a program can run thousands of trials of one world for little more than the cost
+  /// of their steps.
   void reset();
   /// Returns to the state that the world has after loading with the given seed, bit for bit: populations are
   /// placed again, and all random numbers depend on the new seed. In a world made from a WorldSpec, which has
-  /// no placement rules, all bodies keep their places. Otherwise it is like reset(), but allocates memory.
-  /// Throws InputError, and changes nothing, if the placement rules find no place for a robot with this seed.
-  /// Throws std::logic_error for a run that was resumed, because a checkpoint does not store the placement
-  /// rules.
+  /// no placement rules, all bodies keep their places. In all other respects reset(seed) is like reset(), but
+  /// it allocates memory. Throws InputError, and changes nothing, if the placement rules find no place for a
+  /// robot with this seed. Throws std::logic_error for a run that was resumed, because a checkpoint does not
+  /// store the placement rules.
   void reset(std::uint64_t seed);
   /// Makes another simulation of the same world at tick 0, as if it had been loaded with this seed. Reads no
   /// file. The new simulation may outlive this one and is computed by one rank. Callbacks, subscriptions,
@@ -596,9 +597,10 @@ class Simulation {
   void set_poses(std::span<const std::pair<Model, Pose>> poses);
   /// Spawns a robot between two steps: places the next unborn body of a population's reserve at a pose in the
   /// world frame, m and rad. From the next step on its controller runs and sensors detect it. Returns
-  /// std::nullopt if the body would be outside the bounds of the world or touch a solid body, or if the
-  /// reserve is used up. Throws std::out_of_range for a population without a reserve, and
-  /// std::invalid_argument for a pose that is not finite. Each call rebuilds the spatial index of all bodies.
+  /// std::nullopt if the body would be outside the bounds of the world or overlap a wall or another body that
+  /// is an obstacle, or if the reserve is used up. Throws std::out_of_range for a population without a
+  /// reserve, and std::invalid_argument for a pose that is not finite. Each birth rebuilds the spatial index
+  /// of all bodies.
   std::optional<Model> spawn(std::string_view population, const Pose& pose);
   /// Number of bodies in the reserve of a population that spawn() can still add. Throws std::out_of_range for
   /// a population without a reserve.
@@ -637,9 +639,9 @@ class Simulation {
   /// Names of all robots in the world, in the order of their ids.
   std::vector<std::string> robot_names() const;
   /// Makes all sensors of a body run, as Stage's Subscribe does. model: name of the body or of one of its
-  /// parts. Without this call, only sensors run that are active (`active` in JSON, `alwayson` in Stage
-  /// worlds) or that the robot's controller reads. Call it before the first step: later calls throw
-  /// std::logic_error. Throws std::out_of_range for an unknown model.
+  /// parts. Without this call, a sensor runs only if the world file makes it run (`active` in JSON,
+  /// `alwayson` in Stage worlds) or if the robot's controller reads it. Call subscribe() before the first
+  /// step: later calls throw std::logic_error. Throws std::out_of_range for an unknown model.
   void subscribe(std::string_view model);
 
   /// Starts to record this run in a file (troupe/recording.hpp): the current state, and then the state at
@@ -706,8 +708,8 @@ class Simulation {
   /// tools that compare or save states. The reference is valid while the simulation lives.
   engine::World& world();
   const engine::World& world() const;  ///< the same world, read-only
-  /// The registry of kinds of sensors, drives, controllers and other devices that this world was made with.
-  /// The reference is valid while the simulation lives.
+  /// The registry that this world was made with: the kinds of sensors, other devices, drives, controllers and
+  /// so on. The reference is valid while the simulation lives.
   const engine::Registry& registry() const;
 
   /// Draws the world from above into a PNG file, or into an SVG or PDF file if the name ends in .svg or .pdf.

@@ -42,7 +42,8 @@ struct Simulation::Impl {
   std::vector<std::pair<std::string, std::string>> changes;
   /// Tick of the checkpoint that the run was resumed from; std::nullopt if it was not resumed.
   std::optional<std::uint64_t> resumed_at;
-  /// The data that observers stored in the checkpoint that the run was resumed from.
+  /// The data that callbacks of on_save() and Troupe stored, by name, in the checkpoint that the run was
+  /// resumed from.
   worldio::Memories memories;
   /// The callbacks of on_save(), by name.
   std::map<std::string, std::function<std::vector<std::byte>()>> on_save;

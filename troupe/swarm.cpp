@@ -9,8 +9,10 @@
 #include <algorithm>
 #include <cstring>
 #include <exception>
+#include <optional>
 #include <stdexcept>
 #include <utility>
+#include <vector>
 
 namespace troupe {
 namespace {
@@ -218,20 +220,28 @@ std::size_t index_of(std::span<const engine::StateField> fields, std::string_vie
 }  // namespace
 
 Swarm::Cells Swarm::readings_of(Row row, std::string_view field, std::string_view wanted) const {
-  const auto has_field = [&](const engine::BodyType::Device& device) {
-    const auto fields = world_->percepts(device).fields();
-    return index_of(fields, field) < fields.size();
+  const auto cells_of = [&](const engine::BodyType::Device& device) -> std::optional<Cells> {
+    const engine::StateTable& table = world_->percepts(device);
+    const std::size_t index = index_of(table.fields(), field);
+    if (index == table.fields().size()) return {};
+    return Cells{&device, &table.fields()[index], index, &table};
   };
-  const engine::BodyType::Device& device = device_of(
-      *world_, row, wanted.empty() ? "device with the field" : "device", wanted.empty() ? field : wanted,
-      [&](const engine::BodyType::Device& each) {
-        return wanted.empty() ? has_field(each) : each.name == wanted;
-      },
-      [](const engine::BodyType::Device&) { return true; });
-  const engine::StateTable& table = world_->percepts(device);
-  const std::size_t index = index_of(table.fields(), field);
-  if (index == table.fields().size()) throw_unknown_field("field", device.name, field, table.fields());
-  return {&device, &table.fields()[index], index, &table};
+  if (!wanted.empty()) {
+    const engine::BodyType::Device& device = device_of(
+        *world_, row, "device", wanted,
+        [&](const engine::BodyType::Device& each) { return each.name == wanted; },
+        [](const engine::BodyType::Device&) { return true; });
+    if (const auto cells = cells_of(device)) return *cells;
+    throw_unknown_field("field", device.name, field, world_->percepts(device).fields());
+  }
+  std::vector<std::string_view> known;
+  for (const engine::BodyType::Device& device : world_->type(row).devices) {
+    if (const auto cells = cells_of(device)) return *cells;
+    for (const engine::StateField& other : world_->percepts(device).fields())
+      if (std::ranges::find(known, other.name) == known.end()) known.push_back(other.name);
+  }
+  throw std::out_of_range(fmt::format("devices of \"{}\": {}", world_->spec().name(world_->body(row)),
+                                      unknown_name("field", field, std::move(known))));
 }
 
 Swarm::Cells Swarm::commands_of(Row row, std::string_view field, std::string_view wanted) const {

@@ -35,8 +35,9 @@ namespace troupe {
 ///           Robots that are not in the world have readings, speeds and commands of 0
 /// sizes     a span whose size a function does not state must have one element per robot; other sizes throw
 ///           std::invalid_argument
-/// where     the commands have this parameter to select robots: one byte per robot, 0 skips the robot; an
-///           empty span selects all. Commands always skip robots that are not in the world
+/// where     functions that command or place robots have this parameter to select robots: one byte per robot,
+///           0 skips the robot; an empty span selects all. These functions always skip robots that are not in
+///           the world
 /// valid     while the simulation lives, also after a reset
 ///
 /// Functions with a parameter `out` copy the values to this span, in the order of the robots.

@@ -1,6 +1,6 @@
 #pragma once
 
-/// Includes all public headers that programs need.
+/// Includes the public headers that most programs need.
 #include "base/diagnostics.hpp"
 #include "troupe/acts.hpp"
 #include "troupe/batch_env.hpp"

@@ -102,8 +102,8 @@ class Settings {
 /// /types/bot/drive/kind: unknown drive ...`, with the line numbers of json().
 class WorldBuilder {
  public:
-  /// A type of bodies, made by WorldBuilder::type(). It belongs to the WorldBuilder and is valid as
-  /// long as the WorldBuilder exists. All functions return *this.
+  /// A type: the shape, drive, sensors and other properties that bodies of the same construction share. Made
+  /// by WorldBuilder::type(), and valid as long as the WorldBuilder exists. All functions return *this.
   class Type {
     struct Key {
       explicit Key() = default;

@@ -66,7 +66,8 @@ FieldTable make_window_fields() {
        .fallback = std::vector<double>{400, 300},
        .min = -k_most_window_px,
        .max = k_most_window_px,
-       .text = "width and height of the window; negative numbers: full screen",
+       .text = "width and height of the window; a negative number: full screen in Stage, the default picture "
+               "size in Troupe",
        .columns = 2},
       {.name = "center",
        .type = FieldType::numbers,

@@ -38,8 +38,8 @@ def count_edges(rows):
 
 
 def standing_room(rows, width, pixels):
-    """Returns the pixels at which a corner of a square robot can be while the robot overlaps no solid pixel.
-    pixels: side of the robot."""
+    """Returns the pixels at which the upper left corner of a square robot can be while the robot overlaps no solid
+    pixel: a whole number per row from the top, with one bit per pixel. pixels: side of the robot, pixels."""
     whole = (1 << width) - 1
 
     def shrink(free, reach):

@@ -118,7 +118,8 @@ class Bitmap:
 class Pen:
     """Draws in metres in a frame (u, v): the point (u, v) is at origin + u * along + v * into.
 
-    `along` and `into` are axis-aligned unit vectors. So one function for a room serves on every side of a corridor.
+    `along` and `into` are axis-aligned unit vectors. A function that draws a room with a pen can therefore draw it on
+    any side of a corridor.
     """
 
     def __init__(self, bitmap, origin=(0, 0), along=(1, 0), into=(0, 1)):

@@ -34,10 +34,11 @@ constexpr std::array<std::byte, 2> k_fills{std::byte{0x5a}, std::byte{0xa5}};
 /// spatial index.
 enum class Memory : std::uint8_t {
   kept,       ///< keeps these data
-  forgotten,  ///< discards these data in each tick: World::forget()
-  remade,     ///< in each tick replaces the world by a new one with the same state:
+  forgotten,  ///< discards these data after each tick: World::forget()
+  remade,     ///< before each tick, replaces the world by a new one with the same state:
               ///< engine/observing/remade_world.hpp
-  shuffled,   ///< in each tick gives the bodies other rows: World::shuffle_rows()
+  shuffled,   ///< after each tick, gives the bodies other rows (places in the state tables):
+              ///< World::shuffle_rows()
 };
 
 /// One way to run the world. All variants must give the same results.
@@ -133,8 +134,8 @@ class Decisions {
     check_ = std::make_unique<engine::ControllerCheck>(world_, variant.simulation.registry());
   }
 
-  /// Initialises the memory of every controller twice. Returns the differences and the fields that stay unset
-  /// as lines of text. Call it once, before the first step.
+  /// Initialises the memory of every controller twice. Returns, as lines of text, the differences and the
+  /// fields that no initialisation sets. Call it once, before the first step.
   std::vector<std::string> start_twice() { return texts(check_->start_twice()); }
 
   /// Repeats the decisions of the last step. Returns the differences as lines of text. Call it after each
@@ -180,11 +181,11 @@ std::vector<std::string> compare(std::vector<Variant>& variants) {
   return lines;
 }
 
-/// Compares each variant with the first variant only in whether the last step was completed or ended with an
-/// error. Returns the differences as lines of text, and marks the variants that differ. If the steps of all
-/// variants ended with an error, the world causes the error: throws the error of the first variant as a
-/// StepError. (The texts may differ: an exception of a kind names the first robot of a batch, and batches
-/// depend on the threads.)
+/// Compares each variant with the first variant only by how the last step ended: completed, or with an error.
+/// Returns the differences as lines of text, and marks the variants that differ. If the steps of all variants
+/// ended with an error, the world causes the error: throws the error of the first variant as a StepError.
+/// (The texts of the errors may differ: if a sensor, device or drive throws an exception, the text names the
+/// first robot of a batch, and the batches depend on the number of threads.)
 std::vector<std::string> compare_errors(std::vector<Variant>& variants) {
   const auto outcome = [](const Variant& variant) {
     return variant.error ? fmt::format("stopped with an error: {}", *variant.error)

@@ -7,13 +7,15 @@
 
 namespace troupe::apps {
 
-/// Options of `troupe check`, which runs a world in several variants and compares their states.
+/// Options of `troupe check`, which runs a world in several variants and compares their states. There is one
+/// variant for each combination of a number of threads, a tile size and a number of ranks.
 struct CheckOptions : WorldOptions {
-  std::vector<unsigned> threads{1, 2, 8};  ///< numbers of threads, each of which is a variant
-  /// Edge lengths of tiles, m, each of which is a variant; 0: the automatic choice. The default of 1.7 m is
-  /// less than the range of most sensors, so that their beams cross several tiles.
+  std::vector<unsigned> threads{1, 2, 8};  ///< numbers of worker threads to compare
+  /// Edge lengths of the tiles (squares of the world that threads process) to compare, m; 0: the automatic
+  /// choice. The default of 1.7 m is less than the range of most sensors, so that their beams cross several
+  /// tiles.
   std::vector<double> tile_sizes_m{0, 1.7};
-  /// Numbers of ranks (groups of threads that divide the robots among them), each of which is a variant.
+  /// Numbers of ranks (groups of threads that divide the robots among themselves) to compare.
   std::vector<unsigned> ranks{1};
   /// Also check variants that, in each tick, discard caches, rebuild the world or shuffle the order of the
   /// bodies in the state tables.

@@ -52,8 +52,8 @@ Summary summary_of(const worldio::RecordingReader& recording) {
   }
   summary.emplace_back("complete",
                        recording.unfinished()
-                           ? "no: being written, or cut off; troupe repair makes it readable for standard "
-                             "HDF5 tools"
+                           ? "no: being written, or cut off; troupe repair makes a cut-off recording "
+                             "readable for standard HDF5 tools"
                            : "yes");
   return summary;
 }

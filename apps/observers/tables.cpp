@@ -222,7 +222,7 @@ class EventsOutput : public ClonedOutput<EventsOutput> {
  public:
   void add_options(CLI::App& app, RunOptions&) override {
     add_value(app, "--events", "FILE.csv",
-              "Write a table of events, one per line (a robot is stalled or held at the world's bounds, ...)",
+              "Write a table of events, one per line (a robot is blocked or would leave the bounds, ...)",
               [this](const std::string& text) { file_ = file_name("--events", text); });
   }
   std::vector<fs::path*> names(RunOptions&) override { return {&file_}; }

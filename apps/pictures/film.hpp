@@ -20,8 +20,8 @@ namespace troupe::apps {
 class Ffmpeg {
  public:
   /// Starts ffmpeg. film: file to write; width, height: size of the pictures, pixels; fps: pictures per
-  /// second of film. Throws OutputError if ffmpeg is not found, with the package to install, or if the file
-  /// cannot be written.
+  /// second of film. Throws OutputError if ffmpeg is not found (the text names the package to install), or if
+  /// the file cannot be written.
   Ffmpeg(std::filesystem::path film, int width, int height, double fps);
   ~Ffmpeg();
   Ffmpeg(const Ffmpeg&) = delete;

@@ -14,7 +14,7 @@ namespace troupe::apps {
 
 /// The pictures and the film that a run writes.
 struct PictureFiles {
-  std::filesystem::path snapshot;     ///< picture file, which may contain {time}; empty: none
+  std::filesystem::path snapshot;     ///< name of the picture file, which may contain {time}; empty: none
   std::vector<double> snapshot_at_s;  ///< simulated times of the pictures, s; empty: only the end of the run
   std::filesystem::path film;         ///< film file, or picture files with `%06d`; empty: none
   double fps = 30;                    ///< frames per second of the film

@@ -15,7 +15,7 @@ namespace troupe::apps {
 struct PlotOptions {
   std::filesystem::path folder;  ///< folder with the results of a sweep
   std::string measure;           ///< name of the measure
-  std::string by;                ///< parameters that distinguish the lines of the plot; commas between them
+  std::string by;                ///< names of parameters that distinguish the lines of the plot, with commas
   std::string title;             ///< title above the plot
   std::filesystem::path out;     ///< picture to write
 };

@@ -133,8 +133,9 @@ std::chrono::duration<double> grace(double limit_s) {
 }
 
 /// Ends the process if the object is not destroyed within a time limit after its construction. A thread
-/// watches the limit; when the limit has run out, the thread prints `error` and ends the process. limit_s:
-/// the limit, s; above k_longest_s: no limit.
+/// watches the limit; when the limit has run out, the thread prints that `error` took longer than the limit,
+/// and ends the process. error: what is limited, as the subject of this sentence. limit_s: the limit, s;
+/// above k_longest_s: no limit.
 class EndsWithin {
  public:
   EndsWithin(double limit_s, unsigned rank, std::string error) {

@@ -12,7 +12,7 @@
 namespace troupe::apps {
 
 /// Results of a run. At the end of the run, summary_text() or, with --json, summary_json() makes the summary
-/// of them.
+/// from them.
 struct Report {
   std::string world;             ///< name of the world file
   std::string title;             ///< title of the world
@@ -24,8 +24,8 @@ struct Report {
   bool stopped = false;          ///< stopped before end_s by a signal or --wall-limit
   std::string stopped_by;        ///< the condition of the world's `stop_when` that ended the run; empty: none
   unsigned threads = 0;          ///< worker threads per rank
-  /// Messages and waiting, during this run, of the ranks: processes, or groups of threads, that compute the
-  /// world together.
+  /// Statistics of the ranks in this run, such as the messages that rank 0 sent and the time that rank 0
+  /// waited. Ranks are processes, or groups of threads, that compute the world together.
   RankStatistics ranks;
   /// Counts of own bodies, messages and so on in this run, one entry per rank; empty with one rank.
   std::vector<RankCounts> rank_counts;

@@ -51,9 +51,9 @@ std::vector<RunOptions> one_for_each_world(const RunOptions& options) {
   return each;
 }
 
-/// Calls check_outputs() for the inputs and outputs of all worlds. It is called before loading, and again
-/// after loading, because a world file may name a recording. read: for the second call, the files that the
-/// worlds were read from.
+/// Calls check_outputs() for the inputs and outputs of all worlds. Called before the worlds are loaded, and
+/// again after they are loaded, because a world file may name a recording. read: for the second call, the
+/// files that the worlds were read from.
 void check_files(const std::vector<RunOptions>& each, const std::vector<Input>& read = {}) {
   std::vector<Input> inputs;
   std::vector<fs::path> outputs;

@@ -145,7 +145,7 @@ void add_output_options(CLI::App& app, RunOptions& options) {
 
 void add_session_option(CLI::App& app, RunOptions& options) {
   add_value(app, "--session", "FILE.jsonl",
-            "Repeat the users' actions in a session file of troupe view (docs/live.md)",
+            "Repeat the actions of users that a session file of troupe view contains (docs/live.md)",
             [&options](const std::string& text) { options.session = file_name("--session", text); });
 }
 

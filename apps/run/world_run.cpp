@@ -29,7 +29,7 @@ std::uint64_t peak_rss_bytes() {
   return static_cast<std::uint64_t>(usage.ru_maxrss) * 1024;  // Linux counts in KiB
 }
 
-/// Returns the present time, s, for SimulationOptions::rank_clock.
+/// Returns the time of a clock that never goes back, s, for SimulationOptions::rank_clock.
 double rank_clock(unsigned) {
   return std::chrono::duration<double>(std::chrono::steady_clock::now().time_since_epoch()).count();
 }
@@ -88,8 +88,10 @@ std::string controllers_text(const engine::TypeSpec& type) {
 /// Numbers of robots of one type that have a drive and are in the world.
 struct Robots {
   std::size_t all = 0;
-  std::size_t still = 0;        ///< robots at the position where they started
-  std::size_t uncommanded = 0;  ///< `still` robots, enabled and never turned, whose command is not to move
+  std::size_t still = 0;  ///< robots at the position where they started
+  /// `still` robots that are not disabled, have not turned (not checked if born during the run), and whose
+  /// command is not to move.
+  std::size_t uncommanded = 0;
 };
 
 /// Returns the numbers of robots (Robots) of each type, by TypeId.

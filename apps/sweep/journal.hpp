@@ -17,7 +17,7 @@ struct SweepOutcome {
   std::uint64_t ticks = 0;     ///< number of ticks of the run
   double time_s = 0;           ///< world time at the end, s
   std::string stopped_by;      ///< the condition of the world's `stop_when` that ended the run; empty: none
-  std::vector<double> values;  ///< one per column of worldio::measure_columns(); NaN: no value
+  std::vector<double> values;  ///< statistics of measures, by worldio::measure_columns(); NaN: no value
   std::string state_hash;      ///< hash of the last state, as hexadecimal digits
 };
 

@@ -49,11 +49,11 @@ using worldio::Study;
 
 constexpr const char* k_sweep_footer = R"(
 A study is a JSON file that names a world, the parameters that vary between runs (a grid or random samples), seeds and
-measures (docs/sweeps.md). Runs are made in parallel, each on one thread. The result of each run is saved in DIR when
-it finishes. To continue a sweep that was stopped or killed, give the same command again. When all runs are finished,
-DIR contains the table with one row per run (table.csv and table.h5). If the study has "series": true, DIR also contains
-the measures over time (series.csv), which troupe plot draws. The tables depend neither on the number of parallel runs
-nor on interruptions.
+measures (docs/sweeps.md). Runs are made in parallel, each on one thread. When a run finishes, its result is saved in
+DIR. To continue a sweep that was stopped or killed, give the same command again. When all runs are finished, DIR
+contains the table with one row per run (table.csv and table.h5). If the study has "series": true, DIR also contains the
+measures over time (series.csv), which troupe plot draws. The tables depend neither on the number of parallel runs nor
+on interruptions.
 
 With --part, several machines share a study, as in a SLURM array of eight jobs:
   sbatch --array=1-8 --wrap 'troupe sweep study.json -o results --part $SLURM_ARRAY_TASK_ID/8'
@@ -243,9 +243,9 @@ void keep_series(const fs::path& file, const std::string& rows) {
   }
 }
 
-/// Makes the runs with these indices in parallel and writes each to the journal when it finishes. Returns the
-/// errors of failed runs, by index. Throws the error if the result of a run cannot be written. During the
-/// runs, tells the other ranks that this rank is at work.
+/// Makes the runs with these indices in parallel. When a run finishes, writes its result to the journal.
+/// Returns the errors of failed runs, by index. Throws the error if the result of a run cannot be written.
+/// During the runs, tells the other ranks that this rank is at work.
 std::map<std::size_t, std::string> make_all(const Study& study, const std::vector<std::size_t>& runs,
                                             const SweepOptions& options, SweepJournal& journal,
                                             RankDeal& deal) {

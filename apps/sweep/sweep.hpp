@@ -17,7 +17,7 @@ namespace troupe::apps {
 /// Options of `troupe sweep`.
 struct SweepOptions {
   std::filesystem::path study;   ///< study file, which describes many runs of a world
-  std::filesystem::path folder;  ///< folder for journals and tables
+  std::filesystem::path folder;  ///< folder for the journals (results of finished runs) and the tables
   unsigned runs_at_once = 0;     ///< number of runs that are made in parallel; 0: one per available processor
   std::size_t part = 1;   ///< from 1 to parts: this process makes the runs part - 1, part - 1 + parts, ...
   std::size_t parts = 1;  ///< number of parts (--part)

@@ -192,8 +192,8 @@ class Conflicts {
     if (zones_.empty() || zones_[row] == Zone::plain || outcome(row) != Outcome::moved) return {};
     return {pushes_.data() + pushes_of_[row].first, pushes_of_[row].count};
   }
-  /// The round in which the row of a motion was resolved. Rows that depend on it were resolved in later
-  /// rounds.
+  /// Number of the round in which a row that proposed a motion was resolved; rounds are counted on from tick
+  /// to tick. Rows that depend on this row were resolved in later rounds.
   std::uint32_t round_of(std::size_t row) const { return resolutions_[row].round(); }
 
  private:

@@ -54,12 +54,13 @@
 /// code that needs it, by a function such as `constexpr void describe(Description<Pose>&)` in namespace
 /// troupe::engine.
 ///
-/// members   bool; integers; float, double; std::string; enums with names_of(Enum), in the order of their
-///           values from 0; std::vector<double>; std::vector<std::string>; std::array and Eigen vectors of
-///           numbers; Color, std::vector<Color>; Id; Pose and any other described struct (a record),
-///           std::vector of described structs (records); std::optional of any of these except std::vector of
-///           described structs; std::vector of Eigen vectors, and of such lists (numbers in lists of lists);
-///           Record (a record of a table that only the reader of the struct knows)
+/// members   bool; integers; float, double; std::string; enums whose values count from 0, with a function
+///           names_of(Enum) that returns the names in the order of the values; std::vector<double>;
+///           std::vector<std::string>; std::array and Eigen vectors of numbers; Color, std::vector<Color>;
+///           Id; Pose and any other described struct (a record), std::vector of described structs (records);
+///           std::optional of any of these except std::vector of described structs; std::vector of Eigen
+///           vectors, and std::vector of such vectors (numbers in lists of lists); Record (a record of a
+///           table that only the reader of the struct knows)
 /// defaults  A member has the default that it has in T{}. A `required` member has no default. A std::optional
 ///           has no default either, but may be missing, and must be empty in T{}.
 /// limits    A member has the limits that its description gives, and never wider ones than those of its type.

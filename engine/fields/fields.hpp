@@ -81,8 +81,8 @@ enum class Unit {
   watts,                       ///< W
 };
 
-/// The type of a parameter. Unless stated otherwise, a Value stores it as the type that the function of Value
-/// with the same name returns.
+/// The type of a parameter. Unless stated otherwise, a Value stores the parameter as the C++ type that the
+/// function of Value with the name of the enumerator returns.
 enum class FieldType {
   boolean,  ///< true or false
   integer,  ///< an integer of 64 bits

@@ -155,9 +155,9 @@ class StateTable {
   }
 
   /// Hash of a row, which does not depend on the layout. It is a sum modulo 2^64: the hash of (component
-  /// name, id, all fields that are not sparse, in declared order), plus, for each sparse field that is not
-  /// zero, the hash of (component name and field name, id, field). If all fields are sparse, the first term
-  /// is 0.
+  /// name, id of the body, all fields that are not sparse, in declared order), plus, for each sparse field
+  /// that is not zero, the hash of (component name and field name, id of the body, field). If all fields are
+  /// sparse, the first term is 0.
   std::uint64_t hash_row(std::size_t row) const { return hash_rows(row, row + 1); }
   /// Sum of the hashes of rows [first, last), modulo 2^64.
   std::uint64_t hash_rows(std::size_t first, std::size_t last) const;
@@ -171,8 +171,8 @@ class StateTable {
   void fill_row(std::size_t row, std::byte value);  ///< sets every byte of a row's fields to `value`
   /// Copies the row of the same index from a table that has the same fields and layout.
   void copy_row(std::size_t row, const StateTable& from);
-  /// Changes the memory of the table to that for room_for(rows) rows (base/room.hpp). `rows` must be at least
-  /// rows(). The rows may move in memory.
+  /// Gives the table memory for at least `rows` rows, and frees memory if too much of it is unused
+  /// (room_for() in base/room.hpp). `rows` must be at least rows(). The rows may move in memory.
   void make_room(std::size_t rows);
   /// add_rows() adds a row for each of these bodies at the end, with all fields 0. keep_rows() removes rows
   /// from the end, so that `count` rows remain. The table must have room for the rows (make_room()).
@@ -220,9 +220,9 @@ class StateTable {
 /// is a component of a recording. Returns the whole name of a component without a slash, such as `pose`, and
 /// of a component whose second part is a number, such as `wander/0` of a controller.
 std::string_view given_name(std::string_view component);
-/// Whether a name that a user gives, such as a field to record, selects this component. It does if it equals
-/// the name of the component, its given_name(), or its kind, which is the part of the name before the first
-/// slash.
+/// Whether a name that a user gives, such as a field to record, selects this component: whether the name is
+/// that of the component, its given_name(), or its kind, which is the part of the component's name before the
+/// first slash.
 bool selects(std::string_view name, std::string_view component);
 
 }  // namespace troupe::engine

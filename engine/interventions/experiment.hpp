@@ -64,8 +64,8 @@ struct Experiment {
     BodyId body;              ///< the impaired body
     bool begins = true;       ///< true: the fault begins; false: it ends
   };
-  /// The first event of a run of each fault in each body that was selected for the fault: a heap with the
-  /// earliest event on top. At tick 0, `fault_events` is a copy of this heap.
+  /// For each fault, and for each body that was selected for this fault, the first event of a run: a heap
+  /// with the earliest event on top. At tick 0, `fault_events` is a copy of this heap.
   std::vector<FaultEvent> first_fault_events;
   /// The next event of each fault in each body, after those that were applied so far: a heap with the
   /// earliest event on top. A fault that occurs no more has no event.

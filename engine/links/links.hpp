@@ -66,12 +66,13 @@ class Links {
   /// Appends the rows of all bodies that the row's body carries, directly or through others.
   void add_cargo(Row row, std::vector<Row>& rows) const;
 
-  /// Upper bound on the distance of any point of a body from its origin, and of any point of the bodies that
-  /// it carries, directly or through others, whatever the poses of their joints, m. The types of these bodies
-  /// must not have joints that drive devices move (DeviceKind::drives): their motion has no limit.
+  /// Upper bound on the distance from the origin of a body to any point of the body or of the bodies that it
+  /// carries, directly or through others, whatever the poses of their joints, m. The types of these bodies
+  /// must not have joints that drive devices move (DeviceKind::drives): such joints move without a limit.
   double farthest(Row row) const;
-  /// Upper bound, for all poses of the joints of a body, on how much farther than at rest any point of the
-  /// body can be from the body's origin, m. The condition of farthest() holds.
+  /// Upper bound, for all poses of the joints of a body of this type, on how much farther than at rest any
+  /// point of the body can be from the body's origin, m. As for farthest(), drive devices must not move
+  /// joints of the type.
   static double farthest_shift(const BodyType& type);
 
   /// Sets the joints of a row to Goal::none, and updates WorldState::joint_mounts from the poses of the
@@ -93,13 +94,14 @@ class Links {
   /// Sets the goal of a joint in this tick: a pose relative to the joint's rest pose, m and rad. All numbers
   /// must be finite. A second call in the same tick replaces the goal. Thread-safe for different rows.
   void ask(Row row, std::size_t joint, const Pose& to);
-  /// The goal that ask() has set for a joint in this tick, if it did and resolve_joints() was not yet called.
+  /// The goal that ask() has set for a joint in this tick; std::nullopt if there is none. Call this before
+  /// resolve_joints().
   std::optional<Pose> asked(Row row, std::size_t joint) const;
   /// Arguments of a call of ask().
   struct AskedGoal {
     std::uint32_t row;    ///< row of the body
-    std::uint32_t joint;  ///< index of the joint
-    Pose goal;            ///< goal of the joint, relative to rest
+    std::uint32_t joint;  ///< index of the joint in BodyType::joints
+    Pose goal;            ///< goal of the joint relative to its rest pose, m and rad
   };
   /// Returns the goals that ask() has set for joints of these rows in this tick, one per joint. Call this
   /// before resolve_joints(), which resolves them.

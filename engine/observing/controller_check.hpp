@@ -67,7 +67,7 @@ std::string finding_text(const World& world, const ControllerFinding& finding);
 /// catches  Dependence on rand(), statics, thread locals, clocks that advance between two decisions, members
 ///          that change or were left unset, addresses, padding, and (unless the controller is collective) the
 ///          other robots of the batch. Thread locals are found only if repeat() runs on a thread that has not
-///          run the controller, as above.
+///          run the controller, as `other` in the example.
 /// misses   Dependence on things that are constant within one process: environment variables, files, the
 ///          processor.
 /// cost     While a check exists, each decision costs copies of the robot's readings, memory and commands,

@@ -10,13 +10,16 @@ std::span<const EventKind> event_kinds() {
   using enum EventType;
   static constexpr std::array<EventKind, 10> kinds{{
       {stall_ends, "stall_ends",
-       "the motion of the robot was not blocked, or there was none, but it was blocked in the tick before"},
+       "the motion of the robot was blocked in the tick before; in this tick, it was not blocked, or there "
+       "was no motion"},
       {held_ends, "held_ends",
-       "the motion of the robot would not have left the bounds of the world, or there was none, but it would "
-       "have in the tick before"},
-      {stall_begins, "stall_begins", "the motion of the robot was blocked: something was in its way"},
+       "the motion of the robot would have left the bounds of the world in the tick before; in this tick, it "
+       "would not, or there was no motion"},
+      {stall_begins, "stall_begins",
+       "the motion of the robot was blocked by a body or a wall in this tick, but not in the tick before"},
       {held_begins, "held_begins",
-       "the motion of the robot would have left the bounds of the world, so it stayed in place"},
+       "the robot stayed in place in this tick, but not in the tick before, because its motion would have "
+       "left the bounds of the world"},
       {release, "release", "the robot released a body that it carried"},
       {grip, "grip", "the robot gripped a body, and carries it from now on"},
       {birth, "birth", "a body from the reserve of its population entered the world at this pose"},

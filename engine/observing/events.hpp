@@ -15,7 +15,8 @@ namespace troupe::engine {
 enum class EventType : std::uint8_t {
   /// the motion of the robot was blocked in the tick before, but not in this tick; also if the robot has died
   stall_ends,
-  /// the robot's motion was out of bounds in the tick before, but not in this tick; also if it has died
+  /// the motion of the robot was out of bounds in the tick before, but not in this tick; also if the robot
+  /// has died
   held_ends,
   stall_begins,  ///< the motion of the robot was blocked in this tick, but not in the tick before
   held_begins,   ///< the robot's motion was out of bounds in this tick, but not in the tick before

@@ -38,9 +38,9 @@ class StopConditions {
   /// Name under which a checkpoint stores the result of memory(): `stop_when` and a hash of the texts of the
   /// conditions, so that different lists of conditions have different names.
   std::string memory_name() const;
-  /// memory() returns the memory of the measures, for a checkpoint. remember() restores it, in the same state
-  /// of the world as MeasureSet::remember(); it returns false and changes nothing if the size is not that of
-  /// memory().
+  /// memory() returns the memory of the measures, for a checkpoint. remember() restores it; the world must be
+  /// in the state that MeasureSet::remember() requires. remember() returns false and changes nothing if the
+  /// size is not that of memory().
   ///@{
   std::vector<std::byte> memory() const { return measures_.memory(); }
   bool remember(std::span<const std::byte> memory) { return measures_.remember(memory); }

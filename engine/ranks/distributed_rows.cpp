@@ -80,8 +80,8 @@ void DistributedRows::adopt_all(MessageReader message, bool is_in_tick) {
 // ---- The tick
 
 /// Leaves on each rank only its own rows and its ghosts. Distributes the rows if rank 0 has all of them, if
-/// bodies were born or have died (must_distribute_), have jumped or were pushed far, or if a device now has a
-/// longer reach (World::set()) than the ghosts cover.
+/// bodies were born or have died while they carried others (must_distribute_), if bodies have jumped or were
+/// pushed far, or if a device now has a longer reach (World::set()) than the ghosts cover.
 void DistributedRows::redistribute(bool have_jumped) {
   const bool have_changed = std::exchange(must_distribute_, false);
   const bool must_distribute =

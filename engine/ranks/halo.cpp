@@ -27,7 +27,7 @@ constexpr double k_slack_m = 1e-3;
 // ticks.
 constexpr double k_skin_motions = 16;
 
-/// See class Halo, `owners`, m.
+/// The place of the row's body (class Halo, `owners`), m, world frame.
 Vec2 place_of(const World& world, Row row) { return world.transform(world.root(row)).position; }
 
 }  // namespace
@@ -444,7 +444,8 @@ double Halo::longest_motion() const {
   return sqrt(longest2) * world_.tick_s();
 }
 
-/// Adds to moved_ by how much bodies were pushed farther in the last tick than their drives moved any body.
+/// Adds to moved_ the amount, if positive, by which the longest push of a body in the last tick exceeds
+/// longest_.
 void Halo::note_pushes() { moved_ += std::max(0.0, border_.take_pushed() - longest_); }
 
 bool Halo::lacks_ghosts() {

@@ -18,16 +18,16 @@
 
 namespace troupe::engine {
 
-/// Returns why the rows of a world cannot be distributed among ranks (class Halo), for example `robots of
-/// type "lifter" have joints`. An empty text: the rows can be distributed.
+/// Returns why the rows of a world cannot be distributed among ranks (class Halo), for example `the world
+/// uses the grid ray engine`. An empty text: the rows can be distributed.
 std::string why_replicated(const World& world);
 
 /// How the rows of a world would be divided among ranks (class Halo).
 struct HaloPlan {
   struct Rank {
-    std::size_t own = 0;         ///< own rows
-    std::size_t ghosts = 0;      ///< copies of rows of other ranks
-    std::size_t neighbours = 0;  ///< ranks that own its ghosts or have ghosts of its rows
+    std::size_t own = 0;         ///< number of rows that the rank owns
+    std::size_t ghosts = 0;      ///< number of its ghosts: copies of rows of other ranks
+    std::size_t neighbours = 0;  ///< number of ranks that own its ghosts or have ghosts of its rows
   };
   double coverage_m = 0;    ///< the coverage, m (class Halo)
   std::vector<Rank> ranks;  ///< one entry per rank
@@ -38,8 +38,9 @@ struct HaloPlan {
 /// longest_motion: longest motion of a body in a tick, m
 HaloPlan plan_halo(const World& world, unsigned ranks, double longest_motion);
 
-/// The *distributed* form of a world that several ranks compute: each rank has only the rows that it owns,
-/// and *ghosts*, copies of those rows of other ranks that its own rows may meet in a tick.
+/// The *distributed* form of a world that several ranks (threads or processes) compute: each rank has only
+/// the rows (data of bodies in the state tables) that it owns, and *ghosts*, copies of those rows of other
+/// ranks whose bodies may affect the bodies of its own rows in a tick.
 ///
 /// owners  The plane is divided among the ranks (partition::TileOwners). A row belongs to the rank that owned
 ///         the place of its body when the rows were last distributed. The *place* of a body is its position,
@@ -110,12 +111,13 @@ class Halo {
   /// `tables` and `links`, its state tables and joints, must outlive this object. Call divide() next.
   ///
   /// sent: indices of the tables whose rows owners send in each tick (Sharing::sent)
-  /// cut_seed: for tests: the ranks get random ground, and again in some of the ticks
-  /// skin_m: the skin, m; not set: it is chosen
+  /// cut_seed: for tests; if set, the ranks own random ground, which is chosen again in some of the ticks
+  /// skin_m: the skin, m; not set: a multiple of the longest motion in a tick
   Halo(World& world, std::span<StateTable> tables, Links& links, std::vector<std::size_t> sent, RankPost post,
        std::optional<std::uint64_t> cut_seed, std::optional<double> skin_m);
 
-  /// Keeps the own rows and the ghosts of a world that is complete on all ranks. Needs no messages.
+  /// Divides a world that is complete on all ranks: keeps only the own rows and the ghosts. Needs no
+  /// messages.
   void divide();
   /// Gives each row to the rank that owns the place of its body, and makes the ghosts again. Before and after
   /// the call, the own rows are those in [0, own()).
@@ -135,7 +137,7 @@ class Halo {
   void prepare_motions(double longest, bool distributes, std::span<const Guest> guests);
 
   bool has_trees() const { return extent_.has_trees; }  ///< whether bodies can carry others
-  /// Whether a body is of an own row and carries others.
+  /// Whether the row of a body is an own row, and the body carries others.
   bool has_cargo(BodyId body) const;
   /// For an own row whose body may have become a part of another tree since the last distribution, so that
   /// its place has changed: whether the ghosts of all ranks suffice for the new tree. They do if
@@ -172,7 +174,7 @@ class Halo {
   void get_seen(unsigned from, partition::MessageReader& message);
 
   std::vector<Row> tree(Row row) const;  ///< rows of all bodies of the tree of the row's body, first the root
-  Vec2 place(Row row) const;             ///< see class Halo, `owners`, m
+  Vec2 place(Row row) const;             ///< place of the row's body (see `owners`), m, world frame
   /// The rank that owns the row of a body. The body must have a row on this rank, as own row or ghost.
   unsigned owner(BodyId body) const;
   /// The rank that owns the ground at a point (m, world frame) since the last distribution.
@@ -183,7 +185,7 @@ class Halo {
   std::span<const BodyId> seen(unsigned from) const { return seen_[from]; }
   /// Appends the state of a body that has a row on this rank.
   void put_state(partition::MessageWriter& message, BodyId body) const;
-  /// Reads what put_state() has appended, for a body that is here.
+  /// Reads what put_state() has appended, for a body that has a row on this rank.
   void get_state(partition::MessageReader& message, BodyId body);
 
   /// Appends all data of the own rows.

@@ -13,8 +13,9 @@ namespace troupe::engine {
 /// The kinds of messages between ranks (threads or processes that compute a world together:
 /// engine/ranks/replica.hpp): orders that rank 0 gives to the other ranks, their answers, and messages within
 /// a tick. The first byte of every message is its Order. An answer has the Order of the message that it
-/// answers, or Order::failed. A rank *owns* the rows of the bodies for which it senses, actuates and decides.
-/// In a distributed world (class Halo), its copies of rows of other ranks are *ghosts*.
+/// answers, or Order::failed. A *row* is the data of one body in the state tables. A rank *owns* the rows of
+/// the bodies for which it senses, actuates and decides. In a distributed world (class Halo), a rank has
+/// copies of rows of other ranks, its *ghosts*.
 enum class Order : std::uint8_t {
   make,        ///< make a replica of a world (troupe/rank_team.hpp); as an answer: the replica is made
   drop,        ///< destroy a replica
@@ -27,15 +28,15 @@ enum class Order : std::uint8_t {
   gather,      ///< send rank 0 the rows of the receiver that rank 0 lacks (RankRows::put_missing())
   counts,      ///< send rank 0 what the receiver has counted (Replica::all_counts())
   agree,       ///< in a tick: the callback of World::before_tick() has returned on rank 0
-  together,    ///< in a tick: rows for controllers that decide on rank 0 (Replica::on_rank_0()), and back
-  exchange,    ///< in a tick: the values that the sender has written to the rows that it owns
-  rows,        ///< in a tick: rows that get another owner, ghosts, and data to choose them (Halo)
+  together,    ///< in a tick: rows for which rank 0 decides (Replica::on_rank_0()), to rank 0 or back
+  exchange,    ///< in a tick: values of rows that the sender owns or has just given to another owner
+  rows,        ///< in a tick: rows that get another owner, ghosts, and data to choose these rows (Halo)
   outcomes,    ///< in a tick: outcomes of motions of rows that are ghosts on the receiver (RankBorder)
   places,      ///< in a tick: final positions of pushed bodies (RankBorder)
   joints,      ///< in a tick: whether joint motions of ghosts on the receiver are blocked (RankBorder)
   candidates,  ///< in a tick: bodies of the sender among which an intervention chooses at random
-  effects,     ///< in a tick: rows that effects change, and whether the ghosts suffice (SharedEffects)
-  births,      ///< in a tick: free places that the sender has found for a birth (RankRows::lowest_trial())
+  effects,     ///< in a tick: rows that effects change, or whether ghosts are lacking (SharedEffects)
+  births,      ///< in a tick: the first free place that the sender found for a birth (lowest_trial())
   ended,       ///< in a tick: whether an effect or a birth has failed on the sender (SharedError::agree())
   /// The sender could not make the replica or compute its rows of the tick, or the callback of
   /// World::before_tick() threw an exception on rank 0.
@@ -60,15 +61,16 @@ ReceivedOrder receive_order(partition::Transport& transport, unsigned from);
 struct RankPost {
   unsigned rank = 0;                                     ///< number of this rank
   unsigned ranks = 1;                                    ///< number of ranks
-  std::function<partition::MessageWriter(Order)> begin;  ///< begins a message
-  /// Sends a message.
+  std::function<partition::MessageWriter(Order)> begin;  ///< begin_message() for this world
+  /// Sends a message to the rank `to`.
   std::function<void(unsigned to, std::shared_ptr<const partition::Message> message)> send;
-  /// Waits for a message. Throws an exception that ends the tick if rank `from` has failed in this tick.
+  /// Waits for the message with this order from rank `from`. Throws an exception that ends the tick if that
+  /// rank has failed in this tick.
   std::function<ReceivedOrder(Order order, unsigned from)> receive;
 
   /// Sends a message to every other rank.
   void send_to_all(partition::MessageWriter message) const;
-  /// Called on all ranks with the same `order`: sends a value to all other ranks, and returns the value that
+  /// Called on all ranks with the same `order`: sends `own` to all other ranks, and returns the value that
   /// `choose` (a function of two values, such as the maximum) selects from the values of all ranks. The order
   /// in which `choose` gets the values must not matter.
   template <class T, class Choose>

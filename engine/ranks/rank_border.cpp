@@ -121,9 +121,10 @@ void RankBorder::get_pushes(MessageReader& message) {
   }
 }
 
-/// Each rank sends the last pushes of those bodies that its own rows have pushed last. It has the row of each
-/// such body, and those of all its pushers, if no body was pushed farther than begin_tick() allows (class
-/// Halo, `pushes`): all ranks learn how far bodies were pushed.
+/// Each rank sends the final positions of those bodies that its own rows have pushed last. It has the rows of
+/// each such body and of all pushers of the body, unless a body was pushed farther than begin_tick() allows
+/// (class Halo, `pushes`). Each rank therefore also sends the longest push of its rows, so that all ranks
+/// throw in that case.
 void RankBorder::exchange_places(Conflicts& conflicts) {
   if (!has_pushable_) return;
   const auto pushed = [&](const Conflicts::Push& push) {

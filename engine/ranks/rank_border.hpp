@@ -33,7 +33,8 @@ class RankBorder final : public Conflicts::Border, public Links::Border {
   /// The arguments must outlive the object. has_pushable: whether the world has pushable bodies
   RankBorder(World& world, const RankPost& post, bool has_pushable);
 
-  /// Must be called before the motions of a tick are resolved.
+  /// Sets the rows and the limit of pushes for a tick. Must be called before the motions of the tick are
+  /// resolved.
   ///
   /// farthest: the largest distance that a body may be pushed in this tick, m
   void begin_tick(const Rows& rows, double farthest);

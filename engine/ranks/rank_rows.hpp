@@ -31,15 +31,16 @@ struct ReplicaParts {
   std::uint64_t& beams;          ///< rays cast by all sensors since tick 0
 };
 
-/// The rows of a table whose bodies have the rows `rows` of the world.
+/// Returns the rows that bodies have in `table`, for the bodies that have the rows `rows` in the world.
 RowRange rows_in(const World& world, const StateTable& table, const RowRange& rows);
 /// The sum of the hashes of rows of a table, computed in parallel.
 std::uint64_t hash_of(partition::Parallel& parallel, const StateTable& table, const RowRange& rows);
 
-/// How the rows of a world are divided among the ranks that compute it, and therefore which data the ranks
-/// exchange. ReplicatedRows and DistributedRows implement the two forms of a world on several ranks. A
-/// Replica decides when the ranks exchange data. It sends and receives the messages whose contents the
-/// functions below write and read; the functions of a tick also exchange messages of their own (RankPost).
+/// How the rows of a world (the data of its bodies in the state tables) are divided among the ranks (threads
+/// or processes) that compute it, and therefore which data the ranks exchange. ReplicatedRows and
+/// DistributedRows implement the two forms of a world on several ranks. A Replica decides when the ranks
+/// exchange data. It sends and receives the messages whose contents the functions below write and read; the
+/// functions of a tick also exchange messages of their own (RankPost).
 ///
 /// All ranks call the functions of a tick at the same points of the tick.
 class RankRows {
@@ -65,7 +66,8 @@ class RankRows {
   /// distributed world, is_complete() must be true on rank 0 before the call. Returns whether this rank must
   /// send the new state to the other ranks because they have no rows.
   virtual bool take_all() = 0;
-  /// On rank 0: appends the whole state to a message for the other ranks. redistribute() must follow.
+  /// On rank 0: appends the whole state to a message for the other ranks, in a distributed world without the
+  /// rows, which redistribute() sends. redistribute() must follow.
   virtual void put_all(partition::MessageWriter& message) = 0;
   /// On other ranks: replaces the state of the world by the state that put_all() has appended. redistribute()
   /// must follow. is_in_tick: see World::adopt()
@@ -73,8 +75,8 @@ class RankRows {
 
   // ---- A tick, in the order of calls
   /// Gives the rows to the ranks that need them. Called when a tick begins, after the callback of
-  /// World::before_tick(), and after interventions have moved or added bodies. have_jumped: true for the last
-  /// of these calls
+  /// World::before_tick(), and after interventions have moved, added or removed bodies. have_jumped: true if
+  /// called after interventions
   virtual void redistribute(bool have_jumped) = 0;
   /// Adds the candidates of the other ranks (bodies among which an intervention chooses at random) to those
   /// of this rank.

@@ -14,8 +14,8 @@ struct RankWork {
   double decide_s = 0;     ///< time of the phase decide, s
 };
 
-/// What a rank has counted since its replica of the world was made. For a mean per tick, divide a sum over
-/// the ticks by `ticks`.
+/// What a rank has counted since its replica of the world was made; the last two members count since the
+/// ranks were connected. For a mean per tick, divide a sum over the ticks by `ticks`.
 struct RankCounts {
   std::uint64_t ticks = 0;          ///< number of ticks
   std::uint64_t own = 0;            ///< rows that the rank owned, summed over the ticks
@@ -24,7 +24,7 @@ struct RankCounts {
   std::uint64_t distributions = 0;  ///< how often the rows were distributed among the ranks again
   std::uint64_t migrated = 0;       ///< number of rows that it gave to another owner
   std::uint64_t rounds = 0;         ///< exchanges of outcomes of motions, with one or more ranks at a time
-  std::uint64_t messages = 0;       ///< messages sent to other ranks
+  std::uint64_t messages = 0;       ///< messages sent to other ranks, for all worlds
   std::uint64_t bytes = 0;          ///< total length of these messages, bytes
 };
 

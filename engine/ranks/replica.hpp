@@ -56,7 +56,7 @@ struct ReplicaOptions {
 /// (docs/architecture.md). Each rank senses, actuates and decides for its own rows. In each tick, the ranks
 /// exchange the data that other ranks need for the phases move and index. How the rows are divided among the
 /// ranks, and therefore which data they exchange, depends on the form of the world: see ReplicatedRows and
-/// DistributedRows. Results do not depend on the form, on the number of ranks, nor on which rows a rank owns.
+/// DistributedRows. Results do not depend on the form, the number of ranks, or which rows a rank owns.
 ///
 /// Rank 0 leads: the program calls its World. The Replica of rank 0 orders the other ranks to do the same,
 /// and returns hashes and tables as if there were one world. The other ranks call follow() for each order.
@@ -80,8 +80,9 @@ class Replica {
   std::span<const RankWork> work() const { return work_; }
   /// How often rows were given to other ranks because the ranks took unequal times.
   std::uint64_t rebalanced() const { return rebalanced_; }
-  /// What each rank has counted, one entry per rank; Transport::traffic() may also include other worlds. Rank
-  /// 0 asks the other ranks. Call it on rank 0, between two ticks.
+  /// What each rank has counted, one entry per rank. `messages` and `bytes` are those of
+  /// Transport::traffic(), and so may include messages for other worlds. Asks the other ranks: call this on
+  /// rank 0, between two ticks.
   std::vector<RankCounts> all_counts();
   /// How often users have requested a checkpoint from the other ranks (ReplicaOptions::requests).
   std::uint64_t requests() const;
@@ -111,8 +112,9 @@ class Replica {
   /// chooses at random) to those of this rank. Every rank must call this for the same interventions, in the
   /// phase intervene. In a replicated world, does nothing.
   void add_candidates(std::vector<Experiment::Candidate>& candidates);
-  /// In a distributed world: gives the rows to their owners after interventions have moved bodies. Every rank
-  /// must call this in the same ticks, in the phase intervene. In a replicated world, does nothing.
+  /// In a distributed world: gives the rows to their owners after interventions have moved, added or removed
+  /// bodies. Every rank must call this in the same ticks, in the phase intervene. In a replicated world, does
+  /// nothing.
   void follow_jumps();
   /// Called in the phase move with the effects of all ranks, in their order: applies them. In a distributed
   /// world, the rank that owns the source of an effect applies it (class SharedEffects); in a replicated
@@ -158,7 +160,7 @@ class Replica {
   void set(const SettingSpec& setting);
   /// The hashes of the state: each rank computes the hashes of its own rows, and rank 0 adds them up.
   /// std::nullopt on ranks other than 0, and if the tables of rank 0 are complete, so that its world can
-  /// compute the hashes alone.
+  /// compute the hashes alone, unless ReplicaOptions::verify needs the other ranks.
   std::optional<Hashes> hashes();
 
  private:

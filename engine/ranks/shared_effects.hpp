@@ -25,12 +25,13 @@ namespace troupe::engine {
 /// their bodies, and the other ranks those of their ghosts.
 ///
 /// Devices that can carry bodies (DeviceKind::carries) may attach bodies to others and release them. Such an
-/// effect needs all changes that earlier effects of the tick have made to these trees. Effects whose sources
-/// and targets are in trees that such effects could join form a *group*. One rank applies all effects of a
-/// group. It owns the trees of the group or, if they belong to several ranks, gets them (Halo::give()) after
-/// all other effects of the tick. At the end all ranks distribute the rows if trees have changed their owner,
-/// or if any rank lacks ghosts of the changed trees (Halo::suffices_for()). Otherwise, the owners of the
-/// trees send the states of their bodies to the ranks that have them as ghosts.
+/// effect needs all changes that earlier effects of the tick have made to the trees of its source and its
+/// target. Effects whose sources and targets are in trees that such effects could join form a *group*. One
+/// rank applies all effects of a group. This rank owns the trees of the group or, if they belong to several
+/// ranks, gets them (Halo::give()) after all other effects of the tick. At the end all ranks distribute the
+/// rows if trees have changed their owner, or if any rank lacks ghosts of the changed trees
+/// (Halo::suffices_for()). Otherwise, the owners of the trees send the states of their bodies to the ranks
+/// that have them as ghosts.
 ///
 /// Births and deaths are effects too. They change no other state, so the ranks only learn of them here: every
 /// rank then carries them out (World::resolve_lives()).
@@ -64,8 +65,8 @@ class SharedEffects {
   /// The targets of the effects of devices that can act from any distance. The same on all ranks; valid after
   /// find_targets().
   std::span<const Halo::Guest> guests() const { return guests_; }
-  /// Called after find_targets() and before any body moves, when no row will change its owner before apply().
-  /// is_new: whether the rows were distributed since note()
+  /// Called after find_targets() and before any body moves, when no row will change its owner before apply():
+  /// notes which rank owns each affected body. is_new: whether the rows were distributed since note()
   void begin(bool is_new);
   /// Applies `effects`, those of all ranks in their order, except births and deaths; `apply` applies one of
   /// them. Throws on all ranks if `apply` throws on any rank: StepError, or the exception itself on the rank

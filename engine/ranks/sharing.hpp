@@ -17,12 +17,12 @@ enum class Sharing : std::uint8_t {
 /// Returns how each state table of a world is shared, in the order of World::tables(). This follows from the
 /// tables and from what the kinds of devices declare.
 ///
-/// kept    The readings of sensors, because only the controllers of the sensor's own body read them. Also the
-///         memories of controllers, and most commands.
+/// kept    Most readings of sensors, because only the controllers of the sensor's own body read them. Also
+///         the memories of controllers, and most commands.
 /// sent    The velocities of drives, from which every rank computes the motions. The states of devices that
 ///         act or set a colour, because other bodies may read them. Also the readings and commands that a
-///         kind of device in the world declares to read (DeviceKind::reads), and the commands to devices with
-///         hooks in the phase move.
+///         kind of device in the world declares that it reads (DeviceKind::reads), and the commands to
+///         devices with hooks in the phase move.
 /// alike   All other tables.
 std::vector<Sharing> sharing_of(const World& world);
 

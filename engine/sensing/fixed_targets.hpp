@@ -9,8 +9,8 @@
 
 namespace troupe::engine {
 
-/// A spatial index of the parts of static bodies that fiducial finders detect, by the positions of their
-/// origins.
+/// A spatial index of those parts of static bodies that fiducial finders detect, by the positions of the
+/// parts' origins.
 class FixedTargets {
  public:
   /// A part that fiducial finders detect (Returns::fiducial is not 0).

@@ -25,7 +25,7 @@ enum class RowLocation : std::uint8_t {
   here,       ///< in this World
   elsewhere,  ///< in the World of another rank (a thread or process that computes the same world)
 };
-/// The entry of PublicColumns::rows of a body with RowLocation::elsewhere.
+/// The entry in PublicColumns::rows for a body with RowLocation::elsewhere.
 inline constexpr Row k_elsewhere{std::size_t{0xfffffffe}};
 
 /// The number of the present tick, and counts of certain rows, so that loops can skip work when a count is 0.
@@ -80,10 +80,11 @@ struct PublicColumns {
   std::span<const Life> lives;        ///< state table `life`; empty: no births and deaths
 
   // What the bodies do and show: committed at the end of a tick, but written again in `actuate` or `decide`.
-  std::span<const Velocity> velocities;   ///< velocities of the drives, body frame, m/s and rad/s
-  std::span<const Command> commands;      ///< commands to the drives
-  std::span<const Condition> conditions;  ///< table `condition`; empty: World::has_conditions() is false
-  std::span<const StateTable> tables;     ///< all state tables: states of devices, commands to devices
+  std::span<const Velocity> velocities;  ///< velocities of the drives, body frame, m/s and rad/s
+  std::span<const Command> commands;     ///< commands to the drives
+  /// State table `condition`: faults and disabled bodies; empty: World::has_conditions() is false.
+  std::span<const Condition> conditions;
+  std::span<const StateTable> tables;  ///< all state tables, with states of and commands to devices
   /// 1 if World::subscribe() was called for the body, so that all its sensors run; otherwise 0.
   std::span<const std::uint8_t> subscribed;
 
@@ -91,8 +92,8 @@ struct PublicColumns {
 };
 
 /// What a device reads of the world in the phases `sense` and `actuate` of a tick (engine/world/phase.hpp):
-/// the constants, and where all bodies were at the end of the last tick. The functions only read memory. They
-/// make no virtual calls and allocate nothing.
+/// the constants, and where all bodies are before they move in this tick. The functions only read memory.
+/// They make no virtual calls and allocate nothing.
 ///
 /// This class does not give access to the velocities, commands and device states of other bodies, because
 /// these change during `actuate`. In `sense`, CommittedView gives access to them. For the device's own body,

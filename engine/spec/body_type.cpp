@@ -336,8 +336,8 @@ class TypeCompiler {
                                  stream_id(kind->name, std::to_string(c)), std::nullopt, drive});
   }
 
-  /// Ticks from one decision of a controller to the next: the period of the first of its devices or, if it
-  /// has none, of the drive.
+  /// Ticks from one decision of a controller to the next: the period of the first of its `devices`. If there
+  /// are none, it is the period of the drive; without a drive, it is ControllerSpec::period_s.
   std::uint64_t period_of(const ControllerSpec& controller, const std::vector<std::size_t>& devices) const {
     if (!devices.empty()) return type_.devices[devices.front()].period;
     if (type_.drive) return type_.drive->period;

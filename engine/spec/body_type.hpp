@@ -145,8 +145,8 @@ struct BodyType {
   /// and commands to its devices, and the memories of its controllers.
   double row_bytes() const;
   /// Whether bodies of the type have a row in the state tables, in which World stores what changes during a
-  /// run. They have one if they can move, sense, decide, be gripped or be pushed. All other bodies are
-  /// static.
+  /// run. They have one if they have a drive, a device or a controller, or can be gripped or pushed. All
+  /// other bodies are static.
   bool runs() const { return drive || !devices.empty() || !controllers.empty() || !grip.empty() || pushable; }
   /// Whether the obstacle shape of a body can change. It can if the body has joints or can carry other
   /// bodies.

@@ -52,8 +52,8 @@ class Candidates {
   bool draws() const { return !is_grid_ || rule_.jitter_m > 0 || !rule_.heading; }
 
   /// The pose that the rule tries for body number `body` of the population, in its trial number `trial`. A
-  /// grid rule tries cell number `cell`; other rules ignore it. The random numbers of a trial are drawn in
-  /// the order x, y, heading, so that a rule with a fixed heading yields the same positions.
+  /// grid rule tries cell number `cell`; other rules ignore `cell`. The random numbers of a trial are drawn
+  /// in the order x, y, heading, so that fixed and random headings give the same positions.
   Pose pose(std::uint64_t cell, std::uint32_t body, std::uint32_t trial) const {
     const bool spilt = is_grid_ && cell >= region_cells_;
     const Box& box = spilt ? rule_.spill : rule_.region;
@@ -312,7 +312,8 @@ class RulePlacer {
     poses_.push_back(pose);
   }
 
-  /// Tests the random poses of a body from this trial on, up to the first one that is open.
+  /// Returns the first open one of the random poses of a body, from this trial on. If there is none, is_open
+  /// of the result is false.
   Ahead next_open(std::uint32_t body, std::uint32_t trial) const {
     for (; trial < rule_.trials; ++trial)
       if (const Pose pose = candidates_.pose(0, body, trial); is_open(pose)) return {pose, trial, true};

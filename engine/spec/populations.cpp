@@ -48,7 +48,7 @@ std::string too_few_places(const PopulationSpec& population, std::size_t placed)
                      population.count, population.count == 1 ? "body" : "bodies", why);
 }
 
-/// Sets the colour of body i of a population if its colours are random.
+/// Gives body i of a population a random colour if PopulationSpec::random_color is true.
 void set_color(const PopulationSpec& population, std::uint64_t seed, std::size_t i, BodySpec& body) {
   if (!population.random_color) return;
   Random random(seed, stream_id("color", population.name), static_cast<std::uint32_t>(i), 0);

@@ -9,14 +9,14 @@ namespace troupe::engine {
 inline constexpr double k_most_rate = 1e9;                      ///< largest WatchSpec::rate
 inline constexpr std::int64_t k_most_clock_ticks = 1000000000;  ///< largest WatchSpec::clock_ticks
 
-/// Settings of the world file for watching a run: how fast the run advances, whether a window starts paused,
-/// and whether and how often the program prints the world time. No member affects the results.
+/// Settings of the world file for watching a run: how fast the run advances, and whether and how often the
+/// program prints the world time. No member affects the results.
 struct WatchSpec {
   bool clock = false;               ///< whether the world time is printed during the run
   std::uint64_t clock_ticks = 100;  ///< ticks from one printed time to the next, if `clock` is true
   /// Speed of a run with the option `--rate world`, as a multiple of real time; 0: as fast as possible.
   double rate = 1;
-  bool paused = false;  ///< whether a window starts paused
+  bool paused = false;  ///< whether Stage's window starts paused; without effect in Troupe
   friend bool operator==(const WatchSpec&, const WatchSpec&) = default;
 
   static constexpr void describe(Description<WatchSpec>& d) {
@@ -27,7 +27,7 @@ struct WatchSpec {
     d.member<&WatchSpec::rate>(
         "rate", within(0, k_most_rate),
         "speed of a run with the option `--rate world`, as a multiple of real time; 0: as fast as possible");
-    d.member<&WatchSpec::paused>("paused", "true: a window starts paused");
+    d.member<&WatchSpec::paused>("paused", "true: Stage's window starts paused; without effect in Troupe");
   }
 };
 

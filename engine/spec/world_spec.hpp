@@ -60,7 +60,8 @@ struct ImageSpec {
   /// Path of the image or, for a ROS map, of its YAML file: absolute or relative to the working folder.
   /// Readers of world files have already joined it with the folder of the world file.
   std::string file;
-  /// True: the whole image is scaled to the part's size. False: the bounding box of its solid pixels is.
+  /// True: the whole image is scaled to the part's size. False: the bounding box of its solid pixels is
+  /// scaled to that size.
   bool keeps_margins = false;
   bool unknown_is_solid = false;  ///< for ROS maps: whether unknown cells are solid
   bool boundary = false;          ///< true: adds four walls just inside the edges of the image
@@ -134,7 +135,7 @@ struct DriveSpec {
 struct ControllerSpec {
   std::string kind;  ///< name of a kind of Registry::controllers or of a plug-in
   /// Index of the part that the controller is on. The controller may use the devices of this part and of the
-  /// parts mounted on this part, directly or through further parts, except drives.
+  /// parts mounted on this part, directly or through further parts, except drive devices.
   std::uint32_t part = 0;
   /// One value for each parameter of the kind (ControllerKind::params); FieldTable::defaults() makes such a
   /// record.
@@ -221,8 +222,8 @@ struct WorldSpec {
   /// The bodies; BodyId is the position in this list. Body 0 is the ground: add_ground().
   std::vector<BodySpec> bodies;
   std::vector<ReserveSpec> reserves;  ///< reserves in ascending order of ids; they do not overlap
-  /// True: a program may remove and disable bodies, even if the world file has no reserve, intervention or
-  /// fault.
+  /// True: a program may remove and disable bodies. False: it may remove bodies only if something else makes
+  /// World::has_lives() true, and disable bodies only if something else makes World::has_conditions() true.
   bool mortal = false;
   /// Further names of bodies; no name occurs twice. For example, a model of a Stage file with the key `name`
   /// can also be found under the name that Stage generates for it.
@@ -232,9 +233,9 @@ struct WorldSpec {
   std::unordered_map<std::string, PartName> part_aliases;
   /// Measures that a run takes, unless the options of the run choose others.
   std::vector<MeasureSpec> measures;
-  double measure_every_s = 1;    ///< world time between two lines of measures, s; 0: every tick
+  double measure_every_s = 1;    ///< world time from one measurement to the next, s; 0: every tick
   WatchSpec watch;               ///< speed of a run, and how often the world time is reported
-  std::optional<Record> window;  ///< initial view of a window: worldio/window_fields.hpp
+  std::optional<Record> window;  ///< view of `--camera window`: worldio/window_fields.hpp
   ExperimentSpec experiment;     ///< interventions, faults and stop conditions
 
   /// Type of a body.

@@ -114,9 +114,10 @@ void for_due(const WorldState& state, std::span<const Row> rows, std::uint64_t p
 
 /// Calls work(rows) for those of `rows` whose device runs in the present tick, once for each run of rows that
 /// follow one another in `rows`. All rows must be of the type of the device. The device of a row runs if all
-/// of these hold: it is due (its period divides the age of the body, as in for_due()); it is active
-/// (BodyType::Device::active) or World::subscribe() was called for the body; it is switched on, is not broken
-/// and has power; its body is neither disabled nor stopped by a fault (CommittedView::runs()).
+/// of these hold: it is due (its period divides the age of the body, as in for_due()); it is active (a
+/// controller uses it, or the world file makes it active: BodyType::Device::active), or World::subscribe()
+/// was called for the body; it is switched on, is not broken and has power; its body is neither disabled nor
+/// stopped by a drop-out fault (CommittedView::runs()).
 template <class Work>
 void for_running(const WorldState& state, std::span<const Row> rows, const BodyType::Device& device,
                  Work&& work) {
@@ -132,8 +133,8 @@ void for_running(const WorldState& state, std::span<const Row> rows, const BodyT
   });
 }
 
-/// Calls work(rows) once, for those of `rows` whose bodies are neither disabled nor stopped by a fault, in
-/// the same order. If there are none, the span is empty. `rows` has at most k_row_block rows.
+/// Calls work(rows) once, for those of `rows` whose bodies are neither disabled nor stopped by a drop-out
+/// fault, in the same order. If there are none, the span is empty. `rows` has at most k_row_block rows.
 template <class Work>
 void for_enabled(const WorldState& state, std::span<const Row> rows, Work&& work) {
   if (state.now.impaired == 0) return work(rows);

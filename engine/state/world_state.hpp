@@ -40,8 +40,8 @@ std::span<const std::uint32_t> rows_within(std::span<const std::uint32_t> order,
 /// columns.
 ///
 /// A row is the index of a body in the state tables; static bodies have none. Every vector has one element
-/// per row unless stated otherwise. Members that a comment calls public are also part of PublicColumns:
-/// devices of other bodies read them. All other members are private to the engine.
+/// per row unless stated otherwise. Members that a comment calls public are also part of PublicColumns: the
+/// devices of any body may read them. All other members are private to the engine.
 struct WorldState {
   /// Indices into `tables` of the tables that every world has, named like their components.
   enum TableIndex : std::size_t {
@@ -60,15 +60,17 @@ struct WorldState {
   /// The storage of the bodies of one type: entries in the tables of the type and in the lists of vertices
   /// and joints. The slot of a body is its index among these entries.
   struct Pool {
-    std::size_t rows = 0;      ///< number of bodies of the type in the whole world
-    std::size_t slots = 0;     ///< number of slots; `rows`, unless some of the bodies are on other ranks
-    std::size_t outlines = 0;  ///< index in `outlines` of the first vertex of slot 0
-    std::uint32_t joints = 0;  ///< index in `joint_mounts` of the first joint of slot 0
+    std::size_t rows = 0;  ///< number of bodies of the type in the whole world
+    /// Number of slots: `rows`, unless some of the bodies are on other ranks (threads or processes that
+    /// compute the same world).
+    std::size_t slots = 0;
+    std::size_t outlines = 0;  ///< index in WorldState::outlines of the first vertex of slot 0
+    std::uint32_t joints = 0;  ///< index in WorldState::joint_mounts of the first joint of slot 0
   };
 
   // Constants: made from the spec when the world is built.
-  WorldSpec spec;  ///< the spec that the world was made from; constant except for the settings that
-                   ///< World::set() adds
+  WorldSpec spec;  ///< the spec that the world was made from; constant except for what World::set() and
+                   ///< World::restart() change
   /// Compiled types, by TypeId; constant except for parameters, which interventions change.
   std::vector<BodyType> types;
   partition::GridGeometry geometry;  ///< sizes of the cells and tiles of `index`
@@ -102,7 +104,7 @@ struct WorldState {
   // Derived.
   std::vector<Transform> transforms;  ///< public: the poses as transforms
   std::vector<Vec2> outlines;         ///< public: vertices of the outlines of all rows, world frame, m
-  std::vector<double> radii;          ///< public: bounding radius about the origin, m; negative: absent
+  std::vector<double> radii;          ///< public: bounding radius about the origin, m; < 0: not in the world
   /// Public: for all joints of all rows, the transform of a point on the joint from its place with all
   /// joints at rest to its present place, both in the body frame.
   std::vector<Mount> joint_mounts;
@@ -110,9 +112,9 @@ struct WorldState {
   /// itself (the root); the row itself if its body is not carried. Empty, like joint_begins, if no type has
   /// joints or can carry bodies.
   std::vector<std::uint32_t> roots;
-  /// Obstacle shapes, body frame, for conflict resolution. k_no_shape for absent and carried bodies. For a
-  /// body that carries others and is not carried itself: the common shape of the body and of all bodies that
-  /// it carries, directly or through others.
+  /// Obstacle shapes, body frame, for conflict resolution. k_no_shape for bodies that are unborn, dead or
+  /// carried. For a body that carries others and is not carried itself: the common shape of the body and of
+  /// all bodies that it carries, directly or through others.
   std::vector<const partition::ObstacleShape*> shapes;
   /// 1 if the grid ray engine does not draw the row's outlines. Empty unless bodies can be born or die and
   /// the world uses that engine.
@@ -240,7 +242,7 @@ struct WorldState {
 /// An empty shape: the obstacle shape of a body that is not in the world, or that another body carries.
 extern const partition::ObstacleShape k_no_shape;
 
-/// For errors: `outside the world's bounds (x -5 to 5, y -5 to 5 m)`.
+/// The end of an error message about a position: `outside the world's bounds (x -5 to 5, y -5 to 5 m)`.
 std::string outside_text(const Box& bounds);
 
 }  // namespace troupe::engine

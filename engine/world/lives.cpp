@@ -29,7 +29,7 @@ void World::build_lives() {
   state_.tables.emplace_back(
       "life", HashGroup::pose, StateTable::Layout::rows,
       sparse({{"birth", Element::u64, 1, "",
-               "number of ticks completed when the body was born; 0: present from the start",
+               "number of ticks completed when the body was born; 0: present from the start or not yet born",
                offsetof(Life, birth)},
               {"x", Element::f64, 1, "m", "position at birth, world frame; 0 if present from the start",
                offsetof(Life, x)},
@@ -89,8 +89,9 @@ void World::derive_lives() {
   }
 }
 
-/// Counts the rows whose bodies are absent, and the present robots with own rows. In a world without births
-/// and deaths, all robots count, whether their rows are here or not.
+/// Counts the rows whose bodies are unborn or dead, and the robots in the world that have own rows
+/// (WorldState::own_rows). In a world without births and deaths, all robots count, whether their rows are
+/// here or not.
 void World::count_present() {
   state_.now.absent = 0;
   robots_ = robots_at_start_;
@@ -171,8 +172,8 @@ Birth World::give_birth(std::size_t reserve, std::uint32_t trials,
 }
 
 /// Returns the lowest trial whose pose place(trial) is free for an unborn body with this shape; `trials` if
-/// there is none. If the rows are distributed among ranks, each rank tests only the poses on its own ground,
-/// and all ranks return the lowest trial that any rank has found.
+/// there is none. If the rows are distributed among ranks, each rank tests only the poses in its own part of
+/// the plane, and all ranks return the lowest trial that any rank has found.
 std::uint32_t World::first_free(BodyId id, const partition::ObstacleShape& shape, std::uint32_t trials,
                                 const std::function<Pose(std::uint32_t)>& place) const {
   std::uint32_t first = trials;
@@ -268,8 +269,8 @@ Birth World::spawn(std::size_t reserve, const Pose& pose) {
   restore_fp_environment();  // a library may have changed it: see World::step()
   if (!is_finite(pose))
     throw std::invalid_argument(
-        fmt::format("a body of \"{}\" cannot be placed at x {}, y {}, z {} (m), heading {} (rad): the "
-                    "numbers must be finite",
+        fmt::format("a body of population \"{}\" cannot be placed at x {}, y {}, z {} (m), heading {} (rad): "
+                    "the numbers must be finite",
                     state_.spec.reserves[reserve].population, pose.x, pose.y, pose.z, pose.heading));
   touch();
   const Completion completion(*this);

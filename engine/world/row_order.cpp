@@ -23,9 +23,9 @@
 namespace troupe::engine {
 namespace {
 
-/// Fills the gaps of a list whose elements i with leaves[i] are to be removed: sets `to` to new places of the
-/// elements, at which those that leave are the last ones. Only as many of the others as there are gaps change
-/// their places. Returns the number of the others.
+/// For a list whose elements i with leaves[i] are to be removed: sets to[i] to a new place for each element
+/// i, such that the elements that leave come last. Of the other elements, only those that fill the gaps
+/// change their places. Returns the number of the other elements.
 std::uint32_t fill_gaps(const std::vector<bool>& leaves, std::vector<std::uint32_t>& to) {
   to.resize(leaves.size());
   std::iota(to.begin(), to.end(), 0u);
@@ -198,8 +198,8 @@ void World::exchange_rows(std::span<const BodyId> leaving, std::span<const RowSt
     movement_.count_stalls();
 }
 
-/// Removes each row r with leaves[r]. Of the rows in front of the first row that leaves, and of the slots of
-/// their bodies, none changes. append_rows() and derive_rows() must follow.
+/// Removes each row r with leaves[r]. Rows in front of the first row that leaves, and their slots, do not
+/// change. append_rows() and derive_rows() must follow.
 void World::drop_rows(const std::vector<bool>& leaves) {
   std::vector<std::uint32_t> to;
   const std::uint32_t kept = fill_gaps(leaves, to);
@@ -228,9 +228,9 @@ void World::drop_rows(const std::vector<bool>& leaves) {
     std::erase_if(*list, [&](const Placed& placed) { return placed.row.index() >= kept; });
 }
 
-/// Changes the memory of all lists that have one element per row, and of the state tables, to that for the
-/// present rows and those that will be added. Returns, per table, whether it has rows only for the bodies of
-/// one type.
+/// Changes the capacity of all lists that have one element per row, and of the state tables, as make_room()
+/// does for the present rows and the rows of `added` together. Returns, per table, whether it has rows only
+/// for the bodies of one type.
 std::vector<bool> World::make_room_for(std::span<const RowState> added) {
   std::vector<std::size_t> counts(state_.types.size(), 0);
   for (const std::uint32_t t : state_.row_types) ++counts[t];

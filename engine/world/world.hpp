@@ -60,10 +60,11 @@ struct Hashes {
   std::array<std::uint64_t, k_hash_groups> groups{};  ///< one per HashGroup: sum of the hashes of its tables
 };
 
-/// A running world. It consists of constants made from a WorldSpec, the state tables, and the number of the
-/// tick.
+/// A running world. It consists of constants made from a WorldSpec, the state tables (also called
+/// components), and the number of the tick.
 ///
-/// S(k) is the state after k ticks. S(k+1) = step(S(k)) is a pure function of S(k), the spec and the seed.
+/// S(k) is the state after k ticks. S(k+1) = step(S(k)) depends only on S(k), the spec, the seed, and the
+/// changes that the callback of before_tick() makes.
 ///
 /// Every body that has a drive, a device or a controller, or that can be gripped or pushed, has a *row*, an
 /// index into the state tables. Within the rows of its type, it has a *slot*, an index into the tables of
@@ -121,8 +122,8 @@ class World {
     std::uint64_t conflict_rounds = 0;  ///< rounds of conflict resolution, see Conflicts::rounds()
   };
   Counters counters() const { return {beams_, conflict_rounds_}; }  ///< the present counts
-  /// A callback that restore() calls to write a saved state into the tables. It must set every field of every
-  /// row. Before the call, restore() sets every byte of the tables to 0.
+  /// A callback that restore() calls to write a saved state into the tables. The callback must set every
+  /// field of every row. Before the call, restore() sets every byte of the tables to 0.
   using Fill = std::function<void(std::span<StateTable>)>;
   /// Restores a saved state. Calls `fill`, checks the filled tables, and recomputes all data that are derived
   /// from them. `tick`, `counters` and `state_hash` are the values of tick(), counters() and Hashes::state
@@ -149,11 +150,10 @@ class World {
   /// call takes time proportional to the number of rows. Throws std::invalid_argument if the mode is switched
   /// on in a world with several threads or the grid ray engine.
   void hide_beyond_reach(bool on);
-  /// A test mode: gives every body another row and another slot, at random. `seed` and tick() select the new
-  /// rows and slots. Rows, slots, and references to table rows that the caller holds then belong to other
-  /// bodies. No result depends on rows and slots, so the run continues with the same bits
-  /// (docs/determinism.md). Throws std::logic_error if several ranks compute the world. Call this between
-  /// steps.
+  /// For tests: assigns rows and slots to the bodies again, at random. `seed` and tick() select the new rows
+  /// and slots. Rows, slots, and references to table rows that the caller holds then belong to other bodies.
+  /// No result depends on rows and slots, so the run continues with the same bits (docs/determinism.md).
+  /// Throws std::logic_error if several ranks compute the world. Call this between steps.
   void shuffle_rows(std::uint64_t seed);
   /// The data of a row that cannot be computed from the spec or from other data: the state of its body, and
   /// what programs have set for the body (subscribe() and set_poses()).
@@ -164,14 +164,13 @@ class World {
   /// Removes the rows of bodies, and returns their data, in the order of `bodies`. location() of the bodies
   /// is then RowLocation::elsewhere. If a body is carried or carries others, `bodies` must contain all bodies
   /// that move together with this body (same_tree()). Counts such as robots() still include the removed
-  /// bodies. If the world cannot be distributed among ranks (why_replicated() in engine/ranks/halo.hpp),
-  /// add_rows() must return the rows before any other function is called. Otherwise step() may be called: the
-  /// remaining bodies then do what they would do if the removed bodies were far away, except that
-  /// interventions choose at random among the remaining bodies only. Throws std::invalid_argument if a body
-  /// has no row in this world, occurs twice, or is listed without the bodies that move together with it, and
-  /// std::logic_error if several ranks compute the world. Call this between steps. The tables and all other
-  /// lists with one element per row may move in memory, as they may in add_rows() and, if the rows are
-  /// distributed among ranks, in gather().
+  /// bodies. If the world cannot be distributed among ranks (why_replicated() in engine/ranks/halo.hpp), pass
+  /// the data to add_rows() before any other call. Otherwise step() may be called: the remaining bodies then
+  /// do what they would do if the removed bodies were far away, except that interventions choose at random
+  /// among the remaining bodies only. Throws std::invalid_argument if a body has no row in this world, occurs
+  /// twice, or is listed without the bodies that move together with it, and std::logic_error if several ranks
+  /// compute the world. Call this between steps. The tables and all other lists with one element per row may
+  /// move in memory, as they may in add_rows() and, if the rows are distributed among ranks, in gather().
   std::vector<RowState> remove_rows(std::span<const BodyId> bodies);
   /// Adds rows that remove_rows() has removed, in any order. Throws std::invalid_argument if location() of a
   /// body is not RowLocation::elsewhere. Call this between steps.
@@ -291,9 +290,9 @@ class World {
     gather();
     return state_.tables;
   }
-  /// Index of the row's body in one of the tables(): the row, if all bodies have the component, else its
-  /// slot. If the table has no row for the body, the result is the index of another body, or is not below
-  /// StateTable::rows().
+  /// Index of the row's body in one of the tables(): the row itself if the table has rows for bodies of all
+  /// types, else the slot. If the table has no row for the body, the result is the index of another body, or
+  /// is not below StateTable::rows().
   std::size_t row_in(const StateTable& table, Row row) const { return state_.row_in(table, row); }
   /// Like row_in(), but returns std::nullopt if the table has no row for the body.
   std::optional<std::size_t> find_in(const StateTable& table, Row row) const {
@@ -391,9 +390,9 @@ class World {
   /// Number of ticks that were completed when the body was born; 0 if it was present at tick 0 or is unborn.
   /// The periods of its devices, drive and controllers count from that tick.
   std::uint64_t birth_tick(Row row) const { return state_.view.birth_tick(row); }
-  /// Index in WorldSpec::reserves of the reserve of a population: those bodies of the population that are not
-  /// in the world at tick 0. `population` is the name of the population ("ant"), not of a body ("ant7").
-  /// std::nullopt if there is no such population, or if it has no reserve.
+  /// Index in WorldSpec::reserves of a population's reserve, which consists of the bodies of the population
+  /// that are not in the world at tick 0. `population` is the name of the population ("ant"), not of a body
+  /// ("ant7"). std::nullopt if there is no such population, or if it has no reserve.
   std::optional<std::size_t> reserve(std::string_view population) const;
   /// Number of bodies of a reserve (an index into WorldSpec::reserves) that are not yet born.
   std::size_t unborn(std::size_t reserve) const {
@@ -437,7 +436,7 @@ class World {
   /// Number of interventions that set() has added at the end of ExperimentSpec::at since construction,
   /// reset() or restart().
   std::size_t settings_made() const { return experiment_.made; }
-  /// The spec of a type with its present parameters, which settings may have changed.
+  /// The spec of a type with its present parameters, which interventions `set` and set() may have changed.
   TypeSpec present_type(TypeId type) const;
   /// Longest reach of a device of any type with rows, m (DeviceKind::Prepared::reach_m), over all parameters
   /// that the interventions of spec() give the device during a run.
@@ -464,11 +463,11 @@ class World {
   /// list, so that jumps do not count as travel. The list is empty before the first step. It is not part of
   /// the state.
   std::span<const Placed> placed_before_step() const { return placed_before_; }
-  /// Whether the row's body could be at a pose (world frame, m and rad): it would be within the world's
-  /// bounds, and would overlap neither the static scene nor another body that is an obstacle. The test uses
-  /// the present joints of the body, and includes the bodies that it carries. An unborn or dead body is
-  /// tested with its joints at rest. If no tested body is an obstacle, or if the row's body is carried, only
-  /// the bounds count. False if the pose is not finite.
+  /// Whether the row's body could be at a pose (world frame, m and rad): its origin would be within the
+  /// world's bounds, and the body would overlap neither the static scene nor another body that is an
+  /// obstacle. The test uses the present joints of the body, and includes the bodies that it carries. An
+  /// unborn or dead body is tested with its joints at rest. If no tested body is an obstacle, or if the row's
+  /// body is carried, only the bounds count. False if the pose is not finite.
   bool is_free(Row row, const Pose& pose) const;
   /// State of a device (for a sensor its readings), one table row per slot of its type. Before the first run
   /// of a sensor, its readings are 0 or as DeviceKind::start has set them.
@@ -571,7 +570,7 @@ class World {
   /// only the spec, the tick and the tables, never earlier derived data. It is called after every start,
   /// reset and restore.
   void derive();
-  /// The part of derive() that does not concern the interventions and faults of the spec.
+  /// The part of derive() without the odometry errors of robots and the interventions and faults of the spec.
   void derive_state();
   /// The part of derive() for one row; also called for bodies that are born or die.
   void derive(Row row);

@@ -19,7 +19,7 @@ inline constexpr Flag k_yellow_flag{0xffff00ff, 0.25f};  ///< a yellow flag of 0
 
 /// The command of the device `flags`, a list of flags: one operation. Each time `request` changes, the list
 /// carries out the operation once, in the next tick. Controllers call ask(), which increases `request`; if a
-/// controller calls ask() twice in a decision, only the second operation is carried out.
+/// controller calls ask() twice in a tick, only the second operation is carried out.
 struct FlagCommand {
   /// Operation on flags.
   enum Verb : std::uint8_t {

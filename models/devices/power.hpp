@@ -47,15 +47,15 @@ struct PowerPackState {
 /// draw     The power drawn in each tick is the sum of three terms: the parameter `draw`; the power of each
 ///          running sensor and device that the pack supplies (a ranger draws 0.2 W per transducer); and, if
 ///          the pack is on the root part of a body with a drive, the power of the drive. The last term is
-///          `idle` + 10 `mass` (|forward| + |left| + |turn|), in W, with the mass in kg and the velocities in
-///          m/s and rad/s. The velocities are those that the drive produces, even if the robot is stalled.
-///          This is the model of Stage, with two differences: Stage multiplies the power by 0.1 s instead of
-///          the length of the tick, and uses the commanded velocities.
-/// empty    With `when_empty` "stop", everything that an empty pack supplies stops: sensors keep their last
-///          readings and the drive stands still, but controllers continue to decide. Sensors and drive run
-///          again when the pack receives energy. With "nothing", an empty pack has no effect, as in Stage.
-///          With "die", everything that the pack supplies stops, and the body dies unless the pack receives
-///          energy within a tick (docs/lives.md).
+///          `idle` + 10 `mass` (|forward| + |left| + |turn|), in W, where `idle` (W) and `mass` (kg) are
+///          parameters. The velocities (m/s and rad/s) are those that the drive produces, even if the robot
+///          is stalled. This is the model of Stage, with two differences: Stage multiplies the power by 0.1 s
+///          instead of the length of the tick, and uses the commanded velocities.
+/// empty    If the parameter `when_empty` is "stop", everything that an empty pack supplies stops: sensors
+///          keep their last readings and the drive stands still, but controllers continue to decide. Sensors
+///          and drive run again when the pack receives energy. With "nothing", an empty pack has no effect,
+///          as in Stage. With "die", everything that the pack supplies stops, and the body dies unless the
+///          pack receives energy within a tick (docs/lives.md).
 /// state    PowerPackState; no commands
 /// when     The pack runs after the drive in each tick, so a robot still moves in the tick in which its pack
 ///          runs out.
@@ -89,8 +89,8 @@ struct PowerContactState {
 ///           contacts gives only to those of the bodies with the lowest ids.
 /// state     PowerContactState; no commands
 /// needs     for each of the two contacts, a power pack on the part of the contact or on a part that carries
-///           this part. Contacts of the same body, and of bodies that carry one another directly or
-///           indirectly, do not exchange energy
+///           this part. Contacts of the same body, and of bodies that move together (one carries the other,
+///           or a third body carries both), do not exchange energy
 engine::DeviceKind power_contact_kind();
 
 /// Greatest distance, m, between the outlines of two contacts that count as touching. It is the width of the

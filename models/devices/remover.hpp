@@ -16,7 +16,8 @@ struct RemoverState {
 
   static constexpr void describe(engine::Description<RemoverState>& d) {
     d.member<&RemoverState::removed>("removed",
-                                     "number of bodies that it has removed since the birth of its own body");
+                                     "number of bodies that the remover has removed since the birth of its "
+                                     "body");
   }
 };
 

@@ -34,15 +34,14 @@ struct SpawnerState {
 
   static constexpr void describe(engine::Description<SpawnerState>& d) {
     d.member<&SpawnerState::flags>("flags",
-                                   "number of flags that its body had received when the spawner last ran; 0 "
-                                   "if its parameter `per_flags` is 0");
-    d.member<&SpawnerState::born>("born",
-                                  "number of bodies that it has spawned since the birth of its own body");
+                                   "number of flags that the spawner's body had received when the spawner "
+                                   "last ran; 0 if the parameter `per_flags` is 0");
+    d.member<&SpawnerState::born>("born", "number of bodies spawned since the birth of the spawner's body");
     d.member<&SpawnerState::owed>("owed", "number of births that are due but have not succeeded yet");
     d.member<&SpawnerState::refused>("refused",
                                      "number of failed births: the place was occupied or out of bounds");
     d.member<&SpawnerState::request>("request", "value of `request` in the command that was last read");
-    d.member<&SpawnerState::last>("last", "id + 1 of the body that it spawned last; 0: none");
+    d.member<&SpawnerState::last>("last", "id + 1 of the body that was spawned last; 0: none");
     d.member<&SpawnerState::status>("status",
                                     "result of the last attempted birth: 0: none, 1: born, 2: occupied or "
                                     "out of bounds, 3: the reserve is used up");

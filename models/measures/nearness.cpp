@@ -25,9 +25,9 @@ class AmongRobots : public Measure {
  protected:
   std::span<const BodyId> robots() const { return robots_; }
 
-  /// Calls work(row) for all measured robots that are in the world, on several threads. The robots are
-  /// visited in the order of the spatial index, in which robots that are near each other follow one another.
-  /// So the data of neighbours are in the cache.
+  /// Calls work(row) for all robots of the list robots() that are in the world, on several threads. The
+  /// robots are visited in the order of the spatial index, in which robots that are near each other follow
+  /// one another. So the data of neighbours are in the cache.
   template <class Work>
   void for_each_robot(World& world, Work&& work) {
     std::ranges::fill(measured_, std::uint8_t{0});
@@ -40,11 +40,11 @@ class AmongRobots : public Measure {
     });
   }
 
-  /// Calls visit(d2) for other measured robots, where d2 is the squared distance (m^2) from the robot in
-  /// `row` to the other robot. It searches the box of half-width `radius` (m) around the robot in `row`. It
-  /// visits all robots in this box that are within the distance `reach` (m), and may visit some that are
-  /// farther away. `reach` is a reference because visit() may reduce it during the search. Only the function
-  /// `work` of for_each_robot() may call it.
+  /// Calls visit(d2) for other robots of the list robots(), where d2 is the squared distance (m^2) from the
+  /// robot in `row` to the other robot. It searches the box of half-width `radius` (m) around the robot in
+  /// `row`. It visits all robots in this box that are within the distance `reach` (m), and may visit some
+  /// that are farther away. `reach` is a reference because visit() may reduce it during the search. Only the
+  /// function `work` of for_each_robot() may call it.
   template <class Visit>
   void for_each_other(const World& world, std::uint32_t row, double radius, const double& reach,
                       Visit&& visit) const {

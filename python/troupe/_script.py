@@ -28,8 +28,8 @@ _loaded: Dict[Tuple[object, ...], Dict[str, Any]] = {}
 class Controller:
     """Base class of controllers in Python (docs/python.md).
 
-    A derived class defines decide(self, robots). It is called in each tick, once per type, for all robots of the type
-    that decide in this tick; `robots` is a troupe.Robots. An exception in decide() makes the step raise StepError.
+    A derived class defines decide(self, robots). decide() is called in each tick, once per type, for all robots of the
+    type that decide in this tick; `robots` is a troupe.Robots. An exception in decide() makes the step raise StepError.
     Class attributes:
 
     robots  name of the type, population or robot that the controller controls; "": all types with a drive

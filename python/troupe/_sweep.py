@@ -93,8 +93,8 @@ def sweep(study: Union[str, "os.PathLike[str]", Mapping[str, Any]], *, series: O
     returns  one row per run with the columns run, the parameters, seed, ticks, time_s, the measures, stopped_by,
              state_hash and error. With series: one row per sample, with the columns run, the parameters, seed, time_s
              and the measures
-    errors   InputError for an invalid study or world. If a single run fails, its column `error` states the reason; in a
-             series, a failed run has no rows. ImportError if pandas is missing
+    errors   InputError for an invalid study or world. If a single run fails, the column `error` of its row states the
+             reason; in a series, a failed run has no rows. ImportError if pandas is missing
     """
     try:
         import pandas

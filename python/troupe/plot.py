@@ -136,8 +136,8 @@ def draw(folder: _File, measure: Optional[str] = None, by: Optional[str] = None,
          title: Optional[str] = None) -> str:
     """Draws a measure of a sweep into a .png, .svg or .pdf file and returns the name of the file. folder, measure, by:
     as in series_by(). out: name of the file; None: MEASURE.png in the folder. title: title of the plot; None: no title.
-    Raises PlotError as series_by() does, if the name has another ending, and if the file cannot be written; raises
-    ImportError if matplotlib is missing."""
+    Raises PlotError in the cases of series_by(), if the name has another ending, and if the file cannot be written;
+    raises ImportError if matplotlib is missing."""
     measure, names, lines = series_by(folder, measure, by)
     file = os.fspath(out) if out else os.path.join(folder, f"{measure}.png")
     if os.path.splitext(file)[1] not in (".png", ".svg", ".pdf"):

@@ -62,8 +62,9 @@ def plan(seed, index, ticks, program_only=False, controllers=False):
 
 def plan_of_ranks(seed, index, *_):
     """Returns the checks of a random world, as plan() does, for `scripts/prove --ranks`. There are five checks, each with
-    several numbers of ranks (groups of threads that compute a world together) and of threads and with its own random delays of messages: in three checks each rank has all robots,
-    in two checks only its own robots and those near them (`--distribute`)."""
+    several numbers of ranks (groups of threads that compute a world together), several numbers of threads, and another seed of
+    the random delays of messages. In three checks each rank has all robots, in two checks only its own robots and those near
+    them (`--distribute`)."""
     draws = random.Random(f"ranks {seed} {index}")
     return [{"check": "ranks", "ranks": [1, 2, 3, 4, 7], "threads": [1, 2], "seed": draws.randrange(1 << 32),
              "distribute": distribute} for distribute in (False, False, False, True, True)]

@@ -5,9 +5,9 @@ writes an answer to standard output, each as one line of JSON:
     in   {"world": {...}, "folder": "...", "program": "...", "ticks": 40, "checks": [...], "cover": true}
     out  {"invalid": the reason why the world cannot be loaded}, or
          {"failures": [{"check": {...}, "tick": 7, "text": "..."}], "events": [[type, robot, other], ...],
-          "refused": [reasons of `troupe convert`], "resumed": [names of the robots alive at checkpoints],
-          "acts": [kinds of the acts that were carried out in sessions], "ticks": ticks of the plain run, "stopped": the line
-          with the error that ended the plain run, or ""}
+          "refused": [errors of `troupe convert` for worlds that Stage's format cannot express],
+          "resumed": [names of the robots alive at checkpoints], "acts": [kinds of the acts that were carried out in sessions],
+          "ticks": ticks of the plain run (on one thread), "stopped": the line with the error that ended the plain run, or ""}
 
 scripts/proofs/random_proof.py starts this script as a process of its own, because a world may crash the process.
 """

@@ -96,8 +96,9 @@ class Values:
 
 
 class Parameters:
-    """Draws the parameters of a part. The generator of worlds derives from it and provides `draws`, `values`, `kinds`, `world`,
-    `tick_s` and `reserves` (populations with bodies that can be born)."""
+    """Draws the parameters of drives, sensors, devices, controllers, measures and faults. The generator of worlds derives from
+    this class and provides `draws`, `values`, `kinds`, `world`, `tick_s` and `reserves` (populations with bodies that can be
+    born)."""
 
     def chance(self, p):
         return self.draws.random() < p

@@ -87,7 +87,8 @@ class Library:
         return (int(fields[11]) + int(fields[12])) / os.sysconf("SC_CLK_TCK")
 
     def _answer(self):
-        """Returns ("told", the next answer of the process), or ("crash" or "hangs", a text that says how the process ended)."""
+        """Returns ("told", the next answer of the process), or ("crash" or "hangs", a text with the reason) if the process has
+        crashed or gives no answer in time."""
         end, cpu_end = time.monotonic() + TIMEOUT_S, self._cpu_s() + TIMEOUT_CPU_S
         output = self._process.stdout.fileno()
         while b"\n" not in self._pending:
@@ -200,7 +201,7 @@ class Program:
 class RandomProof:
     """Makes and checks random worlds, until `count` worlds have been made or `seconds` have passed (None: no limit), or until
     MOST_KEPT worlds differ. A world differs if one of its checks fails, for example because a run gives other hashes than the
-    plain run. runner: a Library or Program; first: index of the first world; kept: folder for worlds that differ."""
+    run on one thread. runner: a Library or Program; first: index of the first world; kept: folder for worlds that differ."""
 
     def __init__(self, runner, seed, count=None, seconds=None, controllers=False, first=0, kept=KEPT, shrink=True, say=print,
                  kinds=None, sound=None, plan=check_plans.plan, now=time.monotonic):
@@ -272,8 +273,8 @@ class RandomProof:
             yield f"  could not be loaded ({times} x): {text}"
 
     def _found(self, index, world, ticks, failures):
-        """Writes a world that differs into a folder in `kept`, shrunk for the first check in which it differs, and adds the
-        failure to the faults."""
+        """Writes a world that differs into a folder in `kept`, shrunk for the first check in which it differs, and adds a text
+        about the failure to `failed`."""
         self.differing += 1
         failure = failures[0]
         others = "".join(f"; also differs in the check {other['check']['check']}" for other in failures[1:])

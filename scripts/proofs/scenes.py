@@ -99,7 +99,8 @@ class Scenes:
                                "reason why there is none (excluded)")
 
     def proved(self, quick=False):
-        """Returns the worlds of scripts/prove; quick: only the small ones."""
+        """Returns the worlds that scripts/prove runs. quick: whether to return only those with "quick": true in the
+        manifest."""
         return tuple(World(row["world"], weight=run["weight"], ranging=run.get("ranging", ""))
                      for row in self.rows for run in row.get("prove", []) if run.get("quick") or not quick)
 
@@ -133,7 +134,7 @@ class Scenes:
 
     def golden_runs(self):
         """Returns (key, robots, ticks) of the entries of the golden file: first the runs of the proofs, then those of the
-        tests, then the short runs for slow builds (sanitizers). robots: None for the number of the world."""
+        tests, then the short runs for slow builds (sanitizers). robots: number of robots; None: the number in the world."""
         runs = [run for part in (proof_runs, test_runs, slow_runs) for row in self.rows for run in part(row)]
         return tuple(dict.fromkeys(runs))
 

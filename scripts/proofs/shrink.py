@@ -1,5 +1,5 @@
-"""Makes a failing world as small as possible, so that it still fails. Uses delta debugging (Zeller and Hildebrandt, 2002) on
-the lists in the document of the world, then removes keys and simplifies numbers one by one."""
+"""Makes a failing world as small as possible without making the failure disappear. Uses delta debugging (Zeller and
+Hildebrandt, 2002) on the lists in the document of the world, then removes keys and simplifies numbers one by one."""
 
 import copy
 import time

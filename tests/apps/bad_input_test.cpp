@@ -80,7 +80,7 @@ std::vector<BadInput> stage_inputs() {
        "bad.world",
        robot,
        "bad.world: ",
-       "the number of robots can be set only in a world with populations",
+       "the number of robots can be set only in a .json world with populations",
        {"--robots", "5"}},
   };
 }

@@ -19,6 +19,7 @@
 namespace troupe {
 namespace {
 
+using ::testing::AllOf;
 using ::testing::Each;
 using ::testing::ElementsAre;
 using ::testing::ElementsAreArray;
@@ -320,6 +321,9 @@ TEST(SwarmDevices, SayWhatIsWrong) {
   std::vector<std::byte> bytes(4);
   EXPECT_THAT(message_of<std::out_of_range>([&] { all.readings(bytes, "cuont", "radio"); }),
               HasSubstr("device \"radio\": unknown field \"cuont\"; known: bearing, count, "));
+  EXPECT_THAT(message_of<std::out_of_range>([&] { all.readings(bytes, "cuont", ""); }),
+              AllOf(HasSubstr("devices of \"b0\": unknown field \"cuont\"; known: bearing, "),
+                    HasSubstr("(did you mean \"count\"?)")));
   EXPECT_THAT(
       message_of<std::out_of_range>([&] { all.readings(bytes, "count", "radoi"); }),
       HasSubstr("robot \"b0\": unknown device \"radoi\"; known: lamp, radio (did you mean \"radio\"?)"));

@@ -617,6 +617,9 @@ INSTANTIATE_TEST_SUITE_P(
         Wrong{R"("name": "c0")", R"("name": "")",
               R"(maze.json:14: error: /models/0/name: expected a name, found the text "")"},
         Wrong{
+            R"("name": "c0")", R"("name": "c0", "global_parts": ["lid"])",
+            R"(maze.json:14: error: /models/0/global_parts/0: the type "crate" of this model has no part "lid"; known: none)"},
+        Wrong{
             R"("name": "c0")", R"("name": "r2")",
             R"(maze.json:17: error: the name "r2" is already used by the body on line 14; "same_names": "warn" in the world allows this)"},
         Wrong{

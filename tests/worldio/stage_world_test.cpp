@@ -189,8 +189,8 @@ TEST_F(StageWorld, PopulationsAreForJson) {
   options.robots = {{"", 3}};
   load("", options);
   EXPECT_THAT(messages(),
-              ElementsAre("w.world: error: the number of robots can be set only in a world with populations, "
-                          "a .json file; a .world file lists its robots one by one"));
+              ElementsAre("w.world: error: the number of robots can be set only in a .json world with "
+                          "populations; a .world file lists its robots one by one"));
 }
 
 TEST_F(StageWorld, PointersReachIntoWhatItBecomesInJson) {

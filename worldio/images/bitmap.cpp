@@ -47,9 +47,9 @@ class Unpacked {
 };
 
 /// True if a chunk of a PNG is cut off or does not match its checksum. stb_image does not check this, and a
-/// flipped bit would change the map. Also true if the unpacked pixel data has far more bytes than the image
-/// needs. stb_image would unpack all of these bytes, while this function stops as soon as there are too many.
-/// False for a file that is not a PNG.
+/// flipped bit would change the pixels. Also true if the unpacked pixel data has far more bytes than the
+/// image needs. stb_image would unpack all of these bytes, while this function stops as soon as there are too
+/// many. False for a file that is not a PNG.
 bool png_is_damaged(std::string_view bytes) {
   constexpr std::string_view k_signature = "\x89PNG\r\n\x1a\n";
   if (!bytes.starts_with(k_signature)) return false;

@@ -15,7 +15,8 @@ struct Image {
   std::vector<std::uint8_t> rgba;  ///< red, green, blue and opacity of each pixel: 4 x width x height values
 };
 
-/// An image of 16-bit grey values, row by row from the top.
+/// An image of 16-bit grey values, row by row from the top. In pictures of depth cameras, the values are
+/// depths in mm.
 struct DepthImage {
   int width = 0;                      ///< width, pixels
   int height = 0;                     ///< height, pixels

@@ -52,7 +52,8 @@ class WorldContractor {
  private:
   std::size_t count_floor_plans();
   bool is_floor_plan(std::size_t body);
-  /// Whether the image of a part, read again, gives exactly the solids of the part.
+  /// Whether the image of a part, read again, gives exactly the solids and the size of the part.
+  /// `as_floor_plan`: true for the image of an entry of `floorplans`, false for that of a part of a type.
   bool makes(const PartSpec& part, bool as_floor_plan);
   void drop_images();
   void contract_settings(const Checks& checks, bool with_bounds, WorldDocument& document) const;

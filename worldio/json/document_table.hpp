@@ -51,8 +51,8 @@ enum class Form : std::uint8_t {
   parameters,       ///< engine::Record: the parameters of the kind, which are keys of the same object
   faults,  ///< std::vector<FaultDocument::Impairment>: each entry is a key of the object, named like a fault
            ///< in Registry::faults, whose value is an object of parameters
-  object,  ///< a struct with a DocumentTable
-  list,    ///< std::vector of structs with a DocumentTable
+  object,  ///< a struct with a DocumentTable: an object with the keys of this table
+  list,    ///< std::vector of structs with a DocumentTable: a list of such objects
   map,     ///< std::vector of pairs of a name and a struct with a DocumentTable: an object whose keys are the
            ///< names
 };
@@ -170,8 +170,8 @@ struct DocumentRule {
                         ///< object
 };
 
-/// A kind that objects with a key `kind` can have: a drive kind, a device kind, ... It refers to data of the
-/// engine::Registry, which must outlive it.
+/// A kind that objects with a key `kind` can have: a drive kind, a device kind, ... The members refer to data
+/// of the engine::Registry: the registry must outlive this struct.
 struct DocumentKind {
   std::string_view name;                       ///< value of the key `kind`
   std::string_view text;                       ///< meaning of the kind
@@ -189,7 +189,7 @@ struct DocumentKinds {
   std::string_view what;  ///< word for a kind in messages: "drive"
   /// Name of the page of docs/ about plug-ins with such kinds: "extending". Empty: plug-ins cannot have any.
   std::string_view page;
-  /// Returns all kinds of the registry, then all presets of these kinds.
+  /// Returns those kinds of the registry that the objects can have, then all presets of these kinds.
   std::vector<DocumentKind> (*all)(const engine::Registry& registry);
   /// Returns the names of all kinds and presets, sorted, for messages.
   std::vector<std::string_view> (*known)(const engine::Registry& registry);

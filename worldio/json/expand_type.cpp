@@ -59,7 +59,7 @@ class TypeExpander {
                                const engine::DeviceKind& kind) const;
   void expand_controller(const ControllerDocument& document, std::uint32_t part);
   /// Sets `joint` if the document names a joint or says that there is none (null). Otherwise `joint` keeps
-  /// its value, which is the joint of the enclosing part.
+  /// its value, such as the joint of the enclosing part.
   void expand_joint(const std::optional<JointName>& name, Where where, const DocumentPath& at,
                     std::int32_t& joint);
   Result<> find_joint(const std::string& name, std::int32_t& joint) const;

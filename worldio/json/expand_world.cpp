@@ -108,8 +108,9 @@ class WorldExpander {
   void add_to_reserve(const std::string& population, BodyId body, TypeId type);
   void report_repeated_names();
 
-  /// Returns the id of the type with this name. If there is none, reports an error at the key `type` of
-  /// `object`, whose path is `at`, and returns type 0, that of the ground.
+  /// Returns the id of the type whose key in `types` is `name`. If there is none, reports an error at the key
+  /// `type` of `object`, whose path is `at`, and returns type 0, that of the ground. An empty name also gives
+  /// type 0, without an error, because the reader has already reported that the type is missing.
   TypeId type_of(const std::string& name, const Placed& object, const DocumentPath& at);
   Color color_of(TypeId type) const {
     return type_colors_[type.index()].value_or(default_colors_[type.index()]);
@@ -254,10 +255,12 @@ void WorldExpander::expand_model(const ModelDocument& document, const DocumentPa
     const std::string& name = document.global_parts[i];
     if (std::ranges::find(parts, name, &engine::PartSpec::name) != parts.end()) continue;
     std::vector<std::string_view> known;
-    for (const engine::PartSpec& part : parts) known.push_back(part.name);
+    for (const engine::PartSpec& part : parts)
+      if (!part.name.empty()) known.push_back(part.name);  // the root part has no name
     DocumentPath(global, i, global.where())
         .error(fmt::format("the type \"{}\" of this model has no part \"{}\"; known: {}",
-                           spec_.types[model.body.type.index()].name, name, comma_list(known)));
+                           spec_.types[model.body.type.index()].name, name,
+                           known.empty() ? "none" : comma_list(known)));
   }
   model.global_parts = document.global_parts;
   if (!document.reserve_of.empty()) model.reserve_of = document.reserve_of;
@@ -389,9 +392,9 @@ void WorldExpander::make_shapes(engine::Occupancy& occupancy) {
     }
 }
 
-/// Adds a body to those that a population may bring into the world during the run. The spec stores them as
-/// ranges (engine::ReserveSpec): bodies with consecutive ids, of one population and one type. The body
-/// extends the last range if its id, population and type fit; otherwise it starts a new range.
+/// Adds a body to the reserve of a population: the bodies that may enter the world during the run. The spec
+/// stores reserves as ranges (engine::ReserveSpec) of bodies with consecutive ids, of one population and one
+/// type. The body extends the last range if its id, population and type fit; otherwise it starts a new range.
 void WorldExpander::add_to_reserve(const std::string& population, BodyId body, TypeId type) {
   auto& reserves = spec_.reserves;
   if (!reserves.empty()) {

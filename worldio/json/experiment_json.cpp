@@ -72,8 +72,8 @@ void write_some(const Record& record, const FieldTable& table, JsonNode::Object&
     write_field(table.fields[i], record[i], object);
 }
 
-/// Whether parameters_json() writes this value. It leaves out lists of records, and values with a number that
-/// is not finite, because JSON has no such numbers.
+/// Whether parameters_json() writes this value. It leaves out blocks (records and lists of records), and
+/// values with a number that is not finite, because JSON has no such numbers.
 bool is_simple(const Value& value) {
   if (const auto* x = std::get_if<double>(&value.v)) return std::isfinite(*x);
   if (const auto* list = std::get_if<std::vector<double>>(&value.v))

@@ -10,9 +10,9 @@
 #include <string>
 #include <string_view>
 
-/// Converts measures and experiments (stop conditions, interventions and faults) between JSON documents
-/// (worldio/json/world_document.hpp) and specs, the descriptions that the engine uses
-/// (engine/spec/world_spec.hpp).
+/// Converts measures and experiments between JSON documents (worldio/json/world_document.hpp) and specs, the
+/// descriptions that the engine uses (engine/spec/world_spec.hpp). An experiment consists of stop conditions,
+/// interventions (changes of the world at given times) and faults (failures of robots).
 namespace troupe::worldio {
 
 /// Returns the spec of the measure that a document describes. It copies the values and checks nothing.
@@ -53,8 +53,8 @@ std::string parameters_json(const engine::TypeSpec& type, const engine::Registry
 /// Reads the keys of an experiment (`stop_when`, `at`, `faults`) from `object`, the JSON object of a stored
 /// world (worldio/json/spec_json.hpp), and adds the experiment to spec.experiment with expand_experiment().
 /// Errors are reported to the diagnostics of object.at(). Other keys of the object are neither read nor
-/// reported. The types of `spec` must be set already: `type_keys` has, for each of them, the text that names
-/// it in the object.
+/// reported. The types of `spec` must be set already: `type_keys` has, for each type, the text by which the
+/// object refers to the type.
 void read_experiment(JsonObject& object, std::span<const std::string> type_keys,
                      const engine::Registry& registry, engine::WorldSpec& spec);
 /// The inverse of read_experiment(): adds the keys of spec.experiment to `object`. Adds nothing for a world

@@ -114,8 +114,8 @@ struct Section {
   std::string_view heading;
   std::string_view name;  ///< name of the objects, in references such as "as for `types`"
   const DocumentTable& (*table)();
-  /// Which keys the table lists: all of them, only those of objects of every kind, or only those of objects
-  /// of some kinds (DocumentKey::is_of).
+  /// Which keys the table lists: all keys, those that objects of every kind may have, or those that only
+  /// objects of some kinds may have (DocumentKey::is_of).
   enum class Of { all, every_kind, some_kinds } of = Of::all;
 };
 
@@ -274,8 +274,8 @@ TableRow row_of(const DocumentTable& table, const DocumentKey& key, std::string_
                       default_text(table, key, key.field), meaning(table, key, heading))};
 }
 
-/// Appends the rows of a table. If an earlier table also has `k_fewest` or more consecutive ones of these
-/// rows, one row that refers to the earlier table replaces them.
+/// Appends the rows of a table. One row that refers to an earlier table replaces each group of `k_fewest` or
+/// more consecutive rows that this earlier table also has.
 void append_rows(const std::vector<TableRow>& rows, const std::map<std::string, const Section*>& earlier,
                  std::string& text) {
   constexpr std::size_t k_fewest = 3;

@@ -10,9 +10,9 @@ namespace troupe::worldio {
 
 /// Returns the generated last part of docs/world-format.md as Markdown. The text has a table for poses, one
 /// for each of the objects `watch` and `window` of a world, and one for the parameters of each kind of drive,
-/// sensor, other device, controller and fault in `registry`. These tables list keys with their units, values
-/// with their limits, defaults and meanings. A table for each controller preset lists only the defaults that
-/// differ from those of its kind.
+/// sensor, other device, controller and fault in `registry`. Each row of these tables gives a key in each of
+/// its units, the allowed values, the default and the meaning. For each preset (a named variant of a
+/// controller kind), a table lists only the defaults that differ from those of the kind.
 std::string world_format_reference(const engine::Registry& registry);
 
 /// A table in docs/world-format.md that lists the keys of one kind of JSON object.
@@ -24,7 +24,7 @@ struct KeyTable {
 
 /// Returns the tables of keys of docs/world-format.md, in the order of the page. The tables are made from the
 /// descriptions of the structs of a WorldDocument (worldio/json/document_table.hpp). Three or more
-/// consecutive keys that an earlier table describes in the same way share one row, which refers to it.
+/// consecutive keys that an earlier table describes in the same way share one row that refers to that table.
 std::vector<KeyTable> document_key_tables(const engine::Registry& registry);
 
 /// Returns the text of a Markdown page with its tables of keys replaced by `tables`. Below each heading, the

@@ -9,14 +9,14 @@
 
 namespace troupe::worldio {
 
-/// Removes the key `include` of a world, which lists files, and adds the types of these files in front of the
+/// Removes from a world the key `include`, a list of files, and adds the types of these files in front of the
 /// types of the world. An included file is a JSON object that can have the keys `types`, `include`, `troupe`
-/// and `$schema`. Its path is relative to the file that includes it. Paths of images in it are relative to
-/// its own folder, and are changed to be relative to the folder of the world. A file that is included several
-/// times counts once. `file` is the path of the world file. Each node keeps its file and line. Reports an
-/// error for a file that cannot be read or is not a JSON object, for files that include each other in a
-/// circle, for a key that an included file must not have or whose value is wrong, and for two types with the
-/// same key. Does nothing if the world has no key `include`.
+/// and `$schema`. Its path is relative to the folder of the including file. Paths of images in it are
+/// relative to its own folder, and are changed to be relative to the folder of the world. A file that is
+/// included several times counts once. `file` is the path of the world file. Each node keeps its file and
+/// line. Reports an error for a file that cannot be read or is not a JSON object, for files that include each
+/// other in a circle, for a key that an included file must not have or whose value is wrong, and for two
+/// types with the same key. Does nothing if the world has no key `include`.
 void resolve_includes(JsonNode& world, const std::filesystem::path& file, Diagnostics& diagnostics);
 
 /// Replaces the key `extends` of each type of a world with the keys of the base type, which is the type that

@@ -70,7 +70,7 @@ ImageDocument contract_image(const engine::ImageSpec& image, const Eigen::Vector
 bool expand_shape(const PartDocument& document, const DocumentPath& at, ImageFolder& images,
                   engine::PartSpec& part);
 /// The inverse of expand_shape(): sets the shape in `document`. Paths of images become relative to `folder`;
-/// if `folder` is null, the outlines of an image are stored as blocks, or as a box if they are one. Returns
+/// if `folder` is null, the outlines of an image are stored as blocks, or as a box if they form one. Returns
 /// the size, m, that expand_shape() would give the part.
 Eigen::Vector3d contract_shape(const engine::PartSpec& part, const std::filesystem::path* folder,
                                PartDocument& document);

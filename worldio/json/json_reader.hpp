@@ -65,7 +65,7 @@ class JsonCursor : public DocumentPath {
 };
 
 /// Reads an object key by key. It remembers the keys that the caller asks for, so that finish() can report
-/// every other key as unknown. It keeps a reference to the cursor, which must outlive it.
+/// every other key as unknown. The cursor must outlive the JsonObject, which refers to it.
 class JsonObject {
  public:
   /// Reports an error if the value at the cursor is not an object. Every find() then returns null.

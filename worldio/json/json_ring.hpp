@@ -13,8 +13,8 @@ inline bool has_ring(const JsonNode& entry) { return entry.find("ring") != nullp
 /// key. Copy i of n, counted from 0, is on the circle with the ring's `radius` around the position of the
 /// entry. Seen from this centre, the copy is in the direction `start` + i/n of a turn, counter-clockwise from
 /// the heading of the entry. The copy heads away from the centre and has the height of the entry. The number
-/// i is appended to the name of the copy and to the names of its own sensors, devices and parts, also of
-/// those inside parts. Empty, with errors, if the ring or the pose is wrong.
+/// i is appended to the name of the copy and to the names of all sensors, devices and parts inside the copy.
+/// Empty, with errors, if the ring or the pose is wrong.
 std::vector<JsonNode> expand_ring(const JsonCursor& at);
 
 }  // namespace troupe::worldio

@@ -21,9 +21,9 @@ namespace troupe::worldio {
 void change_json_world(JsonNode& document, const std::filesystem::path& file, const LoadOptions& options,
                        Diagnostics& diagnostics);
 
-/// Converts the JSON nodes of a world to a WorldDocument. Reports all errors, each at its line;
-/// read_described() says how wrong values are treated. The function uses only the member `most_bodies` of
-/// `options`.
+/// Converts the JSON nodes of a world to a WorldDocument. Reports all errors, each at its line. Most wrong
+/// values are treated as absent; read_described() (worldio/json/read_document.hpp) lists the exceptions. The
+/// function uses only the member `most_bodies` of `options`.
 WorldDocument read_json_document(const JsonNode& document, const engine::Registry& registry,
                                  const LoadOptions& options, Diagnostics& diagnostics);
 

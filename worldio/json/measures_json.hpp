@@ -12,8 +12,8 @@ namespace troupe::worldio {
 
 /// Reads an entry of the list `measures` of a world. The entry is a text such as `"stalls"`, or
 /// `"stalls:leaders"` to measure only the type, population or robot named "leaders", or an object {`kind`,
-/// `name`, `of`, parameters}. Empty, with errors, if the entry is none of these or names an unknown measure.
-/// Whether "leaders" exists is checked later, when the world is built.
+/// `name`, `of`, parameters}. Empty, with errors, if the entry has another form, names an unknown measure or
+/// has wrong parameters. Whether "leaders" exists is checked later, when the world is built.
 std::optional<engine::MeasureSpec> read_measure(const JsonCursor& at, const engine::Registry& registry);
 
 /// Like read_measure(), but reads the measure from `text`, an argument of the command line: `stalls` or

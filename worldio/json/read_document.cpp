@@ -30,8 +30,8 @@ class ObjectReader {
 
  private:
   bool find_kind();
-  /// Returns the bit of this object's variant in DocumentKey::variants. 0 if the key that selects the variant
-  /// is missing or wrong.
+  /// Returns the bit in DocumentKey::variants for the value that this object has for the key
+  /// DocumentTable::variant. 0 if that value is missing or wrong.
   std::uint32_t find_variant();
   bool applies(const DocumentKey& key) const;
   void read_key(const DocumentKey& key);

@@ -163,7 +163,7 @@ SessionHeader read_header(JsonObject& object) {
                                   format, k_session_format));
   header.version = read_name(object, "version", "the version of the program that wrote the session");
   header.tick = read_count(object, "tick", "the tick at which the session began");
-  header.hash = read_name(object, "hash", "the hash of the state at that tick");
+  header.hash = read_name(object, "hash", "the hash of the state at the tick at which the session began");
   if (const JsonNode* node = object.require("options", "the options of the run")) {
     const JsonCursor at(object.at(), "options", *node);
     if (!node->object()) at.expected("an object whose values are texts");

@@ -19,7 +19,7 @@ inline constexpr int k_session_format = 1;  ///< the only version of the format
 
 /// The first line of a session.
 struct SessionHeader {
-  std::string version;     ///< version_line() of the program that wrote the session
+  std::string version;     ///< version and compiler (version_line()) of the program that wrote the session
   std::uint64_t tick = 0;  ///< tick at which the session began
   std::string hash;        ///< hash of the state at that tick: 16 lower-case hex digits
   /// Options of the run and their values, from Simulation::effective_options().

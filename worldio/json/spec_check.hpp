@@ -10,8 +10,9 @@ namespace troupe::worldio {
 /// can have: values beyond the limits in engine/spec/spec_description.cpp (at most one error for each list of
 /// numbers), parameters that do not match their kind, unknown kinds, and all errors of engine::check_rules().
 /// A message begins with the path of the value, such as `types[0].parts[2].size`. The error is reported at
-/// the place in a file (Where) of the innermost struct that contains the value and has a place. The kinds
-/// check their own parameters later, in the constructor of World.
+/// the place in a file (Where) of the innermost struct that contains the value and has a place. What only a
+/// kind can check, such as whether its parameters are consistent, is checked later, in the constructor of
+/// World.
 void check_spec(const engine::WorldSpec& spec, const engine::Registry& registry, Diagnostics& diagnostics);
 
 }  // namespace troupe::worldio

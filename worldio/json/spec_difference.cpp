@@ -24,7 +24,7 @@ using engine::WorldSpec;
 /// order of the table of the struct. With N = 1 it reads one struct. With N = 2 it reads two structs of the
 /// same type, and each call gets the same member of both. `found` must have the functions below; their first
 /// argument is an array with one entry for each of the N structs:
-///   bool size(sizes, path)    for each list, and for each optional block (size 0 or 1)
+///   bool size(sizes, path)    for each list, and for each optional struct (size 0 or 1)
 ///   bool value(values, path)  for each other value
 ///   bool place(wheres, path)  for each member that is a place in a file (a Where)
 /// `path` is the path of the member. If a call returns false, no further members are read.

@@ -27,9 +27,10 @@ struct BodyColumns {
   std::vector<std::uint32_t> alias_word, alias_number, alias_body;
 };
 
-/// A stored world: its whole expanded spec, which needs no other file. restore_spec() returns a spec that is
-/// equal to the stored one in every bit in the sense of spec_difference(). The images and blocks from which
-/// solids were made, and places in files of the experiment, are not stored.
+/// A stored world: the whole expanded spec of a world, in the form in which checkpoints contain it. No other
+/// file is needed to restore the spec. restore_spec() returns a spec that is equal to the stored one in every
+/// bit in the sense of spec_difference(). The images and blocks from which solids were made, and places in
+/// files of the experiment, are not stored.
 struct StoredSpec {
   std::string json;    ///< JSON text from spec_to_json()
   BodyColumns bodies;  ///< the bodies, which are not in `json`

@@ -15,8 +15,8 @@
 namespace troupe::worldio {
 
 /// Returns the type that a document describes. `key` is its key in the object `types`, and also its name if
-/// the document has no name. `at` is the path of the document, for errors. Do not use the result if errors
-/// are reported.
+/// the document has no name. `at` is the path of the document, for errors. `images` reads the images of the
+/// type. Do not use the result if errors are reported.
 engine::TypeSpec expand_type(const TypeDocument& document, const std::string& key, const DocumentPath& at,
                              const engine::Registry& registry, ImageFolder& images);
 

@@ -439,8 +439,8 @@ void describe_device(DocumentKeys<D>& d, std::string_view word, bool is_own) {
   };
   const auto joint = [&] {
     d.template other<&D::joint>(Form::joint, "joint",
-                                "name of the joint that moves the device; null: no joint moves it; with "
-                                "`joint`, `pose` is in the frame of the body, unless `on` is given too")
+                                "name of the joint that moves the device; null: no joint moves it; `joint` "
+                                "does not change the frame of `pose`")
         .or_default("the joint that moves the part on which the device is mounted");
   };
   if (is_own) kind();
@@ -451,8 +451,7 @@ void describe_device(DocumentKeys<D>& d, std::string_view word, bool is_own) {
       .or_default(is_own ? "the name of the part" : "KIND:0, KIND:1, ...");
   if (!is_own) kind();
   d.template value<&D::pose>(
-      "pose",
-      "pose in the frame of the body or, with `on`, in the frame of the device on which it is mounted");
+      "pose", "pose in the frame of the body or, with `on`, in the frame of the device that `on` names");
   joint();
   if (!is_own) describe_ring(d);
   d.template value<&D::active>("active",
@@ -794,7 +793,8 @@ void FloorplanDocument::describe(DocumentKeys<FloorplanDocument>& d) {
           .several = "give \"bitmap\" or \"walls_m\", not both",
           .at_key = true});
   d.value<&FloorplanDocument::pose>("pose",
-                                    "pose of the centre of the image; for a ROS map, pose of the map frame");
+                                    "pose of the centre of the image; with a ROS map: of the map frame; with "
+                                    "`walls_m`: of the frame of its points");
   d.other<&FloorplanDocument::color>(Form::color, "color", "colour of the walls")
       .or_default("[0.3, 0.3, 0.3]");
   describe_returns<FloorplanDocument, &FloorplanDocument::returns>(d);
@@ -849,8 +849,8 @@ void PlaceDocument::describe(DocumentKeys<PlaceDocument>& d) {
       .or_default("the bounding box of `polygon_m`, else the bounds of the world");
   d.other<&PlaceDocument::polygon>(
        Form::points, "polygon_m",
-       "polygon in which the origins of the bodies lie; it must not cross itself; with `region_m`, they lie "
-       "in both")
+       "polygon in which the origins of the bodies lie; it must not cross itself; with `region_m`, the "
+       "origins lie in both")
       .entries(3);
   d.other<&PlaceDocument::spill>(Form::box, "spill_m",
                                  "second rectangle, for bodies that do not fit into `region_m`")
@@ -1056,7 +1056,7 @@ void WorldDocument::describe(DocumentKeys<WorldDocument>& d) {
                                    "fields of the state that it contains");
   d.other<&WorldDocument::watch>(
        Form::block, "watch",
-       "the speed of a run, whether it prints the world time, and whether a window starts paused")
+       "the speed of a run, whether it prints the world time, and whether Stage's window starts paused")
       .or_default("the defaults of its keys")
       .block = &engine::watch_fields();
   d.other<&WorldDocument::window>(Form::block, "window", "the view of `--camera window`").block =

@@ -140,7 +140,7 @@ struct DeviceDocument : Placed {
   // body. The size and blocks of grippers follow from their parameters.
   std::optional<Color> color;           ///< colour of the device; empty: that of the robot's body
   engine::Returns returns;              ///< how other bodies collide with the device and sense it
-  std::optional<Eigen::Vector3d> size;  ///< box, m, in the frame of the device
+  std::optional<Eigen::Vector3d> size;  ///< [x, y, height] of a box, m, in the device frame; empty: no box
   std::vector<BlockDocument> blocks;    ///< solids in addition to the box
   static void describe(DocumentKeys<DeviceDocument>& d);  ///< adds the keys of this struct to `d`
 };
@@ -188,7 +188,7 @@ struct PartDocument : Placed {
   std::optional<Pose> origin;        ///< pose of the centre of the image or of the fitted blocks, part frame
   std::optional<DiscDocument> disc;  ///< a cylinder about the origin of the part, in addition to the blocks
   std::optional<std::vector<BlockDocument>> blocks;  ///< upright prisms
-  std::optional<bool> floor_plan;  ///< whether the shape is a floor plan; empty: true if it is an image
+  std::optional<bool> floor_plan;  ///< whether the shape is that of walls; empty: true if it is an image
   /// Size that fiducial finders report and controllers read, m; empty: that of the shape.
   std::optional<Eigen::Vector3d> extent;
   std::optional<Color> color;                    ///< colour of the part; empty: that of the body
@@ -239,7 +239,7 @@ struct ModelDocument : Placed {
   std::string name;        ///< name of the body; unique, unless WorldDocument::same_names allows repetitions
   std::string alias;       ///< another name, by which programs can also find the body; empty: none
   std::string type;        ///< a key of WorldDocument::types
-  std::string reserve_of;  ///< population to whose reserve it belongs; empty: it exists from the start
+  std::string reserve_of;  ///< population to whose reserve the body belongs; empty: exists from the start
   Pose pose;               ///< pose in the world frame
   std::optional<Color> color;                   ///< colour of the body; empty: that of its type
   std::optional<std::int32_t> fiducial_return;  ///< number that fiducial finders read; empty: the type's

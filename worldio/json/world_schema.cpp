@@ -81,9 +81,9 @@ double rounded_to_digits(double x) {
   return rounded;
 }
 
-/// Returns the limit `si`, in SI units, in the unit `suffix`. The limit is rounded to ten digits, in the
-/// direction in which the schema is not stricter than the reader. `outward` is 1 for a maximum and -1 for a
-/// minimum.
+/// Converts the limit `si` from SI units to the unit of the key suffix `suffix`, such as "_deg". The limit is
+/// rounded to ten digits, in the direction in which the schema is not stricter than the reader. `outward` is
+/// 1 for a maximum and -1 for a minimum.
 double limit_in(const UnitSuffix& suffix, double si, double outward) {
   if (suffix.to_si == 1) return si;
   constexpr double k_digits = 1e-9;

@@ -43,8 +43,8 @@ std::vector<std::uint32_t> ids_of(const StateTable& table, std::span<const std::
 std::size_t bytes_of(const StateField& field) { return engine::element_size(field.element) * field.columns; }
 
 /// Returns the group of each table, as steps of the path below /tables: the component "ranger/eye" is stored
-/// in the group eye in the group ranger. If several types have a component of the same name, it gets a
-/// number: "ranger/eye#2".
+/// in the group eye in the group ranger. If several types have a component of the same name, all but the
+/// first get a number: "ranger/eye#2".
 std::vector<std::vector<std::string>> places_of(std::span<const StateTable> tables) {
   std::vector<std::vector<std::string>> places;
   std::set<std::string> taken;

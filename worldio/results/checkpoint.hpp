@@ -15,16 +15,18 @@
 
 namespace troupe::worldio {
 
-/// The kind and the layout of the seal of a checkpoint, see write_sealed(). A checkpoint is everything that
-/// is needed to continue a run, in one HDF5 file with a hash that detects damage
-/// (worldio/results/sealed_file.hpp). The groups and datasets of the file are:
+/// The arguments `kind` and `layout` of write_sealed() (worldio/results/sealed_file.hpp) for checkpoints: the
+/// kind of file, and the version of its layout. A checkpoint is everything that is needed to continue a run,
+/// in one HDF5 file with a hash that detects damage. The groups and datasets of the file are:
 ///
 /// `/meta`        attributes: layout, tick, time_s, state_hash, counts such as beams and stalled, and the
 ///                FileHeader given by the caller
-/// `/world`       the spec as JSON (worldio/json/spec_json.hpp), without its bodies and aliases
+/// `/world`       the spec (description of the world) as JSON (worldio/json/spec_json.hpp), without its
+///                bodies and aliases
 /// `/bodies`      the bodies of the spec, one column per field
 /// `/aliases`     the other names of the bodies
-/// `/tables/<component>/bodies`   ids of the bodies that have this component of the state, one per row
+/// `/tables/<component>/bodies`   ids of the bodies that have this component of the state, such as
+///                                `pose`; one per row
 /// `/tables/<component>/<field>`  one field of this component, as an array [rows, columns]
 /// `/bodies/subscribed`  ids of the bodies to whose sensors a program subscribed: World::subscribed()
 /// `/memories/<name>`    bytes that observers remember of earlier ticks; not part of the state
@@ -40,10 +42,10 @@ using Memories = std::map<std::string, std::vector<std::byte>>;
 /// options.
 using FileHeader = std::vector<std::pair<std::string, std::string>>;
 
-/// Saves the state that `world` has after its last tick. `header` is added to /meta; if a key is repeated,
-/// the last value is stored. No key of `header` may be the name of another attribute of /meta, such as
-/// "tick". Throws std::runtime_error, with the name of the file, if the file cannot be written or if the
-/// world cannot be stored. An existing checkpoint of this name is then unchanged.
+/// Saves the present state of `world`. `header` is added to /meta; if a key is repeated, the last value is
+/// stored. No key of `header` may be the name of another attribute of /meta, such as "tick". Throws
+/// std::runtime_error, with the name of the file, if the file cannot be written or if the world cannot be
+/// stored. An existing checkpoint of this name is then unchanged.
 void write_checkpoint(const std::filesystem::path& file, engine::World& world,
                       const engine::Registry& registry, const FileHeader& header,
                       const Memories& memories = {});

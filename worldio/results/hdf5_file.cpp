@@ -238,10 +238,10 @@ Hdf5Id access_properties() {
   return access;
 }
 
-/// Properties for files that are written: they disable the cache of chunks. Each batch is appended once and
-/// as a whole, so a cache gains nothing, but HDF5 would keep up to 1 MiB of each of the hundreds of datasets
-/// of a recording in memory. Readers keep the cache: in a file that was compressed afterwards, they would
-/// otherwise unpack a chunk again for each of its frames.
+/// Properties for files that are written: they disable the cache of chunks. Each batch of recorded ticks is
+/// appended once and as a whole, so a cache gains nothing, but HDF5 would keep up to 1 MiB of each of the
+/// hundreds of datasets of a recording in memory. Readers keep the cache: in a file that was compressed
+/// afterwards, they would otherwise unpack a chunk again for each recorded tick in it.
 Hdf5Id writing_access_properties() {
   Hdf5Id access = access_properties();
   H5Pset_cache(access.get(), 0, 0, 0, 0);
@@ -382,7 +382,8 @@ std::string Hdf5Object::text(const std::string& name) const {
   return unpadded(std::move(value));
 }
 
-/// Reads a text of variable length, which is how older recordings store attributes.
+/// Reads a text of variable length. Older recordings store text attributes in this form; set_text() does so
+/// only for long texts.
 std::string Hdf5Object::variable_text(std::int64_t attribute, const std::string& name) const {
   std::array<std::uint8_t, k_heap_reference_bytes> reference{};
   check(H5Aread(attribute, reference_type().get(), reference.data()), "read");

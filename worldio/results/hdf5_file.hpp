@@ -44,7 +44,8 @@ class Hdf5Id {
 };
 
 /// A group or a dataset, with its attributes. The name of an attribute may contain any character except NUL,
-/// even "/". On failure, all functions throw Hdf5Error; the message names the file and the object.
+/// even "/". On failure, the functions throw Hdf5Error, whose message names the file and the object;
+/// has_attribute() returns false instead.
 class Hdf5Object {
  public:
   /// The path of the object in the file, such as "/state/pose".
@@ -92,7 +93,7 @@ class Hdf5Dataset : public Hdf5Object {
  public:
   Hdf5Dataset() = default;  ///< refers to no dataset
   engine::Element element() const { return element_; }
-  /// The size along each dimension; empty for a single value.
+  /// The size along each dimension; empty if the array has no dimensions.
   const std::vector<std::size_t>& extent() const { return extent_; }
   std::size_t rows() const { return extent_.empty() ? 1 : extent_.front(); }
   /// The number of values in a row.

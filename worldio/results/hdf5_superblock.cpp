@@ -37,8 +37,8 @@ void put_little_endian(std::uint64_t value, std::span<std::uint8_t> bytes) {
   }
 }
 
-/// The checksum of HDF5's metadata: Bob Jenkins' lookup3 (2006, public domain), hashlittle() of the bytes
-/// before it.
+/// The checksum of HDF5's metadata: hashlittle() of Bob Jenkins' lookup3 (2006, public domain). `bytes` are
+/// the bytes before the checksum.
 std::uint32_t checksum(std::span<const std::uint8_t> bytes) {
   const auto word = [&](std::size_t at) {
     return at >= bytes.size() ? 0u

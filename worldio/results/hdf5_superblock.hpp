@@ -14,8 +14,10 @@ inline constexpr std::string_view k_hdf5_signature = "\x89HDF\r\n\x1a\n";
 /// file was killed (HDF5 File Format Specification 3.0, section II.A, versions 2 and 3). They are read and
 /// written without the HDF5 library.
 struct Hdf5Superblock {
-  std::uint8_t flags = 0;  ///< k_writing and k_swmr_writing are set while a writer has the file open
-  std::uint64_t end = 0;   ///< size of the file, as the writer recorded it here, bytes
+  /// Bits that a writer sets while it has the file open: k_writing, and in SWMR mode ("single writer,
+  /// multiple readers") k_swmr_writing.
+  std::uint8_t flags = 0;
+  std::uint64_t end = 0;  ///< size of the file, as the writer recorded it here, bytes
 
   static constexpr std::uint8_t k_writing = 1;
   static constexpr std::uint8_t k_swmr_writing = 4;

@@ -245,8 +245,8 @@ RecordedScene recorded_scene(const RecordingReader& recording) {
   const std::optional<RecordingReader::Scene> columns = recording.scene();
   if (!columns)
     fail(recording,
-         "has no group /scene (walls and colours): an older version of Troupe recorded it; record the run "
-         "again");
+         "has no group /scene (walls and colours): an older version of Troupe wrote the file; record the "
+         "run again with this version");
   try {
     RecordedScene scene = scene_of(Json::parse(recording.world_json()), *columns);
     find_shown_colors(recording, scene);

@@ -76,7 +76,7 @@ struct RecordedScene {
 /// describes them.
 RecordingReader::Scene scene_columns(const engine::WorldSpec& spec);
 
-/// Returns the colour of a body in a frame. `parts` is the recorded value of its field `shown_color`: red,
+/// Returns the colour of a body in a frame. `parts` is the recorded field `shown_color` of the body: red,
 /// green and blue, each from 0 to 1; the result is opaque. These three numbers are NaN if the body was absent
 /// or showed no colour: the result is then `of_the_world`, the colour of the body in the world file.
 Color shown_color(std::span<const double> parts, const Color& of_the_world);

@@ -65,7 +65,8 @@ std::vector<std::string> recordable_names(const engine::World& world);
 std::optional<std::string> name_for_path(const engine::World& world, std::string_view name);
 
 /// Returns the message about a name in a spelling that is not accepted, although its meaning is clear:
-/// `unknown field "minibot/eye/ranges": write "eye.ranges" instead`. what: "field"; right: the accepted name.
+/// `unknown field "minibot/eye/ranges": write "eye.ranges" instead`. `what` is a word for the named thing,
+/// here "field"; `right` is the accepted name.
 std::string wrong_spelling(std::string_view what, std::string_view name, std::string_view right);
 
 /// Returns the components that the names select, each once: first those in /state, in the order of the tables

@@ -50,9 +50,9 @@ std::size_t batch_frames(std::size_t frame_bytes) {
                     k_most_batch_frames);
 }
 
-/// Returns the chunks of an array of the state. `frames` is the number of frames in a batch, and `row` the
-/// extent of the array in one frame. A chunk holds whole frames of a batch or, if a batch has only one frame,
-/// a part of it.
+/// Returns the size of the HDF5 chunks of an array of the state. `frames` is the number of frames in a batch,
+/// and `row` the extent of the array in one frame. A chunk holds the frames of a batch or, if a batch has
+/// only one frame, a part of this frame.
 Hdf5Chunks chunks(std::size_t frames, const std::vector<std::size_t>& row, std::size_t element_bytes) {
   Hdf5Chunks chunks{.extent = {frames}};
   std::size_t inner = element_bytes;

@@ -10,8 +10,8 @@
 /// The encoding of numbers in a replay page (docs/replay.md); apps/replay_page/src/series.js decodes it.
 namespace troupe::worldio {
 
-/// The value that means "no value" in a series, which has one number of a body in consecutive frames: the
-/// body is absent, or its number is not finite.
+/// The value that means "no value" in a series. A series is one number of a body, such as its x, in
+/// consecutive frames. It has no value in frames in which the body is absent or the number is not finite.
 inline constexpr std::int32_t k_absent = std::numeric_limits<std::int32_t>::min();
 /// The largest absolute value in a series. With this limit, every number that append_series() stores fits in
 /// 31 bits, with either value of Expected.

@@ -63,8 +63,8 @@ void unwrap(std::span<std::int32_t> series) {
   }
 }
 
-/// Encodes the data of a replay page (an HTML file that shows a recording), block after block. A stream is
-/// the data of one field, or of the poses, in one block.
+/// Encodes the data of a replay page (an HTML file that shows a recording), block after block. A block is a
+/// number of consecutive frames. A stream is the data of one field, or of the poses, in one block.
 class BlockWriter {
  public:
   BlockWriter(const RecordingReader& recording, const ReplayPlan& plan) : plan_(plan), reader_(recording) {}

@@ -24,9 +24,9 @@ struct ReplayBlocks {
   std::vector<std::vector<std::size_t>> bytes;  ///< for each block, the size of each of its streams
 };
 
-/// Returns, as JSON text, everything that does not change from frame to frame: shapes, names, colours, times,
-/// and descriptions of the fields (docs/replay.md). `plan` is the result of plan_replay() for this recording.
-/// `frames` are the indices of the recorded frames that the page has, in ascending order.
+/// Returns the header of a page as JSON text: shapes, names, colours, the times of the frames, descriptions
+/// of the fields, and the sizes of the blocks (docs/replay.md). `plan` is the result of plan_replay() for
+/// this recording. `frames` are the indices of the recorded frames that the page has, in ascending order.
 std::string replay_header(const RecordingReader& recording, const ReplayPlan& plan,
                           std::span<const std::size_t> frames, const ReplayBlocks& blocks);
 

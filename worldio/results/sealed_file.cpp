@@ -74,8 +74,8 @@ Content content_of(const fs::path& file) {
   return content;
 }
 
-/// Syncs the folder of a file, which holds its name, to the disk, if the file system supports this. The
-/// content of the file must be on the disk already.
+/// Flushes the folder of a file to the disk (fsync), if the file system supports this, so that the name of
+/// the file is on the disk. The content of the file must be on the disk already.
 void sync_folder_of(const fs::path& file) {
   const fs::path folder = file.has_parent_path() ? file.parent_path() : ".";
   const int descriptor = open(folder.c_str(), O_RDONLY | O_DIRECTORY | O_CLOEXEC);

@@ -104,15 +104,16 @@ void add_noise(const Record& params, std::uint64_t, const engine::Registry&, Typ
 
 engine::ControllerKind dynamic_controller() {
   return engine::make_controller_kind<Dynamic>(k_dynamic,
-                                               "add boxes with edges of 0.1 m to the model when the world is "
-                                               "read");
+                                               "add boxes with edges of 0.1 m to the model when a `.world` "
+                                               "file is read; in a JSON world, the controller adds none");
 }
 
 engine::ControllerKind lasernoise_controller() {
   return engine::make_controller_kind<LaserNoise>(
       k_lasernoise,
-      "add a normally distributed error to the readings of the model's ranger; the standard deviation of the "
-      "error is proportional to the reading");
+      "when a `.world` file is read: give the first transducer of the model's ranger a normally distributed "
+      "error, with a standard deviation proportional to the reading; in a JSON world, set `noise_relative` "
+      "of the transducer instead");
 }
 
 StageAddition stage_addition(std::string_view controller) {

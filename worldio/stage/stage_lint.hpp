@@ -24,7 +24,8 @@ class StageLint {
 
   /// Checks the properties at the top level of the file.
   void check_world();
-  /// Checks an entity, its macros and its children. The body of a macro is checked only at its first use.
+  /// Checks an entity (a model, block, sensor or window), its macros and its children. The body of a macro is
+  /// checked only at its first use.
   void check(const StageEntity& entity) { check(entity, 0); }
   /// Reports one warning for each group of properties (Summary) that occur in the file. With thorough
   /// diagnostics it reports nothing, because the other functions have reported each property already. Must be

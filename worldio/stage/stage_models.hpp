@@ -11,9 +11,9 @@
 
 namespace troupe::worldio {
 
-/// An entity with its macros applied. It consists of layers: the bodies of its macros and its own body. The
-/// properties of a later layer override those of earlier layers, and the children of a later layer are added
-/// to those of earlier layers.
+/// An entity (a model, block, sensor or window of a world file) with its macros applied. It consists of
+/// layers: the bodies of its macros and its own body. The properties of a later layer override those of
+/// earlier layers, and the children of a later layer are added to those of earlier layers.
 struct StageModel {
   struct Child {
     const StageEntity* entity;  ///< the child, whose macros are not applied yet

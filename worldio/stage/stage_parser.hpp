@@ -30,7 +30,7 @@ struct StageToken {
 /// A property: `key value` or, with a tuple, `key [value ...]`.
 struct StageProperty {
   std::uint32_t key = 0;    ///< index of the key in StageDocument::tokens
-  std::uint32_t count = 0;  ///< number of values; 1 unless it is a tuple
+  std::uint32_t count = 0;  ///< number of values; 1 unless `tuple` is true
   bool tuple = false;       ///< whether the values are written as a tuple, in [ ]
 
   std::uint32_t first() const {

@@ -336,7 +336,9 @@ constexpr auto k_rows = std::to_array<StageRow>({
     {"blinkenlight", "enabled", fixed,
      "0: the light is dark until a controller switches it on; Stage never reads this property"},
 
-    {"window", "size", window_camera, "[width height], pixels; below 0: the whole screen"},
+    {"window", "size", window_camera,
+     "[width height], pixels; a negative number: the whole screen in Stage, the default picture size in "
+     "Troupe"},
     {"window", "center", window_camera, "[x y], m, whatever `unit_length` says"},
     {"window", "rotate", window_camera, "[pitch yaw], degrees"},
     {"window", "scale", window_camera, "pixels per metre"},

@@ -9,7 +9,7 @@ namespace troupe::worldio {
 
 /// How Troupe treats a property of Stage's world files.
 enum class StageSupport {
-  honoured,       ///< read, with the meaning that it has in Stage 4.3
+  honoured,       ///< read; the property means the same as in Stage 4.3, or Troupe added it
   fixed,          ///< honoured, but not exactly as in Stage 4.3: the note says how it differs
   no_effect,      ///< accepted and ignored: the note says why
   window_camera,  ///< accepted; it affects only Stage's window and pictures with `--camera window`
@@ -25,8 +25,8 @@ struct StageRow {
   std::string_view note;  ///< meaning of the property, or difference from Stage, as Markdown; may be empty
 };
 
-/// Returns every property that Stage 4.3 knows or that files written for it have, in the order of the table
-/// in docs/stage-worlds.md.
+/// Returns every property that Stage 4.3 knows, that files written for Stage have, or that Troupe adds, in
+/// the order of the table in docs/stage-worlds.md.
 std::span<const StageRow> stage_rows();
 
 /// Returns the row that describes a property of an entity of this type. If a model type has no row for the

@@ -318,8 +318,8 @@ void RoundTrip::check_pose(const PartSpec& a, const PartSpec& b, const std::stri
                                             type_.name, owner));
 }
 
-/// Reports the second names of bodies, and the global names of parts, that a `.world` file cannot express.
-/// Stage generates second names itself, and no property sets one.
+/// Reports the aliases (second names) of bodies, and the global names of parts, that a `.world` file cannot
+/// express. Stage generates aliases itself, and no property sets one.
 void check_names(const WorldSpec& spec, const WorldSpec& back, Diagnostics& diagnostics) {
   std::unordered_map<std::string, BodyId> others;
   for (const engine::NamedBody& alias : back.aliases) others.emplace(back.names.text(alias.name), alias.body);

@@ -6,11 +6,11 @@
 namespace troupe::worldio {
 
 /// Compares a world `spec` with `back`, the same world after it was written in Stage's syntax and read again.
-/// Compares the length of a tick, the bodies, their second names and their types; other settings of the world
-/// are not compared. Each difference that changes the behaviour is an error at the place of the value in
+/// Compares the length of a tick, the bodies, their aliases and their types; other settings of the world are
+/// not compared. Each difference that changes the behaviour is an error at the place of the value in
 /// `spec`, because a `.world` file cannot express the value. These differences are warnings: an outline, a
 /// size or a pose of a part that differs only by rounding, a heading that differs by whole turns, and another
-/// name of a type. For parts without solids, only the second names are compared.
+/// name of a type. Of parts without solids, only the aliases are compared.
 void check_stage_round_trip(const engine::WorldSpec& spec, const engine::WorldSpec& back,
                             const engine::Registry& registry, Diagnostics& diagnostics);
 

@@ -66,8 +66,8 @@ class TypeText {
   /// Returns the joint that moves the children of a part.
   std::int32_t joint_of(std::uint32_t p) const;
   /// Returns the part in whose model a child of `part` must be written so that the child moves with `joint`.
-  /// This is `part` if the joint moves its children, else the part whose own device has the joint. If no part
-  /// has such a device, returns `part`.
+  /// This is `part` if the joint moves its children, else the part that is itself the device with this joint.
+  /// If there is no such part, returns `part`.
   std::uint32_t carrier(std::uint32_t part, std::int32_t joint) const;
   bool is_brought(std::uint32_t p) const;
 

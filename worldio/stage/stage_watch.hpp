@@ -9,9 +9,9 @@
 namespace troupe::worldio {
 
 /// Reads the properties of the world that say whether and how often a run prints the world time
-/// (`show_clock`, `show_clock_interval`), how fast it is (`speedup`) and whether a window starts paused
-/// (`paused`). Missing or wrong properties have their defaults, and wrong ones are reported. A `speedup`
-/// beyond the limits of WatchSpec::rate is replaced by the nearest limit.
+/// (`show_clock`, `show_clock_interval`), how fast it is (`speedup`) and whether Stage's window starts
+/// paused (`paused`). Missing or wrong properties have their defaults, and wrong ones are reported. A
+/// `speedup` beyond the limits of WatchSpec::rate is replaced by the nearest limit.
 engine::WatchSpec read_stage_watch(const StageDocument& document, StageValues& values);
 /// Writes the properties that read_stage_watch() reads, if they differ from their defaults.
 void write_stage_watch(const engine::WatchSpec& watch, StageText& text);

@@ -36,8 +36,8 @@ namespace {
 using engine::TypeSpec;
 using engine::WorldSpec;
 
-/// Returns the field that describes a key of JSON worlds. Its limits also apply to this value in Stage's
-/// files.
+/// Returns the field that describes a key of JSON worlds. The limits of the field also apply to the
+/// corresponding property of a `.world` file.
 template <class Document>
 const engine::Field& json_field(std::string_view key) {
   return document_table<Document>().find(key)->field;
@@ -98,14 +98,15 @@ class StageWorld {
     bool usable = false;                      ///< whether the model was read without errors
     const engine::ModelKind* kind = nullptr;  ///< null: the text is not a model
     TypeId type;
-    OwnProperties inherited{};              ///< the properties of k_own_keys in the macros of the model
-    std::vector<std::string> global_parts;  ///< names of parts that have global names
+    OwnProperties inherited{};  ///< the properties of k_own_keys in the macros of the model
+    /// Names of the parts that programs can look up without the name of the body.
+    std::vector<std::string> global_parts;
   };
 
   /// A type that is being built.
   struct Draft {
     TypeSpec type;
-    std::vector<std::string> global_parts;   ///< names of parts that have global names
+    std::vector<std::string> global_parts;   ///< as in Prototype
     std::vector<const StageEntity*> inside;  ///< the macros and entities that enclose the current entity
     std::size_t entities = 0;
     Where where;  ///< place of the top-level model
@@ -752,8 +753,8 @@ WorldSpec load_stage_world(const std::filesystem::path& file, std::string text,
   spec.resolution_where = whole;
   if (!options.robots.empty())
     diagnostics.error(whole,
-                      "the number of robots can be set only in a world with populations, a .json file; a "
-                      ".world file lists its robots one by one");
+                      "the number of robots can be set only in a .json world with populations; a .world "
+                      "file lists its robots one by one");
   const StageDocument document = parse_stage(file, std::move(text), options.search_path, diagnostics);
   if (document.well_nested) StageWorld(document, file, registry, options, diagnostics).read(spec);
   if (options.set.empty() || diagnostics.has_errors()) return spec;

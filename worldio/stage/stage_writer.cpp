@@ -82,8 +82,8 @@ class WorldText {
 
  private:
   bool says(std::string_view key) const { return document_ && document_->says(key); }
-  /// Returns the place of a key of the JSON document. `key` has no unit. If the document does not have the
-  /// key, returns the file as a whole.
+  /// Returns the place of a key of the JSON document. `key` is the name of the key as in Placed::Key. If the
+  /// document does not have the key, returns the file as a whole.
   Where where_of(std::string_view key) const {
     return says(key) ? document_->where_of(key) : Where{spec_.resolution_where.file, 0};
   }

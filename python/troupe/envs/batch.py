@@ -183,8 +183,8 @@ def _team_spec(team: Team) -> Dict[str, Any]:
 
 
 def _bounds(part: Dict[str, Any], rest: Optional[int], simulation: Simulation, robot: str) -> Any:
-    """Returns the lower and upper bounds of the columns of a part: its members low and high if given, or else the
-    bounds that its kind implies."""
+    """Returns the lower and upper bounds of the columns of a part of an observation (Team.observation): the members low
+    and high of the part if given, or else the bounds that the kind of the part implies."""
     of = part.get("of", "reading")
     scale = abs(part.get("scale", 1.0))
     infinity = float("inf")

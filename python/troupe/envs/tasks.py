@@ -95,9 +95,9 @@ def steer(x: Floats, y: Floats, speed: Floats) -> Floats:
 
 
 def away_from_walls(ranges: Floats, x: Floats, y: Floats, near: float = 0.25) -> Tuple[Floats, Floats]:
-    """Returns the direction (x, y), turned away from obstacles whose lidar readings are below `near`. ranges: readings
-    of the lidar in the last axis. Readings and `near` are fractions of the largest range. The length of the result is
-    not 1."""
+    """Returns the direction (x, y) in the robot's frame, turned away from obstacles whose lidar readings are below
+    `near`. ranges: readings of the lidar in the last axis. Readings and `near` are fractions of the largest range. The
+    length of the result is not 1."""
     beams = ranges.shape[-1]
     first = -np.pi * (beams - 1) / beams
     sin, cos = math.sincos(first + 2 * np.pi / beams * np.arange(beams))
@@ -150,8 +150,7 @@ class Aggregation(Task):
     """Robots gather at any place.
 
     observed  12 ranges, divided by 3 m; for each of the 4 nearest robots within 6 m: x and y in the robot's frame,
-              divided by 6 m, cosine and sine of its relative heading, and 1 (0 in all columns if there are fewer
-              robots)
+              divided by 6 m, cosine and sine of its relative heading, and 1, or five zeros for each missing robot
     reward    in each step, -0.1 times the mean of (distance / 6 m) to the 4 nearest robots; a missing robot counts as
               6 m away
     """
@@ -218,8 +217,8 @@ class Flocking(Task):
     """Robots drive together in one direction.
 
     observed  12 ranges, divided by 3 m; for each of the 4 nearest robots within 3 m: x and y in the robot's frame,
-              divided by 3 m, cosine and sine of its relative heading, and 1 (0 in all columns if there are fewer
-              robots); forward, left and turn speed
+              divided by 3 m, cosine and sine of its relative heading, and 1, or five zeros for each missing robot;
+              forward, left and turn speed
     reward    in each step, 0.05 times the mean cosine of the relative headings of these 4 robots (0 for a missing one),
               plus 0.1 times the forward speed in m/s, minus 0.1 if the robot is stalled
     """
@@ -329,7 +328,7 @@ class Pursuit(Task):
 
     observed  12 ranges, divided by 3 m; x, y and distance of the prey in the robot's frame, divided by the size of the
               room; for each of the 3 nearest hunters within 6 m: x and y in the robot's frame, divided by 6 m, cosine
-              and sine of its relative heading, and 1 (0 in all columns if there are fewer hunters)
+              and sine of its relative heading, and 1, or five zeros for each missing hunter
     reward    in each step, the decrease of the distance to the prey, m. When the robot comes within 0.6 m of the prey,
               it gets 5 more and is finished
     """
