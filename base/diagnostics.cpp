@@ -10,8 +10,6 @@
 namespace troupe {
 namespace {
 
-/// Errors beyond this number are only counted in the message, not listed.
-constexpr std::size_t k_errors_listed = 50;
 constexpr std::size_t k_names_listed = 50;
 constexpr std::size_t k_names_compared = 2000;
 constexpr std::size_t k_longest_message = 8000;
@@ -185,7 +183,7 @@ void Diagnostics::throw_if_errors() const {
   std::size_t listed = 0;
   for (const Finding& finding : findings_) {
     if (finding.severity != Severity::error) continue;
-    if (listed == k_errors_listed) break;
+    if (listed == k_most_listed) break;
     if (listed++ > 0) message += '\n';
     message += text(finding);
   }

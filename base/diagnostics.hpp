@@ -85,6 +85,7 @@ class Diagnostics {
   /// of the input would only cost time and memory.
   void error(Where where, std::string message);
   static constexpr std::size_t k_most_errors = 1000;  ///< number of errors at which error() throws
+  static constexpr std::size_t k_most_listed = 50;    ///< throw_if_errors() only counts further errors
   /// Adds a warning, unless it repeats an earlier warning about inherited content (see inherits()).
   void warning(Where where, std::string message);
   /// Adds a warning as warning() does. If the same message occurs at several places, only the first place is
@@ -101,6 +102,7 @@ class Diagnostics {
   void inherits(const Inheritable& heir, const Inheritable& base);
 
   bool has_errors() const { return errors_ > 0; }  ///< whether throw_if_errors() would throw
+  std::size_t error_count() const { return errors_; }
   /// All findings in the order in which they were added; valid until the next finding is added.
   std::span<const Finding> findings() const { return findings_; }
   /// A finding as `file:line: severity: message`. If the line is 0, it is omitted. If the finding has no

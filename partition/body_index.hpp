@@ -37,13 +37,14 @@ inline BodyCircle enclosing_circle(const Vec2& position, double radius, std::uin
 inline constexpr double k_not_there = -1;
 
 /// A spatial index of the mobile bodies: their circles in one array, sorted by grid cell, and within a cell
-/// by row. A parallel counting sort rebuilds it in each tick, first by tile (a square of cells, see
-/// GridGeometry), then by cell with one task per tile. Both sorts are stable: they keep the order of the rows
-/// without comparing them. Each task counts its own rows, so that threads share no counter.
+/// by row. A parallel counting sort rebuilds it in each tick: it sorts the rows by tile (a square of cells,
+/// see GridGeometry), and then the rows of each tile by cell. In the first sort, each task counts a range of
+/// rows of its own, so that threads share no counter; in the second, each task sorts whole tiles. Both sorts
+/// are stable: they keep the order of the rows without comparing them.
 ///
 /// A body not wider than a cell is listed only in the cell of its origin, and queries are expanded by the
-/// largest radius of such bodies. A wider body, called a wide body below, is listed in every cell that it
-/// touches, so that one truck does not expand every query.
+/// largest radius of such bodies. A wider body, called a wide body below, is listed in every cell that the
+/// bounding square of its circle touches, so that one truck does not expand every query.
 ///
 /// A row with a negative radius (k_not_there) is not in the index. Before the first rebuild(), the index is
 /// empty.

@@ -3,10 +3,8 @@
 #include "partition/body_index.hpp"
 #include "partition/fixed_outlines.hpp"
 
-#include <algorithm>
 #include <cstddef>
 #include <cstdint>
-#include <limits>
 #include <span>
 #include <vector>
 
@@ -53,21 +51,20 @@ class NearCircles {
   /// Also adds some circles that are slightly outside the disc. begin() must have been called.
   template <class Skip>
   void add_bodies(const BodyIndex& index, Skip&& skip) {
-    // Wide bodies are stored in several cells of the index.
-    const float wide = index.has_wide() ? static_cast<float>(0.5 * index.geometry().cell_m)
-                                        : std::numeric_limits<float>::infinity();
-    index.for_each_run(Box::around(centre_, reach_), [&](std::span<const BodyCircle> run) {
+    const Box box = Box::around(centre_, reach_);
+    const auto add_run = [&](std::span<const BodyCircle> run) {
       std::size_t kept = size_;
       add(run, 0);
-      const auto is_repeat = [&](std::size_t i) {
-        const std::span<const std::uint32_t> rows(circles_.row.data(), kept);
-        return circles_.radius[i] > wide && std::ranges::find(rows, circles_.row[i]) != rows.end();
-      };
       for (std::size_t i = kept; i < size_; ++i)
-        if (!skip(circles_.row[i]) && !is_repeat(i))
+        if (!skip(circles_.row[i]))
           circles_.set(kept++, {circles_.x[i], circles_.y[i], circles_.radius[i], circles_.row[i]});
       size_ = kept;
-    });
+    };
+    // A wide body is in several cells of the index, and so in several runs. for_each_near() visits it once.
+    if (index.has_wide())
+      index.for_each_near(box, [&](const BodyCircle& circle) { add_run({&circle, 1}); });
+    else
+      index.for_each_run(box, add_run);
   }
   /// Adds the circles of outline pieces that reach into the disc. Circles farther than `within` (m) from the
   /// centre of the disc may be omitted, so that the search is shorter. A piece that has several circles is

@@ -120,6 +120,9 @@ bool enters(const Vec2& s0, const Vec2& s1, const Polygon& polygon) {
 bool convex_overlap(std::span<const Vec2> a, std::span<const Vec2> b) {
   return !separated_by_edges_of(a, b) && !separated_by_edges_of(b, a);
 }
+bool convex_overlap(std::span<const Vec2> a, const PlacedRing& b) {
+  return !separated_by_edges_of(a, b) && !separated_by_edges_of(b, a);
+}
 
 bool segment_overlap(const Vec2& s0, const Vec2& s1, std::span<const Vec2> polygon) {
   return enters(s0, s1, polygon);

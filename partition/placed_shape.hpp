@@ -26,6 +26,9 @@ class PlacedRing {
 /// True if two convex counter-clockwise polygons in the same frame share area. Polygons that only touch do
 /// not.
 bool convex_overlap(std::span<const Vec2> a, std::span<const Vec2> b);
+/// True if two convex counter-clockwise polygons in the same frame share area. Polygons that only touch do
+/// not.
+bool convex_overlap(std::span<const Vec2> a, const PlacedRing& b);
 
 /// True if the segment from s0 to s1 enters the interior of a convex counter-clockwise polygon.
 bool segment_overlap(const Vec2& s0, const Vec2& s1, std::span<const Vec2> polygon);

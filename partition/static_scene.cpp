@@ -106,6 +106,8 @@ StaticScene::StaticScene(std::vector<FixedSolid> solids, double cell_m) : solids
   std::vector<FixedEdge> hidden;
   std::vector<FixedEdge> hard;
   strips_.resize(solids_.size());
+  std::vector<Box> boxes(solids_.size());
+  std::vector<Box> obstacle_boxes(solids_.size());
   for (std::uint32_t s = 0; s < solids_.size(); ++s) {
     const FixedSolid& fixed = solids_[s];
     Box box;
@@ -118,11 +120,12 @@ StaticScene::StaticScene(std::vector<FixedSolid> solids, double cell_m) : solids
     });
     if (box.empty()) continue;
     bounds_.extend(box);
+    Strips& strips = strips_[s];
+    strips.box = boxes[s] = box;
     if (!fixed.obstacle) continue;
     has_obstacles_ = true;
+    obstacle_boxes[s] = box;
 
-    Strips& strips = strips_[s];
-    strips.box = box;
     strips.y0 = box.min.y();
     const auto count = static_cast<std::size_t>(std::clamp(box.size().y() / cell_m, 1.0, 4096.0));
     strips.height = std::max(box.size().y() / static_cast<double>(count), 1e-9);
@@ -154,9 +157,8 @@ StaticScene::StaticScene(std::vector<FixedSolid> solids, double cell_m) : solids
   constexpr double k_piece = 4;  // the argument piece_m of FixedOutlines, in cells
   outlines_ = FixedOutlines(seen, k_piece * cell_m);
   hidden_outlines_ = FixedOutlines(hidden, k_piece * cell_m);
-  std::vector<Box> boxes;
-  for (const Strips& strips : strips_) boxes.push_back(strips.box);
   boxes_ = BoxGrid(boxes);
+  obstacle_boxes_ = BoxGrid(obstacle_boxes);
   obstacle_edges_ = EdgeGrid(hard, geometry);
 }
 

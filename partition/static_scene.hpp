@@ -73,6 +73,15 @@ class StaticScene {
   /// The outlines that rangers do not see, but other sensors do.
   const FixedOutlines& hidden_outlines() const { return hidden_outlines_; }
   bool has_obstacles() const { return has_obstacles_; }  ///< whether any solid blocks motions
+  /// Calls visit(index in solids()), in any order, for each solid whose bounding box contains the point
+  /// (metres, world frame). Heights are ignored.
+  template <class Visit>
+  void for_each_box_at(const Vec2& point, Visit&& visit) const {
+    boxes_.any_near(Box::around(point, 0), [&](std::uint32_t solid) {
+      if (strips_[solid].box.contains(point)) visit(solid);
+      return false;
+    });
+  }
 
   /// Returns the index in solids() of an obstacle that has an edge that enters a piece (a convex prism)
   /// of the shape at a common height; -1 if there is none. If there are several, returns the one that the
@@ -80,6 +89,12 @@ class StaticScene {
   /// shape is not found, because none of its edges enters the shape; blocked() finds it.
   template <class Ignored>
   int crossed(const PlacedShape& shape, Ignored&& ignored) const;
+  /// Whether an obstacle contains a whole piece of the shape at a common height. Solids for which
+  /// ignored(index in solids()) is true are skipped. This finds the solids that crossed() cannot find.
+  template <class Ignored>
+  bool swallowed(const PlacedShape& shape, Ignored&& ignored) const {
+    return find_swallowing(shape, [&](std::uint32_t solid) { return !ignored(solid); });
+  }
 
   /// The distance from a point (metres, world frame) to the nearest edge of an obstacle, metres, or `most` if
   /// there is no edge within the distance `most`. Heights are ignored; inside an obstacle, the distance is
@@ -129,8 +144,9 @@ class StaticScene {
   /// than once, until a call returns true. Returns whether a call did.
   template <class Visit>
   bool find_swallowing(const PlacedShape& shape, Visit&& visit) const {
-    return boxes_.any_near(Box::around(shape.position(), shape.shape().radius),
-                           [&](std::uint32_t solid) { return swallows(solid, shape) && visit(solid); });
+    return obstacle_boxes_.any_near(
+        Box::around(shape.position(), shape.shape().radius),
+        [&](std::uint32_t solid) { return swallows(solid, shape) && visit(solid); });
   }
   /// Calls visit(edge) for each obstacle edge that enters the shape at a common height, for some edges more
   /// than once, until a call returns true. Returns whether a call did.
@@ -138,8 +154,11 @@ class StaticScene {
   bool find_crossing(const PlacedShape& shape, Visit&& visit) const;
 
   std::vector<FixedSolid> solids_;
-  std::vector<Strips> strips_;  // per solid; empty if the solid is not an obstacle
-  BoxGrid boxes_;               // boxes of the strips
+  std::vector<Strips> strips_;  // per solid; only the box is set if the solid is not an obstacle
+  BoxGrid boxes_;               // boxes of all solids
+  // Boxes of the obstacles. An index of their own, so that tests of motions are not slowed down by many, or
+  // by distant, solids that are not obstacles.
+  BoxGrid obstacle_boxes_;
   Box bounds_;
   std::size_t edge_count_ = 0;
   bool has_obstacles_ = false;

@@ -9,6 +9,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <limits>
 #include <memory>
 #include <string>
 #include <tuple>
@@ -151,6 +152,7 @@ class Painter {
     const auto keep = [this](const OutlineChain& chain) { chains_.push_back(chain); };
     engine::for_each_fixed_chain(*view_, box, any, keep);
     engine::for_each_body_chain(*view_, box, own, any, keep);
+    add_fixed_around();
     // Removes duplicates: a long edge is visited once for each of its circles.
     const auto key = [](const OutlineChain& c) {
       return std::tuple(c.body, c.solid, c.ranger_return < 0, c.piece);
@@ -166,25 +168,40 @@ class Painter {
         regions_.push_back({chain.body, chain.solid, chain.part, chain.z.shifted(-height_), false});
       region_of_.push_back(static_cast<std::uint32_t>(regions_.size() - 1));
     }
-    last_asked_ = nullptr;
     for (std::size_t i = 0; i < chains_.size(); ++i) find_around(chains_[i], regions_[region_of_[i]]);
+  }
+
+  /// Adds a chain without vertices for each static solid that is straight above or below the camera. The
+  /// other chains are not enough: if the outline of the solid is far away, none of them belongs to the solid.
+  void add_fixed_around() {
+    const partition::StaticScene& scene = view_->scene();
+    scene.for_each_box_at(origin_, [&](std::uint32_t index) {
+      const partition::FixedSolid& fixed = scene.solids()[index];
+      // At the height of a solid, its top and underside are not visible.
+      if (fixed.solid.z.contains(height_) || !contains(fixed.solid, origin_)) return;
+      chains_.push_back({.vertices = {},
+                         .z = fixed.solid.z,
+                         .body = fixed.body,
+                         .part = fixed.part,
+                         .solid = index,
+                         .piece = std::numeric_limits<std::uint32_t>::max(),
+                         .ranger_return = fixed.ranger_return});
+    });
   }
 
   /// Updates region.around for one of the chains (connected edges of the outline) of the region. For a body,
   /// the crossings of all its chains are counted, one chain per call. For static geometry, of which only some
-  /// chains have been collected, the solid itself is tested, once.
+  /// chains have been collected, only the chain from add_fixed_around() counts.
   void find_around(const OutlineChain& chain, Region& region) {
-    if (region.z.contains(0)) return;  // its top and underside are not visible
-    if (chain.closed) {
-      engine::for_each_edge(chain, [&](const Vec2& a, const Vec2& b) {
-        if (changes(a - origin_, b - origin_, forward_) && depth_of(a - origin_, b - origin_, forward_) > 0)
-          region.around = !region.around;
-      });
+    if (!chain.closed) {
+      region.around = region.around || chain.vertices.empty();
       return;
     }
-    if (last_asked_ == &region) return;
-    last_asked_ = &region;
-    region.around = contains(view_->scene().solids()[chain.solid].solid, origin_);
+    if (region.z.contains(0)) return;  // its top and underside are not visible
+    engine::for_each_edge(chain, [&](const Vec2& a, const Vec2& b) {
+      if (changes(a - origin_, b - origin_, forward_) && depth_of(a - origin_, b - origin_, forward_) > 0)
+        region.around = !region.around;
+    });
   }
 
   /// Whether the ends of an edge, relative to the camera, are on different sides of the line of a ray.
@@ -298,7 +315,6 @@ class Painter {
   std::vector<std::uint32_t> region_of_;  // per chain
   std::vector<Region> regions_;           // sorted by body and solid
   std::vector<Crossing> crossings_;       // of one ray, sorted by region and depth
-  const Region* last_asked_ = nullptr;
 };
 
 DeviceKind::Prepared Lens::prepare(const Params& params, const Pose& pose_body_sensor) {

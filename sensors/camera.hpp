@@ -23,8 +23,6 @@ enum CameraField : std::size_t {
 /// ties    Of two surfaces at the same depth, the surface of the body with the lower id is drawn; within one
 ///         body, the surface of the solid with the lower number. A body at the depth of the floor hides the
 ///         floor.
-/// limits  A top or an underside is not drawn if its whole outline is outside the field of view, for example
-///         that of a large plate straight below the camera.
 /// cost    A level camera tests an edge only for the columns that the edge spans, a tilted camera for every
 ///         pixel.
 /// source  Stage's camera model, which needs a window; its `pitch` is called `tilt` here.

@@ -41,10 +41,9 @@ bool holds(const std::vector<Ring>& contours, const Vec2& point) {
   return inside;
 }
 
+/// Whether bodies of the type belong to the static scene. All other bodies are in the index of the view.
 bool never_moves(const engine::TypeSpec& type) {
-  return !type.drive && type.devices.empty() && type.controllers.empty() &&
-         std::ranges::none_of(
-             type.parts, [](const PartSpec& part) { return part.returns.gripper || part.returns.pushable; });
+  return engine::is_static(type) && type.devices.empty() && type.controllers.empty();
 }
 
 }  // namespace

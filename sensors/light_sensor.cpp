@@ -20,7 +20,6 @@ using engine::CommittedView;
 using engine::DeviceKind;
 using engine::Element;
 using engine::SenseBatch;
-using engine::SensingView;
 
 struct LightSensor {
   struct Params {
@@ -65,7 +64,6 @@ class Eyes {
   Eyes() {
     constexpr std::size_t k_room = 256;
     seen_.reserve(k_room);
-    rows_.reserve(k_room);
     lines_.reserve(k_room);
     first_.resize(k_room);
   }
@@ -76,7 +74,6 @@ class Eyes {
   std::span<const Seen> find(const CommittedView& view, const LightSensor& sensor, Row own,
                              const engine::Mount& mount) {
     seen_.clear();
-    rows_.clear();
     lines_.clear();
     const Pose here = compose(mount, sensor.pose_body_sensor);
     const Rotation turned(-here.heading);
@@ -94,35 +91,32 @@ class Eyes {
         if (range > sensor.params.range_max) continue;
         const double up = there.z - here.z;
         seen_.push_back({view.body(row), d, turned * way, sqrt(range * range + up * up), light->intensity});
-        rows_.push_back(row);
-        lines_.push_back({range > 0 ? Vec2(way / range) : Vec2::UnitX(), range});
+        lines_.push_back({range > 0 ? Vec2(way / range) : Vec2::UnitX(), range, row});
       }
     }
-    if (sensor.params.occlusion) keep_visible(view);
+    if (sensor.params.occlusion) keep_visible();
     std::ranges::sort(seen_, {}, [](const Seen& seen) { return std::tuple(seen.body, seen.device); });
     return seen_;
   }
   std::uint64_t rays() const { return rays_; }
 
  private:
-  /// Casts a ray towards each light and removes the lights that are hidden. A light at the place of the
-  /// sensor is not hidden: its ray has no length, so it hits nothing.
-  void keep_visible(const SensingView& view) {
+  /// Casts a ray towards each light and removes the lights that are hidden. Each ray passes through the body
+  /// of its light, so that a wall behind a part of this body hides the light, but the body itself does not.
+  /// A light at the place of the sensor is not hidden: its ray has no length, so it hits nothing.
+  void keep_visible() {
     rays_ += static_cast<std::uint64_t>(
         std::ranges::count_if(lines_, [](const engine::SightLine& line) { return line.length > 0; }));
     first_.resize(std::max(first_.size(), lines_.size()));
     visible_.first_met(lines_, std::span(first_).first(lines_.size()));
     std::size_t kept = 0;
-    for (std::size_t i = 0; i < seen_.size(); ++i) {
-      const Row met = first_[i].met() ? view.row(first_[i].body) : rows_[i];
-      if (met.valid() && view.same_tree(met, rows_[i])) seen_[kept++] = seen_[i];
-    }
+    for (std::size_t i = 0; i < seen_.size(); ++i)
+      if (!first_[i].met()) seen_[kept++] = seen_[i];
     seen_.resize(kept);
   }
 
   engine::VisibilityQuery visible_;
   std::vector<Seen> seen_;                // candidates, until keep_visible()
-  std::vector<Row> rows_;                 // per candidate: the row of its body
   std::vector<engine::SightLine> lines_;  // per candidate: the ray towards it
   std::vector<engine::RayHit> first_;     // per candidate: the first surface along that ray
   std::uint64_t rays_ = 0;

@@ -27,7 +27,8 @@ struct LightState {
 /// light is lit while no controller commands it.
 struct LightSource {
   /// Pose in the frame of the body or joint that carries the light. The heading has no effect: lights shine
-  /// in all directions.
+  /// in all directions. The light must be inside the circle about the body's origin that encloses the body
+  /// (engine::solids_radius()), because light sensors find lights by these circles.
   Pose pose_body_light;
   double intensity = 1;  ///< reading of a light sensor that faces the lit light at a distance of 1 m
   double period_s = 0;   ///< time from the start of one flash to the next, s; 0: the light does not blink

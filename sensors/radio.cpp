@@ -133,9 +133,10 @@ struct Sender {
   const Radio* radio;
   const BodyType::Device* device;
   const engine::StateTable* commands;
-  bool always_runs;  // whether it runs in every tick, because it has neither an energy supply nor a switch
-  Vec2 position;     // frame of the body, or of the joint that carries the radio, m
-  double limit;      // longest link to the listener, m
+  bool
+      always_runs;  // whether it runs whenever it works, because it has neither an energy supply nor a switch
+  Vec2 position;    // frame of the body, or of the joint that carries the radio, m
+  double limit;     // longest link to the listener, m
 };
 
 /// A radio that sends a message and that some of the listeners may hear.
@@ -330,7 +331,9 @@ void Listener::consider(const BodyCircle& circle, const Sender& sender) {
   const auto mode = static_cast<RadioMode>(command[k_radio_mode]);
   const bool says =
       mode == RadioMode::says || (mode == RadioMode::as_world_says && sender.radio->params.beacon);
-  if (!says || !(sender.always_runs || view_->runs(row, *sender.device))) return;
+  if (!says || command[k_radio_bytes] > sender.radio->params.payload) return;
+  const bool runs = sender.always_runs ? view_->works(row, *sender.device) : view_->runs(row, *sender.device);
+  if (!runs) return;
   const std::int32_t joint = sender.device->joint;
   speakers_.push_back({.circle = circle,
                        .body = view_->body(row),
@@ -497,7 +500,8 @@ double Listener::quality(const Link& link) const {
 void Listener::write(std::size_t slot) {
   engine::StateTable& state = batch_->state;
   std::uint32_t& count = state.cell<std::uint32_t>(slot, k_radio_count)[0];
-  const std::size_t before = count;
+  // The count of a checkpoint may be wrong.
+  const std::size_t before = std::min<std::size_t>(count, radio_->params.most_heard);
   const std::size_t now = links_.size();
   count = static_cast<std::uint32_t>(now);
   state.cell<std::uint32_t>(slot, k_radio_lost)[0] = lost_;

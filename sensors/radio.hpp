@@ -85,10 +85,14 @@ class RadioPort {
   };
 
   /// Number of messages heard in this tick.
-  std::size_t count() const { return heard_.field<std::uint32_t>(k_radio_count)[0]; }
+  std::size_t count() const {
+    const std::span<const std::uint32_t> senders = heard_.field<std::uint32_t>(k_radio_sender);
+    return std::min<std::size_t>(heard_.field<std::uint32_t>(k_radio_count)[0], senders.size());
+  }
   /// The i-th message, in the order of the senders' ids; i must be below count(), which is not checked.
   Message operator[](std::size_t i) const {
-    const std::size_t length = heard_.field<std::uint8_t>(k_radio_length)[i];
+    const std::size_t length =
+        std::min<std::size_t>(heard_.field<std::uint8_t>(k_radio_length)[i], capacity());
     return {heard_.field<std::uint32_t>(k_radio_sender)[i],
             heard_.field<float>(k_radio_range)[i],
             heard_.field<float>(k_radio_bearing)[i],

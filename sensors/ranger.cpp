@@ -91,6 +91,7 @@ void add_extras_of(const Transducer& transducer, std::size_t first, RangerBeams&
                           .noise_relative = params.noise_relative,
                           .noise_proportional = params.noise_proportional,
                           .least = params.apply_range_min ? params.range_min : 0,
+                          .noise_angular = params.noise_angular,
                           .beam_width = params.beam_width,
                           .origin = transducer.pose.position(),
                           .z = transducer.pose.z};

@@ -45,10 +45,12 @@ struct TransducerExtras {
   double noise_relative = 0;  ///< standard deviation of a second normal error, as a fraction of the reading
   double noise_proportional = 0;  ///< bound of a uniform error, as a fraction of the reading
   double least = 0;               ///< lower readings are raised to this value, m; 0: none
+  double noise_angular = 0;       ///< bound of the uniform error of each heading, rad
   double beam_width = 0;          ///< opening angle of each beam, rad; 0: beams without width
   Vec2 origin = Vec2::Zero();     ///< point where its beams start, body frame, m
   double z = 0;                   ///< height of its beams, body frame, m
-  std::vector<double> headings;   ///< headings of the beams, body frame, rad; empty if they have no width
+  /// Headings of the beams before noise is added, body frame, rad; empty if the beams have no width.
+  std::vector<double> headings;
 };
 
 /// The beams of a ranger, prepared once from its parameters, for both ray engines (exact and grid). The body

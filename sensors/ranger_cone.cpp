@@ -30,14 +30,15 @@ std::optional<double> nearest_in_cone(const Vec2& right, const Vec2& left, const
 }
 
 void cast_cones(const engine::SensingView& view, Row own, const engine::Mount& mount,
-                const TransducerExtras& extras, std::span<float> ranges, std::span<float> intensities) {
+                const TransducerExtras& extras, std::span<const double> headings, std::span<float> ranges,
+                std::span<float> intensities) {
   thread_local const auto near = std::make_unique<engine::VisibilityQuery>();
   const Vec2 tip = mount.transform * extras.origin;
   const double z = mount.z + extras.z;
   const double half_width = extras.beam_width / 2;
   near->stand(view, tip, ranges.empty() ? 0 : std::ranges::max(ranges), own, z);
   for (std::size_t i = 0; i < ranges.size(); ++i) {
-    const double heading = mount.heading + extras.headings[i];
+    const double heading = mount.heading + headings[i];
     const Vec2 right = Rotation(heading - half_width) * Vec2::UnitX();
     const Vec2 left = Rotation(heading + half_width) * Vec2::UnitX();
     double nearest = ranges[i];

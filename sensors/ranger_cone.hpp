@@ -23,9 +23,11 @@ std::optional<double> nearest_in_cone(const Vec2& right, const Vec2& left, const
 /// own          the row (index in the state tables) of the body that carries the ranger
 /// mount        the frame in which the ranger's beams are given, relative to the world
 /// extras       the transducer; its beam_width must be above 0
+/// headings     the headings of the beams in this tick, with angular noise, rad, in the frame `mount`
 /// ranges       the readings of the transducer along the middle of its beams, m, which are updated
 /// intensities  the intensities of the transducer, updated with the ranges; empty if it has none
 void cast_cones(const engine::SensingView& view, Row own, const engine::Mount& mount,
-                const TransducerExtras& extras, std::span<float> ranges, std::span<float> intensities);
+                const TransducerExtras& extras, std::span<const double> headings, std::span<float> ranges,
+                std::span<float> intensities);
 
 }  // namespace troupe::sensors

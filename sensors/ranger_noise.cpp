@@ -8,6 +8,26 @@
 namespace troupe::sensors {
 namespace {
 
+/// Draws the headings of the beams of a group that has angular noise, body frame, rad. Calls visit(index of
+/// the beam in the group, heading) for each.
+template <class Visit>
+void draw_headings(const BeamGroup& group, Random& random, Visit&& visit) {
+  for (std::size_t i = 0; i < group.count; ++i)
+    visit(i, group.headings[i] + group.angular_noise[i] * random.uniform(-1, 1));
+}
+
+/// Sets, for each beam of the ranger that has angular noise, the entry of its reading in `headings` to the
+/// heading, body frame, rad, along which the beam was cast for the i-th body of the batch.
+void draw_headings_again(const engine::DeviceBatch& batch, std::size_t i, const RangerBeams& ranger,
+                         std::vector<double>& headings) {
+  Random random = random_of_headings(batch, i);
+  headings.resize(std::max(headings.size(), ranger.count));
+  for (const BeamGroup& group : ranger.groups)
+    if (!group.angular_noise.empty())
+      draw_headings(group, random,
+                    [&](std::size_t beam, double heading) { headings[group.first + beam] = heading; });
+}
+
 void add_noise(const TransducerExtras& extras, Random& random, std::span<float> ranges) {
   const auto range_max = static_cast<float>(extras.range_max);
   for (float& range : ranges) {
@@ -33,29 +53,38 @@ Random random_of_headings(const engine::DeviceBatch& batch, std::size_t i) {
 std::pair<const double*, const double*> NoisyHeadings::draw(const BeamGroup& group, Random& random) {
   dx_.resize(std::max(dx_.size(), group.dx.size()));
   dy_.resize(std::max(dy_.size(), group.dy.size()));
-  for (std::size_t i = 0; i < group.dx.size(); ++i) {
-    if (i < group.count) {
-      const SinCos direction = sincos(group.headings[i] + group.angular_noise[i] * random.uniform(-1, 1));
-      dx_[i] = direction.cos;
-      dy_[i] = direction.sin;
-    } else {
-      dx_[i] = dx_[i - 1];
-      dy_[i] = dy_[i - 1];
-    }
+  draw_headings(group, random, [&](std::size_t i, double heading) {
+    const SinCos direction = sincos(heading);
+    dx_[i] = direction.cos;
+    dy_[i] = direction.sin;
+  });
+  for (std::size_t i = group.count; i < group.dx.size(); ++i) {
+    dx_[i] = dx_[i - 1];
+    dy_[i] = dy_[i - 1];
   }
   return {dx_.data(), dy_.data()};
 }
 
 void add_extras(const engine::DeviceBatch& batch, const RangerBeams& ranger) {
+  thread_local std::vector<double> noisy_headings;  // by reading
+  const auto has_noisy_width = [](const TransducerExtras& extras) {
+    return extras.beam_width > 0 && extras.noise_angular > 0;
+  };
+  const bool draws_again = std::ranges::any_of(ranger.extras, has_noisy_width);
+  const auto headings_of = [&](const TransducerExtras& extras) {
+    const std::span<const double> all(has_noisy_width(extras) ? noisy_headings : extras.headings);
+    return has_noisy_width(extras) ? all.subspan(extras.first, extras.count) : all;
+  };
   for (std::size_t i = 0; i < batch.rows.size(); ++i) {
     Random random = batch.random(i);
+    if (draws_again) draw_headings_again(batch, i, ranger, noisy_headings);
     const std::span<float> ranges = batch.state.cell<float>(batch.slot(i), 0);
     const std::span<float> intensities =
         ranger.intensity ? batch.state.cell<float>(batch.slot(i), 1) : std::span<float>();
     for (const TransducerExtras& extras : ranger.extras) {
       const std::span<float> own = ranges.subspan(extras.first, extras.count);
       if (extras.beam_width > 0)
-        cast_cones(batch.view, batch.rows[i], batch.mount(i), extras, own,
+        cast_cones(batch.view, batch.rows[i], batch.mount(i), extras, headings_of(extras), own,
                    ranger.intensity ? intensities.subspan(extras.first, extras.count) : intensities);
       if (extras.noise_proportional > 0 || extras.noise_stddev > 0 || extras.noise_relative > 0)
         add_noise(extras, random, own);

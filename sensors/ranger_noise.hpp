@@ -29,7 +29,8 @@ class NoisyHeadings {
 
 /// Applies the extras of transducers (RangerBeams::extras) to the readings of a batch whose beams have been
 /// cast. First, each reading of a beam with a width becomes the distance to the nearest surface within this
-/// width. Then noise is added, and last, readings below the lower limit are raised to the limit.
+/// width, about the heading with angular noise along which the beam was cast. Then noise is added, and last,
+/// readings below the lower limit are raised to the limit.
 ///
 /// With noise, a reading r below range_max becomes r + r * noise_proportional * u + noise_stddev * n +
 /// r * noise_relative * m, clamped to [0, range_max]; u is uniform in [-1, 1), and n and m are standard

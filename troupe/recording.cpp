@@ -96,7 +96,7 @@ void check_same_options(const std::filesystem::path& file, const Simulation& sim
                       file.string(), static_cast<double>(recording.every_ticks()) * simulation.tick_s(),
                       options.every_s));
   }
-  const std::string fields = fmt::format("{}", fmt::join(options.fields, ","));
+  const std::string fields = worldio::join_field_names(options.fields);
   const auto recorded = recording.meta().find("record_fields");
   if (!fields.empty() && recorded != recording.meta().end() && recorded->second != fields)
     throw std::runtime_error(

@@ -464,7 +464,8 @@ class Simulation {
   /// warning: ...`, and about plug-ins and the checkpoint, `file: warning: ...`.
   const std::vector<std::string>& warnings() const;
   /// The options that the simulation uses (world, seed, number of threads, ...), as pairs of key and value,
-  /// for logs.
+  /// for logs. All keys differ: a replaced value is not listed, and values that `set` appends to a list with
+  /// the same pointer are numbered, as in `set /models/- #2`.
   std::vector<std::pair<std::string, std::string>> effective_options() const;
 
   /// The condition in the world's list `stop_when` that ended the run, such as `coverage >= 0.9`

@@ -15,8 +15,11 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <optional>
+#include <span>
 #include <stdexcept>
+#include <utility>
 
 // Simulations are made here, from files, specs and checkpoints, and saved in checkpoints.
 
@@ -79,6 +82,20 @@ std::vector<std::string> load_plugins(const worldio::Checkpoint& checkpoint, Plu
   return warnings;
 }
 
+/// Adds a change by the option `set` to Simulation::Impl::changes. `when` follows the pointer in the key. All
+/// keys differ, because recordings and hash logs store one value per key: a later value of a pointer replaces
+/// an earlier one, except that each value for a pointer that appends to a list has its own number.
+void add_setting(std::vector<std::pair<std::string, std::string>>& changes, const std::string& pointer,
+                 const std::string& when, const std::string& value) {
+  const std::string first = "set " + pointer + when;
+  std::string key = first;
+  const auto is_same = [&](const auto& change) { return change.first == key; };
+  if (pointer.ends_with("/-"))
+    for (std::size_t i = 2; std::ranges::any_of(changes, is_same); ++i) key = fmt::format("{} #{}", first, i);
+  std::erase_if(changes, is_same);
+  changes.emplace_back(key, value);
+}
+
 void append(std::vector<std::string>& lines, const std::vector<std::string>& more) {
   lines.insert(lines.end(), more.begin(), more.end());
 }
@@ -111,11 +128,11 @@ void Simulation::Impl::watch_for_the_end(Diagnostics& diagnostics) {
 }
 
 void Simulation::Impl::start(engine::WorldSpec spec, const SimulationOptions& options,
-                             Diagnostics& diagnostics) {
+                             Diagnostics& diagnostics, std::span<const std::string> populations) {
   tile_size_m = options.tile_size_m;
   spec.mortal = spec.mortal || options.mortal;
   if (options.spare > 0) {
-    engine::add_spare(spec, options.spare);
+    engine::add_spare(spec, options.spare, populations);
     changes.emplace_back(k_spare, fmt::format("{}", options.spare));
   }
   spec.ranging = options.ranging.value_or(spec.ranging);
@@ -195,18 +212,20 @@ Simulation Simulation::load(const std::filesystem::path& file, const SimulationO
                             const ReadWorld& read) {
   restore_fp_environment();  // before anything is computed from the file
   auto impl = std::make_unique<Impl>();
-  for (const auto& [pointer, value] : options.set) impl->changes.emplace_back("set " + pointer, value);
+  for (const auto& [pointer, value] : options.set) add_setting(impl->changes, pointer, "", value);
   impl->file = file;
   impl->registry = std::make_shared<engine::Registry>(std::move(registry));
   impl->plugins = add_plugins(*impl->registry, options.plugin_path, options.scripts);
   Diagnostics diagnostics(std::move(files));
   worldio::LoadOptions how{options.seed, options.robots, options.set, options.search_path, options.threads};
   how.place_again = &impl->place_again;
+  std::vector<std::string> populations;
+  how.populations = &populations;
   engine::WorldSpec spec = read(*impl->registry, how, diagnostics);
   diagnostics.throw_if_errors();
   assign_controllers(options.scripts, spec, diagnostics);
   diagnostics.throw_if_errors();
-  impl->start(std::move(spec), options, diagnostics);
+  impl->start(std::move(spec), options, diagnostics, populations);
   return Simulation(std::move(impl));
 }
 
@@ -264,7 +283,7 @@ Simulation Simulation::resume(const std::filesystem::path& file, const ResumeOpt
   for (const auto& [key, value] : checkpoint.header())
     if (key.starts_with("set ") || key == k_spare) impl->changes.emplace_back(key, value);
   for (const auto& [pointer, value] : options.set)
-    impl->changes.emplace_back(fmt::format("set {} at tick {}", pointer, checkpoint.tick()), value);
+    add_setting(impl->changes, pointer, fmt::format(" at tick {}", checkpoint.tick()), value);
   return Simulation(std::move(impl));
 }
 

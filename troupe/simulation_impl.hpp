@@ -19,6 +19,7 @@
 #include <map>
 #include <memory>
 #include <optional>
+#include <span>
 #include <string>
 #include <string_view>
 #include <utility>
@@ -38,7 +39,7 @@ struct Simulation::Impl {
   double tile_size_m = 0;           ///< value of SimulationOptions::tile_size_m
   worldio::PlaceAgain place_again;  ///< places bodies for another seed; empty if no pose depends on seeds
   /// Changes to the world, as pairs of key and value for effective_options(): the values of the option `set`
-  /// (if a run was resumed with a value, the key contains the tick), and the option `spare`.
+  /// (if a run was resumed with a value, the key contains the tick), and the option `spare`. All keys differ.
   std::vector<std::pair<std::string, std::string>> changes;
   /// Tick of the checkpoint that the run was resumed from; std::nullopt if it was not resumed.
   std::optional<std::uint64_t> resumed_at;
@@ -73,8 +74,9 @@ struct Simulation::Impl {
 
   // troupe/simulation_files.cpp
   /// Makes the world of a valid spec, and collects the warnings about this world and about plug-ins in
-  /// `warnings`.
-  void start(engine::WorldSpec spec, const SimulationOptions& options, Diagnostics& diagnostics);
+  /// `warnings`. populations: the names of the populations of a JSON world, for the option `spare`.
+  void start(engine::WorldSpec spec, const SimulationOptions& options, Diagnostics& diagnostics,
+             std::span<const std::string> populations = {});
   /// Sets `world`, and makes its replicas (copies of the world) on the other ranks. options:
   /// SimulationOptions or ResumeOptions.
   template <class Options>

@@ -52,6 +52,8 @@ struct LoadOptions {
   /// If not null: the list to which the loader adds the names of all base types of a JSON world, that is, of
   /// the types that other types extend. A name is added once for each type that extends the base type.
   std::vector<std::string>* base_types = nullptr;
+  /// If not null: the list to which the loader adds the names of the populations of a JSON world.
+  std::vector<std::string>* populations = nullptr;
 };
 
 /// Reads a world file. The content must have Stage's syntax if the name of the file ends in `.world`, and

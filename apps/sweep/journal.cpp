@@ -59,8 +59,7 @@ std::string line_of(const SweepOutcome& outcome) {
       .dump();
 }
 
-SweepOutcome outcome_of(const std::string& line) {
-  const Json json = Json::parse(line);
+SweepOutcome outcome_of(const Json& json) {
   SweepOutcome outcome{.run = json.at("run"),
                        .seed = json.at("seed"),
                        .ticks = json.at("ticks"),
@@ -71,6 +70,17 @@ SweepOutcome outcome_of(const std::string& line) {
     outcome.values.push_back(value.is_null() ? std::numeric_limits<double>::quiet_NaN()
                                              : value.get<double>());
   return outcome;
+}
+
+/// Adds a line of a journal to `results`. Throws Json::exception if the line is damaged.
+void read_line(const std::string& line, SweepResults& results) {
+  const Json json = Json::parse(line);
+  if (json.contains("error")) {
+    results.failed.insert_or_assign(json.at("run"), json.at("error"));
+    return;
+  }
+  SweepOutcome outcome = outcome_of(json);
+  results.outcomes.insert_or_assign(outcome.run, std::move(outcome));
 }
 
 }  // namespace
@@ -101,17 +111,24 @@ SweepJournal::SweepJournal(const fs::path& file, std::string_view study) : file_
 
 SweepJournal::~SweepJournal() { close(descriptor_); }
 
-void SweepJournal::add(const SweepOutcome& outcome) {
-  const std::string line = line_of(outcome) + "\n";
+void SweepJournal::add(const SweepOutcome& outcome) { append(outcome.run, line_of(outcome)); }
+
+void SweepJournal::add_failure(std::size_t run, const std::string& error) {
+  // The error may quote a name that is not UTF-8, which dump() would refuse.
+  append(run, Json{{"run", run}, {"error", error}}.dump(-1, ' ', false, Json::error_handler_t::replace));
+}
+
+void SweepJournal::append(std::size_t run, std::string line) {
+  line += '\n';
   errno = ENOSPC;  // a partial write sets no errno
   if (write(descriptor_, line.data(), line.size()) != static_cast<ssize_t>(line.size()) ||
       fsync(descriptor_) != 0)
-    throw std::runtime_error(fmt::format("{}: error: the result of run {} cannot be written: {}",
-                                         file_.string(), outcome.run, reason()));
+    throw std::runtime_error(
+        fmt::format("{}: error: the result of run {} cannot be written: {}", file_.string(), run, reason()));
 }
 
-std::map<std::size_t, SweepOutcome> read_journals(const fs::path& folder, std::string_view study) {
-  std::map<std::size_t, SweepOutcome> outcomes;
+SweepResults read_journals(const fs::path& folder, std::string_view study) {
+  SweepResults results;
   for (const fs::directory_entry& entry : fs::directory_iterator(folder)) {
     const std::string name = entry.path().filename().string();
     if (!name.starts_with(k_prefix) || !name.ends_with(k_ending)) continue;
@@ -119,8 +136,7 @@ std::map<std::size_t, SweepOutcome> read_journals(const fs::path& folder, std::s
     if (lines.empty()) continue;  // the process was killed before it wrote the first line
     if (lines.front() != head_of(study)) refuse_other_study(entry.path());
     for (std::size_t i = 1; i < lines.size(); ++i) try {
-        SweepOutcome outcome = outcome_of(lines[i]);
-        outcomes.insert_or_assign(outcome.run, std::move(outcome));
+        read_line(lines[i], results);
       } catch (const Json::exception&) {
         throw OutputError(
             fmt::format("{}:{}: error: not a result that troupe sweep writes: the file is damaged; remove "
@@ -128,7 +144,8 @@ std::map<std::size_t, SweepOutcome> read_journals(const fs::path& folder, std::s
                         entry.path().string(), i + 1));
       }
   }
-  return outcomes;
+  for (const auto& [run, outcome] : results.outcomes) results.failed.erase(run);
+  return results;
 }
 
 fs::path journal_file(const fs::path& folder, std::size_t part, std::size_t parts) {

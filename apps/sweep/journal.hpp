@@ -21,9 +21,15 @@ struct SweepOutcome {
   std::string state_hash;      ///< hash of the last state, as hexadecimal digits
 };
 
-/// A file (journal) with the results of the finished runs of one process of `troupe sweep`, one line of JSON
-/// per run. Each line is on the disk before the thread that made the run starts another run, so that a killed
-/// sweep loses only its unfinished runs.
+/// The results of runs of a study that are known so far.
+struct SweepResults {
+  std::map<std::size_t, SweepOutcome> outcomes;  ///< results of finished runs, by index of the run
+  std::map<std::size_t, std::string> failed;     ///< errors of failed runs, which have no outcome
+};
+
+/// A file (journal) with the results of the runs of one process of `troupe sweep`, one line of JSON per
+/// finished or failed run. Each line is on the disk before the thread that made the run starts another run,
+/// so that a killed sweep loses only its unfinished runs.
 class SweepJournal {
  public:
   /// Opens or creates a journal, and removes an incomplete last line. study: a text that identifies the
@@ -38,17 +44,21 @@ class SweepJournal {
   /// Appends a finished run. When add() returns, the run is on the disk. Throws std::runtime_error if writing
   /// fails.
   void add(const SweepOutcome& outcome);
+  /// Appends the error of a failed run, like add().
+  void add_failure(std::size_t run, const std::string& error);
 
  private:
+  void append(std::size_t run, std::string line);
+
   std::filesystem::path file_;
   int descriptor_ = -1;
 };
 
-/// Returns the outcomes in all journals of a folder, which must exist, by index of the run. An incomplete
-/// last line of a journal is ignored. study: the text that identifies the study, as for SweepJournal. Throws
-/// OutputError if a journal stores another text or has a damaged line.
-std::map<std::size_t, SweepOutcome> read_journals(const std::filesystem::path& folder,
-                                                  std::string_view study);
+/// Returns the results in all journals of a folder, which must exist. A run that failed and was finished by a
+/// repeated call has only its outcome. An incomplete last line of a journal is ignored. study: the text that
+/// identifies the study, as for SweepJournal. Throws OutputError if a journal stores another text or has a
+/// damaged line.
+SweepResults read_journals(const std::filesystem::path& folder, std::string_view study);
 
 /// Returns the path of the journal that the process for part `part` of `parts` writes (--part). Parts are
 /// counted from 1.

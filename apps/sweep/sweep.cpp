@@ -170,13 +170,26 @@ std::optional<Made> make(const Study& study, std::size_t index, const SweepOptio
               .series = std::move(series)};
 }
 
+/// Returns the world of the first run whose world can be loaded. Of a large study, it tries only some runs,
+/// less and less densely, because loading all worlds can take hours. Throws the InputError of run 0 if it
+/// finds no such run.
+Simulation first_world(const Study& study, const SweepOptions& options) {
+  std::optional<InputError> first;
+  for (std::size_t run = 0; run < study.run_count(); run += 1 + run / 4) try {
+      return Simulation(study.world, options_of(study, study.run(run), options));
+    } catch (const InputError& error) {
+      if (!first) first = error;
+    }
+  throw *first;
+}
+
 /// Returns a text that identifies the study, and the names of the columns of its measures. The text is a hash
 /// of the study file, the world with its images, the scripts (--controller) and the version of the program;
-/// it does not depend on the folders of the files. Loads the world of the first run, so that errors in this
-/// world are reported before any run.
+/// it does not depend on the folders of the files. Loads the world of a run, so that errors in the worlds of
+/// all runs are reported before any run.
 std::pair<std::string, std::vector<std::string>> identify(const Study& study, const SweepOptions& options,
                                                           bool shows_warnings) {
-  Simulation simulation(study.world, options_of(study, study.run(0), options));
+  Simulation simulation = first_world(study, options);
   const Measures measures(simulation, study.measures);
   end_of(study, simulation);
   if (shows_warnings)
@@ -243,7 +256,8 @@ void keep_series(const fs::path& file, const std::string& rows) {
   }
 }
 
-/// Makes the runs with these indices in parallel. When a run finishes, writes its result to the journal.
+/// Makes the runs with these indices in parallel. When a run finishes or fails, writes its result or its
+/// error to the journal.
 /// Returns the errors of failed runs, by index. Throws the error if the result of a run cannot be written.
 /// During the runs, tells the other ranks that this rank is at work.
 std::map<std::size_t, std::string> make_all(const Study& study, const std::vector<std::size_t>& runs,
@@ -269,8 +283,9 @@ std::map<std::size_t, std::string> make_all(const Study& study, const std::vecto
       }
       const std::lock_guard lock(mutex);
       if (error) failed.emplace(runs[i], *error);
-      if (!made) continue;
       try {
+        if (error) journal.add_failure(runs[i], *error);
+        if (!made) continue;
         // The rows are written before the entry in the journal, so that they exist for every run in the
         // journal.
         if (study.series) keep_series(series_file(options.folder, runs[i]), made->series);
@@ -324,7 +339,7 @@ void print_runs(const Study& study) {
 /// Returns the indices of the runs of this part (--part) that are not finished yet.
 std::vector<std::size_t> runs_to_make(const Study& study, const SweepOptions& options,
                                       const std::string& identity) {
-  const auto done = read_journals(options.folder, identity);
+  const auto done = read_journals(options.folder, identity).outcomes;
   std::vector<std::size_t> runs;
   for (std::size_t r = options.part - 1; r < study.run_count(); r += options.parts)
     if (!done.contains(r) || (study.series && !fs::exists(series_file(options.folder, r)))) runs.push_back(r);
@@ -369,11 +384,20 @@ Ended gathered(const Ended& here, const RankDeal& deal) {
   return all;
 }
 
+/// Removes the errors that earlier calls wrote to journals for runs that this call had to make again, but
+/// that it did not make because a signal stopped it. list: the indices of the runs that this call had to
+/// make; failed: those of them that failed.
+void forget_old_errors(SweepResults& results, const partition::Message& list,
+                       const std::map<std::size_t, std::string>& failed) {
+  for (partition::MessageReader reader(list); !reader.is_done();)
+    if (const auto run = reader.get<std::uint64_t>(); !failed.contains(run)) results.failed.erase(run);
+}
+
 /// Returns how many of the runs first, first + step, ... of the study have neither a result nor an error.
 std::size_t missing_runs(const SweepTable& table, std::size_t first, std::size_t step) {
   std::size_t missing = 0;
   for (std::size_t r = first; r < table.study.run_count(); r += step)
-    if (!table.outcomes.contains(r) && !table.failed.contains(r)) missing += 1;
+    if (!table.results.outcomes.contains(r) && !table.results.failed.contains(r)) missing += 1;
   return missing;
 }
 
@@ -395,8 +419,8 @@ bool write_tables(const SweepTable& table, const std::vector<std::string>& measu
 }
 
 void print_result(const SweepTable& table, bool is_complete, const fs::path& folder) {
-  fmt::print("{} of {} runs done", table.outcomes.size(), table.study.run_count());
-  if (!table.failed.empty()) fmt::print(", {} failed", table.failed.size());
+  fmt::print("{} of {} runs done", table.results.outcomes.size(), table.study.run_count());
+  if (!table.results.failed.empty()) fmt::print(", {} failed", table.results.failed.size());
   if (is_complete)
     fmt::print(": {}{}\n", csv_file(folder).string(),
                table.study.series ? ", " + (folder / "series.csv").string() : std::string());
@@ -459,9 +483,9 @@ ExitCode sweep_checked(SweepOptions options, RankDeal& deal) {
   here.was_stopped = stop_requested();
   Ended ended = gathered(here, deal);
   if (deal.rank() > 0) return k_finished;
-  table.failed = std::move(ended.failed);
-  for (const auto& [run, error] : table.failed) fmt::print(stderr, "run {}: {}\n", run, error);
-  table.outcomes = read_journals(options.folder, identity);
+  for (const auto& [run, error] : ended.failed) fmt::print(stderr, "run {}: {}\n", run, error);
+  table.results = read_journals(options.folder, identity);
+  forget_old_errors(table.results, list, ended.failed);
   const bool is_complete = missing_runs(table, 0, 1) == 0;
   if (is_complete && !write_tables(table, measures, options.folder)) return k_failed;
   if (!options.quiet) print_result(table, is_complete, options.folder);
@@ -477,7 +501,7 @@ ExitCode sweep_checked(SweepOptions options, RankDeal& deal) {
         options.folder.string(), lost, lost == 1 ? "" : "s");
     return k_failed;
   }
-  return table.failed.empty() ? k_finished : k_failed;
+  return ended.failed.empty() ? k_finished : k_failed;
 }
 
 }  // namespace

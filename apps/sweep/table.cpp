@@ -72,16 +72,16 @@ std::vector<Column> columns_of(const SweepTable& table) {
   for (std::size_t r = 0; r < runs; ++r) {
     const worldio::Study::Run run = table.study.run(r);
     for (std::size_t p = 0; p < values.size(); ++p) values[p].push_back(run.values[p]);
-    const auto found = table.outcomes.find(r);
-    const auto failed = table.failed.find(r);
-    const bool is_there = found != table.outcomes.end();
+    const auto found = table.results.outcomes.find(r);
+    const auto failed = table.results.failed.find(r);
+    const bool is_there = found != table.results.outcomes.end();
     index.push_back(r);
     seeds.push_back(is_there ? found->second.seed : run.seed.value_or(0));
     ticks.push_back(is_there ? found->second.ticks : 0);
     times.push_back(is_there ? found->second.time_s : k_none);
     conditions.push_back(is_there ? found->second.stopped_by : "");
     hashes.push_back(is_there ? found->second.state_hash : "");
-    errors.push_back(failed == table.failed.end() ? "" : failed->second);
+    errors.push_back(failed == table.results.failed.end() ? "" : failed->second);
     for (std::size_t m = 0; m < measures.size(); ++m)
       measures[m].push_back(is_there ? found->second.values[m] : k_none);
   }
@@ -146,7 +146,7 @@ void write_series(const SweepTable& table, const std::vector<std::string>& measu
     std::string head = "run,time_s";
     for (const std::string& measure : measures) head += "," + csv_cell(measure);
     write(head + "\n");
-    for (const auto& [run, outcome] : table.outcomes) {  // in the order of runs
+    for (const auto& [run, outcome] : table.results.outcomes) {  // in the order of runs
       const std::optional<std::string> rows = worldio::read_file(series_file(folder, run));
       if (!rows)
         throw OutputError(

@@ -13,10 +13,9 @@ namespace troupe::apps {
 
 /// The results of all runs of a study, from which the tables are written.
 struct SweepTable {
-  const worldio::Study& study;                   ///< study to which the runs belong
-  std::vector<std::string> measures;             ///< names of the columns of SweepOutcome::values
-  std::map<std::size_t, SweepOutcome> outcomes;  ///< results of finished runs, by index of the run
-  std::map<std::size_t, std::string> failed;     ///< errors of failed runs, which have no outcome
+  const worldio::Study& study;        ///< study to which the runs belong
+  std::vector<std::string> measures;  ///< names of the columns of SweepOutcome::values
+  SweepResults results = {};
 };
 
 /// Writes a table with one row per run, in the order of runs:

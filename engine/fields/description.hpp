@@ -153,7 +153,7 @@ inline constexpr Fact required{Fact::Kind::required};
 /// The member gives a number of readings of a sensor (Field::counts_readings). Only for integers.
 inline constexpr Fact counts_readings{Fact::Kind::counts_readings};
 /// Neither interventions of the world file nor World::set() can change the member while the world runs. Has
-/// an effect only on the parameters of drives (Field::fixed).
+/// an effect only on the parameters of drives and devices (Field::fixed).
 inline constexpr Fact fixed{Fact::Kind::fixed};
 /// The member records where the other members come from (a file and a line). It is stored, but comparisons
 /// ignore it (Field::provenance).

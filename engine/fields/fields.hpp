@@ -132,8 +132,7 @@ struct Field {
   /// required and has no default.
   bool optional = false;
   /// True: neither interventions of the world file nor World::set() can change the parameter while the world
-  /// runs. Used only for parameters of drives: for parameters of devices and controllers, this member has no
-  /// effect.
+  /// runs. For parameters of controllers, this member has no effect.
   bool fixed = false;
   /// True: the field records where the other fields come from (a file and a line). It is stored, but
   /// comparisons of records ignore it.

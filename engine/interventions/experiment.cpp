@@ -13,6 +13,7 @@
 #include <functional>
 #include <map>
 #include <set>
+#include <stdexcept>
 #include <string>
 #include <string_view>
 #include <tuple>
@@ -27,9 +28,6 @@ using Of = SettingSpec::Of;
 using FaultEvent = Experiment::FaultEvent;
 
 constexpr std::uint32_t k_trials = 1000;  // random positions per added body, as when a world is loaded
-// Number of births after which the spatial index is rebuilt. Each birth is tested one by one against the
-// bodies that were born since the index was built, because the index does not contain them.
-constexpr std::size_t k_most_newborn = 64;
 
 std::string_view without_number(std::string_view name) {
   return name.substr(0, name.find_last_not_of("0123456789") + 1);
@@ -94,18 +92,51 @@ Record& params_of(TypeSpec& type, const SettingSpec& setting) {
   return type.controllers[setting.index].params;
 }
 
+/// Whether a device of this kind has the same solids with other parameters. A setting cannot change solids.
+bool same_body(const DeviceKind& kind, const Record& before, const Record& params) {
+  if (kind.body == nullptr) return true;
+  return std::ranges::equal(kind.body(before), kind.body(params), [](const auto& x, const auto& y) {
+    return x.solid == y.solid && x.joint == y.joint;
+  });
+}
+
 constexpr std::string_view k_keeps_shape =
     "\"set\" cannot change a parameter that determines how many values a device reads or stores, where its "
-    "beams start or point, how far its joints move, how many effects it can have on other bodies, or which "
-    "devices a controller uses; give such a parameter in the type";
+    "beams start or point, the size of its solids, how far its joints move, how many effects it can have on "
+    "other bodies, or which devices a controller uses; give such a parameter in the type";
 
-/// Checks whether the parameters of a drive may change from `before` to `params` while the world runs. The
-/// error says which parameter cannot change, or which value is not allowed.
-Result<> check_change(const DriveKind& kind, const Record& before, const Record& params) {
-  for (std::size_t p = 0; p < kind.params.fields.size(); ++p)
-    if (const Field& field = kind.params.fields[p]; field.fixed && before[p] != params[p])
+/// Checks whether parameters may change from `before` to `params` while the world runs. The error says which
+/// parameter cannot change.
+Result<> check_fixed(const FieldTable& table, const Record& before, const Record& params) {
+  for (std::size_t p = 0; p < table.fields.size(); ++p)
+    if (const Field& field = table.fields[p]; field.fixed && before[p] != params[p])
       return Error{fmt::format("\"{}\" cannot change while the world runs; give it in the type", field.name)};
+  return {};
+}
+
+/// As check_fixed(), for a drive. The error may also say which value is not allowed.
+Result<> check_change(const DriveKind& kind, const Record& before, const Record& params) {
+  if (const Result<> checked = check_fixed(kind.params, before, params); !checked) return checked;
   return kind.check(params);
+}
+
+/// Compiles the first `count` controllers of a type again, with the parameters in `spec`, and returns their
+/// data. The error says what a controller lacks, or that it would use other devices than before.
+Result<std::vector<std::any>> prepare_controllers(std::size_t count, const WorldSpec& world,
+                                                  const TypeSpec& spec, const BodyType& type,
+                                                  const Registry& registry) {
+  std::vector<std::any> data;
+  std::vector<bool> claimed(type.devices.size(), false);  // devices that earlier controllers claim
+  for (std::size_t c = 0; c < count; ++c) {
+    const ControllerSpec& controller = spec.controllers[c];
+    Result<ControllerKind::Prepared> prepared =
+        prepare_controller(*registry.controller(controller.kind), controller, world, spec, type, claimed);
+    if (!prepared) return Error{fmt::format("controller \"{}\" {}", controller.kind, prepared.error().text)};
+    if (prepared->devices != type.controllers[c].devices)
+      return Error{fmt::format("controller \"{}\": {}", controller.kind, k_keeps_shape)};
+    data.push_back(std::move(prepared->data));
+  }
+  return data;
 }
 
 /// Calls build(own), where `own` is a new Diagnostics object. Adds each finding in `own` to `diagnostics` as
@@ -143,6 +174,10 @@ std::vector<BodyId> World::bodies_of(const GroupSpec& group, Where where, Diagno
       bodies.push_back(BodyId(b));
   }
   if (!bodies.empty()) return bodies;
+  if (group.by == By::type && std::ranges::any_of(state_.types, [&](const BodyType& type) {
+        return type.runs() && type.name == group.name;
+      }))
+    return bodies;  // the world has no body of this type, for example because of the option --robots
   std::set<std::string> known;
   for (std::size_t b = 1; b < state_.rows.size(); ++b) {
     if (location(BodyId(b)) == RowLocation::none) continue;
@@ -239,6 +274,12 @@ Result<> World::build_setting(const SettingSpec& setting, const Registry& regist
       return Error{fmt::format("drive \"{}\": {}", spec.drive->kind, checked.error().text)};
     spec.drive->params = std::move(params);
     intervention.data = type.drive->kind->prepare(spec.drive->params);
+    if (std::ranges::none_of(type.controllers, [](const auto& each) { return each.kind->bind_world; }))
+      return {};  // only this hook shows the drive to controllers
+    Result<std::vector<std::any>> data =
+        prepare_controllers(type.controllers.size(), state_.spec, spec, type, registry);
+    if (!data) return data.error();
+    intervention.controllers = *std::move(data);
     return {};
   }
   if (setting.of == Of::device) {
@@ -246,30 +287,65 @@ Result<> World::build_setting(const SettingSpec& setting, const Registry& regist
     const BodyType::Device& now = type.devices[setting.index];
     const std::string owner = fmt::format("device \"{}\"", device.name);
     Record params = changed(device.params, setting);
+    if (const Result<> checked = check_fixed(now.kind->params, device.params, params); !checked)
+      return Error{fmt::format("{}: {}", owner, checked.error().text)};
     // Checked before the device is prepared, because preparing too many samples could exhaust the memory.
     if (samples_asked_for(now.kind->params, params) != samples_asked_for(now.kind->params, device.params))
       return Error{fmt::format("{}: {}", owner, k_keeps_shape)};
+    const bool keeps_body = same_body(*now.kind, device.params, params);
     device.params = std::move(params);
     Result<DeviceKind::Prepared> prepared = prepare_device(*now.kind, device, state_.spec, spec);
     if (!prepared) return Error{fmt::format("{} {}", owner, prepared.error().text)};
-    if (!same_shape(*prepared, now.prepared)) return Error{fmt::format("{}: {}", owner, k_keeps_shape)};
+    if (!keeps_body || !same_shape(*prepared, now.prepared))
+      return Error{fmt::format("{}: {}", owner, k_keeps_shape)};
     intervention.device = *std::move(prepared);
     return {};
   }
   Record& params = spec.controllers[setting.index].params;
   params = changed(params, setting);
-  std::vector<bool> claimed(type.devices.size(), false);  // devices that earlier controllers claim
-  for (std::size_t c = 0; c <= setting.index; ++c) {
-    const ControllerSpec& controller = spec.controllers[c];
-    Result<ControllerKind::Prepared> prepared = prepare_controller(
-        *registry.controller(controller.kind), controller, state_.spec, spec, type, claimed);
-    if (!prepared) return Error{fmt::format("controller \"{}\" {}", controller.kind, prepared.error().text)};
-    if (c < setting.index) continue;
-    if (prepared->devices != type.controllers[c].devices)
-      return Error{fmt::format("controller \"{}\": {}", controller.kind, k_keeps_shape)};
-    intervention.data = std::move(prepared->data);
-  }
+  Result<std::vector<std::any>> data =
+      prepare_controllers(setting.index + 1, state_.spec, spec, type, registry);
+  if (!data) return data.error();
+  intervention.data = std::move(data->back());
   return {};
+}
+
+/// Calls the hook `bind_world` of devices and controllers again, after poses or colours in the spec have
+/// changed: their kinds have stored places, contours or colours of bodies. No setting is in force afterwards.
+void World::bind_kinds_again(const Registry& registry) {
+  swap_settings_back(std::exchange(experiment_.next, 0));
+  const auto require = [](const auto& prepared) {
+    if (!prepared) throw std::logic_error(prepared.error().text);  // it was accepted with the old poses
+  };
+  bool has_bound = false;
+  for (std::size_t t = 0; t < state_.types.size(); ++t) {
+    BodyType& type = state_.types[t];
+    const TypeSpec& spec = state_.spec.types[t];
+    for (std::size_t d = 0; d < type.devices.size(); ++d) {
+      BodyType::Device& device = type.devices[d];
+      if (!device.kind->bind_world) continue;
+      Result<DeviceKind::Prepared> prepared =
+          prepare_device(*device.kind, spec.devices[d], state_.spec, spec);
+      require(prepared);
+      device.prepared.data = std::move(prepared->data);
+      has_bound = true;
+    }
+    if (std::ranges::none_of(type.controllers, [](const auto& each) { return each.kind->bind_world; }))
+      continue;
+    std::vector<bool> claimed(type.devices.size(), false);
+    for (std::size_t c = 0; c < type.controllers.size(); ++c) {
+      Result<ControllerKind::Prepared> prepared = prepare_controller(
+          *type.controllers[c].kind, spec.controllers[c], state_.spec, spec, type, claimed);
+      require(prepared);
+      type.controllers[c].data = std::move(prepared->data);
+    }
+    has_bound = true;
+  }
+  std::map<std::uint32_t, TypeSpec> types;
+  if (has_bound)
+    for (Experiment::Intervention& each : experiment_.interventions)
+      if (is_setting(each))
+        require(build_setting(*state_.spec.experiment.at[each.spec].setting, registry, types, each));
 }
 
 void World::build_fault(std::size_t at, const Registry& registry, Diagnostics& diagnostics) {
@@ -486,9 +562,9 @@ bool World::add(const Experiment::Intervention& intervention) {
     const auto place = [&](std::uint32_t trial) { return place_to_add(intervention, i, trial); };
     const Birth birth = give_birth(intervention.reserve, trials, std::cref(place));
     if (birth.status != BirthStatus::born) return i > 0;
-    if (newborn_.size() < k_most_newborn) continue;
+    if (!has_many_newborn()) continue;
     if (replica_) replica_->follow_jumps();
-    index_bodies();
+    index_newborn();
   }
   return count > 0;
 }
@@ -514,7 +590,11 @@ void World::swap_setting(Experiment::Intervention& intervention) {
   const SettingSpec& setting = *state_.spec.experiment.at[intervention.spec].setting;
   BodyType& type = state_.types[setting.type.index()];
   switch (setting.of) {
-    case Of::drive: std::swap(type.drive->data, intervention.data); break;
+    case Of::drive:
+      std::swap(type.drive->data, intervention.data);
+      for (std::size_t c = 0; c < intervention.controllers.size(); ++c)
+        std::swap(type.controllers[c].data, intervention.controllers[c]);
+      break;
     case Of::device: std::swap(type.devices[setting.index].prepared, intervention.device); break;
     case Of::controller: std::swap(type.controllers[setting.index].data, intervention.data); break;
   }
@@ -575,8 +655,9 @@ Result<> World::set(const SettingSpec& setting, const Registry& registry) {
   }
   swap_settings_back(e.next);
   if (e.made++ == 0) e.declared = e.interventions;
-  e.interventions.insert(after,
-                         {.tick = state_.now.tick, .spec = at.size(), .whom = {}, .data = {}, .device = {}});
+  e.interventions.insert(
+      after,
+      {.tick = state_.now.tick, .spec = at.size(), .whom = {}, .data = {}, .device = {}, .controllers = {}});
   InterventionSpec& added = at.emplace_back();
   added.time_s = static_cast<double>(state_.now.tick) * state_.spec.tick_s;
   added.action = Action::set;
@@ -585,6 +666,7 @@ Result<> World::set(const SettingSpec& setting, const Registry& registry) {
     if (!is_setting(e.interventions[i])) continue;
     e.interventions[i].data = std::move(compiled[i].data);
     e.interventions[i].device = std::move(compiled[i].device);
+    e.interventions[i].controllers = std::move(compiled[i].controllers);
   }
   // If interventions of this tick are still due, the next step applies them and, after them, the setting.
   // Otherwise the setting is applied now.

@@ -36,6 +36,9 @@ struct Experiment {
     /// the intervention swaps them with the data in BodyType; they are then the data of the old parameters.
     std::any data;
     DeviceKind::Prepared device;  ///< for `set` of a device: used like `data`, which is then empty
+    /// For `set` of a drive: the data of the controllers of the type, used like `data`, because controllers
+    /// may have stored limits of the drive. Empty if no controller of the type has the hook `bind_world`.
+    std::vector<std::any> controllers;
   };
   /// Sorted by tick; within a tick in the order of ExperimentSpec::at.
   std::vector<Intervention> interventions;

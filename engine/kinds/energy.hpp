@@ -14,7 +14,9 @@ struct Energy {
   double received_j = 0;    ///< received from other bodies, by contact
   double given_j = 0;       ///< given to other bodies, by contact
   bool infinite = false;    ///< true: the supply never becomes empty; stored_j stays 0
-  bool charging = false;    ///< whether the device received energy in the last tick
+  /// Whether the device received energy in the last tick. A device that does not run, for example because its
+  /// body is disabled, keeps the value true.
+  bool charging = false;
 
   /// Stored energy as a fraction of the capacity, 0 to 1: 1 if `infinite`, otherwise 0 if the capacity is 0.
   double proportion_remaining() const {

@@ -121,8 +121,8 @@ struct DeviceBatch {
   void move_joint(std::size_t i, std::size_t n, const Pose& to) const;
   /// Whether move_joint() set a goal of joint n in this tick. Only the hook `joints_moved` may call this.
   bool asked_joint(std::size_t i, std::size_t n) const;
-  /// Whether joint n moved to its goal in this tick. May be false for a goal that equals the pose which the
-  /// joint already had. Only the hook `joints_moved` may call this.
+  /// Whether joint n is at its goal of this tick: it moved there, or already was there. Only the hook
+  /// `joints_moved` may call this.
   bool moved_joint(std::size_t i, std::size_t n) const;
   /// Emits an effect of row i, which DeviceKind::apply applies after all bodies have moved. Only the hook
   /// `act` may call this. Throws std::length_error if all devices of the world together emit more effects in
@@ -245,7 +245,9 @@ struct DeviceKind {
   /// Whether the device is a drive. A controller commands the drive device on its own part or, if that part
   /// has none, on the nearest part that carries its part. Only if there is no such device, it commands the
   /// body's drive. The command struct of a drive device must be a Command (command_fields()), and the state
-  /// must begin with a Pose, the estimated pose of the device.
+  /// must begin with a Pose, the estimated pose of the device. Its fields `forward`, `left` and `turn` of
+  /// type f64, if there are any, are the velocity of the device: World sets them to 0 while the body is
+  /// disabled or stopped by a drop-out fault, the device is broken, or its power supply is empty.
   bool drives = false;
   /// A solid of a device, with its joints at rest.
   struct Fixture {

@@ -90,6 +90,7 @@ void Links::build() {
   resize_with_room(state_.joint_mounts, joints);
   for (auto* buffers : {&shapes_, &moved_, &on_the_way_}) resize_with_room(*buffers, composites_.size());
   resize_with_room(samples_, composites_.size());
+  resize_with_room(lifts_, composites_.size());
   resize_with_room(refused_, composites_.size());
 
   // Reserves memory now, so that no memory is allocated when a body is gripped, unless that body carries
@@ -175,7 +176,7 @@ void Links::forget() {
   for (auto* buffers : {&shapes_, &moved_, &on_the_way_})
     for (ShapeBuffer& buffer : *buffers) buffer.begin();
   for (auto* list : {&samples_, &state_.roots, &first_cargo_, &next_cargo_}) std::ranges::fill(*list, k_junk);
-  std::ranges::fill(refused_, std::uint8_t{1});
+  for (auto* list : {&lifts_, &refused_}) std::ranges::fill(*list, std::uint8_t{1});
   state_.now.carried = k_junk;
   asked_ = true;
 }
@@ -386,10 +387,10 @@ void Links::resolve_joints(double longest_motion, Border* border) {
 }
 
 /// Computes Joint::then for the joints of a body and of all bodies that it carries, at a fraction t (0
-/// to 1) of their motions of this round. Returns an upper bound on how far the complete motions (t = 1) move
-/// any point, m. The result is 0 if no joint moves in this round. `radius` must be an upper bound on the
-/// distance of any point from the root, m.
-double Links::aim_joints(const TreeBody& body, std::size_t round, double t, double radius) {
+/// to 1) of their motions of this round. Returns upper bounds on how far the complete motions (t = 1) move
+/// any point. They are 0 if no joint moves in this round. `radius` must be an upper bound on the distance of
+/// any point from the root, m.
+Links::Way Links::aim_joints(const TreeBody& body, std::size_t round, double t, double radius) {
   const BodyType& type = state_.type(body.row);
   const std::span<Joint> all = joints(body.row);
   std::size_t first = 0;
@@ -400,6 +401,7 @@ double Links::aim_joints(const TreeBody& body, std::size_t round, double t, doub
     last = first + device.kind->joints.size();
   }
   double way = 0;
+  double rise = 0;
   for (std::size_t j = 0; j < all.size(); ++j) {
     const BodyType::Joint& joint = type.joints[j];
     const Joint* parent = joint.parent == k_rigid ? nullptr : &all[static_cast<std::size_t>(joint.parent)];
@@ -411,6 +413,7 @@ double Links::aim_joints(const TreeBody& body, std::size_t round, double t, doub
       const Mount axis = compose(compose(body.place, parent ? parent->then : Mount()), joint.at_rest);
       way += Vec2(to.x - q.x, to.y - q.y).norm() + std::abs(to.z - q.z) +
              std::abs(to.heading - q.heading) * (radius + way + axis.transform.position.norm());
+      rise += std::abs(to.z - q.z);
       // A turn of a joint at the body's origin moves no point of a body without obstacles. It counts as a
       // motion all the same.
       if (to != q) way = std::max(way, partition::k_rounding_m);
@@ -422,9 +425,11 @@ double Links::aim_joints(const TreeBody& body, std::size_t round, double t, doub
     const Carried& link = state_.carried(c);
     Mount place = body.place;
     if (link.joint > 0) place = compose(place, state_.mounts(body.row)[link.joint - 1]);
-    way += aim_joints({Row(c), compose(place, Mount(link.pose))}, round, t, radius + way);
+    const Way added = aim_joints({Row(c), compose(place, Mount(link.pose))}, round, t, radius + way);
+    way += added.total;
+    rise += added.rise;
   }
-  return way;
+  return {way, rise};
 }
 
 /// Computes the shape of the moving pieces of a tree at their goals, and the number of samples at which their
@@ -436,16 +441,25 @@ double Links::ask_joints(std::size_t c, Row root, std::size_t round) {
   const auto is_asked = [](const Joint& joint) { return joint.state == Goal::asked; };
   const bool carries = first_cargo_[root.index()] != k_none;
   if (!carries && std::ranges::none_of(joints(root), is_asked)) return 0;
-  const double way = aim_joints({root, Mount()}, round, 1, state_.shapes[root.index()]->radius);
-  if (way == 0) return 0;
+  const auto [way, rise] = aim_joints({root, Mount()}, round, 1, state_.shapes[root.index()]->radius);
+  if (way == 0) {
+    mark_joints(root, round, Goal::moved);  // those that were asked are already at their goals
+    return 0;
+  }
   double thinnest = std::numeric_limits<double>::infinity();
   ShapeBuffer& moved = moved_[c];
   moved.begin();
   add_tree_body({root, Mount()}, true, moved, thinnest);
   moved.finish(thinnest);
-  // The same sampling as for motions of bodies: see Conflicts.
+  lifts_[c] = rise > 0;
+  // The same sampling as for motions of bodies: see Conflicts. In addition, no piece rises or sinks by more
+  // than a quarter of its height from one sample to the next, or it could pass through a thin shelf.
   constexpr double k_most = 1e6;
-  const double samples = moved.shape().empty() ? 1 : std::min(k_most, std::ceil(way / (0.25 * thinnest)));
+  double samples = moved.shape().empty() ? 1 : std::min(k_most, std::ceil(way / (0.25 * thinnest)));
+  if (rise > 0)
+    for (const ConvexPrism& piece : moved.shape().pieces)
+      if (const double height = piece.z.max - piece.z.min; height > 0)  // a flat piece overlaps nothing
+        samples = std::max(samples, std::min(k_most, std::ceil(rise / (0.25 * height))));
   samples_[c] = std::max(1u, static_cast<std::uint32_t>(samples));
   return way;
 }
@@ -469,10 +483,12 @@ bool Links::refuses_joints(std::size_t c, Row root, std::size_t round, double re
     }
     if (moved->shape().empty()) return false;
     const PlacedShape after(moved->shape(), at, z);
-    if (state_.scene.has_obstacles() && state_.scene.crossed(after, [&](std::uint32_t solid) {
-          return !state_.scene.blocks(solid, before, after);
-        }) >= 0)
-      return true;
+    if (state_.scene.has_obstacles()) {
+      const auto passes = [&](std::uint32_t solid) { return !state_.scene.blocks(solid, before, after); };
+      if (state_.scene.crossed(after, passes) >= 0) return true;
+      // Only a vertical motion can bring a piece into a solid without crossing one of the solid's edges.
+      if (lifts_[c] != 0 && state_.scene.swallowed(after, passes)) return true;
+    }
     if (others_refuse(root, before, after, reach)) return true;
   }
   return false;
@@ -506,6 +522,20 @@ bool Links::others_refuse(Row root, const PlacedShape& before, const PlacedShape
         }
       });
   return refuses;
+}
+
+/// Sets the state of the joints that a round tests, for a body and for all bodies that it carries. The poses
+/// of the joints stay.
+void Links::mark_joints(Row row, std::size_t round, Goal state) {
+  const BodyType& type = state_.type(row);
+  if (round < type.joint_devices.size()) {
+    const BodyType::Device& device = type.devices[type.joint_devices[round]];
+    const auto first = static_cast<std::size_t>(device.moves);
+    for (Joint& joint : joints(row).subspan(first, device.kind->joints.size()))
+      if (joint.state == Goal::asked) joint.state = state;
+  }
+  for (std::uint32_t c = first_cargo_[row.index()]; c != k_none; c = next_cargo_[c])
+    mark_joints(Row(c), round, state);
 }
 
 /// Ends a round of resolution for a body and for all bodies that it carries. If `refused` is false, their

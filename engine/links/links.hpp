@@ -30,8 +30,8 @@ class Links {
   /// Whether ask() has set a goal for a joint in this tick, and what became of the motion to that goal.
   enum class Goal : std::uint8_t {
     none,     ///< ask() was not called for the joint
-    asked,    ///< the motion is not yet resolved, or is not needed because the joint already was at its goal
-    moved,    ///< the joint is at its goal
+    asked,    ///< the motion is not yet resolved
+    moved,    ///< the joint is at its goal, possibly because it already was there
     refused,  ///< the motion was blocked: the joint is at its old pose
   };
 
@@ -152,6 +152,11 @@ class Links {
     bool moves = false;       ///< whether the joint moves in this round of resolution
   };
   struct TreeBody;
+  /// Upper bounds on how far the joint motions of a round move any point of a tree, m.
+  struct Way {
+    double total;  ///< the length of its whole path
+    double rise;   ///< the vertical part of it
+  };
 
   std::span<Joint> joints(Row row);
   std::span<const Joint> joints(Row row) const;
@@ -160,11 +165,12 @@ class Links {
   void unlink_cargo(std::uint32_t cargo, std::uint32_t carrier);
   void set_root(std::uint32_t row, std::uint32_t root);
   void add_tree_body(const TreeBody& body, bool then, ShapeBuffer& out, double& thinnest) const;
-  double aim_joints(const TreeBody& body, std::size_t round, double t, double radius);
+  Way aim_joints(const TreeBody& body, std::size_t round, double t, double radius);
   double ask_joints(std::size_t c, Row root, std::size_t round);
   bool refuses_joints(std::size_t c, Row root, std::size_t round, double reach);
   bool others_refuse(Row root, const partition::PlacedShape& before, const partition::PlacedShape& after,
                      double reach) const;
+  void mark_joints(Row row, std::size_t round, Goal state);
   void answer_joints(Row row, std::size_t round, bool refused);
   void carry_cargo_of(Row carrier);
   template <class Work>
@@ -187,6 +193,7 @@ class Links {
   std::vector<ShapeBuffer> moved_;       // pieces of the tree that move in this round, at their goals
   std::vector<ShapeBuffer> on_the_way_;  // the same pieces, at the pose that is tested now
   std::vector<std::uint32_t> samples_;   // number of poses to test in this round; 0: no motion
+  std::vector<std::uint8_t> lifts_;      // 1 if a joint moves vertically in this round
   std::vector<std::uint8_t> refused_;    // 1 if the motion of this round is blocked
 
   // One per row; empty if there are no composites.

@@ -35,6 +35,12 @@ auto call_measure(const World& world, const MeasureKind& kind, const std::string
   }
 }
 
+/// Whether a type with this name has a drive. There may be no robot of this type.
+bool is_type_of_robots(const World& world, std::string_view name) {
+  return std::ranges::any_of(world.types(),
+                             [&](const BodyType& type) { return type.drive && type.name == name; });
+}
+
 template <class Parts>
 void see_all(World& world, const Parts& parts, const std::vector<std::string>& columns,
              std::span<const std::unique_ptr<Measure>> measures) {
@@ -62,7 +68,7 @@ MeasureSet::MeasureSet(World& world, const Registry& registry, std::span<const M
     }
     const MeasureKind* kind = *found;
     std::vector<BodyId> robots = robots_of(world, spec.of);
-    if (robots.empty() && !spec.of.empty()) {
+    if (robots.empty() && !spec.of.empty() && !is_type_of_robots(world, spec.of)) {
       const std::vector<std::string> known = names_of_robots(world);
       error(unknown_name("type or population of robots", spec.of,
                          std::vector<std::string_view>(known.begin(), known.end())));

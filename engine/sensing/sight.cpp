@@ -32,6 +32,9 @@ class Nearest {
     }
   }
 
+  /// Whether the ray passes through the row's body because this body moves with SightRay::target.
+  bool passes(Row row) const { return ray_.target.valid() && view_.same_tree(row, ray_.target); }
+
   /// Whether the ray reaches the circle before the nearest surface found so far.
   bool reaches(const partition::BodyCircle& circle) const {
     const Vec2 centre = Vec2(circle.x, circle.y) - ray_.origin;
@@ -66,12 +69,15 @@ Color color_of(const CommittedView& view, const RayHit& hit) {
 RayHit first_met(const SensingView& view, const SightRay& ray) {
   Nearest nearest(view, ray);
   const auto wanted = [&](const partition::BodyCircle& circle) { return nearest.reaches(circle); };
+  const auto wanted_body = [&](const partition::BodyCircle& circle) {
+    return nearest.reaches(circle) && !nearest.passes(Row(circle.row));
+  };
   const auto meet = [&](const OutlineChain& chain) { nearest.meet(chain); };
   // The static scene first, so that bodies behind a wall need no lookup.
   nearest.walk(view.scene().outlines().geometry().cell_m,
                [&](const Box& box) { for_each_fixed_chain(view, box, wanted, meet); });
   nearest.walk(2 * view.geometry().cell_m,
-               [&](const Box& box) { for_each_body_chain(view, box, ray.own, wanted, meet); });
+               [&](const Box& box) { for_each_body_chain(view, box, ray.own, wanted_body, meet); });
   return nearest.best();
 }
 

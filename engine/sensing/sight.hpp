@@ -94,6 +94,9 @@ struct SightRay {
   Row own;
   std::optional<double> z;  ///< height of the ray, world frame, m; not set: it hits surfaces at any height
   bool (*stops)(const Returns&) = nullptr;  ///< returns whether a part stops the ray; null: all parts do
+  /// Row of a second body that the ray passes through, with the bodies that move together with it: for
+  /// example, the body of a lamp to which the ray leads. Not valid(): there is no such body.
+  Row target;
 };
 
 /// Returns the part whose surface a ray hit. Call this only if hit.met() is true.

@@ -45,8 +45,12 @@ void VisibilityQuery::first_met(std::span<const SightLine> rays, std::span<RayHi
 
 RayHit VisibilityQuery::first_met(const SightLine& ray) {
   if (near_.size() > k_crowd)
-    return engine::first_met(
-        *view_, {.origin = origin_, .direction = ray.direction, .length = ray.length, .own = own_, .z = z_});
+    return engine::first_met(*view_, {.origin = origin_,
+                                      .direction = ray.direction,
+                                      .length = ray.length,
+                                      .own = own_,
+                                      .z = z_,
+                                      .target = ray.target});
   RayHit nearest{.range_m = ray.length};
   const std::size_t count = find_hits(ray);  // may reallocate hits_
   const std::span<Hit> hits(hits_.data(), count);
@@ -88,6 +92,8 @@ std::size_t VisibilityQuery::find_hits(const SightLine& ray) {
 }
 
 void VisibilityQuery::meet(std::uint32_t mark, const SightLine& ray, RayHit& nearest) const {
+  const bool is_body = (mark & (k_seen | k_hidden)) == 0;
+  if (is_body && ray.target.valid() && view_->same_tree(Row(mark), ray.target)) return;
   visit_chains(mark, [&](const OutlineChain& chain) {
     if (!z_ || chain.z.contains(*z_)) meet_chain(chain, origin_, ray.direction, ray.length, nearest);
   });

@@ -15,6 +15,7 @@ struct SightLine {
   /// Length, m; surfaces at this distance or farther are not hit. At most the argument `reach` of
   /// VisibilityQuery::stand().
   double length = 0;
+  Row target;  ///< a body that the ray passes through, as in SightRay
 };
 
 /// Casts many horizontal rays from one origin. The results equal those of engine::first_met(), with

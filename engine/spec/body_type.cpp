@@ -22,11 +22,11 @@ std::string unknown(std::string_view what, std::string_view name, const Kinds& k
   return unknown_name(what, name, std::move(names));
 }
 
-/// Returns, for each piece of obstacle_shape(spec) in order, the index of the joint that it is mounted on.
-std::vector<std::int32_t> joints_of_pieces(const TypeSpec& spec) {
+/// Returns, for each piece of shape_of(spec, counts) in order, the index of the joint that it is mounted on.
+std::vector<std::int32_t> joints_of_pieces(const TypeSpec& spec, bool (*counts)(const PartSpec& part)) {
   std::vector<std::int32_t> joints;
   for (const PartSpec& part : spec.parts) {
-    if (!part.returns.obstacle) continue;
+    if (!counts(part)) continue;
     for (const Solid& solid : part.solids)
       joints.insert(joints.end(), convex_pieces(solid).size(), part.joint);
   }
@@ -60,15 +60,19 @@ void add_geometry(const TypeSpec& spec, BodyType& type, Diagnostics& diagnostics
     radius2 = std::max(radius2, spec.parts[p].pose_body_part.position().squaredNorm());
   }
   type.pushable = std::ranges::any_of(spec.parts, [](const PartSpec& part) { return part.returns.pushable; });
-  const bool can_be_gripped =
-      std::ranges::any_of(spec.parts, [](const PartSpec& part) { return part.returns.gripper; });
   // All other types belong to the static scene: BodyType::runs().
-  if (is_mobile(spec) || !spec.devices.empty() || !spec.controllers.empty() || can_be_gripped ||
+  if (is_mobile(spec) || !spec.devices.empty() || !spec.controllers.empty() || can_be_gripped(spec) ||
       type.pushable) {
     try {
       type.obstacle = obstacle_shape(spec);
-      type.grip = shape_of(spec, [](const PartSpec& part) { return part.returns.gripper; });
-      if (!spec.joints.empty()) type.obstacle_joints = joints_of_pieces(spec);
+      const auto is_gripped = [](const PartSpec& part) { return part.returns.gripper; };
+      type.grip = shape_of(spec, is_gripped);
+      if (!spec.joints.empty())
+        type.obstacle_joints =
+            joints_of_pieces(spec, [](const PartSpec& part) { return part.returns.obstacle; });
+      // Left empty where possible, because grippers then need not place each piece by its joint.
+      const auto has_joint = [&](const PartSpec& part) { return is_gripped(part) && part.joint != k_rigid; };
+      if (std::ranges::any_of(spec.parts, has_joint)) type.grip_joints = joints_of_pieces(spec, is_gripped);
     } catch (const std::length_error& error) {
       diagnostics.error(spec.parts.front().where,
                         fmt::format("a body of type \"{}\": {}", spec.name, error.what()));

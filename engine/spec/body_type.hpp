@@ -43,8 +43,11 @@ struct BodyType {
   /// For each piece of `obstacle`, the index in `joints` of the joint that it is mounted on, or k_rigid.
   /// Empty if the type has no joints.
   std::vector<std::int32_t> obstacle_joints;
-  /// Shape of the parts that grippers can grip, body frame; empty if there are none.
+  /// Shape at rest of the parts that grippers can grip, body frame; empty if there are none.
   partition::ObstacleShape grip;
+  /// For each piece of `grip`, the index in `joints` of the joint that it is mounted on, or k_rigid. Empty if
+  /// no piece is mounted on a joint.
+  std::vector<std::int32_t> grip_joints;
   std::vector<Vec2> outline_vertices;  ///< vertices of all outlines at rest, body frame, m
   /// Outlines that rangers see. In `outline_vertices`, their vertices precede those of `hidden_outlines`.
   std::vector<RayOutline> outlines;

@@ -37,8 +37,9 @@ struct StopSpec {
   Comparison comparison = Comparison::below;  ///< operator of `measure COMPARISON value`
   double value = 0;                           ///< right operand, in the SI unit of the measure
 };
-/// The text of a condition, with the name that the world file gives the measure, if any, and the shortest
-/// decimal form of the number: `coverage >= 0.9`, `stalls:leaders > 10`.
+/// The text of a condition: the name of its measure, the operator, and the number in its shortest decimal
+/// form. For a measure without a name of its own, the kind stands in place of the name (`coverage >= 0.9`),
+/// with the group if the measure has one (`stalls:leaders > 10`).
 std::string text_of(const StopSpec& condition);
 
 /// A group of bodies: a population, all bodies of a type, or one body. If `count` or `share` is set, the
@@ -46,7 +47,8 @@ std::string text_of(const StopSpec& condition);
 /// selected. An intervention selects when it is applied, among the bodies that it can change: bodies that are
 /// in the world and not yet in the requested condition. A fault selects among the bodies that are present at
 /// tick 0. Static bodies do not belong to any group. Building the world reports an error for a group without
-/// bodies.
+/// bodies, unless it is a type that the world declares and whose bodies would not be static: the intervention
+/// or fault then has no effect.
 struct GroupSpec {
   /// What `name` refers to.
   enum class By : std::uint8_t {

@@ -402,25 +402,24 @@ bool Crowd::each_near(double radius, const Pose& pose, Visit visit) const {
 
 bool Crowd::free(const partition::ObstacleShape& shape, const Pose& pose) const {
   if (shape.empty()) return true;
-  return each_near(shape.radius, pose, [&](std::uint32_t i) {
-    const Body& body = bodies_[i];
-    return !circles_meet(body.shape->radius, body.pose, shape.radius, pose) ||
-           !partition::overlap(*body.shape, body.pose, shape, pose);
-  });
+  return each_near(shape.radius, pose, [&](std::uint32_t i) { return !overlaps(i, shape, pose); });
 }
 
 std::vector<std::size_t> Crowd::overlapping(const partition::ObstacleShape& shape, const Pose& pose) const {
   std::vector<std::size_t> met;
   if (shape.empty()) return met;
   each_near(shape.radius, pose, [&](std::uint32_t i) {
-    const Body& body = bodies_[i];
-    if (circles_meet(body.shape->radius, body.pose, shape.radius, pose) &&
-        partition::overlap(*body.shape, body.pose, shape, pose))
-      met.push_back(i);
+    if (overlaps(i, shape, pose)) met.push_back(i);
     return true;
   });
   std::ranges::sort(met);
   return met;
+}
+
+bool Crowd::overlaps(std::size_t number, const partition::ObstacleShape& shape, const Pose& pose) const {
+  const Body& body = bodies_[number];
+  return circles_meet(body.shape->radius, body.pose, shape.radius, pose) &&
+         partition::overlap(*body.shape, body.pose, shape, pose);
 }
 
 double grid_cells(const PlacementRule& rule) {

@@ -41,6 +41,9 @@ class Crowd {
   /// shape.
   std::vector<std::size_t> overlapping(const partition::ObstacleShape& shape,
                                        const Pose& pose_world_body) const;
+  /// Whether the body with this number overlaps a shape at a pose in the world frame. False for an empty
+  /// shape.
+  bool overlaps(std::size_t number, const partition::ObstacleShape& shape, const Pose& pose_world_body) const;
 
  private:
   static constexpr std::uint32_t k_none = ~0u;

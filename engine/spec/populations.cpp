@@ -179,12 +179,6 @@ void Placer::add_bodies(const PopulationSpec& population, std::span<const Pose> 
 
 }  // namespace
 
-bool is_static(const TypeSpec& type) {
-  return !is_mobile(type) && std::ranges::none_of(type.parts, [](const PartSpec& part) {
-    return part.returns.gripper || part.returns.pushable;
-  });
-}
-
 Occupancy::Occupancy(const WorldSpec& spec, std::size_t fixed)
     : types_(spec.types),
       scene_(scene_of(spec, [fixed](BodyId body) { return body.index() < fixed; })),

@@ -29,9 +29,6 @@ struct PopulationSpec {
   Where where_place;          ///< position of `rule`, for messages
 };
 
-/// Whether bodies of the type never move, because they have no drive and cannot be gripped or pushed.
-bool is_static(const TypeSpec& type);
-
 /// The obstacles that place() avoids: a static scene made of the solids of static bodies, and a crowd, the
 /// list of the other bodies that were placed so far.
 class Occupancy {

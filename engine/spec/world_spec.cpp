@@ -4,7 +4,10 @@
 
 #include <algorithm>
 #include <map>
+#include <set>
+#include <string>
 #include <string_view>
+#include <utility>
 
 namespace troupe::engine {
 namespace {
@@ -186,32 +189,86 @@ void add_ground(WorldSpec& spec) {
   spec.bodies.push_back({.name = spec.names.add("_ground_model"), .type = TypeId(spec.types.size() - 1)});
 }
 
+bool can_be_gripped(const TypeSpec& type) {
+  return std::ranges::any_of(
+      type.parts, [](const PartSpec& part) { return part.returns.gripper && !part.solids.empty(); });
+}
+
+bool is_static(const TypeSpec& type) {
+  return !is_mobile(type) && !can_be_gripped(type) &&
+         std::ranges::none_of(type.parts, [](const PartSpec& part) { return part.returns.pushable; });
+}
+
+double solids_radius(const TypeSpec& type) {
+  double radius2 = 0;
+  for (const PartSpec& part : type.parts)
+    for (const Solid& solid : part.solids)
+      for (const Ring& ring : solid.contours)
+        for (const Vec2& v : ring) radius2 = std::max(radius2, v.squaredNorm());
+  return sqrt(radius2);
+}
+
 bool is_below(const TypeSpec& type, std::uint32_t below, std::uint32_t part) {
   while (below > part) below = type.parts[below].parent;  // parents come before their children
   return below == part;
 }
 
-void add_spare(WorldSpec& spec, std::uint32_t count) {
+namespace {
+
+/// The population that a body belongs to, and the number of the body in it.
+struct Member {
+  std::string population;
+  std::uint32_t number = 0;
+};
+
+/// Returns the population of a body whose name has a number. The longest of `names` with which the name of
+/// the body begins is the population, if only a number follows; else it is the word of the name.
+Member member_of(const Names& table, Name name, const std::set<std::string, std::less<>>& names) {
+  const std::string& word = table.words()[name.word];
+  if (names.empty()) return {word, name.number};
+  const std::string text = table.text(name);
+  for (std::size_t end = text.size() - 1; end > word.size(); --end) {
+    const bool is_number = text[end] != '0' || end + 1 == text.size();
+    if (is_number && names.contains(text.substr(0, end)))
+      return {text.substr(0, end), static_cast<std::uint32_t>(std::stoul(text.substr(end)))};
+  }
+  return {word, name.number};
+}
+
+}  // namespace
+
+void add_spare(WorldSpec& spec, std::uint32_t count, std::span<const std::string> names) {
   struct Population {
     BodySpec like;           // its first body in the file
     std::uint32_t next = 0;  // number of the next body
     bool is_of_one_type = true;
   };
-  std::map<std::uint32_t, Population> populations;  // by word, in the order in which words were added
-  for (const BodySpec& body : spec.bodies) {
+  const std::set<std::string, std::less<>> known(names.begin(), names.end());
+  // By word, in the order in which words were added, and by name.
+  std::map<std::pair<std::uint32_t, std::string>, Population> populations;
+  NameMap taken;
+  for (std::size_t b = 0; b < spec.bodies.size(); ++b) {
+    const BodySpec& body = spec.bodies[b];
+    taken.add(body.name, BodyId(b));
     if (body.name.number == Name::k_no_number || !is_mobile(spec.types[body.type.index()])) continue;
-    Population& population = populations.try_emplace(body.name.word, Population{.like = body}).first->second;
+    const Member member = member_of(spec.names, body.name, known);
+    Population& population =
+        populations.try_emplace({body.name.word, member.population}, Population{.like = body}).first->second;
     population.is_of_one_type = population.is_of_one_type && population.like.type == body.type;
-    population.next = std::max(population.next, body.name.number + 1);
+    population.next = std::max(population.next, member.number + 1);
   }
-  for (const auto& [word, population] : populations) {
-    const std::string name = spec.names.words()[word];
+  for (const auto& [key, population] : populations) {
+    const std::string& name = key.second;
     if (!population.is_of_one_type || std::ranges::count(spec.reserves, name, &ReserveSpec::population) > 0)
       continue;
+    const std::size_t end = spec.bodies.size() + count;
     spec.reserves.push_back({name, BodyId(spec.bodies.size()), count});
-    for (std::uint32_t i = 0; i < count; ++i) {
+    for (std::uint32_t number = population.next; spec.bodies.size() < end; ++number) {
+      const Name added = spec.names.add(name, number);
+      const BodyId id(spec.bodies.size());
+      if (taken.add(added, id) != id) continue;  // another body has this name
       BodySpec& body = spec.bodies.emplace_back(population.like);
-      body.name = spec.names.add(name, population.next + i);
+      body.name = added;
       body.pose_world_body = {};
     }
   }

@@ -13,6 +13,7 @@
 
 #include <functional>
 #include <optional>
+#include <span>
 #include <string>
 #include <unordered_map>
 #include <vector>
@@ -65,7 +66,9 @@ struct ImageSpec {
   bool keeps_margins = false;
   bool unknown_is_solid = false;  ///< for ROS maps: whether unknown cells are solid
   bool boundary = false;          ///< true: adds four walls just inside the edges of the image
-  Pose origin;                    ///< centre of the image, or frame of the map, in the part's frame
+  /// Pose, in the part's frame, of the centre of what is scaled to the part's size (see `keeps_margins`); for
+  /// a ROS map, pose of the frame of the map.
+  Pose origin;
   friend bool operator==(const ImageSpec&, const ImageSpec&) = default;
 };
 
@@ -265,9 +268,12 @@ void check_rules(const WorldSpec& spec, const std::function<void(Where, const st
 /// Appends a reserve of `count` bodies (at least 1) for each population of robots that has no reserve. Here
 /// a population is the set of all robots (bodies with a drive) named NAME followed by a number; a population
 /// whose robots are of several types is skipped. The new bodies get the numbers after the highest number of
-/// the population. Their poses are 0, and all their other members are copies of those of the population's
-/// first body.
-void add_spare(WorldSpec& spec, std::uint32_t count);
+/// the population, except numbers that would give them the name of another body. Their poses are 0, and all
+/// their other members are copies of those of the population's first body.
+///
+/// names   names of populations that may end in a digit: with `team1` in this list, `team12` is number 2 of
+///         the population `team1`; without it, number 12 of `team`
+void add_spare(WorldSpec& spec, std::uint32_t count, std::span<const std::string> names = {});
 
 /// Value that fiducial finders read from a part of a body, including BodySpec::fiducial; 0: they do not
 /// detect the part.
@@ -279,6 +285,16 @@ inline std::int32_t fiducial_of(const WorldSpec& spec, BodyId body, std::uint32_
 
 /// True if the type has a drive.
 inline bool is_mobile(const TypeSpec& type) { return type.drive.has_value(); }
+
+/// Whether grippers can grip bodies of the type: whether it has a part with Returns::gripper and with solids.
+bool can_be_gripped(const TypeSpec& type);
+
+/// Whether bodies of the type never move, because they have no drive and cannot be gripped or pushed.
+bool is_static(const TypeSpec& type);
+
+/// Radius of the circle about the body's origin that encloses all solids of the type, with joints at rest, m;
+/// 0 if there are none.
+double solids_radius(const TypeSpec& type);
 
 /// True if the part with index `below` is the part with index `part`, or is mounted on it directly or through
 /// further parts.

@@ -171,6 +171,22 @@ Birth World::give_birth(std::size_t reserve, std::uint32_t trials,
   return {BirthStatus::born, id};
 }
 
+/// Whether so many bodies were born since the spatial index was built that it should be rebuilt: each birth
+/// is tested one by one against these bodies. The sum of the times for these tests and for rebuilding the
+/// index is lowest if their number is near the square root of the number of bodies. In a distributed world,
+/// the result is the same on all ranks.
+bool World::has_many_newborn() const {
+  const double bodies = static_cast<double>(state_.rows.size());
+  return static_cast<double>(newborn_.size()) >= std::max(64.0, 2 * std::sqrt(bodies));
+}
+
+/// Adds the bodies of newborn_ to the spatial index. Their rows must be here; in a distributed world,
+/// Replica::follow_jumps() must have distributed the rows since the births.
+void World::index_newborn() {
+  state_.index.rebuild(state_.transforms, state_.radii, parallel_);
+  newborn_.clear();
+}
+
 /// Returns the lowest trial whose pose place(trial) is free for an unborn body with this shape; `trials` if
 /// there is none. If the rows are distributed among ranks, each rank tests only the poses in its own part of
 /// the plane, and all ranks return the lowest trial that any rank has found.
@@ -246,8 +262,12 @@ void World::resolve_lives(std::span<const Effect> effects) {
   for (const Effect& effect : effects) {
     if (effect.verb != k_birth || has_died(effect.source)) continue;
     // The index still has the poses from before the motions of this tick, and the bodies that have died.
-    if (!is_indexed) state_.index.rebuild(state_.transforms, state_.radii, parallel_);
-    is_indexed = true;
+    // In a distributed world, the rows of newborn_ may be on other ranks, so they stay out of the index.
+    const bool is_distributed = replica_ && replica_->halo() != nullptr;
+    if (unborn(effect.reserve) > 0 && (!is_indexed || (!is_distributed && has_many_newborn()))) {
+      index_newborn();
+      is_indexed = true;
+    }
     const auto [x, y, z, heading] = effect.payload;
     const Pose pose{x, y, z, heading};
     const Birth birth = give_birth(effect.reserve, 1, [&pose](std::uint32_t) { return pose; });

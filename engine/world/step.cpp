@@ -23,6 +23,17 @@ std::string_view asked_for(ControlMode mode) {
   return "a speed that is not a finite number";
 }
 
+/// Sets the velocity in a row of the state of a drive device (DeviceKind::drives) to 0, so that the device
+/// starts from rest when it runs again.
+void clear_velocity(StateTable& state, std::size_t slot) {
+  for (std::size_t f = 0; f < state.fields().size(); ++f) {
+    const StateField& field = state.fields()[f];
+    if (field.element == Element::f64 &&
+        (field.name == "forward" || field.name == "left" || field.name == "turn"))
+      std::ranges::fill(state.cell<double>(slot, f), 0.0);
+  }
+}
+
 Velocity scaled(const Velocity& v, double by) { return {v.x * by, v.y * by, v.turn * by}; }
 
 }  // namespace
@@ -147,16 +158,18 @@ void World::actuate() {
       for_due(state_, rows, type.drive->period,
               [&](std::span<const Row> some) { drive(some, *type.drive, faulty); });
     if (type.drive && type.drive->supply) halt_spent(rows, *type.drive);
-    for (const BodyType::Device& device : type.devices)
+    for (const BodyType::Device& device : type.devices) {
+      if (device.kind->drives && (device.supply || state_.now.impaired > 0)) halt_stopped(rows, device);
       if (device.kind->act)
         for_running(state_, rows, device, [&](std::span<const Row> running) {
           for_seeing(running, type, device, [&](std::span<const Row> some) {
             call_kind(*this, some, device, [&] { device.kind->act(device_batch(some, type, device)); });
           });
         });
+    }
   };
   for_blocks(state_, parallel_, own_rows(), [&](std::span<const Row> rows, const BodyType& type) {
-    if (state_.now.impaired > 0) halt_disabled(rows);
+    if (state_.now.impaired > 0) halt_disabled(rows, type);
     for_enabled(state_, rows, [&](std::span<const Row> enabled) { actuate_rows(enabled, type); });
   });
   if (const BodyId id(faulty.load()); id.valid()) {
@@ -262,16 +275,28 @@ void World::drive(std::span<const Row> rows, const BodyType::Drive& drive,
   }
 }
 
-/// Sets the velocity of robots that are disabled or dropped out by a fault to 0, whatever their commands are.
-void World::halt_disabled(std::span<const Row> rows) {
-  for (const Row row : rows)
-    if (state_.condition(row).out != 0) state_.as<Velocity>(WorldState::k_velocity)[row.index()] = {};
+/// Sets the velocity of robots that are disabled or dropped out by a fault to 0, whatever their commands are,
+/// and that of their drive devices.
+void World::halt_disabled(std::span<const Row> rows, const BodyType& type) {
+  for (const Row row : rows) {
+    if (state_.condition(row).out == 0) continue;
+    state_.as<Velocity>(WorldState::k_velocity)[row.index()] = {};
+    for (const BodyType::Device& device : type.devices)
+      if (device.kind->drives) clear_velocity(state_.tables[device.table], slot(row));
+  }
 }
 
 /// Sets the velocity of robots whose power supply is empty to 0, whatever their commands are.
 void World::halt_spent(std::span<const Row> rows, const BodyType::Drive& drive) {
   for (const Row row : rows)
     if (!is_supplied(row, drive.supply)) state_.as<Velocity>(WorldState::k_velocity)[row.index()] = {};
+}
+
+/// Sets the velocity of a drive device to 0 for the enabled bodies whose device is broken or has no power.
+void World::halt_stopped(std::span<const Row> rows, const BodyType::Device& device) {
+  for (const Row row : rows)
+    if (!state_.view.works(row, device) || !is_supplied(row, device.supply))
+      clear_velocity(state_.tables[device.table], slot(row));
 }
 
 void World::decide(std::span<const Row> rows, const BodyType& type, const BodyType::Controller& controller) {

@@ -306,10 +306,13 @@ void World::restart(std::uint64_t seed, std::span<const BodySpec> bodies, const 
   restore_fp_environment();  // a library may have changed it: see step()
   if (replica_) replica_->restart(seed, bodies);
   bool has_scene_changed = false;
-  for (std::size_t b = 0; b < bodies.size(); ++b)
-    has_scene_changed =
-        has_scene_changed || (location(BodyId(b)) == RowLocation::none &&
-                              bodies[b].pose_world_body != state_.spec.bodies[b].pose_world_body);
+  bool has_any_changed = false;
+  for (std::size_t b = 0; b < bodies.size(); ++b) {
+    const BodySpec& old = state_.spec.bodies[b];
+    const bool has_moved = bodies[b].pose_world_body != old.pose_world_body;
+    has_scene_changed = has_scene_changed || (has_moved && location(BodyId(b)) == RowLocation::none);
+    has_any_changed = has_any_changed || has_moved || bodies[b].color != old.color;
+  }
   Diagnostics diagnostics(state_.spec.files);  // build_faults() finds no error: the constructor has checked
   const auto begin_with = [&](std::uint64_t next_seed, std::span<const BodySpec> next) {
     state_.spec.seed = next_seed;
@@ -317,6 +320,7 @@ void World::restart(std::uint64_t seed, std::span<const BodySpec> bodies, const 
     if (has_scene_changed) build_scene();
     build_faults(registry, diagnostics);
     forget_settings();
+    if (has_any_changed) bind_kinds_again(registry);
     start();
   };
   if (!has_scene_changed || !state_.ray_grid) return begin_with(seed, bodies);

@@ -113,7 +113,8 @@ class World {
   ///
   /// bodies: one BodySpec for each body of the spec, in the same order and with the same names and types. The
   /// function does not check order, names and types. Poses and colours may differ. If a static body has
-  /// another pose, the static scene is rebuilt.
+  /// another pose, the static scene is rebuilt. If any pose or colour differs, the kinds with a hook
+  /// `bind_world` are bound to the world again.
   /// registry: the registry that was passed to the constructor
   void restart(std::uint64_t seed, std::span<const BodySpec> bodies, const Registry& registry);
   /// Counts of work since tick 0. They are not part of the state.
@@ -591,8 +592,9 @@ class World {
   void decide();
   DeviceBatch device_batch(std::span<const Row> rows, const BodyType& type, const BodyType::Device& device);
   void drive(std::span<const Row> rows, const BodyType::Drive& drive, std::atomic<std::uint32_t>& faulty);
-  void halt_disabled(std::span<const Row> rows);
+  void halt_disabled(std::span<const Row> rows, const BodyType& type);
   void halt_spent(std::span<const Row> rows, const BodyType::Drive& drive);
+  void halt_stopped(std::span<const Row> rows, const BodyType::Device& device);
   void decide(std::span<const Row> rows, const BodyType& type, const BodyType::Controller& controller);
   void decide_together(const BodyType& type, const BodyType::Controller& controller);
   void move();
@@ -604,6 +606,8 @@ class World {
   void count_present();
   Birth give_birth(std::size_t reserve, std::uint32_t trials,
                    const std::function<Pose(std::uint32_t)>& place);
+  bool has_many_newborn() const;
+  void index_newborn();
   std::uint32_t first_free(BodyId id, const partition::ObstacleShape& shape, std::uint32_t trials,
                            const std::function<Pose(std::uint32_t)>& place) const;
   bool is_free(BodyId id, const partition::ObstacleShape& shape, const Pose& pose) const;
@@ -625,6 +629,7 @@ class World {
   Result<> build_setting(const SettingSpec& setting, const Registry& registry,
                          std::map<std::uint32_t, TypeSpec>& types, Experiment::Intervention& intervention);
   void build_faults(const Registry& registry, Diagnostics& diagnostics);
+  void bind_kinds_again(const Registry& registry);
   void build_fault(std::size_t at, const Registry& registry, Diagnostics& diagnostics);
   void build_conditions();
   /// The bodies with rows that a group names, in order of ids, before any random choice. If it names none,

@@ -2,6 +2,7 @@
 
 #include "base/math.hpp"
 #include "engine/kinds/controller.hpp"
+#include "models/controllers/decisions.hpp"
 #include "models/controllers/device_choice.hpp"
 #include "models/controllers/scan_ahead.hpp"
 #include "models/devices/led.hpp"
@@ -111,14 +112,14 @@ struct Beeclust {
     const std::span<const float> color = percept.devices[k_ground].field<float>(k_ground_color);
     const double brightness = (color[0] + color[1] + color[2]) / 3;
     const double square = brightness * brightness;
-    return static_cast<std::uint32_t>(
-        std::min(params.max_wait * square / (square + params.half) / percept.period_s, 1e9));
+    return whole_decisions(params.max_wait * square / (square + params.half), percept.period_s);
   }
 
   static void begin_turn(Memory& memory, const engine::Percept& percept, Random& random, bool right) {
     memory.turn = static_cast<float>(right ? -k_turn : k_turn);
+    // At least one decision: with none, the robot would never turn away from an obstacle.
     memory.turn_updates =
-        static_cast<std::uint32_t>(random.uniform(k_least_turn, k_pi) / k_turn / percept.period_s);
+        std::max(1u, whole_decisions(random.uniform(k_least_turn, k_pi) / k_turn, percept.period_s));
   }
 };
 

@@ -3,6 +3,7 @@
 #include "base/geometry.hpp"
 #include "base/math.hpp"
 #include "engine/kinds/controller.hpp"
+#include "models/controllers/decisions.hpp"
 #include "models/controllers/device_choice.hpp"
 #include "sensors/light_sensor.hpp"
 #include "sensors/radio.hpp"
@@ -92,7 +93,7 @@ struct BrazilNut {
     radio.say(static_cast<float>(params.radius));
     if (memory.updates_left == 0) {
       memory.heading = random.uniform(-k_pi, k_pi);
-      memory.updates_left = static_cast<std::uint32_t>(std::max(params.shake / percept.period_s, 1.0));
+      memory.updates_left = std::max(1u, whole_decisions(params.shake, percept.period_s));
     }
     --memory.updates_left;
     const SinCos shaken = sincos(memory.heading - percept.estimate.heading);

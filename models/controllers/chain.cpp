@@ -3,6 +3,7 @@
 #include "base/geometry.hpp"
 #include "base/math.hpp"
 #include "engine/kinds/controller.hpp"
+#include "models/controllers/decisions.hpp"
 #include "models/controllers/device_choice.hpp"
 #include "models/controllers/scan_ahead.hpp"
 #include "models/devices/led.hpp"
@@ -30,7 +31,9 @@ constexpr double k_same_place_share = 0.5;  // below this distance, two links wi
 constexpr double k_longest_round_s = 30;  // longest time of circling around the nest
 // A link leaves the chain if it has not heard the previous link for more than this number of decisions.
 constexpr std::uint32_t k_patience = 20;
-constexpr std::uint32_t k_past_updates = 8;  // decisions of driving past an obstacle after the turn
+constexpr double k_avoid_s = 0.5;       // least time of turning away from an obstacle ahead
+constexpr double k_more_avoid_s = 1.5;  // the random time of turning away exceeds k_avoid_s by less than this
+constexpr double k_past_s = 0.8;        // time of driving past an obstacle after the turn
 
 enum class Role : std::uint8_t { robot, nest, prey };
 constexpr std::array<std::string_view, 3> names_of(Role) { return {"robot", "nest", "prey"}; }
@@ -209,8 +212,7 @@ struct Chain {
     const std::optional<Post> nest = nearest(radio, 0);
     if (memory.homeward != 0 && post->number == 0) {
       memory.homeward = 0;
-      memory.round_updates =
-          static_cast<std::uint32_t>(random.uniform(0, k_longest_round_s) / percept.period_s);
+      memory.round_updates = whole_decisions(random.uniform(0, k_longest_round_s), percept.period_s);
     }
     if (memory.homeward != 0) {
       head_for(nearest(radio, post->number - 1).value_or(*post).place, command);
@@ -268,8 +270,8 @@ struct Chain {
     const ScanAhead ahead = scanner.ahead(percept.ranges(k_scanner), params.min_front, params.min_front);
     if (memory.turn_updates == 0 && ahead.obstruction) {
       memory.turn = static_cast<float>(ahead.left < ahead.right ? -k_turn : k_turn);
-      memory.turn_updates = 5 + random.below(15);
-      memory.past_updates = k_past_updates;
+      memory.turn_updates = random_decisions(k_avoid_s, k_more_avoid_s, percept.period_s, random);
+      memory.past_updates = decisions_for(k_past_s, percept.period_s);
     }
     if (memory.turn_updates > 0) {
       --memory.turn_updates;

@@ -2,6 +2,7 @@
 
 #include "base/math.hpp"
 #include "engine/kinds/controller.hpp"
+#include "models/controllers/decisions.hpp"
 #include "models/controllers/device_choice.hpp"
 #include "models/controllers/scan_ahead.hpp"
 
@@ -65,7 +66,7 @@ struct Clustering {
     if (is_stuck && memory.does == k_back) {
       memory.back_updates = 0;  // the robot cannot back off either, so it turns at once
     } else if (is_stuck) {
-      memory.back_updates = static_cast<std::uint32_t>(params.back / percept.period_s);
+      memory.back_updates = whole_decisions(params.back, percept.period_s);
       begin_turn(memory, percept, random, random.below(2) == 0 ? -1 : 1);
     } else if (memory.does == k_ahead && seen.obstruction) {
       begin_turn(memory, percept, random, seen.left < seen.right ? -1 : 1);
@@ -88,7 +89,7 @@ struct Clustering {
 
   static void begin_turn(Memory& memory, const engine::Percept& percept, Random& random, int side) {
     memory.turn = static_cast<float>(side * k_turn);
-    memory.turn_updates = 1 + static_cast<std::uint32_t>(random.uniform(0, k_pi / k_turn) / percept.period_s);
+    memory.turn_updates = 1 + whole_decisions(random.uniform(0, k_pi / k_turn), percept.period_s);
   }
 };
 

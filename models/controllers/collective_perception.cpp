@@ -2,6 +2,7 @@
 
 #include "base/math.hpp"
 #include "engine/kinds/controller.hpp"
+#include "models/controllers/decisions.hpp"
 #include "models/controllers/device_choice.hpp"
 #include "models/controllers/scan_ahead.hpp"
 #include "models/devices/led.hpp"
@@ -18,11 +19,13 @@ namespace {
 using sensors::k_ground_color;
 using sensors::RadioPort;
 
-constexpr double k_listen_s = 3;      // only messages heard in this time before the end of sharing count
-constexpr double k_straight_s = 10;   // mean time of driving straight on
-constexpr double k_turn = 0.8;        // rad/s
-constexpr double k_stop_share = 0.6;  // stop distance for Scanner::ahead(), as a fraction of `min_front`
-constexpr float k_middle = 0.5f;      // brightness below which ground is black
+constexpr double k_listen_s = 3;        // only messages heard in this time before the end of sharing count
+constexpr double k_straight_s = 10;     // mean time of driving straight on
+constexpr double k_turn = 0.8;          // rad/s
+constexpr double k_avoid_s = 0.5;       // least time of turning away from an obstacle ahead
+constexpr double k_more_avoid_s = 1.5;  // the random time of turning away exceeds k_avoid_s by less than this
+constexpr double k_stop_share = 0.6;    // stop distance for Scanner::ahead(), as a fraction of `min_front`
+constexpr float k_middle = 0.5f;        // brightness below which ground is black
 
 enum class Rule : std::uint8_t { majority, voter };
 constexpr std::array<std::string_view, 2> names_of(Rule) { return {"majority", "voter"}; }
@@ -117,7 +120,7 @@ struct CollectivePerception {
 
   /// An exponentially distributed random time with the mean mean_s (s), as a number of decisions.
   static std::uint32_t updates(double mean_s, const engine::Percept& percept, Random& random) {
-    return static_cast<std::uint32_t>(std::min(random.exponential() * mean_s / percept.period_s, 1e9));
+    return whole_decisions(random.exponential() * mean_s, percept.period_s);
   }
 
   void begin_exploring(Memory& memory, const engine::Percept& percept, Random& random) const {
@@ -164,10 +167,12 @@ struct CollectivePerception {
         scanner.ahead(percept.ranges(k_scanner), params.min_front, k_stop_share * params.min_front);
     if (memory.turn_updates == 0 && obstruction) {
       memory.turn = static_cast<float>(left < right ? -k_turn : k_turn);
-      memory.turn_updates = 5 + static_cast<std::int32_t>(random.below(15));
+      memory.turn_updates =
+          static_cast<std::int32_t>(random_decisions(k_avoid_s, k_more_avoid_s, percept.period_s, random));
     } else if (memory.turn_updates == 0 && --memory.straight_updates < 0) {
       memory.turn = static_cast<float>(random.below(2) == 0 ? -k_turn : k_turn);
-      memory.turn_updates = static_cast<std::int32_t>(random.uniform(0, k_pi / k_turn) / percept.period_s);
+      memory.turn_updates =
+          static_cast<std::int32_t>(whole_decisions(random.uniform(0, k_pi / k_turn), percept.period_s));
       memory.straight_updates = static_cast<std::int32_t>(updates(k_straight_s, percept, random));
     }
     if (memory.turn_updates == 0) {

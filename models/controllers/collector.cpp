@@ -3,6 +3,7 @@
 #include "base/math.hpp"
 #include "engine/kinds/controller.hpp"
 #include "engine/spec/world_spec.hpp"
+#include "models/controllers/decisions.hpp"
 #include "models/controllers/device_choice.hpp"
 #include "models/controllers/evasion.hpp"
 #include "models/controllers/fiducial_readings.hpp"
@@ -26,7 +27,7 @@ namespace {
 using engine::DeviceInfo;
 using engine::WorldSpec;
 
-// Distances in m, speeds in m/s, angles in rad, gains in 1/s, durations in decisions.
+// Distances in m, speeds in m/s, angles in rad, gains in 1/s, durations in s.
 constexpr double k_cruise = 0.3;
 constexpr double k_creep = 0.1;
 constexpr double k_creep_within = 0.5;  // distance to a puck within which the robot drives at k_creep
@@ -38,9 +39,10 @@ constexpr double k_delivered = 0.8;   // pucks nearer than this to a sink count 
 constexpr double k_at_charger = 0.4;  // distance to a charger within which the robot stands still
 constexpr double k_low = 0.25;        // a pack below this fraction of its capacity must be charged
 constexpr double k_full = 0.95;       // charging ends above this fraction of the capacity
-// Longest wait for the paddles to close on a puck. Closing takes 2 s: 20 decisions in ticks of 0.1 s.
-constexpr std::uint32_t k_patience = 30;
-constexpr std::uint32_t k_back_off = 15;  // duration of driving backwards from a sink or a charger
+constexpr double k_patience_s = 3;    // longest wait for the paddles to close on a puck, which takes them 2 s
+constexpr double k_back_off_s = 1.5;  // time of driving backwards from a sink or a charger
+constexpr double k_turn_s = 1;        // least time of turning away from a sink or a charger
+constexpr double k_more_turn_s = 2;   // the random time of turning away exceeds k_turn_s by at most this
 constexpr Evasion k_evasion{.min_front = 0.5, .stop = 0.3};
 
 bool is_number(std::string_view text) { return text.find_first_not_of("0123456789") == text.npos; }
@@ -117,6 +119,7 @@ struct Collector {
   std::optional<Puck> puck_in_sight(const engine::Percept& percept) const;
   void seek(Memory& memory, const engine::Percept& percept, Random& random, engine::Actions& actions) const;
   void grip(Memory& memory, const engine::Percept& percept, engine::Actions& actions) const;
+  static void leave(Memory& memory, const engine::Percept& percept, Random& random, engine::Actions& actions);
   void head_for(const Vec2& goal, Memory& memory, const engine::Percept& percept, Random& random,
                 engine::Actions& actions) const;
 };
@@ -137,17 +140,12 @@ Result<std::vector<std::size_t>> Collector::choose(std::span<const DeviceInfo> d
 Result<> Collector::bind_world(const WorldSpec& world, const engine::TypeSpec&, std::uint32_t) {
   for (std::size_t b = 0; b < world.bodies.size(); ++b) {
     if (!world.starts(BodyId(b))) continue;
-    const engine::BodySpec& body = world.bodies[b];
-    const Vec2 at = body.pose_world_body.position();
     const std::string name = world.name(BodyId(b));
     if (name.starts_with(params.sink) && is_number(std::string_view(name).substr(params.sink.size())))
-      sinks.push_back(at);
-    for (std::uint32_t p = 0; has_pack && p < world.types[body.type.index()].parts.size(); ++p)
-      if (engine::fiducial_of(world, BodyId(b), p) == params.charger) {
-        chargers.push_back(at);
-        break;
-      }
+      sinks.push_back(world.bodies[b].pose_world_body.position());
   }
+  if (has_pack)
+    for (const MarkedBody& charger : bodies_with_mark(world, params.charger)) chargers.push_back(charger.at);
   if (sinks.empty())
     return Error{
         fmt::format("needs a model in the world named \"{}\", or several named \"{}0\", \"{}1\" and so on",
@@ -187,14 +185,7 @@ void Collector::operator()(Memory& memory, const engine::Percept& percept, Rando
       order(actions) = GripperCommand::open;
       if (gripper.held == 0 && gripper.paddles == GripperState::is_open) enter(memory, leaving);
       return;
-    case leaving:
-      order(actions) = GripperCommand::open;
-      actions.command = {-k_creep, 0, 0};
-      if (memory.updates <= k_back_off) return;
-      // The robot turns, so that it does not drive back to the place that it leaves.
-      actions.command = {0, 0, memory.goal % 2 == 0 ? 0.8 : -0.8};
-      if (memory.updates > k_back_off + 10 + random.below(20)) enter(memory, seeking);
-      return;
+    case leaving: return leave(memory, percept, random, actions);
     default:  // charging
       if (percept.devices[k_pack].as<PowerPackState>().proportion_remaining() > k_full)
         enter(memory, leaving);
@@ -243,9 +234,22 @@ void Collector::grip(Memory& memory, const engine::Percept& percept, engine::Act
   if (gripper.held != 0) {
     enter(memory, carrying);
     memory.goal = nearest(sinks, percept.estimate.position());
-  } else if (gripper.taken != 0 || gripper.paddles == GripperState::closed || memory.updates > k_patience) {
+  } else if (gripper.taken != 0 || gripper.paddles == GripperState::closed ||
+             memory.updates > decisions_for(k_patience_s, percept.period_s)) {
     enter(memory, leaving);
   }
+}
+
+/// Backs off from a sink or a charger and then turns, so that the robot does not drive back to this place.
+void Collector::leave(Memory& memory, const engine::Percept& percept, Random& random,
+                      engine::Actions& actions) {
+  order(actions) = GripperCommand::open;
+  actions.command = {-k_creep, 0, 0};
+  const std::uint32_t back_off = decisions_for(k_back_off_s, percept.period_s);
+  if (memory.updates <= back_off) return;
+  actions.command = {0, 0, memory.goal % 2 == 0 ? 0.8 : -0.8};
+  const std::uint32_t turned = memory.updates - back_off;
+  if (turned > random_decisions(k_turn_s, k_more_turn_s, percept.period_s, random)) enter(memory, seeking);
 }
 
 void Collector::head_for(const Vec2& goal, Memory& memory, const engine::Percept& percept, Random& random,

@@ -3,12 +3,14 @@
 #include "base/math.hpp"
 #include "base/pose.hpp"
 #include "engine/kinds/kinds.hpp"
+#include "engine/spec/world_spec.hpp"
 #include "sensors/fiducial.hpp"
 
 #include <algorithm>
 #include <cstddef>
 #include <cstdint>
 #include <span>
+#include <vector>
 
 namespace troupe::models {
 
@@ -61,5 +63,26 @@ class FiducialReadings {
 
   double finder_heading_ = 0;  // rad, in the frame of the drive
 };
+
+/// A body with a part that fiducial finders recognise by its fiducial_return.
+struct MarkedBody {
+  BodyId body;
+  Vec2 at;  ///< origin of the first such part at tick 0, m, world frame
+};
+
+/// The bodies that are in the world at tick 0 and have a part whose fiducial_return is `mark`, in order of
+/// ids.
+inline std::vector<MarkedBody> bodies_with_mark(const engine::WorldSpec& world, std::int32_t mark) {
+  std::vector<MarkedBody> marked;
+  for (std::size_t b = 0; b < world.bodies.size(); ++b) {
+    const BodyId id(b);
+    const std::vector<engine::PartSpec>& parts = world.type(id).parts;
+    std::uint32_t p = 0;
+    while (p < parts.size() && engine::fiducial_of(world, id, p) != mark) ++p;
+    if (p < parts.size() && world.starts(id))
+      marked.push_back({id, compose(world.bodies[b].pose_world_body, parts[p].pose_body_part).position()});
+  }
+  return marked;
+}
 
 }  // namespace troupe::models

@@ -2,6 +2,7 @@
 
 #include "base/math.hpp"
 #include "engine/kinds/controller.hpp"
+#include "models/controllers/decisions.hpp"
 #include "models/controllers/device_choice.hpp"
 #include "models/controllers/evasion.hpp"
 #include "models/controllers/fiducial_readings.hpp"
@@ -40,15 +41,15 @@ constexpr double k_abandon = 0.0005;        // probability per decision that a r
 constexpr std::int32_t k_charger_mark = 2;  // fiducial_return of chargers
 
 // Constants that Stage does not have.
-constexpr int k_steps_ahead = 2;          // cells of the path from the robot to the point that it heads for
-constexpr double k_turn_gain = 1;         // 1/s
-constexpr double k_drive_within = 1.0;    // rad: at a larger angle to its path, the robot turns on the spot
-constexpr double k_dock_within = 1.5;     // m: nearer to its charger, the robot heads straight for it
-constexpr double k_aligned = 0.2;         // rad: bearing of the charger within which the robot faces it
-constexpr double k_room = 0.7;            // m: with less room ahead, another robot is at the charger
-constexpr double k_queue = 1.2;           // m: waiting robots back off to this distance from the charger
-constexpr std::uint32_t k_patience = 50;  // greatest number of decisions for which a robot backs away
-constexpr double k_least_zone = 1;        // m: least radius of a fuel zone
+constexpr int k_steps_ahead = 2;        // cells of the path from the robot to the point that it heads for
+constexpr double k_turn_gain = 1;       // 1/s
+constexpr double k_drive_within = 1.0;  // rad: at a larger angle to its path, the robot turns on the spot
+constexpr double k_dock_within = 1.5;   // m: nearer to its charger, the robot heads straight for it
+constexpr double k_aligned = 0.2;       // rad: bearing of the charger within which the robot faces it
+constexpr double k_room = 0.7;          // m: with less room ahead, another robot is at the charger
+constexpr double k_queue = 1.2;         // m: waiting robots back off to this distance from the charger
+constexpr double k_patience_s = 5;      // s: longest time for which a robot backs away
+constexpr double k_least_zone = 1;      // m: least radius of a fuel zone
 
 constexpr Evasion k_evasion{.min_front = 0.7f, .stop = 0.5f, .back_speed = k_back_speed};
 
@@ -111,6 +112,9 @@ struct Forager {
 
  protected:
   Sight charger_in_sight(const Memory& memory, const engine::Percept& percept) const;
+  bool is_near_charger(const Memory& memory, const engine::Percept& percept) const {
+    return (chargers[memory.charger].at - percept.estimate.position()).norm() < k_dock_within;
+  }
 
  private:
   void work(Memory& memory, const engine::Percept& percept, Random& random, engine::Actions& actions) const;
@@ -142,10 +146,12 @@ Result<std::vector<std::size_t>> Forager::choose(std::span<const DeviceInfo> dev
 
 Result<> Forager::bind_world(const WorldSpec& world, const engine::TypeSpec&, std::uint32_t) {
   const FloorPlan plan = FloorPlan::of_world(world, map);
-  const auto goal = [&](BodyId body) {
-    const Vec2 at = world.bodies[body.index()].pose_world_body.position();
+  const auto goal_at = [&](BodyId body, const Vec2& at) {
     const std::array<int, 1> cells{plan.cell(at)};
     return Goal{body, at, std::make_shared<const WaysTo>(plan, cells)};
+  };
+  const auto goal = [&](BodyId body) {
+    return goal_at(body, world.bodies[body.index()].pose_world_body.position());
   };
   for (const auto& [source, sink] : names) {
     const BodyId from = find_body(world, source);
@@ -154,12 +160,9 @@ Result<> Forager::bind_world(const WorldSpec& world, const engine::TypeSpec&, st
       return Error{fmt::format("needs a model in the world named \"{}\"", from.valid() ? sink : source)};
     tasks.push_back({goal(from), goal(to)});
   }
-  for (std::size_t b = 0; pack && b < world.bodies.size(); ++b)
-    for (std::uint32_t p = 0; p < world.type(BodyId(b)).parts.size(); ++p)
-      if (engine::fiducial_of(world, BodyId(b), p) == k_charger_mark) {
-        chargers.push_back(goal(BodyId(b)));
-        break;
-      }
+  if (pack)
+    for (const auto& [body, at] : bodies_with_mark(world, k_charger_mark))
+      chargers.push_back(goal_at(body, at));
   if (const BodyId body = find_body(world, "fuel_zone"); abandons && body.valid() && !chargers.empty()) {
     has_zone = true;
     zone = goal(body);
@@ -266,8 +269,7 @@ void Forager::refuel(Memory& memory, const engine::Percept& percept, Random& ran
   }
   const Goal& charger = chargers[memory.charger];
   const Sight sight = charger_in_sight(memory, percept);
-  const bool is_near = (charger.at - percept.estimate.position()).norm() < k_dock_within;
-  if (!is_near) return head_for(memory, percept, random, actions, charger);
+  if (!is_near_charger(memory, percept)) return head_for(memory, percept, random, actions, charger);
   memory.avoid_updates = 0;
   if (abandons && state.charging == 0 && random.uniform() < k_abandon)
     memory.charger = random.below(static_cast<std::uint32_t>(chargers.size()));
@@ -288,9 +290,10 @@ void Forager::refuel(Memory& memory, const engine::Percept& percept, Random& ran
 }
 
 void Forager::leave(Memory& memory, const engine::Percept& percept, engine::Actions& actions) const {
-  // After k_patience decisions the robot works on, even if it could not back away. It then turns on the spot.
+  // After k_patience_s the robot works on, even if it could not back away. It then turns on the spot.
   ++memory.near_updates;
-  if (charger_in_sight(memory, percept).range > k_back_off || memory.near_updates > k_patience) {
+  if (charger_in_sight(memory, percept).range > k_back_off ||
+      memory.near_updates > decisions_for(k_patience_s, percept.period_s)) {
     memory.mode = working;
     memory.near_updates = 0;
   }
@@ -351,8 +354,9 @@ struct Fasr2 : Forager {
                   engine::Actions& actions) const {
     Forager::operator()(memory, percept, random, actions);
     const bool is_docking = memory.mode == refuelling || memory.mode == leaving;
-    const bool is_at_charger =
-        memory.mode == refuelling && charger_in_sight(memory, percept).range < k_creep_within;
+    // Far from the charger, the last reading of the finder may be old: it may show an earlier charger.
+    const bool is_at_charger = memory.mode == refuelling && is_near_charger(memory, percept) &&
+                               charger_in_sight(memory, percept).range < k_creep_within;
     actions.switch_device(k_scanner, !is_at_charger);
     if (finder) actions.switch_device(*finder, is_docking);
   }

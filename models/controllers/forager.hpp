@@ -22,10 +22,11 @@ namespace troupe::models {
 /// fetches  A robot takes a flag after more than 20 consecutive decisions within 2 m of the source, and
 ///          delivers it after more than 20 consecutive decisions within 1 m of the sink.
 /// charges  If its power pack holds less than 25 % of its capacity (fasr2: 20 %), a robot goes to the nearest
-///          charger, which is a model whose fiducial_return is 2. It drives to within 0.08 m of the charger
-///          and stands there until its pack holds 95 %. Then it drives away backwards. A robot with a
-///          fiducial finder docks by the readings of the finder. A robot without a power pack, or in a world
-///          without chargers, never charges.
+///          charger. A charger is a model that is in the world from the start and whose fiducial_return, or
+///          that of a part of the model, is 2. The robot drives to within 0.08 m of the model (or part) and
+///          stands there until its pack holds 95 %. Then it drives away backwards, for 5 s at most. A robot
+///          with a fiducial finder docks by the readings of the finder. A robot without a power pack, or in a
+///          world without chargers, never charges.
 /// zone     If there is a model `fuel_zone`, a robot with fasr2 that must charge goes there first. Then it
 ///          goes to the charger that is nearest from there.
 /// senses   fasr2 switches the fiducial finder of its robot on only while the robot goes to a charger (not to

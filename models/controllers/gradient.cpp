@@ -1,6 +1,7 @@
 #include "models/controllers/gradient.hpp"
 
 #include "engine/kinds/controller.hpp"
+#include "models/controllers/decisions.hpp"
 #include "models/controllers/device_choice.hpp"
 #include "models/controllers/scan_ahead.hpp"
 #include "models/devices/led.hpp"
@@ -15,12 +16,14 @@ namespace {
 using engine::DeviceInfo;
 using sensors::RadioPort;
 
-constexpr double k_stop_share = 0.6;       // fraction of min_front below which robots turn on the spot
-constexpr double k_creep_share = 0.2;      // fraction of `speed` at which robots drive while they turn away
-constexpr double k_turn = 0.8;             // rad/s
-constexpr std::uint32_t k_backwards = 20;  // decisions of driving backwards when no settled robot is heard
-constexpr std::uint8_t k_halt = 3;         // decisions: long enough to stop and then receive messages
-constexpr float k_far_hops = 12;           // an LED shows this number of hops and all greater ones alike
+constexpr double k_stop_share = 0.6;   // fraction of min_front below which robots turn on the spot
+constexpr double k_creep_share = 0.2;  // fraction of `speed` at which robots drive while they turn away
+constexpr double k_turn = 0.8;         // rad/s
+constexpr double k_avoid_s = 0.5;      // least time of turning away from an obstacle ahead
+constexpr double k_more_avoid_s = 2;   // the random time of turning away exceeds k_avoid_s by less than this
+constexpr double k_backwards_s = 2;    // time of driving backwards when no settled robot is heard
+constexpr std::uint8_t k_halt = 3;     // decisions: long enough to stop and then receive messages
+constexpr float k_far_hops = 12;       // an LED shows this number of hops and all greater ones alike
 // Probability per decision of halting to settle: low, so that two robots rarely settle in one place at once.
 constexpr double k_settles = 0.02;
 
@@ -129,7 +132,7 @@ struct Gradient {
       actions.command = {};
       return;
     }
-    roam(memory, percept.ranges(1), random, actions.command);
+    roam(memory, percept, random, actions.command);
   }
 
   static void show(const Memory& memory, LedCommand& command) {
@@ -146,21 +149,22 @@ struct Gradient {
     }
   }
 
-  void roam(Memory& memory, std::span<const float> ranges, Random& random, engine::Command& command) const {
-    if (memory.alone > 0 && memory.alone <= k_backwards) {
+  void roam(Memory& memory, const engine::Percept& percept, Random& random, engine::Command& command) const {
+    if (memory.alone > 0 && memory.alone <= decisions_for(k_backwards_s, percept.period_s)) {
       command = {-params.speed, 0, 0};
       memory.avoid_updates = 0;
       return;
     }
     const auto [obstruction, stop, left, right] =
-        scanner.ahead(ranges, params.min_front, k_stop_share * params.min_front);
+        scanner.ahead(percept.ranges(1), params.min_front, k_stop_share * params.min_front);
     if (!obstruction && memory.avoid_updates == 0) {
       command = {params.speed, 0, 0};
       return;
     }
     const double forward = stop ? 0 : k_creep_share * params.speed;
     if (memory.avoid_updates == 0) {
-      memory.avoid_updates = 5 + static_cast<std::int32_t>(random.below(20));
+      memory.avoid_updates =
+          static_cast<std::int32_t>(random_decisions(k_avoid_s, k_more_avoid_s, percept.period_s, random));
       command.turn = left < right ? -k_turn : k_turn;
     }
     command = {forward, 0, command.turn};

@@ -16,8 +16,7 @@ inline constexpr std::uint8_t k_hops_unknown = 255;
 ///
 /// beacon    A beacon stands still and broadcasts the hop count 0.
 /// roams     A robot that is not settled drives straight on and turns away from obstacles ahead. If it hears
-///           no settled robot, it drives backwards for up to 20 decisions (calls of the controller) in a row,
-///           and then forwards again.
+///           no settled robot, it drives backwards for up to 2 s in a row, and then forwards again.
 /// settles   While the nearest settled robot that it hears is at least `spacing` (m) away, a roaming robot
 ///           halts with a probability of 2 % per call of the controller. It settles if the distance is still
 ///           at least `spacing` when it has stopped. A robot without a ranger is settled from the start.

@@ -2,6 +2,7 @@
 
 #include "base/math.hpp"
 #include "engine/kinds/controller.hpp"
+#include "models/controllers/decisions.hpp"
 #include "models/controllers/device_choice.hpp"
 #include "models/controllers/evasion.hpp"
 #include "models/controllers/scan_ahead.hpp"
@@ -98,6 +99,7 @@ struct InformedAggregation {
         memory.does = k_walks;
         memory.leaves = 1;
         begin_turn(memory, percept, random, random.below(2) == 0);
+        memory.turn_updates = std::max(2u, memory.turn_updates);  // walk() counts this decision at once
       }
     } else {
       find_site(memory, ground, percept, random);
@@ -134,7 +136,7 @@ struct InformedAggregation {
     } else if (memory.does == k_walks || memory.site != ground) {
       memory.does = k_enters;
       memory.site = ground;
-      memory.enter_updates = static_cast<std::uint32_t>(random.uniform(0, params.enter) / percept.period_s);
+      memory.enter_updates = whole_decisions(random.uniform(0, params.enter), percept.period_s);
     } else if (memory.enter_updates > 0) {
       --memory.enter_updates;
     } else {
@@ -156,8 +158,9 @@ struct InformedAggregation {
 
   static void begin_turn(Memory& memory, const engine::Percept& percept, Random& random, bool right) {
     memory.turn = static_cast<float>(right ? -k_turn : k_turn);
+    // At least one decision: with none, the robot would never turn away from an obstacle.
     memory.turn_updates =
-        static_cast<std::uint32_t>(random.uniform(k_least_turn, k_pi) / k_turn / percept.period_s);
+        std::max(1u, whole_decisions(random.uniform(k_least_turn, k_pi) / k_turn, percept.period_s));
   }
 };
 

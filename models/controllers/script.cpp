@@ -2,6 +2,8 @@
 
 #include "engine/kinds/controller.hpp"
 #include "engine/spec/ticks.hpp"
+#include "engine/spec/world_spec.hpp"
+#include "models/drives/wheels.hpp"
 
 #include <fmt/format.h>
 
@@ -31,6 +33,17 @@ struct Leg {
   }
 };
 
+/// Ticks between two runs of the drive that a controller on the part `part` commands: a device `wheels` of
+/// this part or of the nearest part that carries it or, without such a device, the drive of the body.
+std::uint64_t drive_period(const engine::WorldSpec& world, const engine::TypeSpec& type, std::uint32_t part) {
+  for (;; part = type.parts[part].parent) {
+    for (const engine::DeviceSpec& device : type.devices)
+      if (device.part == part && device.kind == wheels_kind().name)
+        return engine::period_ticks(device.period_s, world.tick_s);
+    if (part == 0) return type.drive ? engine::period_ticks(type.drive->period_s, world.tick_s) : 1;
+  }
+}
+
 struct Script {
   struct Memory {
     std::uint32_t updates = 0;  ///< calls of the controller so far: n in the formulas of script.hpp
@@ -52,6 +65,7 @@ struct Script {
   };
 
   Params params;
+  std::uint64_t period = 1;  // ticks between two runs of the drive, which bind_world() sets
 
   Result<std::vector<std::size_t>> choose(std::span<const engine::DeviceInfo>, std::vector<bool>&) const {
     for (std::size_t i = 1; i < params.legs.size(); ++i)
@@ -63,6 +77,11 @@ struct Script {
     return std::vector<std::size_t>();
   }
 
+  Result<> bind_world(const engine::WorldSpec& world, const engine::TypeSpec& type, std::uint32_t part) {
+    period = drive_period(world, type, part);
+    return {};
+  }
+
   void operator()(Memory& memory, const engine::Percept& percept, Random&, engine::Actions& actions) const {
     const std::int64_t n = ++memory.updates;
     switch (params.law) {
@@ -71,15 +90,18 @@ struct Script {
                            0.4 * static_cast<double>((n / 11) % 5 - 2)};
         break;
       case Law::line: actions.command = {0.5, 0, 0}; break;
-      case Law::timed:
-        actions.command = {};
-        for (const Leg& leg : params.legs) {
-          if (percept.tick >= engine::ticks_until(leg.until_s, percept.tick_s)) continue;
-          actions.set_speed(leg.forward, leg.left, leg.turn);
-          break;
-        }
-        break;
+      case Law::timed: drive_leg(percept, actions); break;
     }
+  }
+
+  void drive_leg(const engine::Percept& percept, engine::Actions& actions) const {
+    // A command given now acts after the tick `before`, for `period` ticks. It is that of the leg to which
+    // the middle of this time belongs: a leg then ends at the run of the drive that is nearest to its time.
+    const std::uint64_t before = percept.tick - 1 + period;
+    for (const Leg& leg : params.legs)
+      if (before + period / 2 < engine::ticks_until(leg.until_s, percept.tick_s))
+        return actions.set_speed(leg.forward, leg.left, leg.turn);
+    actions.command = {};
   }
 };
 

@@ -174,16 +174,18 @@ struct Waypoints {
   }
 
   /// Commands the velocity that takes the robot to a tracked goal: at the speed of the goal or, if the goal
-  /// has a time, so that it arrives at the end of the tick `due`. A robot that is late gets its greatest
-  /// speed.
+  /// has a time, so that it arrives at the end of the tick `due` (0: no time) or, if the drive has a period,
+  /// up to a period earlier. A robot that is late gets its greatest speed.
   void track(const Goal& goal, std::uint64_t due, const Ahead& ahead, const engine::Percept& percept,
              engine::Actions& actions) const {
     const Vec2 way = goal.pose.position() - ahead.pose.position();
     const double turn = wrap_angle(goal.pose.heading - ahead.pose.heading);
     const double step_s = static_cast<double>(period) * percept.tick_s;
-    double left_s = goal.at_s > 0 && due > ahead.tick
-                        ? static_cast<double>(due - ahead.tick) * percept.tick_s
-                        : std::max(way.norm() / speed_of(goal), (turn < 0 ? -turn : turn) / turn_max);
+    // The robot arrives at the end of a period of the drive. If `due` is within a period, the robot must
+    // arrive at the end of the period before.
+    const std::uint64_t left = due > ahead.tick ? due - ahead.tick : 0;
+    double left_s = left > 0 ? static_cast<double>(left / period * period) * percept.tick_s
+                             : std::max(way.norm() / speed_of(goal), (turn < 0 ? -turn : turn) / turn_max);
     left_s = std::max(left_s, step_s);
     const double speed = way.norm() / left_s;
     const double by = speed > speed_max ? speed_max / speed : 1;

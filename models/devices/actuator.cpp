@@ -92,21 +92,25 @@ struct Actuator {
   double reach() const {
     return rotational ? 0 : axis.head<2>().norm() * std::max(std::abs(min), std::abs(max));
   }
-  /// Signed speed for this tick, m/s or rad/s, clamped to +-max_speed. position: present position of the
-  /// joint, m or rad. period_s: time since the actuator last ran, s.
-  double speed(const Command& command, double position, double period_s) const {
-    double wanted = command.goal;
+  /// The position that the command asks for, m or rad, at most max_speed * period_s from the present
+  /// position. period_s: time since the actuator last ran, s.
+  double next(const Command& command, double position, double period_s) const {
+    double goal = std::clamp(position, min, max);
     if (command.mode == Command::position)
-      wanted = (std::clamp(command.goal, min, max) - position) / period_s;
-    return std::clamp(wanted, -max_speed, max_speed);
+      goal = std::clamp(command.goal, min, max);
+    else if (goal == position)
+      return std::clamp(position + std::clamp(command.goal, -max_speed, max_speed) * period_s, min, max);
+    // In velocity mode, the joint is outside its limits here, because a setting has changed them.
+    const double most = max_speed * period_s;
+    if (std::abs(goal - position) <= most) return goal;
+    return position + std::clamp(goal - position, -most, most);
   }
 
   void act(const DeviceBatch& batch) const {
     for (std::size_t i = 0; i < batch.rows.size(); ++i) {
       auto& state = batch.state.as<ActuatorState>(batch.slot(i));
-      const double v =
-          speed(batch.commands->as<ActuatorCommand>(batch.slot(i)), state.position, batch.period_s);
-      const double to = std::clamp(state.position + v * batch.period_s, min, max);
+      const double to =
+          next(batch.commands->as<ActuatorCommand>(batch.slot(i)), state.position, batch.period_s);
       state.velocity = 0;
       state.stalled = 0;
       state.asked = to;

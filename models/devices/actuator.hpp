@@ -50,7 +50,8 @@ struct ActuatorState {
 /// moves       In velocity mode, the joint moves at the commanded speed, which is clamped to +-max_speed, and
 ///             stops at min_position and max_position. In position mode, the goal is clamped to these limits.
 ///             The joint moves towards the goal at max_speed and reaches the goal exactly: its last step is
-///             shorter.
+///             shorter. If a setting changes the limits so that the joint is outside them, the joint moves
+///             back to the nearer limit at max_speed, whatever its command.
 /// draws       2 W from the power pack that supplies it, even if the joint stands still
 /// edges       An axis of length 0 means the x axis. If the moved parts would overlap a body or static
 ///             geometry, the joint does not move in this tick, and is stalled.

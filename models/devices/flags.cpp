@@ -24,7 +24,10 @@ class FlagList {
       : received_(state.cell<std::uint64_t>(slot, k_flag_received)[0]),
         count_(state.cell<std::uint32_t>(slot, k_flag_count)[0]),
         colors_(state.cell<std::uint32_t>(slot, k_flag_colors)),
-        sizes_(state.cell<float>(slot, k_flag_sizes)) {}
+        sizes_(state.cell<float>(slot, k_flag_sizes)) {
+    // The count of a checkpoint may be wrong.
+    count_ = std::min(count_, static_cast<std::uint32_t>(colors_.size()));
+  }
 
   bool empty() const { return count_ == 0; }
   bool full() const { return count_ == colors_.size(); }

@@ -1,6 +1,7 @@
 #include "models/devices/gripper.hpp"
 
 #include "engine/kinds/device_kind.hpp"
+#include "engine/links/shape_buffer.hpp"
 #include "engine/observing/frame.hpp"
 #include "engine/world/world.hpp"
 #include "partition/placed_shape.hpp"
@@ -107,6 +108,20 @@ std::vector<DeviceKind::Fixture> Gripper::body(const Params& params) {
 
 // ---- sensing
 
+/// The parts of a body that grippers can grip, placed in the world, with its joints where they are now. The
+/// result is valid until the next call on the same thread.
+partition::PlacedShape placed_grip(const SensingView& view, Row row) {
+  const engine::BodyType& type = view.type(row);
+  const Transform& at = view.transform(row);
+  if (type.grip_joints.empty()) return {type.grip, at, view.poses()[row.index()].z};
+  thread_local engine::ShapeBuffer moved;  // thread_local, so that its memory is reused
+  moved.begin();
+  for (std::size_t p = 0; p < type.grip.pieces.size(); ++p)
+    moved.add(type.grip.pieces[p], view.mount(row, type.grip_joints[p]));
+  moved.finish(type.grip.thinnest);
+  return {moved.shape(), Transform(), 0};
+}
+
 /// The paddles of one gripper at one instant. Tests which bodies break its beams, touch its paddles or fit
 /// between them.
 class Hand {
@@ -121,18 +136,19 @@ class Hand {
         z_(frame.z + state.lift_position * gripper.rise()) {}
 
   /// Calls visit(row, shape) for each other body that has gripper_return and comes near enough to the gripper
-  /// to touch it. `shape` is the outline of the body at its present pose.
+  /// to touch it. `shape` is the outline of the body at its present pose, with its joints where they are now.
   template <class Visit>
   void for_each_near(Visit&& visit) const {
     const double reach = gripper_.size().head<2>().norm() / 2;
     view_.index().for_each_near(
         Box::around(frame_.transform.position, reach), [&](const partition::BodyCircle& circle) {
           const Row other(circle.row);
-          const partition::ObstacleShape& shape = view_.type(other).grip;
-          if (other == row_ || shape.empty()) return;
-          const Transform& at = view_.transform(other);
-          if (!partition::in_reach(frame_.transform.position, reach, at.position, shape.radius)) return;
-          visit(other, partition::PlacedShape(shape, at, view_.poses()[other.index()].z));
+          const engine::BodyType& type = view_.type(other);
+          if (other == row_ || type.grip.empty()) return;
+          const double radius = type.grip_joints.empty() ? type.grip.radius : view_.radius(other);
+          const Vec2& position = view_.transform(other).position;
+          if (!partition::in_reach(frame_.transform.position, reach, position, radius)) return;
+          visit(other, placed_grip(view_, other));
         });
   }
 
@@ -152,6 +168,7 @@ class Hand {
   bool touches(const partition::PlacedShape& shape, double side, double to) const {
     const double from_y = side * gripper_.face(state_.paddle_position);
     const double to_y = side * gripper_.face(to);
+    if (from_y == to_y) return false;  // closed paddles sweep no area
     const double x0 = gripper_.base_front();
     const double x1 = gripper_.size().x() / 2;
     std::array<Vec2, 4> swept{Vec2(x0, std::min(from_y, to_y)), Vec2(x1, std::min(from_y, to_y)),
@@ -160,10 +177,7 @@ class Hand {
     const ZInterval heights{z_, z_ + gripper_.height()};
     return shape.any_piece([&](const ConvexPrism& piece, const auto& polygon) {
       if (!piece.z.shifted(shape.z()).overlaps(heights)) return false;
-      std::array<Vec2, 128> corners;
-      if (polygon.size() > corners.size()) return false;  // not reached: no piece has more corners
-      for (std::size_t k = 0; k < polygon.size(); ++k) corners[k] = polygon[k];
-      return partition::convex_overlap(swept, std::span(corners).first(polygon.size()));
+      return partition::convex_overlap(swept, polygon);
     });
   }
 
@@ -328,8 +342,7 @@ void Gripper::apply(World& world, const engine::Effect& effect) const {
   }
   const Mount frame = compose(world.mount(row, device.joint), place);
   const Hand hand(world.view(), *this, state, row, frame);
-  const partition::PlacedShape shape(world.type(target).grip, world.transform(target),
-                                     world.poses()[target.index()].z);
+  const partition::PlacedShape shape = placed_grip(world.view(), target);
   const double closer =
       towards(state.paddle_position, 1, k_rate * world.tick_s() * static_cast<double>(device.period));
   if (!hand.touches(shape, 1, closer) && !hand.touches(shape, -1, closer)) return;

@@ -3,6 +3,9 @@
 #include "engine/fields/description.hpp"
 #include "engine/sensing/sensing_view.hpp"
 
+#include <fmt/format.h>
+
+#include <algorithm>
 #include <cmath>
 
 namespace troupe::models {
@@ -15,9 +18,23 @@ using sensors::LightSource;
 /// Whether the light is lit at `time_s` (s) if no controller has switched it.
 bool is_lit(const LightSource& light, double time_s) {
   if (!light.enabled) return false;
-  if (light.period_s == 0) return light.dutycycle > 0;
+  if (light.period_s == 0 || light.dutycycle <= 0 || light.dutycycle >= 1) return light.dutycycle > 0;
   const double cycles = time_s / light.period_s;
-  return cycles - std::floor(cycles) < light.dutycycle;
+  // A tolerance as in ticks_until(): rounding must not shift the start or the end of a flash by a tick.
+  const double slack = 1e-9 * std::max(1.0, cycles);
+  return cycles - std::floor(cycles + slack) < light.dutycycle - slack;
+}
+
+/// Checks that the light is inside the circle about the origin of its body that encloses the body, because
+/// light sensors find lights by the circles of bodies.
+Result<> check_place(const LightSource& light, const engine::TypeSpec& type) {
+  constexpr double k_rounding = 1 + 1e-9;  // a light on the rim may be outside by rounding
+  const double distance = light.pose_body_light.position().norm();
+  const double radius = engine::solids_radius(type);
+  if (distance <= radius * k_rounding) return {};
+  return Error{
+      fmt::format("is {:g} m from the origin of its body; it must be within {:g} m, the radius of the body",
+                  distance, radius)};
 }
 
 /// Makes a kind of light with the parameters `Params`. Params::source() converts them to a LightSource, which
@@ -31,6 +48,9 @@ DeviceKind make_light(std::string_view name, std::string_view text) {
                                 .percept_bytes = sizeof(LightState),
                                 .commands = engine::memory_fields<LightCommand>(),
                                 .command_bytes = sizeof(LightCommand)};
+  };
+  kind.bind_part = [](std::any& data, const engine::TypeSpec& type, std::uint32_t) {
+    return check_place(*std::any_cast<LightSource>(&data), type);
   };
   kind.act = [](const DeviceBatch& batch) {
     const LightSource& light = *std::any_cast<LightSource>(&batch.data);

@@ -33,10 +33,11 @@ using sensors::LightState;
 /// edges       If `enabled` is false, the light is dark until a controller switches it on. With a period of
 ///             0, the light does not blink: it is lit unless the dutycycle is 0. At the instant at which the
 ///             lit part of a period ends, the light is dark.
+/// errors      The light must be inside the circle about the origin of its body that encloses the body.
 engine::DeviceKind blinkenlight_kind();
 
 /// A light that is dark until a controller switches it on (parameter: intensity; state: LightState; commands:
-/// LightCommand).
+/// LightCommand). It must be inside the same circle as a blinkenlight.
 engine::DeviceKind lightindicator_kind();
 
 }  // namespace troupe::models

@@ -16,7 +16,9 @@ struct PowerPackState {
   double received = 0;        ///< energy received since tick 0 through power contacts
   double given = 0;           ///< energy given since tick 0 through power contacts
   std::uint8_t infinite = 0;  ///< 1: the pack never runs out; `stored` and `capacity` stay 0
-  std::uint8_t charging = 0;  ///< 1: the pack received energy in the last tick
+  /// 1: the pack received energy in the last tick. If the pack does not run in a tick, for example because
+  /// its body is disabled, it keeps the value 1.
+  std::uint8_t charging = 0;
 
   static constexpr void describe(engine::Description<PowerPackState>& d) {
     using namespace engine::facts;
@@ -54,8 +56,9 @@ struct PowerPackState {
 /// empty    If the parameter `when_empty` is "stop", everything that an empty pack supplies stops: sensors
 ///          keep their last readings and the drive stands still, but controllers continue to decide. Sensors
 ///          and drive run again when the pack receives energy. With "nothing", an empty pack has no effect,
-///          as in Stage. With "die", everything that the pack supplies stops, and the body dies unless the
-///          pack receives energy within a tick (docs/lives.md).
+///          as in Stage. With "die", everything that the pack supplies stops, and the body dies when the pack
+///          runs the next time, in the next tick if the pack runs in every tick. The body lives if the pack
+///          receives energy in a tick before that (docs/lives.md).
 /// state    PowerPackState; no commands
 /// when     The pack runs after the drive in each tick, so a robot still moves in the tick in which its pack
 ///          runs out.

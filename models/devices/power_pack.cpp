@@ -42,12 +42,12 @@ struct PowerPack {
     static constexpr void describe(engine::Description<Params>& d) {
       using namespace engine::facts;
       using enum engine::Unit;
-      d.member<&Params::capacity>("capacity", joules, within(0, k_most_joules),
+      d.member<&Params::capacity>("capacity", joules, within(0, k_most_joules), fixed,
                                   "greatest energy that the pack can hold");
       d.member<&Params::stored>(
           "stored", joules, within(0, k_most_joules),
           "energy at the start; a value above the capacity, such as the default, means a full pack");
-      d.member<&Params::infinite>("infinite", "true: the pack never runs out and is never charged");
+      d.member<&Params::infinite>("infinite", fixed, "true: the pack never runs out and is never charged");
       d.member<&Params::draw>(
           "draw", watts, within(0, engine::k_most_watts),
           "constant power drawn from the pack, in addition to what the drive and the devices draw");

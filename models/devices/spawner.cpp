@@ -127,8 +127,9 @@ struct Spawner {
         due += received / per_flags - state.flags / per_flags;
         state.flags = received;
       }
-      const bool is_over = state.status == static_cast<std::uint8_t>(BirthStatus::used_up);
-      state.owed = is_over ? 0 : state.owed + static_cast<std::uint32_t>(due);
+      // A birth is tried even if the last one found the reserve used up: since then, an intervention may have
+      // given the spawner another population.
+      state.owed += static_cast<std::uint32_t>(due);
       if (state.owed > 0) batch.emit_birth(i, 0, reserve, place(batch, i));
     }
   }

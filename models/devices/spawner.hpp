@@ -59,8 +59,8 @@ struct SpawnerState {
 ///         position in the circle of this radius around the spawner, with a random heading. Each try uses a
 ///         new random pose. If another body or a wall occupies the place, or if the place is outside the
 ///         bounds of the world, the try fails, and the spawner tries again in the next tick.
-/// which   The next body of the reserve is born (docs/lives.md). Once the reserve is used up, the spawner
-///         tries no more births.
+/// which   The next body of the reserve is born (docs/lives.md). Births that become due when the reserve is
+///         used up are cancelled.
 /// state   SpawnerState; commands: SpawnerCommand
 engine::DeviceKind spawner_kind();
 

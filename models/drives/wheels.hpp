@@ -8,7 +8,8 @@ namespace troupe::models {
 
 /// State of a part that drives on its body. x, y, z and heading are the pose of the part at the start of the
 /// tick. forward, left and turn are the velocity that its drive produces in the tick, even if the motion is
-/// blocked. All members are 0 before the drive first runs.
+/// blocked; they are 0 while a disabled body, a fault or an empty power pack stops the drive. All members are
+/// 0 before the drive first runs.
 struct WheelsState {
   double x = 0;              ///< x of the part, m, world frame
   double y = 0;              ///< y of the part, m, world frame

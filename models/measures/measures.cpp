@@ -93,16 +93,14 @@ class PathLength : public OfRobots {
   }
 
   void see(World& world) override {
-    constexpr std::size_t k_block = 4096;
+    // The order matters: a program may move a robot after its birth and before its first tick.
+    if (world.has_lives()) for_robots(world, [&](std::size_t i) { begin_life(world, i); });
     if (world.tick() != tick_) set_out_from(world, world.placed_before_step());
     tick_ = world.tick();
-    world.parallel().for_each((lengths_.size() + k_block - 1) / k_block, [&](std::size_t b) {
-      for (std::size_t i = b * k_block; i < std::min(lengths_.size(), (b + 1) * k_block); ++i) {
-        const Vec2& place = world.transform(row(world, i)).position;
-        if (world.has_lives()) begin_life(world, i);
-        lengths_[i] += (place - places_[i]).norm();
-        places_[i] = place;
-      }
+    for_robots(world, [&](std::size_t i) {
+      const Vec2& place = world.transform(row(world, i)).position;
+      lengths_[i] += (place - places_[i]).norm();
+      places_[i] = place;
     });
   }
   double value(World& world) override {
@@ -112,6 +110,14 @@ class PathLength : public OfRobots {
   std::span<std::byte> memory() override { return std::as_writable_bytes(std::span(lengths_)); }
 
  private:
+  /// Calls work(i) for the index i of each robot, on several threads.
+  template <class Work>
+  void for_robots(World& world, Work&& work) {
+    constexpr std::size_t k_block = 4096;
+    world.parallel().for_each((lengths_.size() + k_block - 1) / k_block, [&](std::size_t b) {
+      for (std::size_t i = b * k_block; i < std::min(lengths_.size(), (b + 1) * k_block); ++i) work(i);
+    });
+  }
   /// Corrects places_[i], the point from which see() measures the motion of robot i in this tick. If the
   /// robot was born since the last tick, this point becomes its birthplace. If the robot is not in the world,
   /// this point becomes its present position, so that its path does not grow.
@@ -147,7 +153,8 @@ class MeanSpeed : public OfRobots {
     return mean(world, [&](std::size_t i) {
       const Row row = this->row(world, i);
       const engine::Velocity& v = world.velocities()[row.index()];
-      return world.stalled(row) ? 0 : Vec2(v.x, v.y).norm();
+      // A carried robot keeps the velocity that its drive computes, but the drive does not move it.
+      return world.stalled(row) || world.carrier(row) ? 0 : Vec2(v.x, v.y).norm();
     });
   }
 };
@@ -437,10 +444,11 @@ engine::MeasureKind path_length_measure() {
 engine::MeasureKind mean_speed_measure() {
   return engine::make_measure_kind<MeanSpeed>(
       "mean_speed", Unit::meters_per_second, "mean speed of the robots in the last tick",
-      "The mean over the robots of the speed of a robot's origin in the last tick, regardless of the "
-      "direction of motion. The speed is 0 for a stalled robot. Before the first tick, it is the start speed "
-      "of the robot's drive, which is 0 by default.",
-      "1/n sum_i |v_i|");
+      "The mean over the robots of the speed at which a robot's drive moved its origin in the last tick, "
+      "regardless of the direction of motion. The speed is 0 for a stalled robot, and for a robot that "
+      "another body carries, even if this body moves. Before the first tick, it is the start speed of the "
+      "robot's drive, which is 0 by default.",
+      "1/n sum_i |v_i|, with v_i = 0 if robot i is stalled or carried");
 }
 
 engine::MeasureKind polarisation_measure() {

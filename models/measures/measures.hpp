@@ -19,8 +19,8 @@ engine::MeasureKind deaths_measure();
 engine::MeasureKind displacement_measure();
 /// `path_length`, m: mean length of the robots' paths since measuring began; NaN without robots.
 engine::MeasureKind path_length_measure();
-/// `mean_speed`, m/s: mean speed of the robots in the last tick; a stalled robot has the speed 0. NaN without
-/// robots.
+/// `mean_speed`, m/s: mean speed of the robots in the last tick; a stalled or carried robot has the speed 0.
+/// NaN without robots.
 engine::MeasureKind mean_speed_measure();
 /// `order`: agreement of the robots' headings: the length of the mean of their unit heading vectors, from 0
 /// to 1. It is 1 if all headings are equal; NaN without robots.

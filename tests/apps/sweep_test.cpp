@@ -189,6 +189,32 @@ TEST_F(Sweep, ARunThatCannotBeMadeIsARowThatSaysWhy) {
   EXPECT_THAT(lines[4], AllOf(StartsWith("3,5000,1,0,nan,nan,nan,nan,nan,,,"), HasSubstr("placed")));
 }
 
+TEST_F(Sweep, FailedRunsOfAllPartsAreInTheTable) {
+  std::string study(k_study);
+  study.replace(study.find("[2, 5]"), 6, "[2, 5000]");
+  write("study.json", study);
+  ASSERT_EQ(troupe({"sweep", "study.json", "-o", "whole"}).code, 1);
+  EXPECT_EQ(troupe({"sweep", "study.json", "-o", "parts", "--part", "2/2"}).out,
+            "1 of 6 runs done, 2 failed; the table is written when all runs are done\n");
+  EXPECT_EQ(troupe({"sweep", "study.json", "-o", "parts", "--part", "1/2"}).out,
+            "3 of 6 runs done, 3 failed: parts/table.csv\n");
+  EXPECT_EQ(table("parts"), table("whole"));
+  // A repeated call makes the failed runs again, and its exit code is about the runs that it makes.
+  EXPECT_THAT(troupe({"sweep", "study.json", "-o", "parts"}).err,
+              AllOf(HasSubstr("run 3: "), HasSubstr("run 4: "), HasSubstr("run 5: ")));
+  EXPECT_EQ(troupe({"sweep", "study.json", "-o", "parts", "--part", "1/6"}).code, 0);
+}
+
+TEST_F(Sweep, TheFirstRunMayFail) {
+  std::string study(k_study);
+  study.replace(study.find("[2, 5]"), 6, "[5000, 2]");
+  write("study.json", study);
+  const Outcome outcome = troupe({"sweep", "study.json", "-o", "out"});
+  EXPECT_EQ(outcome.code, 1);
+  EXPECT_EQ(outcome.out, "3 of 6 runs done, 3 failed: out/table.csv\n");
+  EXPECT_THAT(outcome.err, StartsWith("run 0: "));
+}
+
 TEST_F(Sweep, ARunEndsWhereTheWorldSays) {
   std::string world(k_world);
   write("w.json", world.insert(1, R"("stop_when": ["path_length >= 0.05"], )"));

@@ -6,6 +6,7 @@
 #include "engine/observing/stop_conditions.hpp"
 #include "engine/spec/ticks.hpp"
 #include "engine/world/world.hpp"
+#include "tests/support/devices.hpp"
 #include "tests/support/scene.hpp"
 #include "tests/support/slow_build.hpp"
 
@@ -452,8 +453,21 @@ TEST(Experiment, WhatCannotBeDoneIsToldWithItsPlace) {
   EXPECT_THAT(doing(setting(1, TypeId(1), SettingSpec::Of::device, ranger, "transducers",
                             get(ranger, test::ranger("eye", {{.samples = 3}}).params, "transducers"))),
               HasSubstr("device \"eye\": \"set\" cannot change a parameter that determines how many values a "
-                        "device reads or stores, where its beams start or point, how far its joints move, "
-                        "how many effects it can have on other bodies, or which devices a controller uses"));
+                        "device reads or stores, where its beams start or point, the size of its solids, "
+                        "how far its joints move, how many effects it can have on other bodies, or which "
+                        "devices a controller uses"));
+  const FieldTable& gripper = test::registry().device("gripper")->params;
+  for (const char* name : {"size", "paddle_size"}) {
+    SCOPED_TRACE(name);
+    Squad row(1);
+    test::add_device(row.scene[row.type], "hand", "gripper", {0.3, 0, 0, 0});
+    std::vector<double> larger = get(gripper, gripper.defaults(), name).numbers();
+    larger[2] *= 1.25;  // its y would also change how far the joints move
+    InterventionSpec set = setting(1, row.type, SettingSpec::Of::device, gripper, name, larger);
+    set.setting->index = static_cast<std::uint32_t>(row.scene[row.type].devices.size() - 1);
+    row.scene.spec.experiment.at = {set};
+    EXPECT_THAT(row.errors(), HasSubstr("the size of its solids"));
+  }
 
   const auto failing = [&](FaultSpec spec) {
     return errors([&](Squad& row) { row.scene.spec.experiment.faults = {spec}; });
@@ -464,6 +478,40 @@ TEST(Experiment, WhatCannotBeDoneIsToldWithItsPlace) {
                 "known: eye"));
   EXPECT_THAT(failing(fault(population("q"), 0, "drop_out", {{"rate", 1.0}})),
               HasSubstr("error: /faults/0: unknown population \"q\"; known: r"));
+}
+
+/// What loading a world says if its robots have this device and an intervention sets one of its parameters.
+std::string error_of_setting(std::string_view kind, Record params, std::string_view name, Value value) {
+  Squad row(1);
+  const FieldTable& table = test::registry().device(kind)->params;
+  row.scene[row.type].devices = {{.name = "d", .kind = std::string(kind), .params = std::move(params)}};
+  row.scene.spec.experiment.at = {
+      setting(1, row.type, SettingSpec::Of::device, table, name, std::move(value))};
+  return row.errors();
+}
+
+TEST(Experiment, TheCapacityOfAPowerPackIsNotSet) {
+  const Record pack = test::record(test::registry().device("power_pack")->params, {{"capacity", 2.0}});
+  EXPECT_THAT(
+      error_of_setting("power_pack", pack, "capacity", 500.0),
+      HasSubstr("device \"d\": \"capacity\" cannot change while the world runs; give it in the type"));
+  EXPECT_THAT(error_of_setting("power_pack", pack, "infinite", true),
+              HasSubstr("device \"d\": \"infinite\" cannot change while the world runs"));
+  EXPECT_EQ(error_of_setting("power_pack", pack, "capacity", 2.0), "no error") << "it does not change";
+  EXPECT_EQ(error_of_setting("power_pack", pack, "draw", 3.0), "no error");
+}
+
+TEST(Experiment, ATypeMayHaveNoBodies) {
+  Squad row(2);
+  row.scene.robot("idle", {box(0.4, 0.4)});
+  const GroupSpec idle{By::type, "idle", {}, {}};
+  row.scene.spec.experiment.at = {at(0.1, Action::disable, idle), at(0.2, Action::remove, idle)};
+  row.scene.spec.experiment.faults = {fault(idle, 0, "slow_wheels", {{"factor", 0.5}})};
+  ASSERT_EQ(row.errors(), "no error");
+  const auto world = row.world();
+  step(*world, 5);
+  EXPECT_THAT(there(*world), ElementsAre("r0", "r1"));
+  EXPECT_NEAR(x_of(*world, "r1"), 0.5, 1e-9) << "the entries have no effect";
 }
 
 // ---- determinism

@@ -142,6 +142,16 @@ TEST(Populations, StaticBodiesOfAReserveTakeUpNoRoom) {
   EXPECT_EQ(spec.bodies[4].pose_world_body.x, 0) << "the pose of the body that is not in the world";
 }
 
+TEST(Populations, OnlySolidsMakeABodyGrippable) {
+  TypeSpec type;
+  type.parts = {{.solids = {}, .returns = {.gripper = true}}, {.solids = {square(1)}}};
+  EXPECT_FALSE(can_be_gripped(type));
+  EXPECT_TRUE(is_static(type));
+  type.parts[1].returns.gripper = true;
+  EXPECT_TRUE(can_be_gripped(type));
+  EXPECT_FALSE(is_static(type));
+}
+
 TEST(Populations, ErrorsNameFileLineAndPopulation) {
   EXPECT_THAT(
       errors_of({row_of("a", 1), row_of("b", 9)}),

@@ -42,10 +42,11 @@ std::vector<Edge> edges_of(const WorldSpec& spec) {
 }
 
 /// The textbook's way, over every edge there is.
-RayHit oracle(const WorldSpec& spec, const std::vector<Edge>& edges, const SightRay& ray, BodyId own) {
+RayHit oracle(const WorldSpec& spec, const std::vector<Edge>& edges, const SightRay& ray, BodyId own,
+              BodyId target) {
   RayHit best{.range_m = ray.length};
   for (const Edge& edge : edges) {
-    if (edge.body == own || (ray.z && !edge.z.contains(*ray.z))) continue;
+    if (edge.body == own || edge.body == target || (ray.z && !edge.z.contains(*ray.z))) continue;
     const PartSpec& part = spec.type(edge.body).parts[edge.part];
     if (ray.stops != nullptr && !ray.stops(part.returns)) continue;
     const Vec2 along = edge.b - edge.a;
@@ -109,8 +110,13 @@ TEST(Sight, MeetsFirstWhatBruteForceMeetsFirst) {
         ray.own = Row(random.below(static_cast<std::uint32_t>(world.rows())));
         own = world.body(ray.own);
       }
-      const RayHit got = first_met(world.view(), ray);
-      const RayHit want = oracle(scene.spec, edges, ray, own);
+      RayHit got = first_met(world.view(), ray);
+      RayHit want = oracle(scene.spec, edges, ray, own, {});
+      if (r % 5 < 2 && want.met() && world.row(want.body).valid()) {  // through that body
+        ray.target = world.row(want.body);
+        got = first_met(world.view(), ray);
+        want = oracle(scene.spec, edges, ray, own, want.body);
+      }
       ASSERT_NEAR(got.range_m, want.range_m, 1e-9) << "world " << w << ", ray " << r;
       ASSERT_EQ(got.body, want.body) << "world " << w << ", ray " << r;
       if (want.met()) {
@@ -153,6 +159,7 @@ TEST(Sight, ALookoutMeetsTheSameAsOneRayAfterAnother) {
       for (SightLine& line : rays) {
         const double heading = random.uniform(-k_pi, k_pi);
         line = {{troupe::cos(heading), troupe::sin(heading)}, reach * random.uniform(0, 1)};
+        if (random.below(2) == 0) line.target = Row(random.below(static_cast<std::uint32_t>(world.rows())));
       }
       std::vector<RayHit> found(rays.size());
       query.stand(world.view(), ray.origin, reach, ray.own, ray.z);
@@ -160,6 +167,7 @@ TEST(Sight, ALookoutMeetsTheSameAsOneRayAfterAnother) {
       for (std::size_t i = 0; i < rays.size(); ++i) {
         ray.direction = rays[i].direction;
         ray.length = rays[i].length;
+        ray.target = rays[i].target;
         const RayHit want = first_met(world.view(), ray);
         ASSERT_EQ(found[i].range_m, want.range_m) << "world " << w << ", point " << p << ", ray " << i;
         ASSERT_EQ(found[i].body, want.body) << "world " << w << ", point " << p << ", ray " << i;

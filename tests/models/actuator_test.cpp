@@ -94,6 +94,73 @@ TEST(Actuator, ThinWallsAreNotPassed) {
   EXPECT_EQ(state(world, body).stalled, 1);
 }
 
+/// A shelf from 0.55 to 0.59 m above the floor, wider or narrower than the plate of the lift: a wider one
+/// meets the plate with none of its edges. A fast lift would pass the shelf within one tick.
+TEST(Actuator, ALiftStopsBelowAShelf) {
+  for (const bool is_static : {true, false})
+    for (const double width : {0.2, 0.58})
+      for (const double speed : {0.1, 1.0}) {
+        SceneBuilder scene;
+        const TypeId post = scene.type("post", {box(0.4, 0.4, 2)});
+        test::add_arm(scene[post], "lift", {0.5, 0, 0, 0}, {box(0.4, 0.4, 0.02)},
+                      {{"axis", std::vector<double>{0, 0, 1}}, {"max_position", 2.0}, {"max_speed", speed}});
+        scene[post].controllers.push_back(test::operate({order(0, "lift", "go_to", 1.5)}));
+        const BodyId body = scene.body("p", post);
+        const Solid board{{test::box_ring(0.58, width)}, {0.55, 0.59}};
+        const TypeId shelf = is_static ? scene.type("shelf", {board}) : scene.robot("shelf", {board});
+        scene.body("s", shelf, {0.5, 0, 0, 0});
+        World world = scene.world();
+        step(world, 70);
+        EXPECT_GT(state(world, body).position, 0.45) << is_static << ' ' << width << ' ' << speed;
+        EXPECT_LE(state(world, body).position, 0.53 + k_near) << is_static << ' ' << width << ' ' << speed;
+        EXPECT_EQ(state(world, body).stalled, 1) << is_static << ' ' << width << ' ' << speed;
+      }
+}
+
+TEST(Actuator, ReachesAGoalExactlyAndIsNotStalledThere) {
+  for (const double goal : {0.055, 0.1, 0.21, 0.37, 0.81}) {
+    SceneBuilder scene;
+    const BodyId body = scene.body(
+        "p", slide(scene, {order(0, "slide", "go_to", goal)}, {{"axis", std::vector<double>{1, 1, 0}}}));
+    World world = scene.world();
+    for (int t = 0; t < 60; ++t) {
+      world.step();
+      ASSERT_EQ(state(world, body).stalled, 0) << "goal " << goal << ", tick " << world.tick();
+    }
+    EXPECT_EQ(state(world, body).position, goal);
+    EXPECT_EQ(state(world, body).velocity, 0);
+  }
+}
+
+TEST(Actuator, GoesBackAtItsSpeedWhenItsLimitsChange) {
+  SceneBuilder scene;
+  const BodyId body = scene.body("p", slide(scene, {},
+                                            {{"axis", std::vector<double>{0, 0, 1}},
+                                             {"max_position", 1.0},
+                                             {"start_position", 1.0},
+                                             {"max_speed", 0.5}}));
+  const engine::FieldTable& table = test::registry().device("actuator")->params;
+  engine::Record params(table.fields.size());
+  params[static_cast<std::size_t>(table.find("max_position"))] = 0.83;
+  engine::InterventionSpec set{.time_s = 0.3,
+                               .action = engine::InterventionSpec::Action::set,
+                               .whom = {},
+                               .pose = {},
+                               .region = {},
+                               .setting = engine::SettingSpec{scene.spec.bodies[body.index()].type,
+                                                              engine::SettingSpec::Of::device, 0, params}};
+  scene.spec.experiment.at = {set};
+  World world = scene.world();
+  double before = 1;
+  for (int t = 0; t < 12; ++t) {
+    world.step();
+    EXPECT_LE(before - state(world, body).position, 0.05 + k_near) << "tick " << world.tick();
+    before = state(world, body).position;
+  }
+  EXPECT_EQ(state(world, body).position, 0.83);
+  EXPECT_EQ(state(world, body).stalled, 0);
+}
+
 /// A turntable: what stands on it turns about the actuator's origin, sensors too.
 TEST(Actuator, TurnsWhatStandsOnIt) {
   SceneBuilder scene;

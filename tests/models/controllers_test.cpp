@@ -1,3 +1,6 @@
+#include "models/controllers/decisions.hpp"
+#include "models/drives/wheels.hpp"
+#include "tests/support/devices.hpp"
 #include "tests/support/scene.hpp"
 
 #include <gmock/gmock.h>
@@ -324,6 +327,45 @@ TEST(Expand, MoreClearancesThanTransducersIsAFault) {
             "has 7 clearances for the 2 transducers of \"sensor\": give at most one for each transducer");
 }
 
+TEST(Script, LegsEndAtTheNearestRunOfASlowDrive) {
+  // The drive runs at 0.9 s, 1.9 s and so on. It obeys the command of the run before.
+  test::SceneBuilder scene;
+  const TypeId type = scene.robot("bot", {test::box(0.2, 0.2)});
+  scene[type].drive->period_s = 1;
+  scene[type].controllers = {
+      test::drive_legs({test::leg(4, 0), test::leg(6.3, 1), test::leg(7.5, -1), test::leg(8, 0.5)})};
+  const BodyId body = scene.body("r", type);
+  engine::World world = scene.world();
+  const auto x_at = [&](std::size_t tick) {
+    while (world.tick() < tick) world.step();
+    return world.pose(body).x;
+  };
+  EXPECT_EQ(x_at(39), 0);
+  EXPECT_NEAR(x_at(40), 0.1, 1e-9) << "3.9 s is nearest to 4 s";
+  EXPECT_NEAR(x_at(59), 2, 1e-9) << "5.9 s is nearest to 6.3 s";
+  EXPECT_NEAR(x_at(69), 1, 1e-9) << "6.9 s and 7.9 s are nearest to 7.5 s and 8 s";
+  EXPECT_NEAR(x_at(79), 0, 1e-9);
+  EXPECT_NEAR(x_at(100), 0, 1e-9);
+}
+
+TEST(Script, LegsOfAPartWithWheelsDoNotDependOnTheDriveOfItsBody) {
+  test::SceneBuilder scene;
+  const TypeId type = scene.robot("bot", {test::box(0.2, 0.2)});
+  scene[type].parts.push_back({.name = "cart", .solids = {test::box(0.1, 0.1)}});
+  const std::size_t wheels = test::add_device(scene[type], "cart", "wheels", {});
+  scene[type].devices[wheels].part = 1;
+  scene[type].parts[1].joint = scene[type].devices[wheels].moves;
+  scene[type].drive->period_s = 0.5;
+  scene[type].controllers = {test::drive_legs({test::leg(1.2, 1)})};
+  scene[type].controllers[0].part = 1;
+  const BodyId body = scene.body("r", type);
+  engine::World world = scene.world();
+  for (int tick = 0; tick < 30; ++tick) world.step();
+  const Row row = world.row(body);
+  // It decides at 0.5 s, 1 s and 1.5 s, and a command acts in the next tick.
+  EXPECT_NEAR(world.percepts(world.type(row).devices[wheels]).as<WheelsState>(world.slot(row)).x, 1, 1e-9);
+}
+
 TEST(Script, TimedWithoutLegsIsAFault) {
   Decision decide({}, "script", test::registry().controller("script")->params.defaults());
   EXPECT_EQ(decide.error, "needs `legs` for the law `timed`");
@@ -360,6 +402,78 @@ TEST(Waypoints, NeedsGoals) {
   std::vector<bool> claimed;
   EXPECT_EQ(test::registry().controller("waypoints")->prepare(goals({}, false), {}, claimed).error().text,
             "needs at least one goal in `goals`");
+}
+
+TEST(Decisions, AreTheNumberOfPeriodsInADuration) {
+  EXPECT_EQ(whole_decisions(2.55, 0.1), 25u);
+  EXPECT_EQ(whole_decisions(1, 2.5), 0u);
+  EXPECT_EQ(whole_decisions(1e6, 1e-6), k_most_decisions);
+  // 0.3 / 0.1 is not exactly 3 in binary.
+  for (const auto& [seconds, count] : {std::pair(0.3, 3u), {0.8, 8u}, {1.5, 15u}, {2.0, 20u}, {3.0, 30u}})
+    EXPECT_EQ(decisions_for(seconds, 0.1), count) << seconds;
+  EXPECT_EQ(decisions_for(1.5, 0.02), 75u);
+  EXPECT_EQ(decisions_for(1.5, 1), 2u);
+  EXPECT_EQ(decisions_for(1.5, 10), 1u);
+  EXPECT_EQ(decisions_for(1e6, 1e-6), k_most_decisions);
+  Random random(1, 2, 3, 4);
+  std::vector<std::uint32_t> drawn;
+  for (int i = 0; i < 400; ++i) drawn.push_back(random_decisions(0.5, 1.5, 0.1, random));
+  EXPECT_EQ(std::ranges::min(drawn), 5u);
+  EXPECT_EQ(std::ranges::max(drawn), 19u);
+}
+
+/// A robot with all devices that the controllers of the literature need. It faces a wall, whose surface is
+/// `ahead` m from its origin.
+struct BeforeAWall {
+  test::SceneBuilder scene;
+  BodyId body;
+
+  BeforeAWall(const std::string& kind, double ahead, double min_front, double tick_s,
+              double sensor_period_s = 0) {
+    scene.spec.tick_s = tick_s;
+    scene.wall(ahead, -5, ahead + 0.1, 5);
+    const TypeId type = scene.robot("robot", {test::box(0.1, 0.1, 0.1)});
+    for (const std::string sensor : {"ground", "radio"})
+      scene[type].devices.push_back({.name = sensor,
+                                     .kind = sensor,
+                                     .params = test::record(test::registry().device(sensor)->params, {}),
+                                     .period_s = sensor_period_s});
+    engine::FieldTable radio = test::registry().device("radio")->params;
+    scene[type].devices[1].params = test::record(radio, {{"range", 1.0}, {"payload", 4}});
+    scene[type].devices.push_back(
+        test::ranger("eyes", {{.pose = {0, 0, 0.05, 0}, .range_max = 1, .fov = k_pi, .samples = 19}}));
+    scene[type].controllers = {test::controller(kind, {{"min_front", min_front}})};
+    body = scene.body("r", type);
+  }
+};
+
+TEST(Controllers, TurnAwayFromWallsHoweverRarelyTheyDecide) {
+  for (const std::string kind : {"beeclust", "informed_aggregation"}) {
+    const BeforeAWall robot(kind, 1, 0.4, 0.1, 2.5);
+    engine::World world = robot.scene.world();
+    for (int tick = 0; tick < 300; ++tick) {
+      world.step();
+      ASSERT_EQ(world.stalled_count(), 0u) << kind << " in tick " << tick;
+    }
+    EXPECT_LT(world.pose(robot.body).x, 0.5) << kind;
+  }
+}
+
+TEST(Controllers, TurnAwayForSecondsInShortTicksToo) {
+  for (const std::string kind : {"chain", "gradient"}) {
+    const BeforeAWall robot(kind, 0.15, 0.13, 0.02);
+    engine::World world = robot.scene.world();
+    const Row row = world.row(robot.body);
+    const auto turns = [&] { return world.commands()[row.index()].turn != 0; };
+    for (int tick = 0; tick < 1000 && !turns(); ++tick) world.step();
+    ASSERT_TRUE(turns()) << kind;
+    const engine::World::Placed in_the_open{row, {-50, 0, 0, 0}};
+    world.set_poses({&in_the_open, 1});
+    int ticks = 0;
+    for (; turns() && ticks < 1000; ++ticks) world.step();
+    EXPECT_GE(ticks, 25) << kind << ": 0.5 s";
+    EXPECT_LE(ticks, 125) << kind << ": 2.5 s";
+  }
 }
 
 TEST(Wander, TakesOverARobotThatWasSentSomewhere) {

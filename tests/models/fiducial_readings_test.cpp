@@ -51,5 +51,23 @@ TEST(FiducialReadings, AreThoseOfTheFinder) {
   EXPECT_NEAR(turned.heading(seen, 1), 3.5 - 2 * k_pi, 1e-6);
 }
 
+TEST(FiducialReadings, MarkedBodiesAreThereFromTheStartAndWhereTheirMarkIs) {
+  test::SceneBuilder scene;
+  const TypeId pad = scene.type("pad", {test::box(0.2, 0.2)}, {.fiducial = 2});
+  const TypeId post = scene.type("post", {test::box(0.2, 0.2)}, {.fiducial = 3});
+  scene[post].parts.push_back({.name = "plug", .pose_body_part = {2, 0, 0, 0}, .returns = {.fiducial = 2}});
+  const BodyId whole = scene.body("whole", pad, {1, 5, 0, 0});
+  const BodyId turned = scene.body("turned", post, {1, 1, 0, k_pi / 2});
+  scene.spec.reserves = {{"late", BodyId(turned.value + 1), 1}};
+  scene.body("late0", pad);
+  const std::vector<MarkedBody> marked = bodies_with_mark(scene.spec, 2);
+  ASSERT_EQ(marked.size(), 2u);
+  EXPECT_EQ(marked[0].body, whole);
+  EXPECT_EQ(marked[0].at, Vec2(1, 5));
+  EXPECT_EQ(marked[1].body, turned);
+  EXPECT_NEAR((marked[1].at - Vec2(1, 3)).norm(), 0, 1e-12);
+  EXPECT_TRUE(bodies_with_mark(scene.spec, 4).empty());
+}
+
 }  // namespace
 }  // namespace troupe::models

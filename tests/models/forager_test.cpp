@@ -26,6 +26,7 @@ engine::DeviceSpec device(const std::string& kind,
 struct Pasture {
   static constexpr std::size_t k_scanner = 0, k_pack = 2;
   SceneBuilder scene;
+  TypeId charger, robots;
   BodyId robot, near, far;
 
   Pasture() {
@@ -34,13 +35,12 @@ struct Pasture {
     scene[depot].devices = {device("flags", {})};
     scene.body("red_source", depot, {-6, -6, 0, 0});
     scene.body("red_sink", depot, {-6, 6, 0, 0});
-    const TypeId charger =
-        scene.type("charger", {box(0.3, 0.3, 0.01)}, {.obstacle = false, .ranger = -1, .fiducial = 2});
+    charger = scene.type("charger", {box(0.3, 0.3, 0.01)}, {.obstacle = false, .ranger = -1, .fiducial = 2});
     scene[charger].devices = {device("power_pack", {{"infinite", true}}),
                               device("power_contact", {{"give", 300.0}})};
     near = scene.body("near", charger, {0, 2, 0, 0});
     far = scene.body("far", charger, {6, 0, 0, 0});
-    const TypeId robots = scene.robot("robot", {box(0.3, 0.24, 0.2)});
+    robots = scene.robot("robot", {box(0.3, 0.24, 0.2)});
     scene[robots].devices = {
         test::ranger("laser", {{.pose = {0.1, 0, 0.15, 0}, .range_max = 4, .fov = k_pi, .samples = 37}}),
         device("flags", {}), device("power_pack", {{"capacity", 3000.0}, {"stored", 500.0}, {"mass", 1.0}}),
@@ -82,6 +82,53 @@ TEST(Fasr2, GoesToTheFuelZoneWhereThereIsOne) {
   ASSERT_TRUE(zoned.charge(with));
   EXPECT_EQ(Pasture::received(with, zoned.near), 0);
   EXPECT_GT(Pasture::received(with, zoned.far), 0);
+}
+
+TEST(Fasr2, LooksForNoChargerThatIsNotBornYet) {
+  if (test::k_slow_build) GTEST_SKIP() << "ways take long to find";
+  Pasture pasture;
+  pasture.scene.spec.reserves = {{"late", BodyId(pasture.robot.value + 1), 1}};
+  pasture.scene.body("late0", pasture.charger, {0, -1, 0, 0});
+  World world = pasture.scene.world();
+  EXPECT_TRUE(pasture.charge(world));
+}
+
+TEST(Fasr2, GoesToThePartThatIsMarked) {
+  if (test::k_slow_build) GTEST_SKIP() << "ways take long to find";
+  Pasture pasture;
+  engine::TypeSpec& charger = pasture.scene[pasture.charger];
+  const Pose pose_body_plug{2, 0, 0, 0};
+  charger.parts[0].returns.fiducial = 0;
+  charger.parts.push_back({.name = "plug",
+                           .pose_body_part = pose_body_plug,
+                           .solids = charger.parts[0].solids,
+                           .returns = {.obstacle = false, .ranger = -1, .fiducial = 2}});
+  for (Vec2& vertex : charger.parts[1].solids[0].contours[0]) vertex.x() += pose_body_plug.x;
+  for (engine::DeviceSpec& each : charger.devices) {
+    each.part = 1;
+    each.pose_body_device = pose_body_plug;
+  }
+  World world = pasture.scene.world();
+  ASSERT_TRUE(pasture.charge(world));
+  EXPECT_NEAR(world.pose(pasture.robot).x, pose_body_plug.x, 0.5);
+}
+
+TEST(Fasr2, KeepsItsScannerOnFarFromItsCharger) {
+  if (test::k_slow_build) GTEST_SKIP() << "ways take long to find";
+  Pasture pasture;
+  engine::DeviceSpec finder = device("fiducial", {{"range_max", 3.0}});
+  finder.pose_body_device.z = 0.005;  // chargers are flat
+  finder.period_s = 0.5;
+  pasture.scene[pasture.robots].devices.push_back(finder);
+  World world = pasture.scene.world();
+  const Row row = world.row(pasture.robot);
+  const engine::BodyType::Device& scanner = world.type(row).devices[Pasture::k_scanner];
+  for (int tick = 0; tick < 600 && (world.is_on(row, scanner) || world.tick() % 5 != 0); ++tick) world.step();
+  ASSERT_FALSE(world.is_on(row, scanner)) << "it docks";
+  const World::Placed far_away{row, {-4, -4, 0, 0}};
+  world.set_poses({&far_away, 1});
+  world.step();  // the finder does not run in this tick: its reading is that of the charger
+  EXPECT_TRUE(world.is_on(row, scanner));
 }
 
 TEST(Fasr2, SwitchesItsScannerOffWhileItCharges) {

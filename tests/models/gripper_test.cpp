@@ -5,6 +5,7 @@
 
 #include <gtest/gtest.h>
 
+#include <cmath>
 #include <vector>
 
 namespace troupe::models {
@@ -119,6 +120,63 @@ TEST(Gripper, WhatIsTooWideIsNotHeld) {
   step(world, 30);
   EXPECT_EQ(hand(world, robot).contact_left, 1);
   EXPECT_FALSE(world.carrier(world.row(object)));
+}
+
+/// A convex outline keeps all its corners, more than a placed shape stores.
+TEST(Gripper, HoldsAPuckOfManyCorners) {
+  SceneBuilder scene;
+  Ring ring;
+  for (int k = 0; k < 200; ++k)
+    ring.emplace_back(0.05 * std::cos(2 * k_pi * k / 200), 0.05 * std::sin(2 * k_pi * k / 200));
+  const TypeId round = scene.type("round", {Solid{{ring}, {0, 0.1}}}, {.gripper = true});
+  const BodyId robot = scene.body("r", gripper_robot(scene, "robot", {order(0.1, "hand", "close")}));
+  const BodyId object = scene.body("o", round, {k_grasp_m, 0, 0, 0});
+  World world = scene.world();
+  step(world, 30);
+  EXPECT_EQ(world.carrier(world.row(object)), robot);
+}
+
+TEST(Gripper, ClosedPaddlesTouchNothingBesideThem) {
+  SceneBuilder scene;
+  const BodyId robot = scene.body("r", gripper_robot(scene, "robot", {}, {}, {{"paddles", "closed"}}));
+  scene.body("o", puck(scene, 0.08), {k_grasp_m, 0.1, 0, k_pi / 4});
+  World world = scene.world();
+  step(world, 2);
+  EXPECT_EQ(hand(world, robot).paddle_position, 1);
+  EXPECT_EQ(hand(world, robot).contact_left, 0);
+  EXPECT_EQ(hand(world, robot).contact_right, 0);
+}
+
+/// A post out of reach with an arm that can be gripped: the arm is between the paddles only while it is out.
+TEST(Gripper, GripsAnArmWhereItIsNow) {
+  for (const double out : {0.0, 0.3}) {
+    SceneBuilder scene;
+    const TypeId post = scene.type("post", {box(0.2, 0.2, 0.1)});
+    test::add_arm(scene[post], "arm", {0.15, 0, 0, 0}, {box(0.1, 0.1, 0.1)}, {{"start_position", out}});
+    scene[post].parts.back().returns.gripper = true;
+    const BodyId robot = scene.body("r", gripper_robot(scene, "robot", {order(0.1, "hand", "close")}));
+    const BodyId far = scene.body("far", post, {k_grasp_m + 0.45, 0, 0, k_pi});
+    World world = scene.world();
+    step(world, 2);
+    EXPECT_EQ(hand(world, robot).beam_inner, out > 0);
+    step(world, 30);
+    EXPECT_EQ(world.carrier(world.row(far)).has_value(), out > 0) << "the arm is out by " << out;
+    EXPECT_EQ(hand(world, robot).paddles, GripperState::closed);
+  }
+}
+
+TEST(Gripper, DoesNotGripALiftAboveIt) {
+  SceneBuilder scene;
+  const TypeId post = scene.type("post", {box(0.2, 0.2, 1)});
+  test::add_arm(scene[post], "lift", {0.15, 0, 0, 0}, {box(0.1, 0.1, 0.1)},
+                {{"axis", std::vector<double>{0, 0, 1}}, {"start_position", 0.5}});
+  scene[post].parts.back().returns.gripper = true;
+  const BodyId robot = scene.body("r", gripper_robot(scene, "robot", {order(0.1, "hand", "close")}));
+  const BodyId above = scene.body("o", post, {k_grasp_m + 0.175, 0, 0, k_pi});
+  World world = scene.world();
+  step(world, 30);
+  EXPECT_FALSE(world.carrier(world.row(above)));
+  EXPECT_EQ(hand(world, robot).paddle_position, 1);
 }
 
 TEST(Gripper, AutosnatchNeedsNoOrders) {

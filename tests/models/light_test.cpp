@@ -5,6 +5,8 @@
 
 #include <gtest/gtest.h>
 
+#include <cmath>
+#include <string>
 #include <vector>
 
 namespace troupe::models {
@@ -48,6 +50,22 @@ TEST(Light, BlinksByPeriodAndDutycycle) {
   EXPECT_EQ(lit(never, 3), (std::vector{0, 0, 0}));
 }
 
+TEST(Light, RoundingShiftsNoFlash) {
+  constexpr std::size_t ticks = 3000;
+  engine::World half = world_of(light(0.2, 0.5, true));
+  engine::World third = world_of(light(0.3, 1.0 / 3, true));
+  engine::World dark = world_of(light(0.7, 0, true));
+  engine::World lasting = world_of(light(0.7, 1, true));
+  const std::vector<int> halves = lit(half, ticks);
+  const std::vector<int> thirds = lit(third, ticks);
+  for (std::size_t t = 0; t < ticks; ++t) {
+    ASSERT_EQ(halves[t], (t + 1) % 2 == 0) << "tick " << t + 1;
+    ASSERT_EQ(thirds[t], (t + 1) % 3 == 0) << "tick " << t + 1;
+  }
+  EXPECT_EQ(lit(dark, ticks), std::vector(ticks, 0));
+  EXPECT_EQ(lit(lasting, ticks), std::vector(ticks, 1));
+}
+
 /// Switches the light on at tick 2 and leaves it to itself from tick 5 on.
 struct Switcher {
   std::vector<std::size_t> choose(std::span<const engine::DeviceInfo>, std::vector<bool>&) { return {0}; }
@@ -67,6 +85,25 @@ TEST(Light, IsSwitchedByControllersATickLater) {
                                  {{.kind = "switcher", .params = {}, .where = {}}}, registry);
   EXPECT_EQ(lit(world, 7), (std::vector{0, 0, 1, 1, 1, 0, 0}));
   EXPECT_EQ(Switcher::seen_lit, 0);
+}
+
+TEST(Light, MustBeWithinTheRadiusOfItsBody) {
+  engine::DeviceSpec lamp = light(0, 1, true);
+  const double radius = std::hypot(0.2, 0.2);
+  lamp.pose_body_device = {radius * std::cos(0.3), radius * std::sin(0.3), 1, 0};
+  EXPECT_NO_THROW(world_of(lamp));
+  lamp.pose_body_device = {0.2, 0.21, 0, 0};
+  try {
+    world_of(lamp);
+    FAIL();
+  } catch (const InputError& error) {
+    EXPECT_NE(
+        std::string(error.what())
+            .find("device \"lamp\" is 0.29 m from the origin of its body; it must be within 0.282843 m, "
+                  "the radius of the body"),
+        std::string::npos)
+        << error.what();
+  }
 }
 
 TEST(Light, IsStateThatIsHashed) {

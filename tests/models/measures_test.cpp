@@ -1,5 +1,6 @@
 #include "engine/observing/measures.hpp"
 
+#include "tests/support/devices.hpp"
 #include "tests/support/scene.hpp"
 #include "tests/support/slow_build.hpp"
 
@@ -451,6 +452,44 @@ TEST(Measures, AreOfThoseWhoAreInTheWorld) {
   EXPECT_TRUE(std::isnan(set.values()[3])) << "there is no other";
 }
 
+TEST(Measures, ToBeMovedRightAfterBirthIsNoWay) {
+  test::SceneBuilder scene;
+  const TypeId bot = scene.robot("bot", {test::box(0.2, 0.2)}, "omni");
+  scene.spec.reserves = {{"bot", BodyId(1), 1}};
+  scene.body("bot0", bot);
+  World world = scene.world();
+  MeasureSet set = measures(world, {spec("path_length")});
+  const BodyId born = world.spawn(0, {0, 50, 0, 0}).body;
+  const World::Placed there{world.row(born), {0, 80, 0, 0}};
+  world.set_poses({&there, 1});
+  world.set_command(world.row(born), {0, 1, 0});
+  for (int tick = 1; tick <= 3; ++tick) {
+    world.step();
+    set.see();
+    EXPECT_NEAR(set.value(0), 0.1 * tick, 1e-12);
+  }
+}
+
+TEST(Measures, ACarriedRobotHasTheSpeedZero) {
+  test::SceneBuilder scene;
+  const TypeId grabber = scene.robot("grabber", {test::box(0.3, 0.3, 0.2)});
+  test::add_device(scene[grabber], "hand", "gripper", {0.25, 0, 0, 0});
+  scene[grabber].controllers = {test::operate({test::order(0.1, "hand", "close")})};
+  const TypeId prey = scene.robot("prey", {test::box(0.09, 0.09, 0.1)});
+  scene[prey].parts[0].returns.gripper = true;
+  const BodyId a = scene.body("a", grabber);
+  const BodyId b = scene.body("b", prey, {0.27, 0, 0, 0});
+  World world = scene.world();
+  for (int tick = 0; tick < 40; ++tick) world.step();
+  ASSERT_EQ(world.carrier(world.row(b)), a);
+  world.set_command(world.row(a), {-0.1, 0, 0});
+  world.set_command(world.row(b), {0.3, 0, 0});
+  world.step();
+  EXPECT_NE(world.velocities()[world.row(b).index()].x, 0);
+  EXPECT_EQ(value(world, spec("mean_speed", "b")), 0);
+  EXPECT_DOUBLE_EQ(value(world, spec("mean_speed")), 0.05);
+}
+
 TEST(Measures, DeathsAreOfTheBodiesOfAType) {
   test::SceneBuilder scene;
   const TypeId bot = scene.robot("bot", {test::box(0.2, 0.2)});
@@ -671,6 +710,18 @@ TEST(Measures, PolarisationIsOrderAndNotAmongTheUsualOnes) {
   EXPECT_TRUE(test::registry().measure("order")->is_usual());
   EXPECT_FALSE(test::registry().measure("polarisation")->is_usual());
   for (const engine::MeasureKind& kind : test::registry().measures) EXPECT_NE(kind.formula, "") << kind.name;
+}
+
+TEST(Measures, MayBeOfATypeWithoutRobots) {
+  test::SceneBuilder scene;
+  scene.robot("idle", {test::box(0.4, 0.4)});
+  scene.body("r", scene.robot("bot", {test::box(0.4, 0.4)}));
+  World world = scene.world();
+  Diagnostics diagnostics;
+  const std::vector<MeasureSpec> specs{spec("stalls", "idle"), spec("alive", "idle"), spec("alive", "bot")};
+  MeasureSet set(world, test::registry(), specs, diagnostics);
+  EXPECT_TRUE(diagnostics.findings().empty());
+  EXPECT_THAT(set.values(), ElementsAre(0, 0, 1));
 }
 
 TEST(Measures, SayWhatIsWrongWithThem) {

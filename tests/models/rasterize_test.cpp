@@ -37,5 +37,25 @@ TEST(Rasterize, MarksTheCellsThatOutlinesGoThrough) {
   EXPECT_EQ(at(22, 12), 0);
 }
 
+TEST(Rasterize, IsInTheFrameOfItsPart) {
+  const Ring triangle{{0, 0}, {4, 0}, {0, 0.5}};
+  const Pose pose_body_part{1, 2, 0, k_pi / 2};
+  SceneBuilder scene;
+  const TypeId whole = scene.type("whole", {Solid{{triangle}, {0, 1}}});
+  scene[whole].controllers = {test::controller("rasterize")};
+  const TypeId carrier = scene.type("carrier", {test::box(0.1, 0.1)});
+  scene[carrier].parts.push_back({.name = "part", .pose_body_part = pose_body_part});
+  Ring turned;
+  for (const Vec2& vertex : triangle) turned.push_back(Transform(pose_body_part) * vertex);
+  scene[carrier].parts[1].solids = {Solid{{turned}, {0, 1}}};  // solids of parts are in the frame of the body
+  scene[carrier].controllers = {test::controller("rasterize")};
+  scene[carrier].controllers[0].part = 1;
+  const BodyId a = scene.body("a", whole);
+  const BodyId b = scene.body("b", carrier, {9, 9, 0, 0});
+  engine::World world = scene.world();
+  world.step();
+  EXPECT_EQ(raster_of(world, b).cells, raster_of(world, a).cells);
+}
+
 }  // namespace
 }  // namespace troupe::models

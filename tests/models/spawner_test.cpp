@@ -163,6 +163,41 @@ TEST(Spawner, ATickOfItsOwnPeriodMissesNoBirth) {
   EXPECT_EQ(door.state(world).born + door.state(world).owed, 10u);
 }
 
+TEST(Spawner, GoesOnWithTheReserveThatAnInterventionSets) {
+  Door door({device("spawner", {{"population", "bot"}, {"every", 0.2}, {"within", 5.0}}, {11, 0, 0, 0})}, 2);
+  door.scene.spec.reserves.push_back({"other", BodyId(door.scene.spec.bodies.size()), 3});
+  for (int i = 0; i < 3; ++i) door.scene.body(fmt::format("other{}", i), door.type);
+  engine::InterventionSpec set;
+  set.time_s = 1;
+  set.action = engine::InterventionSpec::Action::set;
+  set.setting = engine::SettingSpec{TypeId(1), engine::SettingSpec::Of::device, 0,
+                                    device("spawner", {{"population", "other"}}).params};
+  for (std::size_t p = 1; p < set.setting->params.size(); ++p) set.setting->params[p] = {};
+  door.scene.spec.experiment.at = {set};
+  World world = door.scene.world();
+  step(world, 10);
+  EXPECT_EQ(world.robots(), 2u) << "the reserve is used up";
+  step(world, 10);
+  EXPECT_EQ(world.robots(), 5u);
+}
+
+TEST(Spawner, OfManyBirthsInOneTickEachSeesTheBodiesBornBefore) {
+  constexpr int k_nests = 600;  // so many births that the spatial index is rebuilt between them
+  SceneBuilder scene;
+  scene.spec.bounds = Box::around(Vec2(75, 0), 80);
+  const TypeId nest = scene.type("nest", {box(0.1, 0.1)}, {.obstacle = false});
+  scene[nest].devices = {device("spawner", {{"population", "bot"}, {"every", 0.1}})};
+  for (int i = 0; i < k_nests; ++i) scene.body(fmt::format("nest{}", i), nest, {0.25 * i, 0, 0, 0});
+  const TypeId bot = scene.robot("bot", {box(0.4, 0.4)});
+  scene.spec.reserves = {{"bot", BodyId(scene.spec.bodies.size()), k_nests}};
+  for (int i = 0; i < k_nests; ++i) scene.body(fmt::format("bot{}", i), bot);
+  World world = scene.world();
+  world.step();
+  ASSERT_EQ(world.robots(), k_nests / 2u) << "a body at every second nest, the others would overlap";
+  for (int i = 0; i < k_nests / 2; ++i)
+    EXPECT_EQ(world.origin(world.row(world.find(fmt::format("bot{}", i)))), Vec2(0.5 * i, 0));
+}
+
 std::string error_of(const SceneBuilder& scene) {
   try {
     scene.world();

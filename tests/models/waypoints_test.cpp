@@ -83,13 +83,14 @@ TEST(Movers, AreWhereTheirTimesSay) {
   }
 }
 
-TEST(Movers, WhoseDriveIsRarelyDueAreThereThatMuchLaterAtMost) {
+TEST(Movers, WhoseDriveIsRarelyDueAreThereInTime) {
   const Mover mover({{0, 0, 0, 1}, {1.5, 0, 0, 3}, {1.5, 1, 0, 5}}, false, 0.3);
   engine::World world = mover.scene.world();
   const std::vector<Pose> way = way_of(world, mover.body, 80);
-  EXPECT_NEAR(way[33].x, 1.5, k_exact);
-  EXPECT_NEAR(way[33].y, 0, 0.15);
-  EXPECT_NEAR(way[53].y, 1, k_exact);
+  EXPECT_NEAR(way[30].x, 1.5, k_exact);
+  EXPECT_EQ(way[30].y, 0);
+  EXPECT_NEAR(way[50].y, 1, k_exact);
+  EXPECT_NEAR(way[80].y, 1, k_exact);
 }
 
 TEST(Movers, GoAtTheirSpeedsAndWait) {
@@ -173,6 +174,45 @@ TEST(Movers, WhatTheyCannotKeepIsTold) {
   Mover diff({{1, 0, 0, 3}});
   diff.scene[diff.type].drive = test::drive("diff");
   EXPECT_THAT(diff.error(), HasSubstr("which need a drive of kind \"omni\""));
+}
+
+/// An omni drive that reaches `speed` in every direction, m/s.
+Record drive_of(double speed) {
+  return test::drive("omni", {{"velocity_min_x", -speed},
+                              {"velocity_max_x", speed},
+                              {"velocity_min_y", -speed},
+                              {"velocity_max_y", speed}})
+      .params;
+}
+
+/// An intervention that changes the drive of the mover at a time, s.
+engine::InterventionSpec set_drive(const Mover& mover, double time_s, double speed) {
+  engine::InterventionSpec set;
+  set.time_s = time_s;
+  set.action = engine::InterventionSpec::Action::set;
+  set.setting = engine::SettingSpec{mover.type, engine::SettingSpec::Of::drive, 0, drive_of(speed)};
+  return set;
+}
+
+TEST(Movers, KnowTheDriveThatAnInterventionSets) {
+  Mover mover({{5, 0, 0, 1}});
+  mover.scene[mover.type].drive->params = drive_of(0.25);
+  mover.scene.spec.experiment.at = {set_drive(mover, 2, 1)};
+  engine::World world = mover.scene.world();
+  const std::vector<Pose> poses = way_of(world, mover.body, 30);
+  EXPECT_LE(poses[20].x, 0.5 + k_exact) << "it is late, and the drive is slow";
+  EXPECT_NEAR(poses[30].x - poses[22].x, 0.8, k_exact);
+  world.reset();
+  const std::vector<Pose> again = way_of(world, mover.body, 30);
+  EXPECT_EQ(again[20], poses[20]) << "the reset has also restored the limits";
+  EXPECT_EQ(again[30], poses[30]);
+}
+
+TEST(Movers, ADriveThatAnInterventionMakesTooSlowIsAnError) {
+  Mover mover({{3, 4, 0, 0, 0.8}});
+  mover.scene.spec.experiment.at = {set_drive(mover, 1, 0.25)};
+  EXPECT_THAT(mover.error(), HasSubstr("controller \"waypoints\" cannot follow goal 1 (counted from 1): its "
+                                       "`speed` is 0.8 m/s, but the drive reaches 0.25 m/s"));
 }
 
 }  // namespace

@@ -15,7 +15,7 @@ using test::box;
 using test::SceneBuilder;
 
 /// Drives ahead at 0.5 m/s and switches the first device that it may use off from tick 4 to tick 6.
-struct Switcher {
+struct PartSwitcher {
   static constexpr bool switches = true;
 
   Result<std::vector<std::size_t>> choose(std::span<const engine::DeviceInfo>, std::vector<bool>&) {
@@ -27,6 +27,16 @@ struct Switcher {
   }
 };
 
+/// Commands an acceleration of 0.5 m/s^2 ahead.
+struct Pusher {
+  Result<std::vector<std::size_t>> choose(std::span<const engine::DeviceInfo>, std::vector<bool>&) {
+    return std::vector<std::size_t>{};
+  }
+  void operator()(const engine::Percept&, Random&, engine::Actions& actions) const {
+    actions.accelerate(0.5, 0, 0);
+  }
+};
+
 /// A post with a turret on it, which has a drive of its own, a ranger that sees 1 m far, and a controller.
 struct Turret {
   SceneBuilder scene;
@@ -34,7 +44,8 @@ struct Turret {
   BodyId body;
 
   explicit Turret(const std::string& controller) {
-    registry.controllers.push_back(engine::make_controller_kind<Switcher>("switcher", ""));
+    registry.controllers.push_back(engine::make_controller_kind<PartSwitcher>("switcher", ""));
+    registry.controllers.push_back(engine::make_controller_kind<Pusher>("pusher", ""));
     const TypeId type = scene.type("post", {box(0.2, 0.2, 0.5)});
     engine::TypeSpec& spec = scene[type];
     const std::size_t feet = test::add_device(spec, "feet", "wheels", {0, 0, 0.5, 0});
@@ -77,6 +88,19 @@ TEST(Wheels, ControllersOfTheirPartSwitchItsDevices) {
   EXPECT_LT(ranges[7], ranges[6]) << "and runs again in tick 8";
 }
 
+/// A motion that rounding makes no motion is not blocked.
+TEST(Wheels, AreNotStalledByASpeedThatIsTooSmallToMoveThem) {
+  Turret turret("script");
+  const TypeId type = turret.scene.spec.bodies[turret.body.index()].type;
+  turret.scene[type].controllers[0].params =
+      test::drive_legs({test::leg(1, 0.5), test::leg(9, 1e-18)}).params;
+  World world = turret.world();
+  for (int tick = 0; tick < 20; ++tick) world.step();
+  const auto& wheels = test::state_of<WheelsState>(world, turret.body, 0);
+  EXPECT_EQ(wheels.forward, 1e-18);
+  EXPECT_EQ(wheels.stalled, 0);
+}
+
 TEST(Wheels, SensorsOnTheirPartSeeNoFartherThanTheyDeclare) {
   Turret turret("switcher");
   turret.scene.body("r", turret.scene.robot("bot", {box(0.4, 0.4)}), {3, 0, 0, 0});
@@ -89,6 +113,32 @@ TEST(Wheels, SensorsOnTheirPartSeeNoFartherThanTheyDeclare) {
     ASSERT_EQ(world.hashes().state, blinkered.hashes().state) << "tick " << world.tick();
   }
   EXPECT_LT(turret.range(world), 1) << "the sensor has come near the robot";
+}
+
+TEST(Wheels, StartFromRestAfterTheirBodyWasDisabled) {
+  Turret turret("pusher");
+  turret.scene.spec.mortal = true;
+  World world = turret.world();
+  const auto forward = [&] { return test::state_of<WheelsState>(world, turret.body, 0).forward; };
+  for (int tick = 0; tick < 11; ++tick) world.step();
+  EXPECT_NEAR(forward(), 0.5, 1e-9);
+  world.set_disabled(world.row(turret.body), true);
+  world.step();
+  EXPECT_EQ(forward(), 0);
+  world.set_disabled(world.row(turret.body), false);
+  world.step();
+  EXPECT_NEAR(forward(), 0.05, 1e-9) << "one tick of the acceleration";
+}
+
+TEST(Wheels, HaveNoVelocityWithoutPower) {
+  Turret turret("pusher");
+  test::add_device(turret.scene[TypeId(1)], "pack", "power_pack", {}, {{"capacity", 5.0}, {"draw", 10.0}});
+  World world = turret.world();
+  const auto forward = [&] { return test::state_of<WheelsState>(world, turret.body, 0).forward; };
+  for (int tick = 0; tick < 4; ++tick) world.step();
+  EXPECT_GT(forward(), 0);
+  for (int tick = 0; tick < 4; ++tick) world.step();
+  EXPECT_EQ(forward(), 0);
 }
 
 }  // namespace

@@ -145,6 +145,24 @@ TEST(NearCircles, HoldEachBodyOnceAndAllThatReachIntoTheDisc) {
   EXPECT_GT(found, 2000u / k_thrift);
 }
 
+TEST(NearCircles, AWideBodyInSeveralCellsIsAddedOnce) {
+  Parallel parallel(1);
+  std::vector<Transform> places;
+  std::vector<double> radii;
+  for (int i = 0; i < 30; ++i) {
+    places.emplace_back(Pose{0.2 * i - 3, 0.1 * i - 1.5, 0, 0});
+    radii.push_back(i % 3 == 0 ? 1.3 : 0.1);  // every third one is in many cells
+  }
+  BodyIndex bodies(GridGeometry{0.3, 2});
+  bodies.rebuild(places, radii, parallel);
+  NearCircles near;
+  near.begin({0, 0}, 6);
+  std::vector<int> asked(places.size());
+  near.add_bodies(bodies, [&](std::uint32_t row) { return ++asked.at(row) > 1; });
+  EXPECT_EQ(near.size(), places.size());
+  EXPECT_EQ(asked, std::vector<int>(places.size(), 1));
+}
+
 TEST(FixedOutlines, CirclesOfAPieceCoverItsEdges) {
   for (std::uint32_t trial = 0; trial < 200 / k_thrift; ++trial) {
     Random random(1, 2, 0, trial);

@@ -97,6 +97,27 @@ TEST(StaticScene, AnswersAsTheOracleWhateverItsCells) {
   EXPECT_GT(swallowed, 100 / oracle::k_thrift) << "few bodies lay wholly inside a solid";
 }
 
+TEST(StaticScene, FindsEachSolidWhoseBoxContainsAPointOnce) {
+  std::size_t found = 0;
+  for (std::uint64_t seed = 1; seed <= 200 / oracle::k_thrift; ++seed) {
+    Draw draw(9'000'000 + seed);
+    const std::vector<FixedSolid> solids = random_solids(draw);
+    const StaticScene scene(solids, draw.scale(0.1, 5));
+    for (int i = 0; i < 20; ++i) {
+      const Vec2 point(draw.real(-6, 6), draw.real(-6, 6));
+      std::vector<int> visits(solids.size());
+      scene.for_each_box_at(point, [&](std::uint32_t s) { ++visits.at(s); });
+      for (std::size_t s = 0; s < solids.size(); ++s) {
+        Box box;
+        for (const Ring& ring : solids[s].solid.contours) box.extend(bounds(ring));
+        ASSERT_EQ(visits[s], box.contains(point) ? 1 : 0) << "seed " << seed << ", solid " << s;
+        found += box.contains(point);
+      }
+    }
+  }
+  EXPECT_GT(found, 500 / oracle::k_thrift);
+}
+
 TEST(StaticScene, ABodyOfManyVerticesMeetsWhatTheOracleSays) {
   std::size_t blocked = 0;
   constexpr std::size_t k_poses = 300 / oracle::k_thrift;

@@ -45,8 +45,8 @@ struct CameraScene : SceneBuilder {
 };
 
 struct Picture {
-  explicit Picture(const SceneBuilder& scene) {
-    World world = scene.world();
+  explicit Picture(const SceneBuilder& scene, engine::WorldOptions options = {.threads = 2}) {
+    World world = scene.world(options);
     world.step();
     const Row row = world.row(BodyId(1));
     const engine::StateTable& table = world.percepts(world.type(row).devices[0]);
@@ -112,6 +112,43 @@ TEST(Camera, StandingOnAPlateItSeesThePlate) {
     EXPECT_FLOAT_EQ(p.depth[12], static_cast<float>(0.49 / 0.75));
     EXPECT_EQ(p.colors[8], k_green);  // 0.25 down: at 1.96 m, before its edge at 2 m
     EXPECT_FLOAT_EQ(p.depth[8], static_cast<float>(0.49 / 0.25));
+  }
+}
+
+TEST(Camera, StaticPlatesWithDistantEdgesAreSeenWhateverTheTiles) {
+  const Solid plate{{test::box_ring(60, 60)}, {0, 0.01}};
+  const Params near{{"range_near", 0.1}, {"range_far", 1.2}};
+  CameraScene level(camera(k_square, near));
+  level.block({1, 0, 0, 1}, {0, 0, 0.9, 0}, plate);  // above the camera
+  level.block({0, 1, 0, 1}, {10, 0, 0, 0}, plate);
+  level.block({1, 0, 0, 1}, {}, {{test::box_ring(60, 60), test::box_ring(50, 50)}, {0, 0.2}});  // with a hole
+  CameraScene down(camera(k_square, {{"range_near", 0.1}, {"range_far", 1.2}, {"tilt", -k_pi / 2}}));
+  down.block({1, 0, 0, 1}, {0.4, 0, 0, 0}, box(0.4, 8, 0.1));
+  down.block({0, 1, 0, 1}, {}, plate);
+  down.block({1, 0, 0, 1}, {-0.4, 0, 0, 0}, box(0.4, 8, 0.1));
+  for (CameraScene* scene : {&level, &down})
+    for (engine::TypeSpec& type : scene->spec.types)
+      if (!type.drive) type.parts[0].returns = {.obstacle = false, .ranger = -1};
+  for (const double tile_size_m : {0.0, 0.4, 1.7, 6.0, 300.0}) {
+    const engine::WorldOptions options{.threads = 1, .tile_size_m = tile_size_m};
+    const Picture ahead(level, options);
+    const Picture below(down, options);
+    for (std::size_t column = 0; column < 4; ++column) {
+      EXPECT_EQ(ahead.colors[column], k_red) << tile_size_m;
+      EXPECT_FLOAT_EQ(ahead.depth[column], static_cast<float>(0.4 / 0.75));
+      EXPECT_EQ(ahead.colors[4 + column], k_sky);
+      EXPECT_EQ(ahead.colors[8 + column], k_sky);
+      EXPECT_EQ(ahead.colors[12 + column], k_green) << tile_size_m;
+      EXPECT_FLOAT_EQ(ahead.depth[12 + column], static_cast<float>(0.49 / 0.75));
+      for (const std::size_t row : {0, 3}) {  // 0.3 m from the middle: on the boxes
+        EXPECT_EQ(below.colors[4 * row + column], k_red);
+        EXPECT_FLOAT_EQ(below.depth[4 * row + column], 0.4f);
+      }
+      for (const std::size_t row : {1, 2}) {
+        EXPECT_EQ(below.colors[4 * row + column], k_green) << tile_size_m;
+        EXPECT_FLOAT_EQ(below.depth[4 * row + column], 0.49f);
+      }
+    }
   }
 }
 

@@ -145,6 +145,22 @@ TEST(Ground, APointOnABorderLiesInOneTile) {
   for (const BodyId robot : robots) EXPECT_NE(read<std::uint32_t>(world, robot, k_ground_body)[0], 0u);
 }
 
+TEST(Ground, AZoneIsSeenThoughARootWithoutSolidsHasAGripperReturn) {
+  GroundScene scene;
+  const TypeId id = scene.type("zone", {}, {.obstacle = false, .ranger = -1, .gripper = true});
+  scene[id].parts.push_back({.name = "p",
+                             .kind = "model",
+                             .solids = {box(1, 1, 0.01)},
+                             .returns = {.obstacle = false, .ranger = -1},
+                             .color = Color{1, 0, 0, 1}});
+  const BodyId zone = scene.body("zone", id);
+  const BodyId robot = scene.robot_with({device("ground")}, {});
+  World world = scene.world();
+  world.step();
+  EXPECT_THAT(read<float>(world, robot, k_ground_color), ElementsAre(1, 0, 0));
+  EXPECT_THAT(read<std::uint32_t>(world, robot, k_ground_body), ElementsAre(zone.value));
+}
+
 TEST(Led, ShowsItsColourToAllThatLook) {
   GroundScene scene;
   const TypeId id = scene.type("post", {box(0.2, 0.2)});

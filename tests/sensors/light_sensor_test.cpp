@@ -109,6 +109,17 @@ TEST(LightSensor, WallsAndBodiesStandBefore) {
   EXPECT_EQ(after(through, seer, 2).sources, 1u);
 }
 
+TEST(LightSensor, AWallBehindAPartOfTheLampsBodyHidesTheLamp) {
+  LightScene scene;
+  const BodyId robot = scene.robot_with();
+  const BodyId lamp = scene.lamp(0, 3, 9);
+  scene[scene.spec.bodies[lamp.index()].type].parts.push_back(
+      {.name = "post", .kind = "model", .solids = {placed(box(0.1, 0.1), {0, -2, 0, 0})}});  // 1 m ahead
+  EXPECT_EQ(after(scene, robot, 2).sources, 1u);
+  scene.wall(-1, 2, 1, 2.1);
+  EXPECT_EQ(after(scene, robot, 2).sources, 0u);
+}
+
 TEST(LightSensor, DarkAndFarLightsAreNotSeen) {
   LightScene scene;
   const BodyId robot = scene.robot_with({{"range_max", 3.0}});

@@ -358,6 +358,48 @@ TEST(Radio, WhoIsGoneIsSilent) {
   EXPECT_THAT(senders(world, listener), IsEmpty());
 }
 
+TEST(Radio, WhoIsDisabledIsSilent) {
+  RadioScene scene;
+  scene.spec.mortal = true;
+  const BodyId listener = scene.post({0, 0, 0, 0});
+  const BodyId talker = scene.beacon({1, 0, 0, 0});
+  World world = scene.world();
+  world.set_disabled(world.row(talker), true);
+  world.step();
+  EXPECT_THAT(senders(world, listener), IsEmpty());
+  world.set_disabled(world.row(talker), false);
+  world.step();
+  EXPECT_THAT(senders(world, listener), ElementsAre(talker.value));
+}
+
+TEST(Radio, AMessageLongerThanThePayloadOfItsSenderIsNotSent) {
+  RadioScene scene;
+  const BodyId listener = scene.post({0, 0, 0, 0}, {{"payload", 200}});
+  const BodyId talker = scene.post({1, 0, 0, 0}, {{"payload", 8}});
+  World world = scene.world();
+  std::byte* command =
+      world.asked_of(world.type(world.row(talker)).devices[0]).row(world.slot(world.row(talker)));
+  command[k_radio_mode] = static_cast<std::byte>(RadioMode::says);
+  for (const int length : {8, 9, 150}) {
+    command[k_radio_bytes] = static_cast<std::byte>(length);
+    world.step();
+    EXPECT_EQ(senders(world, listener).size(), length == 8 ? 1u : 0u) << length << " bytes";
+  }
+}
+
+// The state of a checkpoint is not trusted.
+TEST(Radio, AWrongCountReadsNoEntriesThatDoNotExist) {
+  RadioScene scene;
+  const BodyId listener = scene.post({0, 0, 0, 0}, {{"most_heard", 3}});
+  scene.beacon({1, 0, 0, 0});
+  World world = scene.world();
+  const engine::BodyType::Device& radio = world.type(world.row(listener)).devices[0];
+  world.state(radio).cell<std::uint32_t>(world.slot(world.row(listener)), k_radio_count)[0] = 3'000'000;
+  EXPECT_EQ(heard(world, listener).size(), 3u);
+  world.step();
+  EXPECT_EQ(heard(world, listener).size(), 1u);
+}
+
 /// Strength and quality over 10 m, at 2.4 GHz, 20 dBm; none: not heard.
 std::vector<RadioPort::Message> over_10_m(Params params, RadioScene scene = {}) {
   params.emplace_back("range", 100.0);

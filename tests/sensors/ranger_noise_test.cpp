@@ -190,6 +190,38 @@ TEST(RangerCone, SeesWhatItsMiddleMisses) {
   EXPECT_EQ(readings(narrow)[0], 5.0f);
 }
 
+/// 40 beams with angular noise, of which the last 20 have a width, and 10 with a width but without noise.
+TEST(RangerCone, IsTurnedByAngularNoise) {
+  const auto read_of = [](double width, engine::RangingEngine ranging) {
+    engine::RangerParams params;
+    for (int i = 0; i < 50; ++i)
+      params.transducers.push_back(
+          {.pose = {0, 0, 0.5, 0}, .noise_angular = i < 40 ? 0.5 : 0, .beam_width = i < 20 ? 0 : width});
+    SceneBuilder scene;
+    const TypeId type = scene.robot("robot", {box(0.1, 0.1, 0.1)});
+    scene[type].devices = {
+        {.name = "ranger", .kind = "ranger", .params = engine::to_record(params), .where = {}}};
+    scene.body("r", type);
+    scene.wall(2, -3, 2.2, 3);
+    scene.spec.ranging = ranging;
+    return readings(scene);
+  };
+  for (const auto ranging : {engine::RangingEngine::exact, engine::RangingEngine::grid}) {
+    const double rounding = ranging == engine::RangingEngine::grid ? 0.1 : 1e-4;
+    const std::vector<float> thin = read_of(0, ranging);
+    const std::vector<float> narrow = read_of(1e-6, ranging);
+    const std::vector<float> wide = read_of(0.2, ranging);
+    ASSERT_EQ(thin.size(), 50u);
+    for (std::size_t i = 0; i < thin.size(); ++i) {
+      EXPECT_NEAR(narrow[i], thin[i], rounding) << i;
+      const double off = std::acos(std::min(2.0 / thin[i], 1.0));  // of the beam from the wall's normal
+      const double nearest = i < 20 ? thin[i] : 2 / std::cos(std::max(off - 0.1, 0.0));
+      EXPECT_NEAR(wide[i], nearest, rounding) << i;
+    }
+    EXPECT_GT(*std::max_element(wide.begin() + 20, wide.begin() + 40), 2 / std::cos(0.2));
+  }
+}
+
 /// Among boxes of all kinds: no farther than any of the points along their edges that lie in the beam, and as
 /// near as the nearest of these, up to the points' distance.
 TEST(RangerCone, IsTrueToPointsAlongAllEdges) {

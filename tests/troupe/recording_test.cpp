@@ -6,6 +6,7 @@
 #include "troupe/registry.hpp"
 #include "worldio/results/hdf5_file.hpp"
 #include "worldio/results/recording_reader.hpp"
+#include "worldio/results/recording_writer.hpp"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -197,6 +198,29 @@ TEST_F(RecordingTest, ReadingsOfSensorsThatDoNotRunAreNoNumbers) {
     EXPECT_EQ(resting[2 * frame + 1], frame > 0 ? 2 : 0) << frame;
     EXPECT_EQ(running[2 * frame], frame > 0 ? 2 : 0) << frame;
   }
+}
+
+TEST_F(RecordingTest, NamesWithCommasAreReadBack) {
+  std::string text = k_world;
+  text.replace(text.find("\"eye\""), 5, "\"front,left\\\\\"");
+  Simulation simulation(write("comma.json", text));
+  const RecordingOptions options{.fields = {"pose", "front,left\\"}};
+  { Recording first(folder_ / "run.h5", simulation, options); }
+  {
+    Recording second = Recording::resume(folder_ / "run.h5", simulation, options);
+    step(simulation, second, 1);
+  }
+  const worldio::Hdf5File file = worldio::Hdf5File::open(folder_ / "run.h5");
+  EXPECT_EQ(file.group("meta").text("record_fields"), "pose,front\\,left\\\\");
+  EXPECT_EQ(RecordingReader(folder_ / "run.h5").frames(), 2u);
+}
+
+TEST_F(RecordingTest, ARecordingThatCannotBeginLeavesNoFile) {
+  const Simulation simulation(world_);
+  const worldio::RecordingHead head{.meta = {{"kind", "other"}}, .world_json = "{}", .every_ticks = 1};
+  EXPECT_THROW(worldio::RecordingWriter(folder_ / "run.h5", simulation.world(), {}, head),
+               worldio::Hdf5Error);
+  EXPECT_FALSE(std::filesystem::exists(folder_ / "run.h5"));
 }
 
 TEST_F(RecordingTest, WhatABodyLacksIsNoNumber) {

@@ -294,5 +294,38 @@ TEST_F(Reset, LeadsOnFromACallbackThatThrewInAStep) {
   EXPECT_NO_THROW(simulation.state_hash()) << "the tick is complete";
 }
 
+// Ground sensors keep the contours and colours of static zones. A reset with another seed gives the zones
+// other places and colours.
+TEST_F(Reset, WithASeedShowsGroundSensorsTheZonesOfThisSeed) {
+  for (const std::string place : {R"({"rule": "uniform", "region_m": [[-2, -2], [2, 2]]})",
+                                  R"({"rule": "grid", "region_m": [[-2, -2], [2, 2]], "pitch_m": 0.8})"}) {
+    const auto file = write("zones.json", R"({"troupe": 1, "types": {
+      "zone": {"size_m": [0.5, 0.5, 0.002], "obstacle": false, "ranger_return": -1},
+      "bot": {"size_m": [0.05, 0.05, 0.2], "drive": {"kind": "diff"},
+              "sensors": [{"name": "eye", "kind": "ground"}]}},
+     "populations": [{"name": "z", "type": "zone", "color": "random", "count": 20, "place": )" +
+                                              place +
+                                              R"(},
+      {"name": "r", "type": "bot", "count": 30,
+       "place": {"rule": "grid", "region_m": [[-1.9, -1.9], [1.9, 1.9]], "pitch_m": 0.6}}],
+     "at": [{"time_s": 0.3, "set": {"type": "bot", "device": {"name": "eye", "floor": [0.5, 0.5, 0.5]}}}]})");
+    const auto run = [](Simulation& simulation) {
+      for (int robot = 0; robot < 30; ++robot) simulation.subscribe("r" + std::to_string(robot));
+      std::string log;
+      for (int tick = 0; tick < 6; ++tick) {
+        simulation.step();
+        log += simulation.hash_log_line() + "\n";
+      }
+      return log;
+    };
+    Simulation fresh(file, {.threads = 1, .seed = 2});
+    const std::string expected = run(fresh);
+    Simulation again(file, {.threads = 1, .seed = 1});
+    EXPECT_NE(run(again), expected);
+    again.reset(2);
+    EXPECT_EQ(run(again), expected) << place;
+  }
+}
+
 }  // namespace
 }  // namespace troupe

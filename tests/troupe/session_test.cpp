@@ -383,6 +383,27 @@ TEST_F(Sessions, SpareBodiesComeBehindAllOthersAndAreAdded) {
                             "in the session, but 1 in this run")));
 }
 
+TEST_F(Sessions, PopulationsWhoseNamesEndInDigitsGetSpareBodiesOfTheirOwn) {
+  std::string text =
+      R"({"troupe": 1, "types": {"bot": {"size_m": [0.4, 0.3, 0.2], "drive": {"kind": "diff"}}},
+    "populations": [)";
+  for (const std::string name : {"team1", "team2"})
+    text +=
+        R"({"name": ")" + name +
+        R"(", "type": "bot", "count": 9, "place": {"rule": "grid", "pitch_m": 1, "region_m": [[-9, -9], [9, 9]]}},)";
+  text.back() = ']';
+  Simulation simulation = Simulation::from_text(text + "}", "teams.json", {.threads = 1, .spare = 2});
+  const auto add = [&](const std::string& whom, double x) {
+    simulation.act({.kind = Kind::add, .whom = whom, .pose = {x, 0, 0, 0}});
+  };
+  for (const double x : {20.0, 21.0}) add("team1", x);
+  add("team2", 22);
+  EXPECT_EQ(simulation.find("team19").pose().x, 20);
+  EXPECT_EQ(simulation.find("team110").pose().x, 21);
+  EXPECT_EQ(simulation.find("team29").pose().x, 22);
+  EXPECT_THROW(add("team", 24), ActRefused);
+}
+
 TEST_F(Sessions, AreNeverReplaced) {
   const Simulation simulation = yard(1);
   const SessionLog first(folder_, simulation);

@@ -184,6 +184,23 @@ TEST_F(SimulationTest, EffectiveOptionsSayWhatWasUsed) {
                   Pair("simd", partition::simd_target()), Pair("set /tick_s", "0.05")));
 }
 
+TEST_F(SimulationTest, RepeatedSettingsHaveDifferentKeys) {
+  SimulationOptions options;
+  options.set = {{"/measures", "[]"},
+                 {"/tick_s", "0.05"},
+                 {"/measures/-", "\"alive\""},
+                 {"/measures/-", "\"stalls\""},
+                 {"/measures/-", "\"coverage\""},
+                 {"/tick_s", "0.02"}};
+  const Simulation simulation = json(options);
+  auto changes = simulation.effective_options();
+  std::erase_if(changes, [](const auto& option) { return !option.first.starts_with("set "); });
+  EXPECT_THAT(changes, ElementsAre(Pair("set /measures", "[]"), Pair("set /measures/-", "\"alive\""),
+                                   Pair("set /measures/- #2", "\"stalls\""),
+                                   Pair("set /measures/- #3", "\"coverage\""), Pair("set /tick_s", "0.02")));
+  EXPECT_THAT(simulation.effective_options(), Contains(Pair("tick_s", "0.02")));
+}
+
 TEST_F(SimulationTest, TheRayEngineOfTheWorldHoldsUnlessAnotherIsGiven) {
   SimulationOptions options;
   options.ranging = RangingEngine::grid;

@@ -236,6 +236,20 @@ TEST(ExperimentJson, IsWrittenAsItReadsBack) {
   EXPECT_EQ(spec_difference(loaded.spec, other), "experiment.at[2].whom.share");
 }
 
+TEST(ExperimentJson, ConditionsOfNamesThatNoTextHoldsAreWrittenAsObjects) {
+  for (const std::string of : {"a<b", "a>b", "a=b", "go!", "r ", " r"}) {
+    const Loaded loaded(
+        fmt::format(R"("stop_when": [{{"measure": {{"kind": "stalls", "of": "{}"}}, "is": ">= 3"}}])", of));
+    ASSERT_THAT(loaded.found, IsEmpty()) << of;
+    Diagnostics diagnostics;
+    const auto document = write_json_world(loaded.spec, "out.json", Loaded::registry(), diagnostics);
+    ASSERT_TRUE(document) << of;
+    const WorldSpec back =
+        load_json_world("out.json", json_text(*document), Loaded::registry(), {}, diagnostics);
+    EXPECT_EQ(spec_difference(loaded.spec, back), "") << of;
+  }
+}
+
 // ---- places
 
 TEST(PlacementJson, RulesAreReadAndWhatDoesNotFitIsCounted) {

@@ -464,8 +464,9 @@ INSTANTIATE_TEST_SUITE_P(
               "maze.json:3: error: /seed: expected a whole number from 0 to 2^64 - 1, found the number -7"},
         Wrong{R"("seed": 7)", R"("seed": 7.5)",
               "maze.json:3: error: /seed: expected a whole number from 0 to 2^64 - 1, found the number 7.5"},
-        Wrong{R"("seed": 7)", R"("seed": 7.0)",
-              "maze.json:3: error: /seed: expected a whole number from 0 to 2^64 - 1, found the number 7.0"},
+        Wrong{
+            R"("seed": 7)", R"("seed": 1e17)",
+            "maze.json:3: error: /seed: expected a whole number from 0 to 2^64 - 1, found the number 1e+17"},
         Wrong{R"("seed": 7)", R"("title": 7)",
               "maze.json:3: error: /title: expected the world's title, found the number 7"},
         Wrong{R"("seed": 7)", R"("tick_s": 0)",
@@ -786,6 +787,9 @@ TEST(JsonWorld, SetAndSeed) {
   EXPECT_EQ(c, Loaded(k_world, options).spec.bodies[3].color);
   options.seed = 98;
   EXPECT_NE(c, Loaded(k_world, options).spec.bodies[3].color);
+  options.seed.reset();
+  options.set = {{"/seed", "1e+05"}};  // as a study writes a value of "steps"
+  EXPECT_EQ(Loaded(k_world, options).spec.seed, 100000u);
 
   options.set = {{"/populations/0/count", "many"},
                  {"/populations/0/pitch_m", "1"},

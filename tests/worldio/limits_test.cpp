@@ -8,6 +8,7 @@
 #include "worldio/images/bitmap.hpp"
 #include "worldio/images/png.hpp"
 
+#include <fmt/format.h>
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 #include <zlib.h>
@@ -46,6 +47,18 @@ class Limits : public test::ScratchTest {
  private:
   std::chrono::steady_clock::time_point start_ = std::chrono::steady_clock::now();
 };
+
+TEST_F(Limits, RingsInRings) {
+  const auto world = [](int parts) {
+    return fmt::format(R"({{"troupe": 1, "types": {{"a": {{"size_m": [1, 1, 1], "parts": [
+{{"name": "p", "ring": {{"count": 10000}}, "parts": [{{"name": "q", "ring": {{"count": {}}}}}]}}]}}}}}})",
+                       parts);
+  };
+  EXPECT_THAT(refusal("rings.json", world(10000)),
+              HasSubstr("rings.json:2: error: /types/a/parts/0/ring: up to here, the rings of the world make "
+                        "more than 1000000 objects"));
+  EXPECT_THAT(refusal("wrong.json", world(10001)), HasSubstr("/ring/count: must be from 1 to 10000"));
+}
 
 std::string repeated(std::string_view text, std::size_t count) {
   std::string all;

@@ -119,6 +119,14 @@ TEST_F(StudyFile, SamplesOfOneParameterDependNeitherOnTheOthersNorOnTheirNumber)
              0));
 }
 
+TEST_F(StudyFile, ParametersThatAppendToOneListDrawDifferentValues) {
+  std::set<std::vector<std::string>> rows;
+  for (const auto& row : values(R"("samples": 32, "parameters": [
+    {"set": "/models/-", "name": "a", "values": [1, 2]}, {"set": "/models/-", "name": "b", "values": [1, 2]}])"))
+    rows.insert(row);
+  EXPECT_THAT(rows, SizeIs(4));
+}
+
 // A few kilobytes that ask for a million runs of 300 parameters, two of whose values are long: kept, they
 // would take 100 GB.
 TEST_F(StudyFile, RunsAreMadeOnDemand) {
@@ -198,6 +206,13 @@ TEST_F(StudyFile, SaysWhatIsWrongAndWhere) {
                   "same value: remove one of these two parameters"));
   EXPECT_THAT(wrong(R"("parameters": [{"set": "/x/-", "name": "a", "values": [1]},
     {"set": "/x/-", "name": "b", "values": [2]}])"),
+              IsEmpty());
+  EXPECT_THAT(wrong(R"("parameters": [{"set": "/x/0/n", "name": "a", "values": [1]},
+    {"set": "/x/00", "name": "b", "values": [{"n": 2}]}])"),
+              ElementsAre(HasSubstr("/parameters/0: \"/x/0/n\" has no effect, because /parameters/1 sets a "
+                                    "value that contains it: remove one of these")));
+  EXPECT_THAT(wrong(R"("parameters": [{"set": "/x/1", "name": "a", "values": [{}]},
+    {"set": "/x/1/n", "name": "b", "values": [2]}, {"set": "/x/10", "name": "c", "values": [3]}])"),
               IsEmpty());
   constexpr const char* k_seed = R"("parameters": [{"set": "/seed", "name": "first", "values": [1]}])";
   EXPECT_THAT(wrong(k_seed), IsEmpty());

@@ -255,8 +255,8 @@ std::string comparison_pattern();
 template <class T>
 const DocumentTable& document_table();
 
-/// Returns the field that describes the angle of a HeadingDocument, in radians or degrees. It is the field
-/// `heading` of a pose.
+/// Returns the field `heading` of a pose. It describes how a file writes the angle of a HeadingDocument: its
+/// key is `heading_rad` or `heading_deg`.
 const engine::Field& heading_field();
 /// Returns the field that describes a key of an object. `params` are the parameters of the object's kind;
 /// null if the object has no kind. The result is DocumentKey::other if that member is set and one of the

@@ -8,6 +8,7 @@
 #include "worldio/json/json_include.hpp"
 #include "worldio/json/json_parts.hpp"
 #include "worldio/json/json_reader.hpp"
+#include "worldio/json/json_ring.hpp"
 #include "worldio/json/json_world.hpp"
 #include "worldio/json/read_document.hpp"
 #include "worldio/json/type_document.hpp"
@@ -373,6 +374,9 @@ void WorldExpander::place_bodies() {
   engine::place(populations_, spec_, occupancy,
                 {.threads = options_.threads, .most_bodies = options_.most_bodies}, diagnostics_);
   occupancy.crowd() = engine::Crowd();  // place_again() does not read it, and it is large
+  if (options_.populations)
+    for (const engine::PopulationSpec& population : populations_)
+      options_.populations->push_back(population.name);
   if (options_.place_again == nullptr || populations_.empty() || diagnostics_.has_errors()) return;
   *options_.place_again = [kept, of_models, first, populations = populations_, bounds = spec_.bounds,
                            files = spec_.files](std::vector<BodySpec>& bodies, std::uint64_t seed) {
@@ -427,45 +431,63 @@ void WorldExpander::check_model(const Model& model, engine::Occupancy& occupancy
   crowd.add(shape, body.pose_world_body);
 }
 
+/// Bodies that should only touch may overlap by rounding errors.
+constexpr double k_tolerance_m = 1e-9;
+
+/// Returns the depth, m, of an overlap above the tolerance: the largest inset of the shape of a body at which
+/// the body still overlaps the other one. Bisection finds this inset. still_overlaps(inner): whether the body
+/// would overlap the other one if its shape were `inner`.
+template <class StillOverlaps>
+double overlap_depth(const partition::ObstacleShape& shape, const StillOverlaps& still_overlaps) {
+  double low = k_tolerance_m;
+  double high = shape.thinnest / 2;
+  for (int i = 0; i < 40 && low < high; ++i) {
+    const double middle = (low + high) / 2;
+    (still_overlaps(partition::inset(shape, middle)) ? low : high) = middle;
+  }
+  return low;
+}
+
 /// Reports the bodies that a body overlaps by more than the tolerance. Two static bodies may overlap, because
 /// neither will move: walls are drawn across one another at their corners.
 void WorldExpander::report_overlaps(const Model& model, const partition::ObstacleShape& shape,
                                     engine::Occupancy& occupancy) {
-  constexpr double k_tolerance_m = 1e-9;  // bodies that should only touch may overlap by rounding errors
   const BodySpec& body = model.body;
   const Pose& pose = body.pose_world_body;
   const auto is_static = [this](const BodySpec& one) {
     return engine::is_static(spec_.types[one.type.index()]);
   };
-  // Returns the bodies that would overlap `body` if its shape were `inner`.
-  const auto overlapped_by = [&](const partition::ObstacleShape& inner) {
-    std::vector<const BodySpec*> bodies;
-    if (is_static(body)) {
-      for (const std::size_t i : occupancy.crowd().overlapping(inner, pose))
-        if (!is_static(models_[i].body)) bodies.push_back(&models_[i].body);
-      return bodies;
-    }
-    for (const BodyId wall : occupancy.scene().overlapping(inner, pose))
-      bodies.push_back(&spec_.bodies[wall.index()]);
-    for (const std::size_t i : occupancy.crowd().overlapping(inner, pose)) bodies.push_back(&models_[i].body);
-    return bodies;
+  const engine::Crowd& crowd = occupancy.crowd();
+  // Returns the walls, or the numbers of the models in the crowd, that would overlap `body` if its shape were
+  // `inner`.
+  const auto walls_at = [&](const partition::ObstacleShape& inner) {
+    return is_static(body) ? std::vector<BodyId>() : occupancy.scene().overlapping(inner, pose);
   };
-  if (overlapped_by(shape).empty()) return;
-  for (const BodySpec* other : overlapped_by(partition::inset(shape, k_tolerance_m))) {
-    // The depth of the overlap is the largest inset of the body's outline at which the bodies still overlap.
-    // Bisection finds this inset.
-    double low = k_tolerance_m;
-    double high = shape.thinnest / 2;
-    for (int i = 0; i < 40 && low < high; ++i) {
-      const double middle = (low + high) / 2;
-      const auto bodies = overlapped_by(partition::inset(shape, middle));
-      (std::ranges::find(bodies, other) != bodies.end() ? low : high) = middle;
-    }
-    diagnostics_.error(body.where, fmt::format("{}: \"{}\" overlaps \"{}\" by {:.3g} m at the start; "
-                                               "\"overlaps\": \"warn\" in the world allows this",
-                                               model.pointer, spec_.names.text(body.name),
-                                               spec_.names.text(other->name), low));
-  }
+  const auto models_at = [&](const partition::ObstacleShape& inner) {
+    std::vector<std::size_t> numbers = crowd.overlapping(inner, pose);
+    if (is_static(body)) std::erase_if(numbers, [&](std::size_t i) { return is_static(models_[i].body); });
+    return numbers;
+  };
+  const auto report = [&](const BodySpec& other, const auto& still_overlaps) {
+    std::string depth;
+    if (diagnostics_.error_count() < Diagnostics::k_most_listed)  // further errors are only counted
+      depth = fmt::format(" by {:.3g} m", overlap_depth(shape, still_overlaps));
+    diagnostics_.error(
+        body.where,
+        fmt::format("{}: \"{}\" overlaps \"{}\"{} at the start; \"overlaps\": \"warn\" in the "
+                    "world allows this",
+                    model.pointer, spec_.names.text(body.name), spec_.names.text(other.name), depth));
+  };
+  if (walls_at(shape).empty() && models_at(shape).empty()) return;
+  const partition::ObstacleShape inner = partition::inset(shape, k_tolerance_m);
+  for (const BodyId wall : walls_at(inner))
+    report(spec_.bodies[wall.index()], [&](const partition::ObstacleShape& smaller) {
+      return std::ranges::binary_search(walls_at(smaller), wall);
+    });
+  // Each model is tested alone, because a large body may overlap thousands of models.
+  for (const std::size_t i : models_at(inner))
+    report(models_[i].body,
+           [&](const partition::ObstacleShape& smaller) { return crowd.overlaps(i, smaller, pose); });
 }
 
 void WorldExpander::name_parts(const Model& model, BodyId body) {
@@ -563,8 +585,9 @@ void change_json_world(JsonNode& document, const std::filesystem::path& file, co
 
 WorldDocument read_json_document(const JsonNode& document, const engine::Registry& registry,
                                  const LoadOptions& options, Diagnostics& diagnostics) {
-  auto read =
-      read_document<WorldDocument>(JsonCursor(document, diagnostics), {registry, options.most_bodies});
+  const JsonCursor root(document, diagnostics);
+  check_rings(root);
+  auto read = read_document<WorldDocument>(root, {registry, options.most_bodies});
   read.files = diagnostics.files();
   return read;
 }

@@ -183,23 +183,6 @@ class TreeBuilder {
   std::vector<JsonNode*> open_;
 };
 
-/// Returns the tokens of a JSON pointer, unescaped. Empty if it is malformed or points to the root.
-std::optional<std::vector<std::string>> pointer_tokens(const std::string& pointer) {
-  if (pointer.empty() || pointer[0] != '/') return std::nullopt;
-  std::vector<std::string> tokens;
-  for (std::size_t i = 0; i < pointer.size(); ++i) {
-    if (pointer[i] == '/') {
-      tokens.emplace_back();
-    } else if (pointer[i] == '~') {
-      if (i + 1 == pointer.size() || (pointer[i + 1] != '0' && pointer[i + 1] != '1')) return std::nullopt;
-      tokens.back() += pointer[++i] == '0' ? '~' : '/';
-    } else {
-      tokens.back() += pointer[i];
-    }
-  }
-  return tokens;
-}
-
 /// Returns the list index that a token of a JSON pointer means. The token `-`, which appends, means `size`,
 /// the length of the list. Empty if the token is neither a number nor `-`.
 std::optional<std::size_t> list_index(const std::string& token, std::size_t size) {
@@ -335,6 +318,22 @@ void place_nodes(JsonNode& node, const Where& around) {
       place_nodes(member.node, node.where);
       member.where = member.node.where;
     }
+}
+
+std::optional<std::vector<std::string>> pointer_tokens(const std::string& pointer) {
+  if (pointer.empty() || pointer[0] != '/') return std::nullopt;
+  std::vector<std::string> tokens;
+  for (std::size_t i = 0; i < pointer.size(); ++i) {
+    if (pointer[i] == '/') {
+      tokens.emplace_back();
+    } else if (pointer[i] == '~') {
+      if (i + 1 == pointer.size() || (pointer[i + 1] != '0' && pointer[i + 1] != '1')) return std::nullopt;
+      tokens.back() += pointer[++i] == '0' ? '~' : '/';
+    } else {
+      tokens.back() += pointer[i];
+    }
+  }
+  return tokens;
 }
 
 std::string escape_pointer_token(std::string_view token) {

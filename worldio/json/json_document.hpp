@@ -30,6 +30,8 @@ void report_repeated_keys(const JsonNode& node, Diagnostics& diagnostics);
 /// node that contains it, and the root gets `around`. Each key gets the place of its value.
 void place_nodes(JsonNode& node, const Where& around);
 
+/// Returns the tokens of a JSON pointer, unescaped. Empty if it is malformed or points to the root.
+std::optional<std::vector<std::string>> pointer_tokens(const std::string& pointer);
 /// Returns a key as a token of a JSON pointer: `~` becomes `~0`, `/` becomes `~1`.
 std::string escape_pointer_token(std::string_view token);
 

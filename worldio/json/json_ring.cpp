@@ -50,7 +50,55 @@ JsonNode pose_node(const Pose& pose, Where where) {
   return json_node(std::move(object), where);
 }
 
+/// Returns the number of copies that replace a value: the `count` of its ring, or 1 if the value has no ring
+/// or if its `count` is not a valid number of copies.
+double copies_of(const JsonNode& node) {
+  const JsonNode* ring = node.object() ? node.find("ring") : nullptr;
+  const JsonNode* count = ring && ring->object() ? ring->find("count") : nullptr;
+  const auto* copies = count ? std::get_if<std::int64_t>(&count->value) : nullptr;
+  if (!copies || *copies < 1) return 1;
+  const auto number = static_cast<double>(*copies);
+  return number <= document_table<RingDocument>().find("count")->field.max ? number : 1;
+}
+
+/// Returns the number of JSON objects in a value after its rings are expanded, including the value itself.
+double expanded_objects(const JsonNode& node) {
+  double objects = 0;
+  if (const JsonNode::List* list = node.list())
+    for (const JsonNode& entry : *list) objects += expanded_objects(entry);
+  const JsonNode::Object* members = node.object();
+  if (!members) return objects;
+  for (const JsonMember& member : *members)
+    if (member.key != "ring") objects += expanded_objects(member.node);
+  return copies_of(node) * (objects + 1);
+}
+
+/// Adds the objects that the rings in the value at `at` make to `objects`.
+void count_ring_objects(const JsonCursor& at, double& objects) {
+  const JsonNode& node = at.node();
+  if (copies_of(node) > 1) {
+    objects += expanded_objects(node);
+    if (objects <= static_cast<double>(k_most_ring_objects)) return;
+    const JsonNode& ring = *node.find("ring");
+    JsonCursor(at, "ring", ring)
+        .error(fmt::format("up to here, the rings of the world make more than {} objects, which is the limit "
+                           "for the copies and the objects in the copies: reduce \"count\"",
+                           k_most_ring_objects));
+    at.diagnostics().throw_if_errors();
+  }
+  if (const JsonNode::List* list = node.list())
+    for (std::size_t i = 0; i < list->size(); ++i) count_ring_objects(JsonCursor(at, i, (*list)[i]), objects);
+  if (const JsonNode::Object* members = node.object())
+    for (const JsonMember& member : *members)
+      count_ring_objects(JsonCursor(at, member.key, member.node), objects);
+}
+
 }  // namespace
+
+void check_rings(const JsonCursor& root) {
+  double objects = 0;
+  count_ring_objects(root, objects);
+}
 
 std::vector<JsonNode> expand_ring(const JsonCursor& at) {
   const JsonNode& described = *at.node().find("ring");

@@ -2,6 +2,7 @@
 
 #include "worldio/json/json_reader.hpp"
 
+#include <cstddef>
 #include <vector>
 
 namespace troupe::worldio {
@@ -16,5 +17,12 @@ inline bool has_ring(const JsonNode& entry) { return entry.find("ring") != nullp
 /// i is appended to the name of the copy and to the names of all sensors, devices and parts inside the copy.
 /// Empty, with errors, if the ring or the pose is wrong.
 std::vector<JsonNode> expand_ring(const JsonCursor& at);
+
+/// The greatest number of JSON objects that the rings of a document may make: the copies and the objects in
+/// the copies. Rings in rings multiply, so a short file could otherwise ask for any amount of memory.
+inline constexpr std::size_t k_most_ring_objects = 1000000;
+/// Reports an error at the ring with which the document at `root` exceeds k_most_ring_objects, and throws it
+/// as Diagnostics::throw_if_errors() does.
+void check_rings(const JsonCursor& root);
 
 }  // namespace troupe::worldio

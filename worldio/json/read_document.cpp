@@ -7,6 +7,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <cmath>
 #include <optional>
 #include <utility>
 
@@ -264,8 +265,12 @@ void ObjectReader::check_version(const DocumentKey& key, const JsonCursor& at) c
 void ObjectReader::read_seed(const DocumentKey& key, const JsonCursor& at) {
   const auto* small = std::get_if<std::int64_t>(&at.node().value);
   const auto* big = std::get_if<std::uint64_t>(&at.node().value);
+  const auto* real = std::get_if<double>(&at.node().value);  // 1e+05, as a study writes a computed seed
+  constexpr double k_exact = 9007199254740992.0;             // 2^53: larger doubles are not exact integers
   if (big)
     member<std::uint64_t>(key) = *big;
+  else if (real && *real >= 0 && *real <= k_exact && *real == std::floor(*real))
+    member<std::uint64_t>(key) = static_cast<std::uint64_t>(*real);
   else if (small && *small >= 0)
     member<std::uint64_t>(key) = static_cast<std::uint64_t>(*small);
   else

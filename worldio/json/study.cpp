@@ -328,10 +328,34 @@ void StudyReader::read_measures(JsonObject& object) {
     study_.measure_every_s = every.number();
 }
 
+/// Whether two tokens of JSON pointers mean the same key or index. Indices of lists are compared as numbers,
+/// because `--set` takes 00 as 0.
+bool same_token(std::string_view a, std::string_view b) {
+  if (a == b) return true;
+  const auto is_index = [](std::string_view token) {
+    return !token.empty() && token.find_first_not_of("0123456789") == token.npos;
+  };
+  const auto digits = [](std::string_view index) {
+    return index.substr(std::min(index.find_first_not_of('0'), index.size()));
+  };
+  return is_index(a) && is_index(b) && digits(a) == digits(b);
+}
+
+using Tokens = std::vector<std::string>;  // of a JSON pointer; empty for a malformed pointer
+
+/// Whether setting the value at the JSON pointer `later` replaces the value at `earlier`, because both are
+/// the same place or `later` contains `earlier`.
+bool overwrites(const Tokens& later, const Tokens& earlier) {
+  return !later.empty() && later.back() != "-" && later.size() <= earlier.size() &&
+         std::equal(later.begin(), later.end(), earlier.begin(), same_token);
+}
+
 /// Reports parameters whose values cannot change any run, because another parameter, `seeds` or `for_s` sets
 /// the same value afterwards.
 void StudyReader::check_effects(const JsonCursor& at) const {
   const auto& all = study_.parameters;
+  std::vector<Tokens> tokens;
+  for (const Study::Parameter& one : all) tokens.push_back(pointer_tokens(one.pointer).value_or(Tokens{}));
   for (std::size_t p = 0; p < all.size(); ++p) {
     const std::string& pointer = all[p].pointer;
     const auto report = [&](const std::string& why) {
@@ -342,12 +366,11 @@ void StudyReader::check_effects(const JsonCursor& at) const {
       report("\"seeds\" sets the seed of each run: remove this parameter or \"seeds\"");
     if ((pointer == "/quit_time_s" || pointer == "/quit_time_ms") && study_.for_s)
       report("\"for_s\" of the study sets the end of each run: remove this parameter or \"for_s\"");
-    const bool appends = pointer.ends_with("/-");  // each of several such parameters appends another entry
-    const auto later = std::find_if(all.begin() + static_cast<std::ptrdiff_t>(p) + 1, all.end(),
-                                    [&](const Study::Parameter& one) { return one.pointer == pointer; });
-    if (!pointer.empty() && !appends && later != all.end())
-      report(fmt::format("/parameters/{} sets the same value: remove one of these two parameters",
-                         later - all.begin()));
+    const auto later = std::find_if(tokens.begin() + static_cast<std::ptrdiff_t>(p) + 1, tokens.end(),
+                                    [&](const Tokens& one) { return overwrites(one, tokens[p]); });
+    if (later != tokens.end())
+      report(fmt::format("/parameters/{} sets {}: remove one of these two parameters", later - tokens.begin(),
+                         later->size() == tokens[p].size() ? "the same value" : "a value that contains it"));
   }
 }
 
@@ -364,6 +387,17 @@ void StudyReader::check_runs(const JsonCursor& at) {
   if (count > static_cast<double>(k_most_runs))
     at.error(fmt::format("the study has {} runs; at most {} are allowed: give fewer values, samples or seeds",
                          plain_number(count), k_most_runs));
+}
+
+/// Returns the name of the random stream of a parameter. Each parameter has an independent stream, so that
+/// adding another parameter does not change the values of this one. Only pointers that append to a list can
+/// occur several times; then the name also contains the number of earlier parameters with this pointer.
+std::string stream_name(const std::vector<Study::Parameter>& parameters, std::size_t p) {
+  const std::string& pointer = parameters[p].pointer;
+  if (!pointer.ends_with("/-")) return pointer;
+  const auto end = parameters.begin() + static_cast<std::ptrdiff_t>(p);
+  const auto repeats = std::ranges::count(parameters.begin(), end, pointer, &Study::Parameter::pointer);
+  return repeats == 0 ? pointer : fmt::format("{} #{}", pointer, repeats + 1);
 }
 
 }  // namespace
@@ -388,10 +422,8 @@ Study::Run Study::run(std::size_t index) const {
   run.values.resize(choices.size());
   for (std::size_t p = choices.size(); p-- > 0;) {
     if (samples) {
-      // Each parameter has an independent random stream, so that adding another parameter does not change the
-      // values of this one.
-      Random random(random_seed, stream_id("study", parameters[p].pointer), static_cast<std::uint32_t>(index),
-                    0);
+      Random random(random_seed, stream_id("study", stream_name(parameters, p)),
+                    static_cast<std::uint32_t>(index), 0);
       run.values[p] = drawn(choices[p], random);
     } else {
       run.values[p] = value_of(choices[p], index % choices[p].count());

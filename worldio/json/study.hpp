@@ -73,9 +73,9 @@ struct Study {
   /// Returns the run with this index, which must be below run_count(). Without samples, the runs are all
   /// combinations of the values: the first parameter varies slowest and the seed fastest. With samples, each
   /// sample is run with every seed, and the seed varies fastest. The values of a sample depend only on
-  /// `random_seed`, on the number of the sample, and on the choice and the pointer of each parameter. Runs
-  /// are computed on demand, because a file of some kilobytes can define a million runs of hundreds of
-  /// parameters.
+  /// `random_seed`, on the number of the sample, on the choice and the pointer of each parameter, and on the
+  /// number of earlier parameters with the same pointer (`/models/-`). Runs are computed on demand, because a
+  /// file of some kilobytes can define a million runs of hundreds of parameters.
   Run run(std::size_t index) const;
   /// Returns the values of the parameters in a run as arguments of --set: for each parameter, a pair of its
   /// JSON pointer and its value. The seed is not included.

@@ -295,10 +295,19 @@ void read_condition_text(const JsonCursor& at, const std::string& text, const Re
   condition.is = read_comparison(at, compares);
 }
 
+/// Returns whether read_condition_text() finds the end of this measure in a text, and reads all its
+/// characters.
+bool fits_condition_text(const MeasureDocument& measure) {
+  const std::string& last = measure.of.empty() ? measure.kind : measure.of;
+  return (measure.kind + measure.of).find_first_of("<>=!") == std::string::npos &&
+         !measure.kind.starts_with(' ') && !last.ends_with(' ');
+}
+
 std::optional<std::string> condition_text(const void* object, const Registry& registry) {
   const auto& condition = *static_cast<const ConditionDocument*>(object);
   if (!condition.measure || !condition.is || !condition.measure->name.empty()) return std::nullopt;
   const MeasureDocument& measure = *condition.measure;
+  if (!fits_condition_text(measure)) return std::nullopt;
   const auto kind = registry.find_measure(measure.kind);
   const engine::Record defaults = kind ? (*kind)->params.defaults() : engine::Record();
   const auto same = [](const engine::Value& a, const engine::Value& b) { return same_bits(a, b); };

@@ -257,6 +257,35 @@ std::vector<RecordedComponent> recorded_components(const World& world, std::span
   return components;
 }
 
+std::string join_field_names(std::span<const std::string> names) {
+  std::string text;
+  for (std::size_t i = 0; i < names.size(); ++i) {
+    if (i > 0) text += ',';
+    for (const char c : names[i]) {
+      if (c == ',' || c == '\\') text += '\\';
+      text += c;
+    }
+  }
+  return text;
+}
+
+std::vector<std::string> split_field_names(std::string_view text) {
+  std::vector<std::string> names;
+  if (!text.empty()) names.emplace_back();
+  for (std::size_t i = 0; i < text.size(); ++i) {
+    // Earlier versions wrote no backslash before a backslash: one before another character is part of a name.
+    const bool is_escape =
+        text[i] == '\\' && i + 1 < text.size() && (text[i + 1] == ',' || text[i + 1] == '\\');
+    if (is_escape)
+      names.back() += text[++i];
+    else if (text[i] == ',')
+      names.emplace_back();
+    else
+      names.back() += text[i];
+  }
+  return names;
+}
+
 std::byte absent(const engine::StateField& field) {
   using engine::Element;
   return field.element == Element::f64 || field.element == Element::f32 ? std::byte{0xff} : std::byte{0};

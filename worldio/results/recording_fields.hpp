@@ -77,6 +77,12 @@ std::string wrong_spelling(std::string_view what, std::string_view name, std::st
 std::vector<RecordedComponent> recorded_components(const engine::World& world,
                                                    std::span<const std::string> names);
 
+/// Joins names of fields with commas, as recordings store them in the attribute `record_fields`. A comma or a
+/// backslash inside a name is preceded by a backslash.
+std::string join_field_names(std::span<const std::string> names);
+/// Returns the names from which join_field_names() made `text`.
+std::vector<std::string> split_field_names(std::string_view text);
+
 /// Returns the byte with which all bytes of a row without a value are filled: 0xff for floating-point fields,
 /// which gives NaN, else 0.
 std::byte absent(const engine::StateField& field);

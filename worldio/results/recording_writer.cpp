@@ -9,7 +9,6 @@
 
 #include <algorithm>
 #include <cstring>
-#include <sstream>
 
 namespace troupe::worldio {
 namespace {
@@ -24,19 +23,6 @@ constexpr std::size_t k_batch_bytes = std::size_t{2} << 20;
 constexpr std::size_t k_chunk_bytes = std::size_t{1} << 20;
 constexpr std::size_t k_most_batch_frames = 256;
 constexpr std::size_t k_frame_chunk = 1024;  // rows per chunk of an array in /frames
-
-std::string joined(std::span<const std::string> words) {
-  std::string text;
-  for (const std::string& word : words) text += (text.empty() ? "" : ",") + word;
-  return text;
-}
-
-std::vector<std::string> split(const std::string& text) {
-  std::vector<std::string> words;
-  std::istringstream stream(text);
-  for (std::string word; std::getline(stream, word, ',');) words.push_back(word);
-  return words;
-}
 
 std::size_t bytes_of(const std::vector<RecordedComponent>& components, std::size_t rows) {
   std::size_t bytes = rows;  // bytes of /state/alive in a frame
@@ -98,11 +84,17 @@ RecordingWriter::RecordingWriter(const std::filesystem::path& file, const World&
       every_ticks_(head.every_ticks),
       batch_frames_(batch_frames(bytes_of(components_, bodies_.size()))) {
   open_ = true;
-  guarded([&] {
-    write_head(world, head);
-    create_outputs();
-    start(in_background);
-  });
+  try {
+    guarded([&] {
+      write_head(world, head);
+      create_outputs();
+      start(in_background);
+    });
+  } catch (...) {
+    std::error_code ignored;  // the first error is reported
+    std::filesystem::remove(file, ignored);
+    throw;
+  }
 }
 
 RecordingWriter::RecordingWriter(const std::filesystem::path& file, const World& world, bool in_background)
@@ -110,7 +102,7 @@ RecordingWriter::RecordingWriter(const std::filesystem::path& file, const World&
   const Hdf5Group meta = RecordingReader::checked_meta(file_);
   every_ticks_ = static_cast<std::uint64_t>(std::max<std::int64_t>(meta.integer("record_every_ticks"), 1));
   try {
-    components_ = recorded_components(world, split(meta.text("record_fields")));
+    components_ = recorded_components(world, split_field_names(meta.text("record_fields")));
   } catch (const std::invalid_argument& error) {
     meta.fail(fmt::format("belongs to another world: {}; choose another file", error.what()));
   }
@@ -165,7 +157,7 @@ void RecordingWriter::write_head(const World& world, const RecordingHead& head) 
   meta.set_text("kind", "troupe recording");
   meta.set_integer("layout", k_recording_layout);
   meta.set_integer("record_every_ticks", static_cast<std::int64_t>(head.every_ticks));
-  meta.set_text("record_fields", joined(head.fields));
+  meta.set_text("record_fields", join_field_names(head.fields));
   for (const auto& [key, value] : head.meta) meta.set_text(key, value);
   file_.write_text("world", head.world_json);
   write_scene(file_, world.spec());

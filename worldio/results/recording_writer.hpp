@@ -47,7 +47,7 @@ struct RecordingHead {
 class RecordingWriter {
  public:
   /// Creates a file without frames, replacing an existing file of the same name. `components` are the arrays
-  /// to record, from recorded_components().
+  /// to record, from recorded_components(). After an error, the file does not exist.
   RecordingWriter(const std::filesystem::path& file, const engine::World& world,
                   std::vector<RecordedComponent> components, const RecordingHead& head,
                   bool in_background = false);
