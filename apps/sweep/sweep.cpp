@@ -30,6 +30,7 @@
 #include <cmath>
 #include <condition_variable>
 #include <cstdio>
+#include <exception>
 #include <limits>
 #include <map>
 #include <mutex>
@@ -174,13 +175,13 @@ std::optional<Made> make(const Study& study, std::size_t index, const SweepOptio
 /// less and less densely, because loading all worlds can take hours. Throws the InputError of run 0 if it
 /// finds no such run.
 Simulation first_world(const Study& study, const SweepOptions& options) {
-  std::optional<InputError> first;
+  std::exception_ptr first;
   for (std::size_t run = 0; run < study.run_count(); run += 1 + run / 4) try {
       return Simulation(study.world, options_of(study, study.run(run), options));
-    } catch (const InputError& error) {
-      if (!first) first = error;
+    } catch (const InputError&) {
+      if (!first) first = std::current_exception();
     }
-  throw *first;
+  std::rethrow_exception(first);
 }
 
 /// Returns a text that identifies the study, and the names of the columns of its measures. The text is a hash

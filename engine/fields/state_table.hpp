@@ -215,10 +215,11 @@ class StateTable {
   std::vector<std::byte> data_;
 };
 
-/// Returns the name that the world file gives the device or joint of a component: `ir` for `ranger/ir`,
-/// `lamp/command` for `led/lamp/command`, `arm` for `joint/arm`, and `eye` for `sensors/minibot/eye`, which
-/// is a component of a recording. Returns the whole name of a component without a slash, such as `pose`, and
-/// of a component whose second part is a number, such as `wander/0` of a controller.
+/// Returns the part of a component's name that begins with the name that the world file gives the device or
+/// joint: `ir` for `ranger/ir`, `arm` for `joint/arm`, `eye` for `sensors/minibot/eye` (a component of a
+/// recording), and `lamp/command` for `led/lamp/command` (the commands to the device `lamp`). If the
+/// component's name has no slash (`pose`), or if its second part is a number (`wander/0`, of a controller),
+/// returns the whole name.
 std::string_view given_name(std::string_view component);
 /// Whether a name that a user gives, such as a field to record, selects this component: whether the name is
 /// that of the component, its given_name(), or its kind, which is the part of the component's name before the

@@ -116,7 +116,7 @@ Result<> check_fixed(const FieldTable& table, const Record& before, const Record
 
 /// As check_fixed(), for a drive. The error may also say which value is not allowed.
 Result<> check_change(const DriveKind& kind, const Record& before, const Record& params) {
-  if (const Result<> checked = check_fixed(kind.params, before, params); !checked) return checked;
+  if (const Result<> checked = check_fixed(kind.params, before, params); !checked) return checked.error();
   return kind.check(params);
 }
 
@@ -332,13 +332,10 @@ void World::bind_kinds_again(const Registry& registry) {
     }
     if (std::ranges::none_of(type.controllers, [](const auto& each) { return each.kind->bind_world; }))
       continue;
-    std::vector<bool> claimed(type.devices.size(), false);
-    for (std::size_t c = 0; c < type.controllers.size(); ++c) {
-      Result<ControllerKind::Prepared> prepared = prepare_controller(
-          *type.controllers[c].kind, spec.controllers[c], state_.spec, spec, type, claimed);
-      require(prepared);
-      type.controllers[c].data = std::move(prepared->data);
-    }
+    Result<std::vector<std::any>> data =
+        prepare_controllers(type.controllers.size(), state_.spec, spec, type, registry);
+    require(data);
+    for (std::size_t c = 0; c < data->size(); ++c) type.controllers[c].data = std::move((*data)[c]);
     has_bound = true;
   }
   std::map<std::uint32_t, TypeSpec> types;

@@ -41,7 +41,7 @@ class Links {
   Links& operator=(const Links&) = delete;
 
   /// Allocates the lists. Call this after the rows of the state were made, and again after bodies have
-  /// changed their rows. Then call derive(), rest_joints() and reshape(), which compute all other data.
+  /// changed their rows. Then call derive() and reshape(), which compute all other data.
   void build();
   /// Computes all data that this class derives from the state tables, except the shapes of trees, which
   /// reshape() computes.

@@ -63,8 +63,9 @@ struct Hashes {
 /// A running world. It consists of constants made from a WorldSpec, the state tables (also called
 /// components), and the number of the tick.
 ///
-/// S(k) is the state after k ticks. S(k+1) = step(S(k)) depends only on S(k), the spec, the seed, and the
-/// changes that the callback of before_tick() makes.
+/// S(k) is the state after k ticks, with the changes that a program has made since. S(k+1) = step(S(k))
+/// depends only on S(k), the spec with its seed, the calls of subscribe(), and the changes that the callback
+/// of before_tick() makes.
 ///
 /// Every body that has a drive, a device or a controller, or that can be gripped or pushed, has a *row*, an
 /// index into the state tables. Within the rows of its type, it has a *slot*, an index into the tables of

@@ -184,7 +184,8 @@ struct Waypoints {
     // The robot arrives at the end of a period of the drive. If `due` is within a period, the robot must
     // arrive at the end of the period before.
     const std::uint64_t left = due > ahead.tick ? due - ahead.tick : 0;
-    double left_s = left > 0 ? static_cast<double>(left / period * period) * percept.tick_s
+    const std::uint64_t left_in_periods = left - left % period;
+    double left_s = left > 0 ? static_cast<double>(left_in_periods) * percept.tick_s
                              : std::max(way.norm() / speed_of(goal), (turn < 0 ? -turn : turn) / turn_max);
     left_s = std::max(left_s, step_s);
     const double speed = way.norm() / left_s;

@@ -430,7 +430,7 @@ struct WorldDocument : Placed {
   std::optional<Box> bounds;
   std::optional<GroundDocument> ground;  ///< properties of the ground
   std::optional<RecordDocument> record;  ///< what a run records
-  std::optional<engine::Record> watch;   ///< how a run is watched, such as its speed: engine::watch_fields()
+  std::optional<engine::Record> watch;   ///< speed and printed time of a run: engine::watch_fields()
   std::optional<engine::Record> window;  ///< settings of the view of `--camera window`: window_fields()
   bool mortal = false;  ///< true: programs may remove and disable bodies, even if nothing in the world does
   Check overlaps = Check::error;              ///< how a model that overlaps a body at the start is treated
