@@ -101,8 +101,8 @@ class Diagnostics {
   /// content: both findings are then kept, unless one of the two parts inherits from the other.
   void inherits(const Inheritable& heir, const Inheritable& base);
 
-  bool has_errors() const { return errors_ > 0; }  ///< whether throw_if_errors() would throw
-  std::size_t error_count() const { return errors_; }
+  bool has_errors() const { return errors_ > 0; }      ///< whether throw_if_errors() would throw
+  std::size_t error_count() const { return errors_; }  ///< number of errors, also those that are not listed
   /// All findings in the order in which they were added; valid until the next finding is added.
   std::span<const Finding> findings() const { return findings_; }
   /// A finding as `file:line: severity: message`. If the line is 0, it is omitted. If the finding has no

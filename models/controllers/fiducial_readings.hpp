@@ -66,8 +66,8 @@ class FiducialReadings {
 
 /// A body with a part that fiducial finders recognise by its fiducial_return.
 struct MarkedBody {
-  BodyId body;
-  Vec2 at;  ///< origin of the first such part at tick 0, m, world frame
+  BodyId body;  ///< id of the body
+  Vec2 at;      ///< origin of the first such part at tick 0, m, world frame
 };
 
 /// The bodies that are in the world at tick 0 and have a part whose fiducial_return is `mark`, in order of
