@@ -260,6 +260,51 @@ Ring outline_of(const Piece& piece) {
   return distinct(ring);
 }
 
+// -- Directions --
+
+/// A rotation of the plane with a scale: turns contours before and pieces after a cut, because all cuts are
+/// parallel to the x axis.
+struct Direction {
+  double c;  // scale * cosine
+  double s;  // scale * sine
+
+  Vec2 turned(const Vec2& v) const { return {c * v.x() - s * v.y(), s * v.x() + c * v.y()}; }
+  Direction inverse() const { return {c / (c * c + s * s), -s / (c * c + s * s)}; }
+};
+Ring turned(Ring ring, const Direction& direction) {
+  for (Vec2& v : ring) v = direction.turned(v);
+  return ring;
+}
+
+/// The convex pieces of the even-odd region of the contours, cut along the x axis.
+std::vector<Ring> cut(const std::vector<Ring>& contours) {
+  Box box;
+  for (const Ring& contour : contours) box.extend(bounds(contour));
+  const double extent = std::max(box.min.cwiseAbs().maxCoeff(), box.max.cwiseAbs().maxCoeff());
+  const double tolerance = k_level * extent;
+  const std::vector<double> levels = corner_levels(contours, tolerance);
+  const std::vector<Side> sides = sides_of(contours, levels);
+  std::vector<Ring> outlines;
+  for (const Piece& piece : merged(sides, trapezoids_of(sides, levels, tolerance), tolerance)) {
+    Ring outline = outline_of(piece);
+    if (outline.size() >= 3 && signed_area(outline) > 0) outlines.push_back(std::move(outline));
+  }
+  return outlines;
+}
+std::vector<Ring> cut(const std::vector<Ring>& contours, const Direction& direction) {
+  std::vector<Ring> turned_contours;
+  for (const Ring& contour : contours) turned_contours.push_back(turned(contour, direction));
+  std::vector<Ring> outlines = cut(turned_contours);
+  for (Ring& outline : outlines) outline = turned(std::move(outline), direction.inverse());
+  return outlines;
+}
+
+double smallest_width(const std::vector<Ring>& outlines) {
+  double width = std::numeric_limits<double>::infinity();
+  for (const Ring& outline : outlines) width = std::min(width, convex_width(outline));
+  return width;
+}
+
 }  // namespace
 
 std::size_t count_vertices(const std::vector<Solid>& solids) {
@@ -342,12 +387,9 @@ bool contains(const Solid& solid, const Vec2& point) {
 
 std::vector<ConvexPrism> convex_pieces(const Solid& solid) {
   std::vector<Ring> contours;
-  Box box;
   for (const Ring& contour : solid.contours) {
     Ring corners = distinct(contour);
-    if (corners.size() < 3) continue;
-    box.extend(bounds(corners));
-    contours.push_back(std::move(corners));
+    if (corners.size() >= 3) contours.push_back(std::move(corners));
   }
   if (contours.empty()) return {};
 
@@ -361,14 +403,16 @@ std::vector<ConvexPrism> convex_pieces(const Solid& solid) {
     }
   }
 
-  const double extent = std::max(box.min.cwiseAbs().maxCoeff(), box.max.cwiseAbs().maxCoeff());
-  const double tolerance = k_level * extent;
-  const std::vector<double> levels = corner_levels(contours, tolerance);
-  const std::vector<Side> sides = sides_of(contours, levels);
-  for (const Piece& piece : merged(sides, trapezoids_of(sides, levels, tolerance), tolerance)) {
-    Ring outline = outline_of(piece);
-    if (outline.size() >= 3 && signed_area(outline) > 0) prisms.push_back({std::move(outline), solid.z});
+  std::vector<Ring> outlines = cut(contours);
+  // Two corners at almost the same height leave a sliver between their cuts. Cuts in other directions may
+  // avoid it. Neither direction changes the coordinates by more than rounding.
+  for (const Direction& direction : {Direction{0, 1}, Direction{1, 1}}) {
+    const double width = smallest_width(outlines);
+    if (width >= k_thin_m) break;
+    std::vector<Ring> others = cut(contours, direction);
+    if (smallest_width(others) > width) outlines = std::move(others);
   }
+  for (Ring& outline : outlines) prisms.push_back({std::move(outline), solid.z});
   return prisms;
 }
 

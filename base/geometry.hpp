@@ -117,11 +117,17 @@ double convex_width(const Ring& ring);
 /// heights. For a point on an edge, the result may be true or false.
 bool contains(const Solid& solid, const Vec2& point);
 
+/// Width of a piece of a shape, metres, below which motions become slow to test, because they are tested in
+/// steps of a quarter of it.
+inline constexpr double k_thin_m = 0.5e-3;
+
 /// Cuts the even-odd region of a solid into convex pieces that do not overlap. A single convex contour is
 /// returned whole, counter-clockwise and without repeated corners. Any other region is cut into trapezoids
-/// with horizontal top and bottom, and trapezoids are merged where their union stays convex. Contours may
-/// cross, touch and coincide. Cutting moves corners by at most 1e-12 of the largest coordinate. The pieces
-/// are ordered by their lowest y, then from left to right; there are none if the region has no area. Throws
+/// with horizontal top and bottom, and trapezoids are merged where their union stays convex. If a piece is
+/// narrower than k_thin_m, the region is also cut along the y axis and along a diagonal, and the cut whose
+/// narrowest piece is widest is returned. Contours may cross, touch and coincide. Cutting moves corners by at
+/// most 1e-12 of the largest coordinate. The pieces are ordered by their lowest place perpendicular to the
+/// cuts, then along the cuts; there are none if the region has no area. Throws
 /// std::length_error if the contours have so many long edges, or cross so often, that the cut would take
 /// longer than a few seconds.
 std::vector<ConvexPrism> convex_pieces(const Solid& solid);

@@ -11,6 +11,7 @@
 namespace troupe::live {
 namespace {
 
+constexpr std::size_t k_axes = 4;         // x, y, heading and z
 constexpr double k_farthest_steps = 1e9;  // 1,000 km; positions are clamped to it
 
 std::int32_t steps_of(double metres) {
@@ -37,21 +38,18 @@ void append_signed(std::string& out, std::int64_t value) {
 void append_poses(std::string& out, const std::vector<std::int32_t>& poses, std::size_t robots,
                   std::vector<std::int32_t>& sent) {
   sent.resize(poses.size(), 0);
-  const std::size_t axes = robots > 0 ? poses.size() / robots : 0;
   std::size_t skipped = 0;
   for (std::size_t r = 0; r < robots; ++r) {
     const auto differs = [&](std::size_t axis) {
       return poses[axis * robots + r] != sent[axis * robots + r];
     };
-    bool any = differs(0) || differs(1) || differs(2);
-    if (axes > 3) any = any || differs(3);
-    if (!any) {
+    if (!differs(0) && !differs(1) && !differs(2) && !differs(3)) {
       ++skipped;
       continue;
     }
     append(out, skipped + 1);
     skipped = 0;
-    for (std::size_t axis = 0; axis < axes; ++axis)
+    for (std::size_t axis = 0; axis < k_axes; ++axis)
       append_signed(out, std::int64_t{poses[axis * robots + r]} - sent[axis * robots + r]);
   }
   append(out, 0);
@@ -91,10 +89,10 @@ void put_color(const engine::World& world, std::uint32_t body, std::uint32_t par
 
 }  // namespace
 
-void take(const engine::World& world, std::span<const std::uint32_t> order, bool has_z, bool has_colors,
+void take(const engine::World& world, std::span<const std::uint32_t> order, bool has_colors,
           std::span<const worldio::ShownPart> parts, Picture& picture) {
   const std::size_t robots = order.size();
-  picture.poses.resize((has_z ? 4 : 3) * robots);
+  picture.poses.resize(k_axes * robots);
   std::size_t colors = robots;
   for (const worldio::ShownPart& part : parts) colors += part.count;
   picture.colors.resize(has_colors ? 3 * colors : 0);
@@ -105,7 +103,7 @@ void take(const engine::World& world, std::span<const std::uint32_t> order, bool
     picture.poses[r] = there ? steps_of(pose.x) : 0;
     picture.poses[robots + r] = there ? steps_of(pose.y) : 0;
     picture.poses[2 * robots + r] = there ? heading_steps(pose.heading) : k_gone;
-    if (has_z) picture.poses[3 * robots + r] = there ? steps_of(pose.z) : 0;
+    picture.poses[3 * robots + r] = there ? steps_of(pose.z) : 0;
     if (!has_colors) continue;
     put_color(world, order[r], 0, std::span(picture.colors).subspan(3 * r, 3));
   }

@@ -20,10 +20,10 @@ struct Picture {
   /// of the robot that the client inspects.
   std::map<std::uint64_t, std::string> own;
   /// The poses of the robots that the page shows, world frame, in the order of the argument `order` of
-  /// take(): first x of all robots, then y of all, then the heading of all, then, if heights can change, z of
-  /// all. x, y and z are in units of worldio::k_replay_step_m (1 mm) and clamped to +-1000 km. Headings are
-  /// numbers from 0 to worldio::k_replay_turn - 1, in units of 1 / k_replay_turn of a turn. A robot that is
-  /// not in the world has the heading k_gone; its other values are 0.
+  /// take(): first x of all robots, then y of all, then the heading of all, then z of all. x, y and z are in
+  /// units of worldio::k_replay_step_m (1 mm) and clamped to +-1000 km. Headings are numbers from 0 to
+  /// worldio::k_replay_turn - 1, in units of 1 / k_replay_turn of a turn. A robot that is not in the world
+  /// has the heading k_gone; its other values are 0.
   std::vector<std::int32_t> poses;
   /// Red, green and blue, each from 0 to 255: first of each robot, and then of each part whose colour is set
   /// by a device. The parts are in the order of worldio::LivePage::shown_parts. An entry of shown_parts
@@ -37,10 +37,10 @@ struct Picture {
 inline constexpr std::int32_t k_gone = -1;
 
 /// Fills the poses and colours of a picture with the current state of the world. order: the ids of the robots
-/// that the page shows, in the order of the page; has_z: whether heights can change; parts: the parts whose
-/// colour is set by a device (all three are members of worldio::LivePage). has_colors: whether robots or
-/// their parts show colours that change; it must be true if `parts` is not empty.
-void take(const engine::World& world, std::span<const std::uint32_t> order, bool has_z, bool has_colors,
+/// that the page shows, in the order of the page; parts: the parts whose colour is set by a device (both are
+/// members of worldio::LivePage). has_colors: whether robots or their parts show colours that change; it must
+/// be true if `parts` is not empty.
+void take(const engine::World& world, std::span<const std::uint32_t> order, bool has_colors,
           std::span<const worldio::ShownPart> parts, Picture& picture);
 
 /// The content of the last picture that was sent to a client; empty if none was sent.

@@ -100,7 +100,6 @@ View::Impl::Impl(Simulation& simulation, const Options& options)
   const engine::World& world = simulation.world();
   worldio::LivePage page = worldio::live_page(world, simulation.registry());
   order_ = std::move(page.order);
-  has_z_ = page.has_z;
   shown_parts_ = std::move(page.shown_parts);
   places_.assign(world.spec().bodies.size(), static_cast<std::uint32_t>(order_.size()));
   for (std::size_t r = 0; r < order_.size(); ++r) places_[order_[r]] = static_cast<std::uint32_t>(r);
@@ -273,11 +272,14 @@ void View::Impl::before_tick() {
 /// the world). Acts are applied in before_tick(), after the changes that the world schedules.
 void View::Impl::wait() {
   for (;;) {
-    if (!take_messages()) return;
+    const bool all_done = take_messages();
     if (is_between_ticks_) {
+      // Also if an act remains: a checkpoint that a viewer requested before the act must not contain the act
+      // and the next tick.
       do_jobs();
       if (playing_) return;
     }
+    if (!all_done) return;
     const auto now = Clock::now();
     if (is_changed_ || (playing_ && now - published_ >= k_picture)) publish();
     if (is_over() || (playing_ && (rate_ == 0 || now >= due_))) return;
@@ -310,7 +312,7 @@ void View::Impl::after_tick() {
 
 /// Executes the messages that have arrived, and returns true. Between two ticks, it returns false at the
 /// first act (a command that changes the world), or if a viewer that drives a robot has disconnected, and
-/// leaves what remains to be done for before_tick().
+/// leaves the remaining messages for before_tick().
 bool View::Impl::take_messages() {
   std::vector<Message> messages;
   std::map<std::uint64_t, bool> arrived;
@@ -567,7 +569,13 @@ std::string View::Impl::do_job(const Job& job) {
     case Job::What::restart: restart(job.seed); break;
     case Job::What::checkpoint: return save_checkpoint();
     case Job::What::record: return start_recording();
-    case Job::What::stop_recording: stop_recording(); break;
+    case Job::What::stop_recording:
+      if (recording_.empty())
+        throw ActRefused(
+            "no viewer has started a recording; a page cannot stop a recording that the command or program "
+            "has started");
+      stop_recording();
+      break;
   }
   return {};
 }
@@ -585,7 +593,7 @@ void View::Impl::check_restart() const {
 /// Returns to tick 0 and begins a new session. If `seed` is given, the new run uses this seed.
 void View::Impl::restart(std::optional<std::uint64_t> seed) {
   const std::uint64_t end = simulation_.tick();
-  stop_recording();
+  stop_recording();  // reset() also closes a recording that the program has started
   if (seed)
     simulation_.reset(*seed);
   else
@@ -656,9 +664,10 @@ std::string View::Impl::start_recording() {
   return file.filename().string();
 }
 
+/// Ends the recording that a viewer has started. Does nothing without one.
 void View::Impl::stop_recording() {
-  simulation_.stop_recording();
   if (recording_.empty()) return;
+  simulation_.stop_recording();
   std::error_code ignored;
   file_bytes_ += fs::file_size(recording_, ignored);
   recording_.clear();
@@ -749,7 +758,7 @@ void View::Impl::publish() {
   }
   if (!picture) return;  // the server still uses all pictures; before_tick() tries again
   picture->number = ++pictures_;
-  take(simulation_.world(), order_, has_z_, has_colors_, shown_parts_, *picture);
+  take(simulation_.world(), order_, has_colors_, shown_parts_, *picture);
   picture->state = members_of(state());
   picture->own.clear();
   picture->shades.clear();

@@ -113,7 +113,6 @@ class View::Impl : private ViewBackend {
   std::string look_token_;
   std::vector<std::uint32_t> order_;   // ids of the robots of the page
   std::vector<std::uint32_t> places_;  // by id: index in order_, or order_.size()
-  bool has_z_ = false;
   std::vector<worldio::ShownPart> shown_parts_;
   bool has_colors_ = false;
   std::filesystem::path folder_;

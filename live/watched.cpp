@@ -81,13 +81,14 @@ Eigen::Vector3d place_of(const engine::World& world, BodyId body) {
   return {pose.x, pose.y, pose.z};
 }
 
-/// Appends a line from each sender to each robot that heard it in the last tick in which its radio ran.
+/// Appends a line from each sender to each robot that heard it in the last tick in which its radio was due.
+/// Radios that do not run, such as those of disabled robots, have no lines: they keep their last readings.
 void append_heard(const engine::World& world, const engine::Frame& frame, WatchedJson& lines) {
   for (const engine::FrameBody& body : frame.mobile) {
     const BodyId id(body.id);
     const Row row = world.row(id);
     for (const engine::BodyType::Device& device : world.type(row).devices) {
-      if (device.kind->name != k_radio) continue;
+      if (device.kind->name != k_radio || !world.runs(row, device)) continue;
       const StateTable& table = world.percepts(device);
       const auto count = field_index(table, "count");
       const auto sender = field_index(table, "sender");

@@ -58,7 +58,9 @@ void take_shades(const engine::World& world, std::span<const std::uint32_t> plac
 std::vector<std::string_view> layers_of(const engine::World& world);
 /// Returns the lines of some layers as JSON: {layer: [x, y, z, x, y, z, ...]}, two points per line, world
 /// frame, m, rounded to 1 mm; at most 20,000 lines per layer. A line of `radio` goes from a sender to a robot
-/// that heard its message when the radio of this robot last ran. An unknown layer gets an empty list.
+/// that heard its message in the last tick in which the radio of this robot was due. A radio that does not
+/// run (engine::World::runs()), such as that of a disabled robot, has no lines. An unknown layer gets an
+/// empty list.
 nlohmann::ordered_json lines_of(const engine::World& world, std::span<const std::string> layers);
 
 }  // namespace troupe::live

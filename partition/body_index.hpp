@@ -114,6 +114,8 @@ class BodyIndex {
   /// A number that identifies the cell of the origin of the row's body: two rows have equal numbers if and
   /// only if their origins are in one cell. The row must be in the index. Valid until the next rebuild().
   std::uint32_t home(std::uint32_t row) const { return homes_[row]; }
+  /// Number of rows that the latest rebuild() received, in the index or not.
+  std::size_t rows() const { return radii_.size(); }
   /// Number of known tiles: those in which bodies are listed, and some in which bodies were listed earlier.
   std::size_t tiles() const { return directory_.size(); }
   const GridGeometry& geometry() const { return geometry_; }  ///< sizes of the cells and tiles of the index

@@ -1,5 +1,7 @@
 #include "partition/near_circles.hpp"
 
+#include <algorithm>
+
 namespace troupe::partition {
 
 void NearCircles::begin(const Vec2& centre, double reach) {
@@ -11,6 +13,13 @@ void NearCircles::begin(const Vec2& centre, double reach) {
 void NearCircles::add_pieces(const FixedOutlines& outlines, double within, std::uint32_t mark) {
   outlines.for_each_run(Box::around(centre_, within),
                         [&](std::span<const BodyCircle> run) { add(run, mark); });
+}
+
+void NearCircles::forget_met(std::size_t rows) {
+  if (met_.size() < rows) met_.resize(rows);
+  if (++search_ != 0) return;
+  std::ranges::fill(met_, 0);  // the numbers of searches begin again
+  search_ = 1;
 }
 
 /// Adds those circles of `run` that reach into the disc. The loop has no branch, because a branch would be

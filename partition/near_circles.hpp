@@ -5,7 +5,9 @@
 
 #include <cstddef>
 #include <cstdint>
+#include <limits>
 #include <span>
+#include <utility>
 #include <vector>
 
 namespace troupe::partition {
@@ -51,20 +53,21 @@ class NearCircles {
   /// Also adds some circles that are slightly outside the disc. begin() must have been called.
   template <class Skip>
   void add_bodies(const BodyIndex& index, Skip&& skip) {
-    const Box box = Box::around(centre_, reach_);
-    const auto add_run = [&](std::span<const BodyCircle> run) {
+    // A wide body is in several cells of the index. Its circle may be met again in another cell.
+    const float wide = index.has_wide() ? static_cast<float>(0.5 * index.geometry().cell_m)
+                                        : std::numeric_limits<float>::infinity();
+    if (index.has_wide()) forget_met(index.rows());
+    index.for_each_run(Box::around(centre_, reach_), [&](std::span<const BodyCircle> run) {
       std::size_t kept = size_;
       add(run, 0);
-      for (std::size_t i = kept; i < size_; ++i)
-        if (!skip(circles_.row[i]))
-          circles_.set(kept++, {circles_.x[i], circles_.y[i], circles_.radius[i], circles_.row[i]});
+      for (std::size_t i = kept; i < size_; ++i) {
+        const std::uint32_t row = circles_.row[i];
+        const bool repeated = circles_.radius[i] > wide && std::exchange(met_[row], search_) == search_;
+        if (!repeated && !skip(row))
+          circles_.set(kept++, {circles_.x[i], circles_.y[i], circles_.radius[i], row});
+      }
       size_ = kept;
-    };
-    // A wide body is in several cells of the index, and so in several runs. for_each_near() visits it once.
-    if (index.has_wide())
-      index.for_each_near(box, [&](const BodyCircle& circle) { add_run({&circle, 1}); });
-    else
-      index.for_each_run(box, add_run);
+    });
   }
   /// Adds the circles of outline pieces that reach into the disc. Circles farther than `within` (m) from the
   /// centre of the disc may be omitted, so that the search is shorter. A piece that has several circles is
@@ -84,11 +87,15 @@ class NearCircles {
 
  private:
   void add(std::span<const BodyCircle> run, std::uint32_t mark);
+  /// Begins a search that has met none of the first `rows` rows.
+  void forget_met(std::size_t rows);
 
   CircleArrays circles_;
   std::size_t size_ = 0;
   Vec2 centre_ = Vec2::Zero();
   double reach_ = 0;
+  std::vector<std::uint32_t> met_;  // per row: the latest search that met this wide body
+  std::uint32_t search_ = 0;        // number of the present search for bodies
 };
 
 }  // namespace troupe::partition

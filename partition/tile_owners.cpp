@@ -8,8 +8,12 @@ namespace {
 
 // Margin for the rounding of the bounds of a tile, m.
 constexpr double k_slack_m = 1e-6;
-// Beyond this distance, in tiles, all ranks count as near: the loop over tiles would take too long.
-constexpr double k_most_tiles = 128;
+// From this distance on, in tiles, all ranks count as near. Squares as wide as such a distance could have
+// corners that Cell cannot represent.
+constexpr double k_most_tiles = 1 << 20;
+// From this distance on, in squares, find_near() uses wider squares. Otherwise, the search for the ground of
+// other ranks near each tile would take long, and the lists of this ground would take much memory.
+constexpr double k_most_squares = 32;
 
 double distance2(const Box& box, const Vec2& point) {
   const Vec2 nearest = point.cwiseMax(box.min).cwiseMin(box.max);
@@ -68,45 +72,84 @@ unsigned TileOwners::owner(Key key) const {
   return static_cast<unsigned>(std::ranges::upper_bound(cut_, key) - cut_.begin());
 }
 
-Box TileOwners::box_of(Cell tile) const {
-  const double edge = geometry_.tile_m();
+/// The lowest key of a tile of a square.
+TileOwners::Key TileOwners::first_key(const Square& square) {
+  const std::int32_t edge = 1 << square.level;
+  return key(Cell{square.x * edge, square.y * edge}) & ~(number_of_tiles(square) - 1);
+}
+
+/// Edge of a square of this level, m.
+double TileOwners::edge_m(unsigned level) const {
+  return geometry_.tile_m() * static_cast<double>(1u << level);
+}
+
+Box TileOwners::box_of(const Square& square) const {
+  const double edge = edge_m(square.level);
   Box box;
-  box.min = Vec2(tile.x * edge, tile.y * edge);
-  box.max = Vec2((tile.x + 1.0) * edge, (tile.y + 1.0) * edge);
+  box.min = Vec2(square.x * edge, square.y * edge);
+  box.max = Vec2((square.x + 1.0) * edge, (square.y + 1.0) * edge);
   return box;
 }
 
-/// The tiles that do not belong to the owner of `tile` and that may be within `distance` (m) of a point of
-/// `tile`, sorted by their owners. Some of them are farther away. The result is cached for each tile until
+/// The ground within `distance` (m) of a point of `square` that belongs to other ranks than `own`, as squares
+/// sorted by their ranks. Some of them are farther away. The squares have at least the level of `square`: a
+/// square of that level is in the list once for each rank that owns a tile of it. The result is cached until
 /// `distance` changes.
-const std::vector<TileOwners::Foreign>& TileOwners::foreign_near(Cell tile, double distance) const {
+const std::vector<TileOwners::Foreign>& TileOwners::foreign_near(const Square& square, unsigned own,
+                                                                 double distance) const {
   if (distance != distance_) {
     foreign_.clear();
     distance_ = distance;
   }
-  const auto [found, is_new] = foreign_.try_emplace(key(tile));
-  if (!is_new) return found->second;
-  const unsigned own = owner(found->first);
-  const auto tiles = static_cast<std::int32_t>(distance / geometry_.tile_m()) + 1;
-  for (std::int32_t y = tile.y - tiles; y <= tile.y + tiles; ++y)
-    for (std::int32_t x = tile.x - tiles; x <= tile.x + tiles; ++x)
-      if (const unsigned rank = owner(key(Cell{x, y})); rank != own)
-        found->second.push_back({box_of({x, y}), rank});
-  std::ranges::stable_sort(found->second, {}, &Foreign::rank);
-  return found->second;
+  const auto [found, is_new] = foreign_.try_emplace({first_key(square), own});
+  std::vector<Foreign>& list = found->second;
+  if (!is_new) return list;
+  // A square that is at least as wide as the distance, and its eight neighbours, contain all this ground.
+  unsigned up = 0;
+  while (edge_m(square.level + up) < distance) ++up;
+  const Box from = box_of(square).expanded(distance);
+  for (const std::int32_t dy : {-1, 0, 1})
+    for (const std::int32_t dx : {-1, 0, 1})
+      add_foreign({(square.x >> up) + dx, (square.y >> up) + dy, square.level + up}, square.level, own, from,
+                  list);
+  std::ranges::stable_sort(list, {}, &Foreign::rank);
+  return list;
+}
+
+/// Adds the parts of a square that touch the box `near` and belong to other ranks than `own`. A square of
+/// several ranks is divided into four, but not below `least_level`.
+void TileOwners::add_foreign(const Square& square, unsigned least_level, unsigned own, const Box& near,
+                             std::vector<Foreign>& found) const {
+  const Box box = box_of(square);
+  if (!box.touches(near)) return;
+  const Key first = first_key(square);
+  const unsigned lowest = owner(first);
+  const unsigned highest = owner(first + (number_of_tiles(square) - 1));
+  if (lowest != highest && square.level > least_level) {
+    for (const std::int32_t dy : {0, 1})
+      for (const std::int32_t dx : {0, 1})
+        add_foreign({2 * square.x + dx, 2 * square.y + dy, square.level - 1}, least_level, own, near, found);
+    return;
+  }
+  for (unsigned rank = lowest;; rank = owner(cut_[rank])) {  // the next rank that owns a tile
+    if (rank != own) found.push_back({box, rank});
+    if (rank == highest) return;
+  }
 }
 
 void TileOwners::find_near(const Vec2& point, double distance, std::vector<unsigned>& near) const {
-  const Cell tile = geometry_.tile(geometry_.cell(point));
+  const unsigned own = owner(point);
   if (!(distance < k_most_tiles * geometry_.tile_m())) {
-    const unsigned own = owner(point);
     for (unsigned rank = 0; rank < ranks(); ++rank)
       if (rank != own) near.push_back(rank);
     return;
   }
+  unsigned level = 0;
+  while (distance >= k_most_squares * edge_m(level)) ++level;
+  const Cell tile = geometry_.tile(geometry_.cell(point));
   const std::size_t before = near.size();
   const double reach = distance + k_slack_m;
-  for (const Foreign& foreign : foreign_near(tile, reach))
+  for (const Foreign& foreign : foreign_near({tile.x >> level, tile.y >> level, level}, own, reach))
     if ((near.size() == before || near.back() != foreign.rank) &&
         distance2(foreign.box, point) <= reach * reach)
       near.push_back(foreign.rank);

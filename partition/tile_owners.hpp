@@ -7,6 +7,7 @@
 #include <cstdint>
 #include <map>
 #include <span>
+#include <utility>
 #include <vector>
 
 namespace troupe::partition {
@@ -44,25 +45,38 @@ class TileOwners {
 
   /// Appends to `near` the ranks that own a tile within `distance` (m) of a point (m, world frame), in
   /// ascending order, without the owner of the point. May also append ranks whose tiles are slightly farther
-  /// away. If the distance is 128 tile edges or more, appends all ranks but the owner. The result depends
-  /// only on the arguments of the constructor and of this function, so that it is the same on all ranks. Not
-  /// thread-safe.
+  /// away: by up to a tenth of the distance if it is 32 tile edges or more. If the distance is 2^20 tile
+  /// edges or more, appends all ranks but the owner. The result depends only on the arguments of the
+  /// constructor and of this function, so that it is the same on all ranks. Not thread-safe.
   void find_near(const Vec2& point, double distance, std::vector<unsigned>& near) const;
 
  private:
-  struct Foreign {  // a tile of another rank
+  /// A square of 2^level by 2^level tiles. Square (0, 0) has its lower left corner at the origin of the world
+  /// frame. The tiles of a square have successive keys.
+  struct Square {
+    std::int32_t x;
+    std::int32_t y;
+    unsigned level;
+  };
+  struct Foreign {  // ground of another rank
     Box box;
     unsigned rank;
   };
+  static Key number_of_tiles(const Square& square) { return Key{1} << (2 * square.level); }
+  static Key first_key(const Square& square);
   unsigned owner(Key key) const;
-  Box box_of(Cell tile) const;
-  const std::vector<Foreign>& foreign_near(Cell tile, double distance) const;
+  double edge_m(unsigned level) const;
+  Box box_of(const Square& square) const;
+  const std::vector<Foreign>& foreign_near(const Square& square, unsigned own, double distance) const;
+  void add_foreign(const Square& square, unsigned least_level, unsigned own, const Box& near,
+                   std::vector<Foreign>& found) const;
 
   GridGeometry geometry_;
   std::vector<Key> cut_;
-  // Tiles of other ranks near the tiles that find_near() was asked about with the last distance.
+  // Ground of other ranks near the squares that find_near() was asked about with the last distance. The key
+  // of an element is the first key of the square, and the rank to which the others are foreign.
   mutable double distance_ = -1;
-  mutable std::map<Key, std::vector<Foreign>> foreign_;
+  mutable std::map<std::pair<Key, unsigned>, std::vector<Foreign>> foreign_;
 };
 
 }  // namespace troupe::partition

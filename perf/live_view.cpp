@@ -34,8 +34,7 @@ void take_picture(benchmark::State& state) {
   Shown shown = hospital(static_cast<std::size_t>(state.range(0)));
   shown.simulation.step();
   live::Picture picture;
-  for (auto _ : state)
-    live::take(shown.simulation.world(), shown.page.order, shown.page.has_z, false, {}, picture);
+  for (auto _ : state) live::take(shown.simulation.world(), shown.page.order, false, {}, picture);
 }
 
 /// Encodes pictures of consecutive ticks, in which nearly all robots have moved.
@@ -48,7 +47,7 @@ void encode_picture(benchmark::State& state) {
   for (auto _ : state) {
     state.PauseTiming();
     shown.simulation.step();
-    live::take(shown.simulation.world(), shown.page.order, shown.page.has_z, false, {}, picture);
+    live::take(shown.simulation.world(), shown.page.order, false, {}, picture);
     state.ResumeTiming();
     bytes = live::encode(picture, shown.page.order.size(), 1, sent).size();
   }

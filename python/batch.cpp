@@ -169,6 +169,7 @@ BatchTeam team_of(const std::string& what, const py::handle& given) {
   Members members(what, given);
   members.read("name", team.name);
   members.read("robots", team.robots);
+  members.read("robot", team.robot);
   members.each("arrays", [&](const std::string& at, const py::handle& each) {
     BatchArraySpec& array = team.arrays.emplace_back();
     Members of(at, each);

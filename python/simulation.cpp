@@ -58,18 +58,35 @@ std::string setting_of(const py::object& value) {
       "set: the value {} contains half of a surrogate pair: give a text that UTF-8 can represent", json));
 }
 
-/// Converts the option `set`, a dict from JSON pointers to values, to pairs of pointer and JSON text.
-std::vector<std::pair<std::string, std::string>> settings_of(const std::optional<py::dict>& set) {
+/// The option `set`: a dict from JSON pointers to values, or a list of pairs (JSON pointer, value), in which
+/// a pointer such as /models/- may occur several times.
+using Settings = std::optional<std::variant<py::dict, py::list>>;
+
+/// Converts the option `set` to pairs of pointer and JSON text.
+std::vector<std::pair<std::string, std::string>> settings_of(const Settings& set) {
   std::vector<std::pair<std::string, std::string>> settings;
-  if (set)
-    for (const auto& [pointer, value] : *set) try {
-        settings.emplace_back(pointer.cast<std::string>(),
-                              setting_of(py::reinterpret_borrow<py::object>(value)));
-      } catch (const py::cast_error&) {
-        throw py::type_error(
-            fmt::format("set: the key {} is not a JSON pointer: give a text such as \"/seed\"",
-                        std::string(py::repr(pointer))));
-      }
+  if (!set) return settings;
+  const auto add = [&settings](const py::handle& pointer, const py::handle& value) {
+    try {
+      settings.emplace_back(pointer.cast<std::string>(),
+                            setting_of(py::reinterpret_borrow<py::object>(value)));
+    } catch (const py::cast_error&) {
+      throw py::type_error(fmt::format("set: the key {} is not a JSON pointer: give a text such as \"/seed\"",
+                                       std::string(py::repr(pointer))));
+    }
+  };
+  if (const py::dict* named = std::get_if<py::dict>(&*set)) {
+    for (const auto& [pointer, value] : *named) add(pointer, value);
+    return settings;
+  }
+  for (const py::handle each : std::get<py::list>(*set)) {
+    if (!py::isinstance<py::tuple>(each) || py::len(each) != 2)
+      throw py::type_error(
+          fmt::format("set: the list has the element {}: give tuples of a JSON pointer and a value",
+                      std::string(py::repr(each))));
+    const auto pair = py::reinterpret_borrow<py::tuple>(each);
+    add(pair[0], pair[1]);
+  }
   return settings;
 }
 
@@ -105,7 +122,6 @@ double tile_size(double metres) {
 
 using Seed = std::optional<std::uint64_t>;
 using Text = std::optional<std::string>;
-using Settings = std::optional<py::dict>;
 
 SimulationOptions options_of(const Robots& robots, unsigned threads, const Seed& seed, const Text& ranging,
                              const Settings& set, Paths search_path, Paths plugin_path,
@@ -390,11 +406,12 @@ SimulationClass bind_simulation(py::module_& module) {
            "ranks: number of ranks; each rank is a group of `threads` threads of this process that has its "
            "own\ncopy of the world and computes some of the robots (docs/cluster.md); no result depends on "
            "this number. seed and ranging\n(\"exact\" or \"grid\") replace the values of the world file. "
-           "set: other values of the world file to replace, a dict from\nJSON pointers to new values. "
-           "controllers: a list of scripts (file names) and of classes derived from "
-           "Controller.\nsearch_path: folders in which the world file and included files are searched by "
-           "their names if they do not exist at\ntheir paths. plugin_path: folders in which plug-ins are "
-           "searched. tile_size_m: edge length of the tiles of the spatial\nindex, m, which affects only the "
+           "set: other values of the world file to replace, a dict from\nJSON pointers to new values, or a "
+           "list of tuples (JSON pointer, new value), in which /models/- and other pointers to\nthe end of a "
+           "list may occur several times. controllers: a list of scripts (file names) and of classes derived "
+           "from\nController. search_path: folders in which the world file and included files are searched "
+           "by their names if they do not\nexist at their paths. plugin_path: folders in which plug-ins are "
+           "searched. tile_size_m: edge length of the tiles of the\nspatial index, m, which affects only the "
            "speed; 0: automatic. Raises InputError if the world is invalid.")
       .def_static(
           "from_text", &from_text, py::arg("text"), py::arg("name") = "world.json", py::kw_only(),
@@ -409,14 +426,15 @@ SimulationClass bind_simulation(py::module_& module) {
                   py::arg("set") = py::none(), py::arg("across_versions") = false,
                   py::arg("plugin_path") = py::tuple(), py::arg("controllers") = py::list(),
                   py::arg("across_plugins") = false, py::arg("tile_size_m") = 0.0, py::arg("ranks") = 1,
-                  "Resumes a run from a checkpoint of save(), with the same results, bit for bit, as if it "
-                  "had never stopped. set: a dict\nfrom JSON pointers to new values, for values of the world "
-                  "that may change in a resumed run (docs/checkpoints.md).\nplugin_path, controllers: as in "
-                  "Simulation(); they must contain all plug-ins and scripts that the run used. "
-                  "threads,\ntile_size_m, ranks: as in Simulation(). across_versions: whether a checkpoint "
-                  "of another version of Troupe is accepted.\nacross_plugins: whether plug-ins and scripts "
-                  "are accepted whose files have changed since the checkpoint was saved.\nRaises InputError "
-                  "if the file is not a usable checkpoint, or if a plug-in or script of the run is missing.")
+                  "Resumes a run from a checkpoint of save(), with the same results, bit for bit, as if "
+                  "it had never stopped. set: as in\nSimulation(), for values of the world that may "
+                  "change in a resumed run (docs/checkpoints.md). plugin_path, controllers:\nas in "
+                  "Simulation(); they must contain all plug-ins and scripts that the run used. threads, "
+                  "tile_size_m, ranks: as in\nSimulation(). across_versions: whether a checkpoint of "
+                  "another version of Troupe is accepted. across_plugins: whether\nplug-ins and scripts "
+                  "are accepted whose files have changed since the checkpoint was saved. Raises "
+                  "InputError if the file\nis not a usable checkpoint, or if a plug-in or script of the "
+                  "run is missing.")
       .def("__repr__",
            [](const Holder& held) {
              Simulation& s = held->use();

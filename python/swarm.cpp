@@ -248,6 +248,14 @@ void bind_swarm(py::module_& module, SimulationClass& simulation) {
       py::arg("of") = "",
       "Returns a group of robots. `of` names a type, a population or one robot; an empty name means all "
       "robots. Raises\nLookupError, whose text lists the known names, for an unknown name.");
+  simulation.def(
+      "swarm",
+      [](const Holder& held, HeldModel& robot) {
+        return HeldSwarm{held, held->use().swarm(robot.use())};
+      },
+      py::arg("of"),
+      "Returns the group of one robot, also if a type or a population has its name. of: a Model. Raises "
+      "LookupError if the model\nis not a robot, and RuntimeError for a model of another simulation.");
 }
 
 }  // namespace troupe::python

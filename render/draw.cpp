@@ -107,6 +107,33 @@ ZInterval heights_in(const FrameScene& scene, const std::vector<FrameBody>& bodi
   return heights;
 }
 
+/// The greatest height of the overlays of a frame that are above the floor, world frame, m; 0 without such
+/// overlays.
+double top_of_overlays(const FrameScene& scene, const Frame& frame) {
+  double top = 0;
+  const auto add = [&top](const Vec3& point) { top = std::max(top, point.z()); };
+  for (const engine::FrameScan& scan : frame.scans) {
+    const double mount = frame.mobile[scan.body].pose_world_body.z + scan.moved.z;
+    for (const engine::FrameTransducer& transducer : scene.rangers[scan.ranger].transducers)
+      top = std::max(top, mount + transducer.pose_body.z);
+  }
+  for (const engine::FrameSight& sight : frame.sights) {
+    add(sight.from);
+    add(sight.to);
+  }
+  for (const engine::FrameBlob& blob : frame.blobs)
+    for (const Vec3& point : {blob.from, blob.right, blob.left}) add(point);
+  for (const std::vector<engine::FrameTie>* ties : {&frame.grips, &frame.links}) {
+    for (const engine::FrameTie& tie : *ties) {
+      add(tie.from);
+      add(tie.to);
+    }
+  }
+  for (const engine::FrameTrail& trail : frame.trails)
+    for (const Vec3& point : trail.points) add(point);
+  return top;
+}
+
 std::vector<Vec3> corners_of(const Box& box, const ZInterval& z) {
   std::vector<Vec3> corners;
   for (const double x : {box.min.x(), box.max.x()})
@@ -134,6 +161,9 @@ Projection project(const FrameScene& scene, const Frame& frame, const View& view
   }
   Box everything = shown;
   if (scene.bounds.min.allFinite() && !scene.bounds.empty()) everything.extend(scene.bounds);
+  const ZInterval of_mobile = heights_in(scene, frame.mobile);
+  heights.min = std::min(heights.min, of_mobile.min);
+  heights.max = std::max({heights.max, of_mobile.max, top_of_overlays(scene, frame)});
   for (const FrameBody& body : frame.mobile) {
     everything.extend(body.pose_world_body.position());
     heights.max = std::max(heights.max, body.pose_world_body.z + 1);
@@ -217,7 +247,7 @@ Painter::Composition Painter::compose(const Frame& frame, const View& view) {
   Framing framing = empty_framing(view);
   if (is_from_above(view.camera)) {
     framing = frame_from_above(scene, view);
-    projection = Projection::from_above(framing, heights_in(scene, frame.mobile));
+    projection = Projection::from_above(framing);
     if (shown.grid) layers.emplace_back(flat(floor_grid(framing, theme.grid), true));
     // Drawn before the walls, which hide the ends of beams: a beam is drawn wider than the ray that was cast.
     add_in_air(layers, scene, frame, colors, *projection, shown, SolidLayer::Depth::floor);

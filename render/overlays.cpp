@@ -269,17 +269,18 @@ struct Look {
 /// and the number of robots.
 void add_types(Writing& writing, const FrameScene& scene, const Frame& frame, const Framing& framing) {
   constexpr std::size_t k_most = 12;
+  constexpr std::size_t k_most_looks = 10 * k_most;  // limits the time of the search
   std::vector<Look> looks;
   for (const FrameBody& body : frame.mobile) {
     const Rgba color = to_rgba(body.color);
-    if (!scene.types[body.type].mobile || looks.size() > 10 * k_most) continue;
+    if (!scene.types[body.type].mobile) continue;
     // Types are compared by name, because a body with moved joints has a copy of its type.
     const auto known = std::ranges::find_if(looks, [&](const Look& look) {
       return look.color == color && scene.types[look.type].name == scene.types[body.type].name;
     });
     if (known != looks.end())
       ++known->count;
-    else
+    else if (looks.size() < k_most_looks)
       looks.push_back({body.type, color, 1});
   }
   const double unit = framing.stroke * k_cap_height / 6;

@@ -13,6 +13,8 @@ constexpr double k_infinity = std::numeric_limits<double>::infinity();
 /// Largest ratio of the far to the near depth, limited by the 24 bits of the depth buffer.
 constexpr double k_most_depth_ratio = 4000;
 constexpr double k_bias_pixels = 2;
+/// Largest distance from the floor of points that a view from above shows, m.
+constexpr double k_any_height = 1e12;
 
 /// The largest value of the function `of` over the points.
 template <class Of>
@@ -38,13 +40,13 @@ Projection::Projection(int width, int height, double stroke, double pitch, doubl
   if (fov > 0) focal_ = 0.5 * height / std::tan(fov / 2);
 }
 
-Projection Projection::from_above(const Framing& framing, const ZInterval& heights) {
+Projection Projection::from_above(const Framing& framing) {
   Projection view(framing.width, framing.height, framing.stroke, 0, 0, 0);
   view.pixels_per_metre_ = framing.pixels_per_metre;
   view.origin_ = {framing.center.x(), framing.center.y(), 0};
-  view.eye_ = {framing.center.x(), framing.center.y(), heights.max + 1};
-  view.near_ = 0.5;
-  view.far_ = std::max(heights.max - heights.min, 0.0) + 2;
+  view.eye_ = view.origin_;
+  view.near_ = -k_any_height;
+  view.far_ = k_any_height;
   return view;
 }
 
@@ -114,7 +116,9 @@ void Projection::reach(std::span<const Vec3> points) {
     far_ = std::max(1.1 * farthest, 1e-3);
     near_ = std::max(0.8 * nearest, far_ / k_most_depth_ratio);
   } else {
-    const double more = 0.05 * (farthest - nearest) + 1;
+    // The margin is larger than clip_bias(), which must not move lines and marks beyond the near plane.
+    const double bias = k_bias_pixels * stroke_ / pixels_per_metre_;
+    const double more = std::max(0.05 * (farthest - nearest) + 1, 2 * bias);
     near_ = nearest - more;
     far_ = farthest + more;
   }

@@ -17,9 +17,9 @@ using Vec3 = Eigen::Vector3d;
 /// viewer.
 class Projection {
  public:
-  /// A parallel view straight down, with the given framing. `heights` is the interval of heights, m, that the
-  /// depth buffer must resolve.
-  static Projection from_above(const Framing& framing, const ZInterval& heights);
+  /// A parallel view straight down, with the given framing. It shows points at any height, but the depth
+  /// buffer does not resolve their heights, so its solid layers must have the depth SolidLayer::Depth::floor.
+  static Projection from_above(const Framing& framing);
   /// A view of width x height pixels. stroke: pixels per stroke (Framing::stroke). pitch: rad, 0 looks
   /// straight down, pi/2 horizontally. yaw: rad, counter-clockwise seen from above; 0: +y is upwards in the
   /// picture. fov: vertical field of view of a perspective view, rad, below pi; 0: parallel view. The caller

@@ -604,16 +604,12 @@ Result<> Radio::bind_part(const engine::TypeSpec& type, std::uint32_t) {
   if (!(params.sensitivity < params.power))
     return Error{fmt::format("has a sensitivity_dBm of {:g}, which must be below its power_dBm of {:g}",
                              params.sensitivity, params.power)};
-  double radius2 = 0;
-  for (const engine::PartSpec& part : type.parts)
-    for (const Solid& solid : part.solids)
-      for (const Ring& ring : solid.contours)
-        for (const Vec2& v : ring) radius2 = std::max(radius2, v.squaredNorm());
-  const Vec2 place = pose_body_radio.position();
-  if (place.squaredNorm() <= radius2 || place == Vec2::Zero()) return {};
+  const double radius = engine::solids_radius(type);
+  const double distance = pose_body_radio.position().norm();
+  if (distance <= radius) return {};
   return Error{
       fmt::format("is {:g} m from the origin of its body; it must be within {:g} m, the radius of the body",
-                  place.norm(), sqrt(radius2))};
+                  distance, radius)};
 }
 
 }  // namespace

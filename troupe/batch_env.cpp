@@ -70,21 +70,32 @@ T& element_at(std::vector<T>& all, std::size_t index, std::string_view what) {
 void skip_controllers(engine::World& world, const std::vector<std::uint8_t>& learns) {
   world.on_decide([&learns](const engine::BodyType&, const engine::BodyType::Controller& controller,
                             const engine::DecideBatch& batch) {
-    std::array<Row, 64> others;
-    engine::DecideBatch some = batch;
-    std::size_t count = 0;
-    const auto decide = [&] {
-      if (count == 0) return;
-      some.rows = {others.data(), count};
+    const auto decide = [&](std::span<const Row> rows) {
+      if (rows.empty()) return;
+      engine::DecideBatch some = batch;
+      some.rows = rows;
       controller.kind->decide(controller.data, some);
-      count = 0;
     };
+    const auto learns_in = [&](Row row) { return learns[batch.ids[row.index()].index()] != 0; };
+    // The decisions of a collective controller may depend on all robots of its batch.
+    if (controller.kind->is_collective) {
+      thread_local std::vector<Row> others;  // keeps its memory, because this is called in every tick
+      others.clear();
+      for (const Row row : batch.rows)
+        if (!learns_in(row)) others.push_back(row);
+      return decide(others);
+    }
+    std::array<Row, 64> others;
+    std::size_t count = 0;
     for (const Row row : batch.rows) {
-      if (learns[batch.ids[row.index()].index()] != 0) continue;
-      if (count == others.size()) decide();
+      if (learns_in(row)) continue;
+      if (count == others.size()) {
+        decide(others);
+        count = 0;
+      }
       others[count++] = row;
     }
-    decide();
+    decide({others.data(), count});
   });
 }
 
@@ -117,7 +128,9 @@ void BatchEnv::Impl::add_copy(const Simulation& world, std::size_t c) {
     if (c == 0) measure_columns.assign(copy.measures->columns().begin(), copy.measures->columns().end());
   }
   for (std::size_t t = 0; t < teams.size(); ++t) {
-    Swarm swarm = copy.simulation.swarm(spec.teams[t].robots);
+    const BatchTeam& own = spec.teams[t];
+    Swarm swarm = own.robot.empty() ? copy.simulation.swarm(own.robots)
+                                    : copy.simulation.swarm(copy.simulation.find(own.robot));
     swarm.subscribe();
     TeamCopy& bound = copy.teams.emplace_back();
     for (const BodyId id : swarm.ids()) {

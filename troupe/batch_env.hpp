@@ -111,8 +111,11 @@ struct BatchEnd {
 
 /// A group of robots that learn one policy. They have the same observations, actions and rewards.
 struct BatchTeam {
-  std::string name;                    ///< name of the team; no two teams have the same name
-  std::string robots;                  ///< name of a type, a population or a robot; empty: all robots
+  std::string name;    ///< name of the team; no two teams have the same name
+  std::string robots;  ///< name of a type, a population or a robot; empty: all robots
+  /// Name of the only robot of the team, also if a type or a population has this name; empty: the team has
+  /// the robots that `robots` names.
+  std::string robot;
   std::vector<BatchArraySpec> arrays;  ///< observations, and arrays that only rewards and ends use
   std::vector<BatchAction> actions;    ///< the actions that each robot of the team has
   std::vector<BatchReward> rewards;    ///< terms of the reward, summed in this order

@@ -23,7 +23,9 @@ std::uint64_t key_of(std::int32_t x, std::int32_t y) {
 
 }  // namespace
 
-Trails::Trails(double tick_s) : every_ticks_(engine::period_ticks(k_seconds / k_trail_points, tick_s)) {}
+Trails::Trails(double tick_s)
+    : every_ticks_(engine::period_ticks(k_seconds / k_trail_points, tick_s)),
+      most_ticks_(engine::ticks_until(k_seconds, tick_s)) {}
 
 bool Trails::wants(std::uint64_t tick) const {
   return seen_.empty() || tick < seen_.back().tick || tick >= seen_.back().tick + every_ticks_;
@@ -40,7 +42,8 @@ void Trails::see(const Frame& frame) {
     now.places.emplace_back(body.pose_world_body.x, body.pose_world_body.y, body.pose_world_body.z);
   }
   seen_.push_back(std::move(now));
-  if (seen_.size() > static_cast<std::size_t>(k_trail_points)) seen_.pop_front();
+  while (seen_.size() > static_cast<std::size_t>(k_trail_points) || is_too_old(seen_.front(), frame.tick))
+    seen_.pop_front();
 }
 
 void Trails::add_to(Frame& frame) const {
@@ -48,6 +51,7 @@ void Trails::add_to(Frame& frame) const {
   frame.trails.resize(frame.mobile.size());
   for (std::size_t i = 0; i < frame.mobile.size(); ++i) frame.trails[i].body = static_cast<std::uint32_t>(i);
   for (const Seen& seen : seen_) {
+    if (is_too_old(seen, frame.tick)) continue;
     // Both lists are in the order of ids; bodies may have been born or have died in between.
     std::size_t k = 0;
     for (std::size_t i = 0; i < frame.mobile.size(); ++i) {

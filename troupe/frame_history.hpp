@@ -11,11 +11,13 @@
 namespace troupe {
 
 /// Past positions of bodies, for the picture layer `trails`. A position is stored every k_seconds / 50
-/// seconds, rounded up to whole ticks, and the last 50 positions are kept. Pass frames to see() in the order
-/// of their ticks; a frame with an earlier tick than the last stored frame clears the history.
+/// seconds, rounded up to whole ticks. Of the last 50 positions, those of the last k_seconds are kept. Pass
+/// frames to see() in the order of their ticks; a frame with an earlier tick than the last stored frame
+/// clears the history.
 class Trails {
  public:
-  static constexpr double k_seconds = 20;  ///< length of the trails, s, before rounding to whole ticks
+  /// Largest age of the positions of a trail, s, before rounding up to whole ticks.
+  static constexpr double k_seconds = 20;
 
   /// tick_s: length of a tick, s.
   explicit Trails(double tick_s);
@@ -24,7 +26,8 @@ class Trails {
   bool wants(std::uint64_t tick) const;
   void see(const engine::Frame& frame);  ///< stores the positions of a frame's bodies if wants() is true
   /// Replaces Frame::trails by one trail per body of Frame::mobile (the bodies that are not static): the
-  /// stored positions of the body, oldest first, and then its position in `frame`; m, world frame.
+  /// stored positions of the body in the last k_seconds before `frame`, oldest first, and then its position
+  /// in `frame`; m, world frame.
   void add_to(engine::Frame& frame) const;
 
  private:
@@ -33,7 +36,11 @@ class Trails {
     std::vector<std::uint32_t> ids;       // in rising order
     std::vector<Eigen::Vector3d> places;  // one per id
   };
+  /// Whether a stored position is too old for a trail that ends at `tick`.
+  bool is_too_old(const Seen& seen, std::uint64_t tick) const { return seen.tick + most_ticks_ < tick; }
+
   std::uint64_t every_ticks_;
+  std::uint64_t most_ticks_;  // largest age of a position
   std::deque<Seen> seen_;
 };
 

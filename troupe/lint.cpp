@@ -109,6 +109,8 @@ class Lint {
  private:
   void check_types();
   void check_sensors();
+  std::size_t others(std::size_t t, std::uint32_t type) const;
+  bool can_height_change(std::uint32_t type) const;
   void check_ranger(std::uint32_t type, const engine::BodyType::Device& sensor, Where where,
                     const Heights& visible);
   void check_finder(std::uint32_t type, const engine::DeviceSpec& sensor, const engine::SoughtMarks& sought);
@@ -153,6 +155,24 @@ void Lint::check_sensors() {
     }
 }
 
+/// Returns the number of bodies of type `t` that sensors of a body of type `type` can see: all but the body
+/// itself. A body of type `type` must exist.
+std::size_t Lint::others(std::size_t t, std::uint32_t type) const {
+  std::size_t bodies = 0;
+  for (const auto& [z, count] : levels_[t]) bodies += count;
+  return bodies - (t == type ? 1 : 0);
+}
+
+/// Whether a joint, such as a lift, may raise an outline that rangers of a body of type `type` see.
+bool Lint::can_height_change(std::uint32_t type) const {
+  for (std::size_t t = 0; t < spec_.types.size(); ++t)
+    if (others(t, type) > 0 && std::ranges::any_of(world_.types()[t].outlines, [](const auto& outline) {
+          return outline.joint != engine::k_rigid;
+        }))
+      return true;
+  return false;
+}
+
 /// Returns heights as text: "0.5 m", "0 to 1 m".
 std::string heights_text(const ZInterval& z) {
   return z.min == z.max ? fmt::format("{:.4g} m", z.min) : fmt::format("{:.4g} to {:.4g} m", z.min, z.max);
@@ -178,24 +198,25 @@ std::string called_text(std::string_view sensor, std::string_view type) {
 }
 
 /// Warns if no other body has a fiducial mark whose fiducial_key is that of the finder, or if all such marks
-/// are at other heights than the finder.
+/// are at other heights than the finder. Heights are not compared if the finder or a mark is on a joint,
+/// which may move it to another height.
 void Lint::check_finder(std::uint32_t type, const engine::DeviceSpec& sensor,
                         const engine::SoughtMarks& sought) {
   const std::string called = called_text(sensor.name, spec_.types[type].name);
   Heights marked, own;
   bool is_any_marked = false;
+  bool is_any_on_joint = sensor.joint != engine::k_rigid;
   for (std::size_t t = 0; t < spec_.types.size(); ++t)
     for (const engine::PartSpec& part : spec_.types[t].parts) {
       if (part.returns.fiducial == 0 || part.returns.fiducial_key != sought.key) continue;
-      std::size_t bodies = 0;
-      for (const auto& [z, count] : levels_[t]) {
-        bodies += count;
+      for (const auto& [z, count] : levels_[t])
         for (const Solid& solid : part.solids) {
           marked.add(solid.z.shifted(z), count);
           if (t == type) own.add(solid.z.shifted(z), 1);
         }
-      }
-      is_any_marked = is_any_marked || bodies > (t == type ? 1U : 0U);
+      if (others(t, type) == 0) continue;
+      is_any_marked = true;
+      is_any_on_joint = is_any_on_joint || part.joint != engine::k_rigid;
     }
   if (!is_any_marked) {
     diagnostics_.warning(
@@ -204,7 +225,7 @@ void Lint::check_finder(std::uint32_t type, const engine::DeviceSpec& sensor,
                              sought.key));
     return;
   }
-  if (sought.at_any_height || sensor.joint != engine::k_rigid) return;
+  if (sought.at_any_height || is_any_on_joint) return;
   marked.sort();
   own.sort();
   ZInterval looks = k_no_heights;
@@ -218,6 +239,8 @@ void Lint::check_finder(std::uint32_t type, const engine::DeviceSpec& sensor,
                                             "bodies with a fiducial_return"));
 }
 
+/// Warns if a ranger has no beams, if its beams end inside its own body, or if no other body is at their
+/// height. A ranger on a joint may move out of its body and to other heights, so only its beams are checked.
 void Lint::check_ranger(std::uint32_t type, const engine::BodyType::Device& sensor, Where where,
                         const Heights& visible) {
   const auto* its_ranger = std::any_cast<sensors::Ranger>(&sensor.prepared.data);
@@ -229,6 +252,7 @@ void Lint::check_ranger(std::uint32_t type, const engine::BodyType::Device& sens
     diagnostics_.warning(where, called + "it has no beams");
     return;
   }
+  if (sensor.joint != engine::k_rigid) return;
   if (stays_inside(*ranger, body.obstacle)) {
     float longest = 0;
     for (const sensors::BeamGroup& group : ranger->groups)
@@ -237,6 +261,7 @@ void Lint::check_ranger(std::uint32_t type, const engine::BodyType::Device& sens
         where, called + fmt::format("its beams of at most {:.4g} m end inside its own body", longest));
     return;
   }
+  if (can_height_change(type)) return;
   ZInterval looks = k_no_heights;
   for (const auto& level : levels_[type])
     for (const sensors::BeamGroup& group : ranger->groups) {

@@ -354,7 +354,7 @@ struct Pictures::Impl {
 
   render::View view_of(const ShotData& shot) const {
     render::View own = view;
-    if (shot.center) own.camera.center = shot.center;
+    if (shot.center && !options.center_m) own.camera.center = shot.center;
     if (!own.camera.across_m) own.camera.across_m = shot.across_m;
     own.region = shot.region;
     return own;

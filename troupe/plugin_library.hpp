@@ -39,7 +39,7 @@ namespace troupe::plugin {
 /// Version of the plug-in interface, which consists of struct Library, the functions that it points to, and
 /// the layouts of the types that plug-in and program exchange (layout()). A test fails if the layouts have
 /// changed but the version has not.
-inline constexpr std::uint32_t k_interface = 11;
+inline constexpr std::uint32_t k_interface = 12;
 
 /// Build settings that change the layout of types or the bits of results although all headers are equal.
 inline constexpr const char* k_build = TROUPE_PLUGIN_STANDARD_LIBRARY

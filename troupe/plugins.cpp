@@ -289,6 +289,9 @@ Result<> Plugins::keep_kinds(Loaded& library, Kinds all) const {
       if (std::ranges::find(taken, name) != taken.end())
         all_right = Error{
             fmt::format("has a {} \"{}\", but Troupe ships one with this name: rename it", own.what, name)};
+      if constexpr (requires { kind.prepare; })  // measures have no components
+        if (const Result<> named = worldio::check_kind_name(name); !named)
+          all_right = Error{fmt::format("has a {} \"{}\" that {}", own.what, name, named.error().text)};
       kind.name = own.names.emplace_back(std::move(name));
     }
     own.kinds = std::move(kinds);

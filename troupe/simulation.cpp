@@ -11,6 +11,7 @@
 #include "troupe/effective_options.hpp"
 #include "troupe/input_files.hpp"
 #include "troupe/simulation_impl.hpp"
+#include "troupe/swarm.hpp"
 #include "worldio/json/experiment_json.hpp"
 
 #include <fmt/format.h>
@@ -222,6 +223,14 @@ Model Simulation::model(BodyId id) {
     throw std::out_of_range(
         fmt::format("no model with id {}: the world has {} bodies, whose ids begin at 0", id.value, bodies));
   return Model::of(*impl_->world, id);
+}
+
+Swarm Simulation::swarm(const Model& robot) {
+  impl_->require_own(robot);
+  const BodyId body = robot.place_->body;
+  if (!impl_->world->type(body).drive)
+    throw std::out_of_range(fmt::format("\"{}\" is not a robot: it has no drive", robot.name()));
+  return Swarm(*impl_->world, {body});
 }
 
 RayHit Simulation::cast(const Pose& from, double range_max, const Model* without) const {

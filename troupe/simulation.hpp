@@ -591,6 +591,10 @@ class Simulation {
   /// population or of one robot; empty: all robots. Throws std::out_of_range, with the known names, for an
   /// unknown name.
   Swarm swarm(std::string_view of = {});
+  /// Returns the group of this one robot, also if a type or a population has its name. Throws
+  /// std::out_of_range if the body of the model has no drive, and std::logic_error for a model of another
+  /// simulation.
+  Swarm swarm(const Model& robot);
   /// Places many models, each as Model::set_pose() does. This costs little more than placing one model,
   /// because the spatial index of the bodies is rebuilt only once. If a model occurs twice, its last pose
   /// counts. If one pose is invalid, set_poses() throws the error of Model::set_pose() and moves no model.

@@ -449,17 +449,21 @@ void World::intervene() {
   Experiment& e = experiment_;
   bool is_other_crowd = false;
   bool has_moved = false;  // bodies are elsewhere, or no longer part of a tree because another body died
+  bool has_added = false;
   while (e.next < e.interventions.size() && e.interventions[e.next].tick <= state_.now.tick) {
     Experiment::Intervention& due = e.interventions[e.next++];
-    is_other_crowd = carry_out(due) || is_other_crowd;
     const Action action = state_.spec.experiment.at[due.spec].action;
-    has_moved = has_moved || action == Action::move || action == Action::add ||
-                (action == Action::remove && state_.carrier_table);
+    // A rank tests whether poses on its ground are free, so it needs the rows of the bodies that moved there.
+    if (action == Action::add && has_moved) follow_newborn();
+    has_moved = has_moved && action != Action::add;
+    is_other_crowd = carry_out(due) || is_other_crowd;
+    has_added = has_added || action == Action::add;
+    has_moved = has_moved || action == Action::move || (action == Action::remove && state_.carrier_table);
   }
   while (!e.fault_events.empty() && e.fault_events.front().tick <= state_.now.tick)
     apply_fault_event(take_fault_event());
   find_due();
-  if (has_moved && replica_ != nullptr) replica_->follow_jumps();
+  if ((has_moved || has_added) && replica_ != nullptr) replica_->follow_jumps();
   if (!is_other_crowd) return;
   movement_.count_stalls();
   index_bodies();
@@ -482,7 +486,8 @@ bool World::carry_out(Experiment::Intervention& intervention) {
   }
   const auto is_disabled = [&](Row row) { return (state_.condition(row).out & Condition::k_disabled) != 0; };
   // A selection by count or share depends on all candidates, also on those whose rows only other ranks have.
-  // For `remove`, every rank must know of the deaths of newborn_, whose rows may be elsewhere.
+  // For `remove`, every rank must know of the deaths of newborn_, whose rows may be elsewhere: newborn_ must
+  // be the same on all ranks (has_many_newborn()).
   const bool needs_all = spec.whom.count || spec.whom.share || spec.action == Action::remove;
   experiment_.candidates.clear();
   for (const BodyId id : intervention.whom) {
@@ -498,11 +503,9 @@ bool World::carry_out(Experiment::Intervention& intervention) {
   if (needs_all && replica_ != nullptr) replica_->add_candidates(experiment_.candidates);
   const std::span<const Experiment::Candidate> chosen = choose(spec.whom);
   for (const Experiment::Candidate& candidate : chosen) {
-    if (location(candidate.body) != RowLocation::here) {
-      if (spec.action == Action::remove)
-        std::erase_if(newborn_, [&](const Newborn& each) { return each.body == candidate.body; });
-      continue;
-    }
+    if (spec.action == Action::remove)
+      std::erase_if(newborn_, [&](const Newborn& each) { return each.body == candidate.body; });
+    if (location(candidate.body) != RowLocation::here) continue;
     if (spec.action == Action::remove) {
       die(row(candidate.body));
       continue;
@@ -559,9 +562,7 @@ bool World::add(const Experiment::Intervention& intervention) {
     const auto place = [&](std::uint32_t trial) { return place_to_add(intervention, i, trial); };
     const Birth birth = give_birth(intervention.reserve, trials, std::cref(place));
     if (birth.status != BirthStatus::born) return i > 0;
-    if (!has_many_newborn()) continue;
-    if (replica_) replica_->follow_jumps();
-    index_newborn();
+    if (has_many_newborn()) follow_newborn();
   }
   return count > 0;
 }

@@ -2,12 +2,20 @@
 
 #include "base/pose.hpp"
 
+#include <array>
 #include <cstdint>
+#include <string_view>
 
 namespace troupe::engine {
 
 // A component is one table of the state, with a row for each body that has these data. These structs are the
 // rows of components that the engine itself defines.
+
+/// Names of the components that the engine itself defines, sorted. The components of a joint NAME are called
+/// `joint/NAME`. No device or controller kind may have one of these names (worldio::check_kind_name()): in
+/// checkpoints and recordings, the components of a kind are in a group that has the name of the kind.
+inline constexpr std::array<std::string_view, 9> k_engine_components{
+    "carrier", "command", "condition", "joint", "life", "odometry", "pose", "stall", "velocity"};
 
 /// A row of the component `carrier`: which body carries the row's body, and where. All members are zero if
 /// the body is not carried.

@@ -59,6 +59,7 @@ DeviceKind::Prepared prepare_device(const Record& record, const Pose& pose_body_
 ///     void act(const DeviceBatch&) const;
 ///     void joints_moved(const DeviceBatch&) const;
 ///     void start(StateTable&, std::size_t slot) const;                   // row
+///     static void halt(StateTable&, std::size_t slot);                   // row
 ///     bool is_spent(const StateTable&, std::size_t slot) const;          // row
 ///     static Energy energy(const StateTable&, std::size_t slot);         // row
 ///     static HeldFlags flags(const StateTable&, std::size_t slot);       // row
@@ -124,6 +125,13 @@ DeviceKind make_device_kind(std::string_view name, std::string_view text) {
         device.start(state, slot);
       else
         device.start(state.as<typename C::State>(slot));
+    };
+  if constexpr (requires { &C::halt; })
+    kind.halt = [](StateTable& state, std::size_t slot) {
+      if constexpr (requires { C::halt(state, slot); })
+        C::halt(state, slot);
+      else
+        C::halt(state.as<typename C::State>(slot));
     };
   if constexpr (requires { &C::sense; })
     kind.sense = [](const SenseBatch& batch) -> std::uint64_t {

@@ -245,9 +245,7 @@ struct DeviceKind {
   /// Whether the device is a drive. A controller commands the drive device on its own part or, if that part
   /// has none, on the nearest part that carries its part. Only if there is no such device, it commands the
   /// body's drive. The command struct of a drive device must be a Command (command_fields()), and the state
-  /// must begin with a Pose, the estimated pose of the device. Its fields `forward`, `left` and `turn` of
-  /// type f64, if there are any, are the velocity of the device: World sets them to 0 while the body is
-  /// disabled or stopped by a drop-out fault, the device is broken, or its power supply is empty.
+  /// must begin with a Pose, the estimated pose of the device.
   bool drives = false;
   /// A solid of a device, with its joints at rest.
   struct Fixture {
@@ -333,6 +331,10 @@ struct DeviceKind {
   /// Called in the phase `actuate`, in which the drives also run, before the controllers decide: executes the
   /// commands of the previous tick. Null: the device has no actions.
   void (*act)(const DeviceBatch& batch) = nullptr;
+  /// For drives: called in the phase `actuate` for a row while its body is disabled or stopped by a drop-out
+  /// fault, the device is broken, or its power supply is empty. Sets the velocity in the state of the device
+  /// to 0, so that the device starts from rest when it runs again. Null: the state has no velocity.
+  void (*halt)(StateTable& state, std::size_t slot) = nullptr;
   /// Called after bodies and joints have moved, if any device of the world called DeviceBatch::move_joint()
   /// in this tick, for all devices of the kind that move joints and whose bodies are in the world. The hook
   /// can then read with DeviceBatch::moved_joint() whether the joints of a device reached their goals. Null:

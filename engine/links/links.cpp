@@ -19,6 +19,7 @@ using partition::ObstacleShape;
 using partition::PlacedShape;
 
 constexpr std::size_t k_trees_per_task = 64;
+constexpr std::size_t k_room_near = 64;  // initial capacity of the lists of trees near one tree
 
 Pose between(const Pose& from, const Pose& to, double t) {
   return {from.x + t * (to.x - from.x), from.y + t * (to.y - from.y), from.z + t * (to.z - from.z),
@@ -92,6 +93,8 @@ void Links::build() {
   resize_with_room(samples_, composites_.size());
   resize_with_room(lifts_, composites_.size());
   resize_with_room(refused_, composites_.size());
+  near_.resize((composites_.size() + k_trees_per_task - 1) / k_trees_per_task);
+  for (std::vector<std::uint32_t>& list : near_) list.reserve(k_room_near);
 
   // Reserves memory now, so that no memory is allocated when a body is gripped, unless that body carries
   // another one.
@@ -470,6 +473,8 @@ bool Links::refuses_joints(std::size_t c, Row root, std::size_t round, double re
   const double z = state_.poses()[root.index()].z;
   const double radius = state_.shapes[root.index()]->radius;
   const std::uint32_t n = samples_[c];
+  if (moved_[c].shape().empty()) return false;
+  const std::span<const std::uint32_t> others = roots_near(c, root, reach);
   const PlacedShape before(*state_.shapes[root.index()], at, z);
   for (std::uint32_t k = 1; k <= n; ++k) {
     const ShapeBuffer* moved = &moved_[c];
@@ -481,7 +486,6 @@ bool Links::refuses_joints(std::size_t c, Row root, std::size_t round, double re
       on_the_way.finish(thinnest);
       moved = &on_the_way;
     }
-    if (moved->shape().empty()) return false;
     const PlacedShape after(moved->shape(), at, z);
     if (state_.scene.has_obstacles()) {
       const auto passes = [&](std::uint32_t solid) { return !state_.scene.blocks(solid, before, after); };
@@ -489,39 +493,66 @@ bool Links::refuses_joints(std::size_t c, Row root, std::size_t round, double re
       // Only a vertical motion can bring a piece into a solid without crossing one of the solid's edges.
       if (lifts_[c] != 0 && state_.scene.swallowed(after, passes)) return true;
     }
-    if (others_refuse(root, before, after, reach)) return true;
+    if (others_refuse(root, others, before, after)) return true;
   }
   return false;
 }
 
+/// Lists the roots of the other trees that may overlap the moving pieces of a tree at any pose of this round,
+/// and those of some trees farther away. The list is valid until the next call for a tree of the same task
+/// of for_roots(). `reach`: upper bound on how far any tree extends beyond its circle in the index, and on
+/// how far any piece moves in this round, m.
+std::span<const std::uint32_t> Links::roots_near(std::size_t c, Row root, double reach) {
+  Box box;  // of the moving pieces at their goals
+  for (const partition::PieceCircle& circle : moved_[c].shape().circles)
+    box.extend(Box::around(state_.view.transform(root) * circle.centre, circle.radius));
+  const Vec2 centre = box.center();
+  const double radius = 0.5 * box.size().norm() + 2 * reach;
+  std::vector<std::uint32_t>& near = near_[c / k_trees_per_task];
+  near.clear();
+  // A joint can move a piece far away from the origin of its body. The circle of the body is then wide: the
+  // index lists it in many cells. Hence the search is near the pieces, not near the whole body, and each tree
+  // is listed once. BodyIndex::for_each_near() would not do: it reads the present poses and radii, which are
+  // not those for which the index was built. The first comparison keeps the list short before it is sorted.
+  const bool has_wide = state_.index.has_wide();
+  const auto is_repeat = [&](std::uint32_t tree) {
+    const auto end = near.begin() + static_cast<std::ptrdiff_t>(std::min(near.size(), k_room_near));
+    return has_wide && std::find(near.begin(), end, tree) != end;
+  };
+  state_.index.for_each_run(Box::around(centre, radius), [&](std::span<const partition::BodyCircle> run) {
+    for (const partition::BodyCircle& circle : run) {
+      const std::uint32_t tree = state_.roots[circle.row];
+      if (partition::in_reach(centre, radius, Vec2(circle.x, circle.y), circle.radius) &&
+          tree != root.value && !is_repeat(tree))
+        near.push_back(tree);
+    }
+  });
+  if (has_wide) {
+    std::ranges::sort(near);
+    near.erase(std::unique(near.begin(), near.end()), near.end());
+  }
+  return near;
+}
+
 /// Whether the moving pieces of a tree, as placed in `after`, overlap another tree that the whole tree, as
-/// placed in `before`, does not overlap. `reach`: upper bound on how far any tree extends beyond its circle
-/// in the index, m.
-bool Links::others_refuse(Row root, const PlacedShape& before, const PlacedShape& after, double reach) const {
+/// placed in `before`, does not overlap. `others`: the trees to test, roots_near()
+bool Links::others_refuse(Row root, std::span<const std::uint32_t> others, const PlacedShape& before,
+                          const PlacedShape& after) const {
   const auto meets = [&](Row other, const PlacedShape& mine, const ObstacleShape& shape) {
     const Transform& at = state_.view.transform(other);
     if (!partition::in_reach(mine.position(), mine.shape().radius, at.position, shape.radius)) return false;
     const PlacedShape theirs(shape, at, state_.poses()[other.index()].z);
     return state_.view.body(root) < state_.view.body(other) ? overlap(mine, theirs) : overlap(theirs, mine);
   };
-  bool refuses = false;
-  // Visits all bodies of the cells in reach and tests their present poses, because the index still contains
-  // the poses before this tick.
-  state_.index.for_each_run(
-      Box::around(after.position(), after.shape().radius + reach),
-      [&](std::span<const partition::BodyCircle> run) {
-        for (const partition::BodyCircle& circle : run) {
-          if (refuses) return;
-          const Row other(state_.roots[circle.row]);
-          const ObstacleShape& shape = *state_.shapes[other.index()];
-          if (other == root || shape.empty()) continue;
-          const std::uint32_t c = composite_of_[other.index()];
-          const bool moves = c != k_none && samples_[c] > 0;
-          refuses = (meets(other, after, shape) || (moves && meets(other, after, moved_[c].shape()))) &&
-                    !meets(other, before, shape);
-        }
-      });
-  return refuses;
+  return std::ranges::any_of(others, [&](std::uint32_t tree) {
+    const Row other(tree);
+    const ObstacleShape& shape = *state_.shapes[other.index()];
+    if (shape.empty()) return false;
+    const std::uint32_t c = composite_of_[other.index()];
+    const bool moves = c != k_none && samples_[c] > 0;
+    return (meets(other, after, shape) || (moves && meets(other, after, moved_[c].shape()))) &&
+           !meets(other, before, shape);
+  });
 }
 
 /// Sets the state of the joints that a round tests, for a body and for all bodies that it carries. The poses

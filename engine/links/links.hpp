@@ -168,8 +168,9 @@ class Links {
   Way aim_joints(const TreeBody& body, std::size_t round, double t, double radius);
   double ask_joints(std::size_t c, Row root, std::size_t round);
   bool refuses_joints(std::size_t c, Row root, std::size_t round, double reach);
-  bool others_refuse(Row root, const partition::PlacedShape& before, const partition::PlacedShape& after,
-                     double reach) const;
+  std::span<const std::uint32_t> roots_near(std::size_t c, Row root, double reach);
+  bool others_refuse(Row root, std::span<const std::uint32_t> others, const partition::PlacedShape& before,
+                     const partition::PlacedShape& after) const;
   void mark_joints(Row row, std::size_t round, Goal state);
   void answer_joints(Row row, std::size_t round, bool refused);
   void carry_cargo_of(Row carrier);
@@ -195,6 +196,8 @@ class Links {
   std::vector<std::uint32_t> samples_;   // number of poses to test in this round; 0: no motion
   std::vector<std::uint8_t> lifts_;      // 1 if a joint moves vertically in this round
   std::vector<std::uint8_t> refused_;    // 1 if the motion of this round is blocked
+  // One per task of for_roots(): the roots of the trees near the tree that is tested now.
+  std::vector<std::vector<std::uint32_t>> near_;
 
   // One per row; empty if there are no composites.
   // Row of the lowest id among the bodies that it carries directly; k_none: none.

@@ -140,6 +140,9 @@ void SharedEffects::begin(bool is_new) {
     if (is_new) each.owner = halo_.owner_at(each.place);
     each.last = each.owner;
   }
+  by_root_.resize(affected_.size());
+  std::iota(by_root_.begin(), by_root_.end(), std::uint32_t{0});
+  std::ranges::sort(by_root_, {}, [&](std::uint32_t i) { return std::pair(affected_[i].root.value, i); });
 }
 
 SharedEffects::Affected* SharedEffects::find(BodyId body) {
@@ -256,10 +259,12 @@ void SharedEffects::apply_in_turns(std::span<const Effect> effects,
   for (Affected& each : affected_) bring(each, each.owner);
 }
 
-/// Calls bring() for all bodies of the tree of a body.
+/// Calls bring() for all bodies of the tree of a body, in the order of their ids.
 void SharedEffects::bring_tree(const Affected& body, unsigned to) {
-  for (Affected& each : body.is_alone ? std::span(find(body.body), 1) : std::span(affected_))
-    if (each.root == body.root) bring(each, to);
+  if (body.is_alone) return bring(*find(body.body), to);
+  const auto root_of = [&](std::uint32_t i) { return affected_[i].root.value; };
+  for (const std::uint32_t i : std::ranges::equal_range(by_root_, body.root.value, {}, root_of))
+    bring(affected_[i], to);
 }
 
 /// Makes `to` the rank that has the present state of a body (Affected::last). If another rank has it so far,

@@ -9,6 +9,7 @@
 #include "partition/message.hpp"
 
 #include <cstddef>
+#include <cstdint>
 #include <functional>
 #include <optional>
 #include <span>
@@ -114,6 +115,7 @@ class SharedEffects {
   // After note(): bodies of trees that own effects affect. After find_targets(): of trees that the effects of
   // all ranks affect, in order of ids.
   std::vector<Affected> affected_;
+  std::vector<std::uint32_t> by_root_;  // after begin(): indices in affected_, by roots, then by ids
   // Targets whose rows are not on the rank of their source: own_lacking_ of own effects, then of other ranks.
   std::vector<BodyId> lacking_;
   std::size_t own_lacking_ = 0;

@@ -183,7 +183,6 @@ class TypeCompiler {
   }
 
   void check_thickness() {
-    constexpr double k_thin_m = 0.5e-3;
     if (!type_.obstacle.empty() && type_.obstacle.thinnest < k_thin_m)
       diagnostics_.warning(
           where(),

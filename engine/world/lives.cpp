@@ -187,6 +187,14 @@ void World::index_newborn() {
   newborn_.clear();
 }
 
+/// Brings the rows of bodies that were born or moved since the last tick to the ranks that own the ground
+/// there, if the rows are distributed among ranks, and adds the bodies of newborn_ to the spatial index. All
+/// ranks make this call.
+void World::follow_newborn() {
+  if (replica_) replica_->follow_jumps();
+  index_newborn();
+}
+
 /// Returns the lowest trial whose pose place(trial) is free for an unborn body with this shape; `trials` if
 /// there is none. If the rows are distributed among ranks, each rank tests only the poses in its own part of
 /// the plane, and all ranks return the lowest trial that any rank has found.

@@ -23,17 +23,6 @@ std::string_view asked_for(ControlMode mode) {
   return "a speed that is not a finite number";
 }
 
-/// Sets the velocity in a row of the state of a drive device (DeviceKind::drives) to 0, so that the device
-/// starts from rest when it runs again.
-void clear_velocity(StateTable& state, std::size_t slot) {
-  for (std::size_t f = 0; f < state.fields().size(); ++f) {
-    const StateField& field = state.fields()[f];
-    if (field.element == Element::f64 &&
-        (field.name == "forward" || field.name == "left" || field.name == "turn"))
-      std::ranges::fill(state.cell<double>(slot, f), 0.0);
-  }
-}
-
 Velocity scaled(const Velocity& v, double by) { return {v.x * by, v.y * by, v.turn * by}; }
 
 }  // namespace
@@ -159,7 +148,7 @@ void World::actuate() {
               [&](std::span<const Row> some) { drive(some, *type.drive, faulty); });
     if (type.drive && type.drive->supply) halt_spent(rows, *type.drive);
     for (const BodyType::Device& device : type.devices) {
-      if (device.kind->drives && (device.supply || state_.now.impaired > 0)) halt_stopped(rows, device);
+      if (device.kind->halt && (device.supply || state_.now.impaired > 0)) halt_stopped(rows, device);
       if (device.kind->act)
         for_running(state_, rows, device, [&](std::span<const Row> running) {
           for_seeing(running, type, device, [&](std::span<const Row> some) {
@@ -282,7 +271,7 @@ void World::halt_disabled(std::span<const Row> rows, const BodyType& type) {
     if (state_.condition(row).out == 0) continue;
     state_.as<Velocity>(WorldState::k_velocity)[row.index()] = {};
     for (const BodyType::Device& device : type.devices)
-      if (device.kind->drives) clear_velocity(state_.tables[device.table], slot(row));
+      if (device.kind->halt) device.kind->halt(state_.tables[device.table], slot(row));
   }
 }
 
@@ -296,7 +285,7 @@ void World::halt_spent(std::span<const Row> rows, const BodyType::Drive& drive) 
 void World::halt_stopped(std::span<const Row> rows, const BodyType::Device& device) {
   for (const Row row : rows)
     if (!state_.view.works(row, device) || !is_supplied(row, device.supply))
-      clear_velocity(state_.tables[device.table], slot(row));
+      device.kind->halt(state_.tables[device.table], slot(row));
 }
 
 void World::decide(std::span<const Row> rows, const BodyType& type, const BodyType::Controller& controller) {

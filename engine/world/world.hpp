@@ -609,6 +609,7 @@ class World {
                    const std::function<Pose(std::uint32_t)>& place);
   bool has_many_newborn() const;
   void index_newborn();
+  void follow_newborn();
   std::uint32_t first_free(BodyId id, const partition::ObstacleShape& shape, std::uint32_t trials,
                            const std::function<Pose(std::uint32_t)>& place) const;
   bool is_free(BodyId id, const partition::ObstacleShape& shape, const Pose& pose) const;

@@ -76,6 +76,7 @@ struct Wheels {
     return Error{fmt::format("has contradictory drive parameters: {}", bounds.error().text)};
   }
 
+  static void halt(WheelsState& state) { state.forward = state.left = state.turn = 0; }
   void act(const DeviceBatch& batch) const;
   void joints_moved(const DeviceBatch& batch) const;
 

@@ -16,6 +16,7 @@ _Where = Optional[npt.NDArray[np.bool_]]
 _Doubles = npt.NDArray[np.float64]
 _Floats = npt.NDArray[np.float32]
 _Pose = Union["Pose", Tuple[float, float, float]]
+_Settings = Union[None, Dict[str, Any], List[Tuple[str, Any]]]
 _Callback = TypeVar("_Callback", bound=Optional[Callable[["Simulation"], object]])
 
 def version_line() -> str: ...
@@ -205,7 +206,7 @@ class Simulation:
         threads: int = ...,
         seed: Optional[int] = ...,
         ranging: Optional[str] = ...,
-        set: Optional[Dict[str, Any]] = ...,
+        set: _Settings = ...,
         name: _File = ...,
         search_path: Sequence[_File] = ...,
         plugin_path: Sequence[_File] = ...,
@@ -222,7 +223,7 @@ class Simulation:
         threads: int = ...,
         seed: Optional[int] = ...,
         ranging: Optional[str] = ...,
-        set: Optional[Dict[str, Any]] = ...,
+        set: _Settings = ...,
         search_path: Sequence[_File] = ...,
         plugin_path: Sequence[_File] = ...,
         controllers: Sequence[Union[_File, type]] = ...,
@@ -234,7 +235,7 @@ class Simulation:
         checkpoint: _File,
         *,
         threads: int = ...,
-        set: Optional[Dict[str, Any]] = ...,
+        set: _Settings = ...,
         across_versions: bool = ...,
         plugin_path: Sequence[_File] = ...,
         controllers: Sequence[Union[_File, type]] = ...,
@@ -292,7 +293,7 @@ class Simulation:
         self, file: _File, *, fields: Sequence[str] = ..., every_s: float = ..., replace: bool = ...
     ) -> None: ...
     def stop_recording(self) -> None: ...
-    def swarm(self, of: str = ...) -> Swarm: ...
+    def swarm(self, of: Union[str, Model] = ...) -> Swarm: ...
     def subscribe(self, model: str) -> None: ...
     def spawn(self, population: str, pose: _Pose) -> Optional[Model]: ...
     def unborn(self, population: str) -> int: ...

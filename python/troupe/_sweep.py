@@ -38,13 +38,35 @@ def _wanted(measures: Sequence[str]) -> List[Union[str, Dict[str, Any]]]:
     return [json.loads(measure) if measure.startswith("{") else measure for measure in measures]
 
 
-def _make(world: Any, name: str, study: Dict[str, Any], index: int, options: Dict[str, Any]) -> Rows:
+def _load(world: Any, name: str, study: Dict[str, Any], index: int, options: Dict[str, Any]) -> _core.Simulation:
+    """Returns the world of the run with this index."""
     texts, seed = study["runs"][index]
-    values = [json.loads(text) for text in texts]
-    settings = {pointer: value for (_, pointer), value in zip(study["parameters"], values)}
+    # Pairs, not a dict: several parameters may append to the same list, that is, have the same pointer.
+    settings = [(pointer, json.loads(text)) for (_, pointer), text in zip(study["parameters"], texts)]
     if isinstance(world, Mapping):
         options = {**options, "name": name}
-    simulation = _core.Simulation(world, threads=1, seed=seed, set=settings, **options)
+    return _core.Simulation(world, threads=1, seed=seed, set=settings, **options)
+
+
+def _first_world(world: Any, name: str, study: Dict[str, Any], options: Dict[str, Any]) -> _core.Simulation:
+    """Returns the world of the first run whose world can be loaded, as first_world() of `troupe sweep` does: of a large
+    study, it tries only some runs. Raises the InputError of run 0 if it finds no such run."""
+    first: Optional[_core.InputError] = None
+    index = 0
+    while index < len(study["runs"]):
+        try:
+            return _load(world, name, study, index, options)
+        except _core.InputError as error:
+            first = first or error
+        index += 1 + index // 4
+    assert first is not None  # because a study has at least one run
+    raise first
+
+
+def _make(world: Any, name: str, study: Dict[str, Any], index: int, options: Dict[str, Any]) -> Rows:
+    simulation = _load(world, name, study, index, options)
+    seed = simulation.seed
+    values = [json.loads(text) for text in study["runs"][index][0]]
     measures = _core.Measures(simulation, _wanted(study["measures"]))
     end_s = study["for_s"] if study["for_s"] is not None else simulation.quit_time_s
     if end_s is None:
@@ -67,7 +89,7 @@ def _make(world: Any, name: str, study: Dict[str, Any], index: int, options: Dic
         measures.see()
         if simulation.tick % every == 0 or simulation.tick == end or simulation.stopped:
             look()
-    row = {**head, "seed": seed, "ticks": simulation.tick, "time_s": simulation.time_s}
+    row: Dict[str, Any] = {**head, "seed": seed, "ticks": simulation.tick, "time_s": simulation.time_s}
     for k, column in enumerate(measures.columns):
         for statistic in study["statistics"]:
             row[_column(column, statistic)] = _statistic(statistic, [values[k] for values in looks])
@@ -93,8 +115,9 @@ def sweep(study: Union[str, "os.PathLike[str]", Mapping[str, Any]], *, series: O
     returns  one row per run with the columns run, the parameters, seed, ticks, time_s, the measures, stopped_by,
              state_hash and error. With series: one row per sample, with the columns run, the parameters, seed, time_s
              and the measures
-    errors   InputError for an invalid study or world. If a single run fails, the column `error` of its row states the
-             reason; in a series, a failed run has no rows. ImportError if pandas is missing
+    errors   InputError for an invalid study, or if the world of no run can be loaded: the error of the first run. If
+             only some runs fail, the column `error` of their rows states the reason; in a series, a failed run has no
+             rows. ImportError if pandas is missing
     """
     try:
         import pandas
@@ -115,8 +138,8 @@ def sweep(study: Union[str, "os.PathLike[str]", Mapping[str, Any]], *, series: O
     if world is None:
         world = read["world"]
 
-    # Errors of the study or its world are raised here; errors of single runs become rows.
-    first = _core.Simulation(world, threads=1, **({**options, "name": name} if isinstance(world, Mapping) else options))
+    # Errors of the study or of the worlds of all runs are raised here; errors of single runs become rows.
+    first = _first_world(world, name, read, options)
     read["check_columns"](list(_core.Measures(first, _wanted(read["measures"])).columns))
     del first
     rows: List[Dict[str, Any]] = []

@@ -11,7 +11,7 @@ import csv
 import math
 import os
 import sys
-from typing import Dict, List, Optional, Sequence, Tuple, Union
+from typing import Dict, List, Optional, Sequence, Set, Tuple, Union
 
 _File = Union[str, "os.PathLike[str]"]
 _Key = Tuple[str, ...]
@@ -73,6 +73,14 @@ def _order(value: _Key) -> List[Tuple[int, float, str]]:
     return [(0, number, "") if number is not None else (1, 0.0, part) for number, part in zip(numbers, value)]
 
 
+def _stray_ends(runs: Sequence[Sequence[float]]) -> Set[float]:
+    """Returns the times at which only runs that end there have a sample, although another run has samples before and
+    after this time. A condition of `stop_when` ends a run at any time, and a mean of these runs alone would look like a
+    jump of the line. runs: for each run of a line, the times of its samples, in ascending order."""
+    ends = {times[-1] for times in runs} - {time_s for times in runs for time_s in times[:-1]}
+    return {end for end in ends if any(times[0] < end < times[-1] for times in runs)}
+
+
 def series_by(folder: _File, measure: Optional[str] = None,
               by: Optional[str] = None) -> Tuple[str, List[str], Dict[_Key, _Points]]:
     """Reads the tables of a sweep and averages a measure over its runs.
@@ -84,7 +92,8 @@ def series_by(folder: _File, measure: Optional[str] = None,
     returns  the name of the measure, the names of the parameters that distinguish the lines, and a dict from their
              values to the points of a line: a list of (time_s, mean, sample standard deviation, number of runs) in the
              order of time. The deviation has the divisor n - 1; it is 0 for one run. NaN values of the measure are left
-             out
+             out, and so is the last sample of a run that `stop_when` ended between two samples of another run of the
+             line
     errors   PlotError if a table is missing or invalid, if a measure or parameter does not exist, if the measure has no
              value in any run, or if there are more than 12 lines
     """
@@ -108,14 +117,16 @@ def series_by(folder: _File, measure: Optional[str] = None,
 
     column = head.index(measure)
     lines: Dict[_Key, Dict[float, List[float]]] = {}
+    sampled: Dict[_Key, Dict[str, List[float]]] = {}  # for each line and run, the times of the samples
     for row in series:
         number = _number(row[column])
         time_s = _number(row[1])
         if number is None or time_s is None or row[0] not in values:
             raise PlotError(f"{series_file}: error: this is not the series of the sweep in table.csv: a run is not in "
                             "that table, or a value is not a number")
+        key = tuple(values[row[0]][name] for name in names)
+        sampled.setdefault(key, {}).setdefault(row[0], []).append(time_s)
         if not math.isnan(number):
-            key = tuple(values[row[0]][name] for name in names)
             lines.setdefault(key, {}).setdefault(time_s, []).append(number)
     if len(lines) > MOST_LINES:
         raise PlotError(f"error: one line per value of {' and '.join(names)} gives {len(lines)} lines, but a plot has "
@@ -125,7 +136,9 @@ def series_by(folder: _File, measure: Optional[str] = None,
     result: Dict[_Key, _Points] = {}
     for key in sorted(lines, key=_order):
         result[key] = []
-        for time_s, numbers in sorted(lines[key].items()):
+        regular = set(lines[key]) - _stray_ends(list(sampled[key].values()))
+        for time_s in sorted(regular or lines[key]):  # a line has at least one point
+            numbers = lines[key][time_s]
             mean = math.fsum(numbers) / len(numbers)
             spread = math.fsum((number - mean) ** 2 for number in numbers)
             result[key].append((time_s, mean, math.sqrt(spread / max(len(numbers) - 1, 1)), len(numbers)))

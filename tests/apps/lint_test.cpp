@@ -204,6 +204,26 @@ TEST_F(LintTest, ReportsFiducialFindersThatCanFindNothing) {
           "sees nothing: no other body with a fiducial_return is at the height of the sensor, 0.2 m")));
 }
 
+// A joint, here a lift, changes the heights of sensors and of bodies that sensors see.
+TEST_F(LintTest, HeightsThatJointsMayChangeAreNotReported) {
+  const std::string lift =
+      "  actuator( name \"lift\" type \"linear\" axis [0 0 1] min_position 0 max_position 2 max_speed 1\n"
+      "    size [0.2 0.2 0.1] ";
+  const std::string robot = "position( size [0.4 0.4 0.4] stack_children 0\n";
+  expect_nothing("ranger.world", robot + lift +
+                                     "noblocks 1 start_position 1.5\n    ranger( pose [0 0 0.5 0] sensor( "
+                                     "range [0 5] ) ) ) )\n"
+                                     "model( pose [2 0 2 0] size [0.1 2 0.5] )\n");
+  const std::string gate =
+      "position( pose [2 0 0 0] size [0.4 0.4 0.4] stack_children 0\n" + lift + "fiducial_return 3 ) )\n";
+  expect_nothing("seen.world", robot + "  ranger( pose [0 0 1 0] sensor( range [0 5] ) ) )\n" + gate);
+  expect_nothing("marked.world", robot + "  fiducial( pose [0 0 1 0] ) )\n" + gate);
+  // A robot does not see its own lift.
+  EXPECT_THAT(findings("own.world", robot + "  ranger( pose [0 0 1 0] sensor( range [0 5] ) )\n" + lift +
+                                        ") )\nmodel( pose [2 0 0 0] )\n"),
+              Contains(HasSubstr("sees nothing: it is at a height of 1")));
+}
+
 TEST_F(LintTest, ReportsDefinitionsThatAreNotUsed) {
   EXPECT_THAT(findings("w.json", R"({ "troupe": 1, "types": {
     "bot": {"size_m": [0.4, 0.4, 0.3], "drive": {"kind": "diff"}},
@@ -286,6 +306,10 @@ TEST_F(LintTest, EverySensorAndDeviceMayRunByItselfAtItsOwnPace) {
                  "  actuator( alwayson 1 update_interval 200 pose [-0.1 0 1 0] size [0.1 0.1 0.1] )\n"
                  "  blinkenlight( alwayson 1 update_interval 200 pose [-0.1 0.1 0 0] ) )\n"
                  "model( pose [5 0 0 0] fiducial_return 1 )\n");
+  expect_nothing("energy.world",
+                 "position( size [0.4 0.4 0.4] joules_capacity 100 alwayson 1\n"
+                 "  model( size [0.1 0.1 0.1] take_watts 50 alwayson 1 ) )\n"
+                 "position( pose [2 0 0 0] size [0.4 0.4 0.4] kjoules_capacity 1 alwayson 1 )\n");
 }
 
 TEST_F(LintTest, RunsTellOnceWhatALintTellsEachTime) {

@@ -240,6 +240,22 @@ TEST(ConvexPieces, DuplicateAndStraightVerticesAreHarmless) {
   expect_exact_cover({{{0, 0}, {2, 1e-16}, {2, 1}, {1, 1 + 2e-16}, {1, 2}, {0, 2}}}, 3, 2);
 }
 
+// Cuts along one axis would leave slivers between corners that lie at almost the same height.
+TEST(ConvexPieces, AvoidsSlivers) {
+  for (const double step : {1e-8, 1e-6, 1e-4}) {
+    const Ring fork{{-0.1, -0.15},   {0.1, -0.15}, {0.1, -0.1}, {0, -0.1},
+                    {0, 0.1 + step}, {0.1, 0.1},   {0.1, 0.15}, {-0.1, 0.15}};
+    const Ring tilted_l = turned({{0, 0}, {0.2, 0}, {0.2, 0.1}, {0.1, 0.1}, {0.1, 0.2}, {0, 0.2}}, 10 * step);
+    for (const Ring& ring : {fork, tilted_l}) {
+      const Solid solid = {{ring}, k_height};
+      const std::vector<ConvexPrism> pieces = convex_pieces(solid);
+      EXPECT_EQ(broken_promise(solid, pieces, 3), "") << step;
+      EXPECT_NEAR(total_area(pieces), signed_area(ring), 1e-12) << step;
+      for (const ConvexPrism& piece : pieces) EXPECT_GT(convex_width(piece.outline), 0.01) << step;
+    }
+  }
+}
+
 RC_GTEST_PROP(ConvexPieces, CoversRandomSimplePolygons, ()) {
   // Star-shaped about a point, so that the shoelace formula is the area.
   const auto seed = *rc::gen::arbitrary<std::uint32_t>();

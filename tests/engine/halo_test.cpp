@@ -639,6 +639,32 @@ TEST_F(HaloOfARoom, InterventionsHaveTheSameEffectOnAllRanks) {
   }
 }
 
+// A rank tests whether a pose is free for a birth. In this tick, other interventions have moved, added and
+// removed bodies there, whose rows were on other ranks.
+TEST_F(HaloOfARoom, InterventionsOfATickSeeOneAnotherOnAllRanks) {
+  std::string text = halo_room(40, 8, R"(,
+  "at": [
+    {"time_s": 0.2, "move": {"model": "w0", "pose": {"x_m": 7.5, "y_m": 7.5}}},
+    {"time_s": 0.2, "add": {"population": "w", "count": 1, "pose": {"x_m": 7.5, "y_m": 7.5}}},
+    {"time_s": 0.2, "add": {"population": "w", "count": 1, "pose": {"x_m": -7.5, "y_m": 7.5}}},
+    {"time_s": 0.2, "move": {"model": "w0", "pose": {"x_m": -7.5, "y_m": 6.5}}},
+    {"time_s": 0.2, "add": {"population": "w", "count": 1, "pose": {"x_m": -7.5, "y_m": 7.5}}},
+    {"time_s": 0.5, "add": {"population": "w", "count": 50, "region_m": [[-7.5, -7.5], [7.5, 7.5]]}},
+    {"time_s": 0.5, "remove": {"population": "w", "count": 30}},
+    {"time_s": 0.5, "add": {"population": "w", "count": 60, "region_m": [[-7.5, -7.5], [7.5, 7.5]]}},
+    {"time_s": 0.5, "move": {"model": "w1", "pose": {"x_m": 7.5, "y_m": -7.5}}},
+    {"time_s": 0.5, "add": {"population": "w", "count": 70, "region_m": [[-7.5, -7.5], [7.5, 7.5]]}}
+  ])");
+  const std::string_view count = R"("count": 40)";
+  text.replace(text.find(count), count.size(), R"("count": 40, "reserve": 400)");
+  SimulationOptions options;
+  options.threads = 1;
+  const Simulation simulation(write("room.json", text), options);
+  std::vector<HaloTeam> teams = k_experiment_teams;
+  for (std::uint64_t seed = 1; seed <= 8; ++seed) teams.push_back({3, 1, seed, {}});
+  expect_same_bits(simulation, 10, teams);
+}
+
 // The ranks must have ghosts for the longer reach before the sensors run.
 TEST_F(HaloOfARoom, AProgramMakesSensorsReachFarther) {
   const fs::path world = write("room.json", halo_room(100, 6));
@@ -700,6 +726,60 @@ TEST_F(HaloOfARoom, RobotsChargeOneAnotherAcrossBorders) {
         received += device.kind->energy(whole.percepts(device), whole.slot(Row(r))).received_j;
   EXPECT_GT(received, 100);
   expect_log(simulation, k_experiment_teams, expected);
+}
+
+/// Robots that hold a puck and give energy to the robot behind them. They drive slowly. Each of their trees
+/// has two bodies.
+std::string halo_givers() {
+  std::string models;
+  for (int i = 0; i < 30; ++i) {
+    const double x = 1.6 * (i % 5) + 0.03 * (i % 7);
+    const double y = 1.1 * (i / 5) + 0.05 * (i % 3);
+    models += fmt::format(
+        R"({}{{"name": "g{}", "type": "giver", "pose": {{"x_m": {}, "y_m": {}}}}},
+    {{"name": "t{}", "type": "taker", "pose": {{"x_m": {}, "y_m": {}}}}},
+    {{"name": "p{}", "type": "puck", "pose": {{"x_m": {}, "y_m": {}}}}})",
+        i == 0 ? "" : ",\n    ", i, x, y, i, x - 0.3, y, i, x + 0.29, y);
+  }
+  return R"({
+  "troupe": 1, "title": "Givers",
+  "types": {
+    "giver": {"size_m": [0.3, 0.3, 0.2], "drive": {"kind": "diff"},
+      "controller": {"kind": "script", "legs": [{"until_s": 90, "forward_mps": 0.04, "turn_radps": 0.02}]},
+      "devices": [
+        {"kind": "power_pack", "name": "pack", "capacity_J": 1000, "stored_J": 500},
+        {"kind": "gripper", "name": "hand", "pose": {"x_m": 0.25}, "autosnatch": true},
+        {"kind": "power_contact", "name": "contact", "give_W": 10}]},
+    "taker": {"size_m": [0.3, 0.3, 0.2], "drive": {"kind": "diff"},
+      "controller": {"kind": "script", "legs": [{"until_s": 90, "forward_mps": 0.04}]},
+      "devices": [
+        {"kind": "power_pack", "name": "pack", "capacity_J": 1000, "stored_J": 10},
+        {"kind": "power_contact", "name": "contact", "take_W": 7}]},
+    "puck": {"disc": {"radius_m": 0.05, "height_m": 0.1}, "gripper_return": true}
+  },
+  "models": [
+    )" + models +
+         "]\n}";
+}
+
+// An effect needs the present state of all bodies of the trees of its source and target.
+TEST_F(HaloOfARoom, CarriersChargeOthersAcrossBorders) {
+  SimulationOptions options;
+  options.threads = 1;
+  const Simulation simulation(write("givers.json", halo_givers()), options);
+  ASSERT_EQ(why_replicated(simulation.world()), "");
+  World whole = whole_world(simulation);
+  const std::vector<Hashes> expected = halo_log(whole, 30);
+  EXPECT_GT(whole.carried_count(), 20u);
+  double received = 0;
+  for (std::size_t r = 0; r < whole.rows(); ++r)
+    for (const BodyType::Device& device : whole.type(Row(r)).devices)
+      if (device.kind->energy)
+        received += device.kind->energy(whole.percepts(device), whole.slot(Row(r))).received_j;
+  EXPECT_GT(received, 100);
+  std::vector<HaloTeam> teams = k_experiment_teams;
+  for (std::uint64_t seed = 1; seed <= 3; ++seed) teams.push_back({5, 1, seed, 0.0, 0.3, {}});
+  expect_log(simulation, teams, expected);
 }
 
 /// A device with this state, reach and largest number of effects, and without parameters.

@@ -2,12 +2,15 @@
 
 #include "base/random.hpp"
 #include "engine/world/world.hpp"
+#include "models/drives/wheels.hpp"
 #include "tests/support/devices.hpp"
 #include "tests/support/slow_build.hpp"
 
 #include <fmt/format.h>
 #include <gtest/gtest.h>
 
+#include <algorithm>
+#include <chrono>
 #include <cmath>
 #include <vector>
 
@@ -338,6 +341,82 @@ TEST(Links, ASlideStopsAtAPuckThatWasJustSweptBeforeIt) {
         EXPECT_LT(world.pose(swept).x - x, 0.5) << "it was swept";
       }
     }
+}
+
+/// Adds a car to a type: a part with a drive of its own, whose place at rest is `pose`, and that drives these
+/// legs at up to `most_mps`.
+void add_car(TypeSpec& type, const Pose& pose, double most_mps, std::vector<Record> legs) {
+  const std::size_t wheels = test::add_device(type, "car", "wheels", pose,
+                                              {{"velocity_min_x", -most_mps}, {"velocity_max_x", most_mps}});
+  PartSpec part{.name = "car", .kind = "position", .joint = type.devices[wheels].moves};
+  part.pose_body_part = pose;
+  part.solids.push_back(placed(Solid{{test::box_ring(0.2, 0.2)}, {0, 0.1}}, pose));
+  type.parts.push_back(std::move(part));
+  const auto car = static_cast<std::uint32_t>(type.parts.size() - 1);
+  type.devices[wheels].part = car;
+  ControllerSpec controller = test::drive_legs(std::move(legs));
+  controller.part = car;
+  type.controllers.push_back(std::move(controller));
+}
+
+/// Robots that drive and turn, and whose cars drive about among all of them, metres away from their bodies.
+SceneBuilder cars() {
+  SceneBuilder scene;
+  for (int i = 0; i < 12; ++i) {
+    const std::string name = fmt::format("c{}", i);
+    const TypeId type = scene.robot(name, {box(0.3, 0.3, 0.5)});
+    scene[type].controllers.push_back(
+        test::drive_legs({test::leg(20, 0.1 * (i % 3 - 1), 0.05 * (i % 5 - 2))}));
+    std::vector<Record> legs;
+    for (int k = 0; k < 12; ++k)
+      legs.push_back(test::leg(0.5 * (k + 1), (k % 3 == 2 ? -1 : 1.5) * (1 + 0.25 * ((i + k) % 5)),
+                               0.35 * ((3 * i + k) % 5 - 2)));
+    add_car(scene[type], {0.4, 0, 0.1, 0}, 5, std::move(legs));
+    const int row = i / 3;
+    scene.body(name, type, {1.2 * (i % 3), 1.2 * row, 0, 0.7 * i});
+  }
+  return scene;
+}
+
+// A body whose car is far away has a wide circle. The index lists it in all cells that the circle touches,
+// and its radius is not the one for which the index was built.
+TEST(Links, CarsFarFromTheirBodiesMeetOneAnotherOnAnyTiles) {
+  const SceneBuilder scene = cars();
+  std::vector<std::uint64_t> expected;
+  double farthest = 0;
+  std::size_t stalls = 0;
+  for (const WorldOptions& options : {WorldOptions{1, 0}, {2, 0}, {1, 0.1}, {3, 4.7}}) {
+    World world = scene.world(options);
+    for (std::size_t t = 0; t < (test::k_slow_build ? 20u : 60u); ++t) {
+      world.step();
+      const std::uint64_t hash = world.hashes().state;
+      if (t == expected.size()) expected.push_back(hash);
+      ASSERT_EQ(hash, expected[t]) << "tick " << t + 1 << ", tiles of " << options.tile_size_m;
+      ASSERT_LT(deepest(world), 1e-9) << "tick " << t + 1;
+      for (std::uint32_t b = 1; b <= 12; ++b) {
+        farthest = std::max(farthest, world.joint_state(world.row(BodyId(b)), 0).position().norm());
+        stalls += test::state_of<models::WheelsState>(world, BodyId(b), 0).stalled;
+      }
+    }
+  }
+  EXPECT_GT(farthest, 2) << "they leave their bodies";
+  EXPECT_GT(stalls, 20u) << "and are in one another's way";
+}
+
+// The motion of a car has hundreds of samples. Each of them meets each other tree once, not once for each of
+// the thousands of cells in which the index lists it.
+TEST(Links, CarsFarFromTheirBodiesMoveQuickly) {
+  SceneBuilder scene;
+  const TypeId type = scene.robot("bot", {box(0.3, 0.3, 0.3)});
+  add_car(scene[type], {0, 0, 0.3, 0}, 300, {test::leg(9, 300)});
+  for (int i = 0; i < 5; ++i) scene.body(fmt::format("b{}", i), type, {0, 2.0 * i, 0, 0});
+  World world = scene.world({1, 0});
+  const auto start = std::chrono::steady_clock::now();
+  for (int t = 0; t < 3; ++t) world.step();
+  if (!test::k_slow_build) {
+    EXPECT_LT(std::chrono::steady_clock::now() - start, std::chrono::seconds(3));
+  }
+  EXPECT_NEAR(world.joint_state(world.row(BodyId(5)), 0).x, 60, 1e-9);
 }
 
 TEST(Links, AResetAndAnotherRunAreTheSame) {

@@ -9,6 +9,7 @@
 #include <cmath>
 #include <cstdint>
 #include <cstdlib>
+#include <limits>
 #include <map>
 #include <vector>
 
@@ -119,6 +120,57 @@ TEST(TileOwners, FindsAllRanksThatOwnTilesNearby) {
     }
   }
   EXPECT_GT(found, 500u);
+}
+
+/// The distance from a point to the nearest tile of each rank, m; infinity if it exceeds `distance`.
+/// `tile_m`: edge of a tile, m
+std::vector<double> distances_of_ranks(const TileOwners& owners, double tile_m, const Vec2& point,
+                                       double distance) {
+  std::vector<double> nearest(owners.ranks(), std::numeric_limits<double>::infinity());
+  const Vec2 edges(tile_m, tile_m);
+  for (double y = std::floor((point.y() - distance) / tile_m); y * tile_m <= point.y() + distance; ++y)
+    for (double x = std::floor((point.x() - distance) / tile_m); x * tile_m <= point.x() + distance; ++x) {
+      const Vec2 low(x * tile_m, y * tile_m);
+      const double to_tile = (point.cwiseMax(low).cwiseMin(low + edges) - point).norm();
+      double& least = nearest[owners.owner(low + 0.5 * edges)];
+      if (to_tile <= distance) least = std::min(least, to_tile);
+    }
+  return nearest;
+}
+
+// If bodies far away count, the tiles near a point are many, but ranks that are too far away are not found.
+TEST(TileOwners, DistantRanksAreFoundToWithinATenth) {
+  const GridGeometry geometry{.cell_m = 0.5, .tile_bits = 2};
+  std::size_t found = 0;
+  for (std::uint64_t seed = 1; seed <= 4; ++seed) {
+    Random random(seed, stream_id("test", "distant owners"), 0, 0);
+    const auto place = [&] { return Vec2(random.uniform(-700, 700), random.uniform(-700, 700)); };
+    std::vector<TileOwners::Key> keys;
+    for (int i = 0; i < 200; ++i) keys.push_back(TileOwners::key(geometry, place()));
+    std::ranges::sort(keys);
+    const TileOwners owners(geometry, TileOwners::random_cut(keys, 12, random));
+    for (const double distance : {60.0, 130.0, 300.0}) {
+      const Vec2 point = place();
+      std::vector<unsigned> near;
+      owners.find_near(point, distance, near);
+      EXPECT_TRUE(std::ranges::is_sorted(near));
+      EXPECT_EQ(std::ranges::adjacent_find(near), near.end());
+      EXPECT_THAT(near, Not(Contains(owners.owner(point))));
+      const std::vector<double> nearest = distances_of_ranks(owners, 2, point, 1.2 * distance);
+      const double most = distance < 64 ? distance + 1e-3 : 1.1 * distance;
+      for (unsigned rank = 0; rank < owners.ranks(); ++rank) {
+        if (rank == owners.owner(point)) continue;
+        const bool is_near = std::ranges::binary_search(near, rank);
+        if (nearest[rank] <= distance) {
+          EXPECT_TRUE(is_near) << "rank " << rank << " at " << nearest[rank] << " m, seed " << seed;
+        } else if (nearest[rank] > most) {
+          EXPECT_FALSE(is_near) << "rank " << rank << " at " << nearest[rank] << " m, seed " << seed;
+        }
+      }
+      found += near.size();
+    }
+  }
+  EXPECT_GT(found, 12u);
 }
 
 TEST(TileOwners, AllRanksAreNearIfTheDistanceIsHuge) {

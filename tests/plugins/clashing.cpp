@@ -1,7 +1,7 @@
 // Plug-ins with names that cannot be: built as clash.so, two controllers of one name; as expand.so, a name
 // that Troupe's own controller has; as twice.so and ranger.so, the same of sensors; as unprepared.so, a
 // sensor whose kind lacks what it needs; as misnamed.so, a sensor and a controller with parameters that are
-// called like keys of JSON worlds.
+// called like keys of JSON worlds; as command.so, a controller that is called like a component of the state.
 #include <troupe/plugin.hpp>
 
 namespace {
@@ -32,6 +32,8 @@ TROUPE_CONTROLLER("idle", Idle)
 TROUPE_CONTROLLER("idle", Idle)
 #elif defined(EXPAND)
 TROUPE_CONTROLLER("expand", Idle)
+#elif defined(COMMAND)
+TROUPE_CONTROLLER("command", Idle)
 #elif defined(TWICE)
 TROUPE_DEVICE("twice", troupe::ranger_kind)
 TROUPE_DEVICE("twice", troupe::ranger_kind)

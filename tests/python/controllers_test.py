@@ -284,6 +284,9 @@ class Controllers(InAFolder):
                 self.assertIn(text, found)
         found = self.troupe("run", "w.json", "--controller", "none.py", code=2).stderr
         self.assertIn("none.py: error: cannot be read: No such file or directory", found)
+        self.write("command.py", ROAM.replace("class roam", "class command"))
+        found = self.troupe("run", "w.json", "--controller", "command.py", code=2).stderr
+        self.assertIn('command.py: error: it has a controller "command" that has the name of a component of the state', found)
         launched = {"OMPI_COMM_WORLD_RANK": "0", "OMPI_COMM_WORLD_SIZE": "4"}
         found = self.troupe("run", "w.json", "--controller", "roam.py", code=2, **launched).stderr
         self.assertIn("--controller works only in one process, but mpirun of Open MPI started 4", found)

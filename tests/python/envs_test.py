@@ -183,6 +183,29 @@ class Checkers(unittest.TestCase):
         with self.assertRaisesRegex(ValueError, r"action: must have the shape \(\), found \(1,\)"):
             discrete.step([0])
 
+    def test_a_robot_may_have_the_name_of_a_type(self):
+        def bot(range_max_m):
+            eye = {"name": "eye", "kind": "ranger", "transducers": [{"range_max_m": range_max_m}]}
+            return {"size_m": [0.3, 0.3, 0.2], "drive": {"kind": "diff"}, "sensors": [eye]}
+
+        task = troupe.envs.Task()
+        task.world = {"troupe": 1, "types": {"near": bot(1), "far": bot(5)}, "models": [
+            {"name": "far", "type": "near"}, {"name": "near", "type": "far", "pose": {"y_m": 1}},
+            {"name": "other", "type": "far", "pose": {"y_m": 2}}]}
+        task.teams = [troupe.envs.Team(robots="near", observation=[{"field": "ranges"}])]  # the robots far and near
+        for robot, bound in (("far", 1), ("near", 5)):
+            for env in (troupe.envs.Env(task, robot=robot), troupe.envs.VectorEnv(task, 2, robot=robot)):
+                env.reset(seed=1)
+                self.assertEqual(env.batch.names, [[robot]])
+                space = getattr(env, "single_observation_space", env.observation_space)
+                self.assertEqual(space.high.tolist(), [bound])
+        self.assertEqual(troupe.envs.Env(task).robot, "far")
+        world = troupe.Simulation(task.world, threads=1)
+        self.assertEqual(world.swarm("near").names, ["far", "near"])
+        self.assertEqual(world.swarm(world.find("near")).names, ["near"])
+        with self.assertRaisesRegex(RuntimeError, "is a model of another simulation"):
+            world.swarm(troupe.Simulation(task.world, threads=1).find("near"))
+
     def test_one_copy_uses_one_thread(self):
         for make in (troupe.envs.Env, troupe.envs.ParallelEnv):
             with self.assertRaisesRegex(TypeError, "uses one thread: omit threads, or use VectorEnv"):
@@ -334,7 +357,6 @@ class Vector(unittest.TestCase):
             (lambda: troupe.envs.VectorEnv(Short(2), 3), "2 robots learn in each copy: give a multiple of 2"),
             (lambda: troupe.envs.VectorEnv(Walkers(), 2), "needs a task with one team, but Walkers has 2"),
             (lambda: troupe.envs.VectorEnv(Short(2), 2, render_mode="ansi"), 'unknown render_mode "ansi"; known: human, rgb_array'),
-            (lambda: troupe.envs.Env(Short(2), robot="robot"), "names 2 robots: give the name of one"),
         ):
             with self.assertRaisesRegex(ValueError, text):
                 wrong()
@@ -344,6 +366,8 @@ class Vector(unittest.TestCase):
             env.step(np.zeros((2, 2)))
         with self.assertRaisesRegex(ValueError, 'action 1 of "r1" in copy 0 \(both counted from 0\) is nan'):
             env.step(np.array([[0, 0], [0, np.nan], [0, 0], [0, 0]]))
+        with self.assertRaisesRegex(LookupError, 'no model "robot" in '):  # it is the name of the type
+            troupe.envs.Env(Short(2), robot="robot")
         with self.assertRaisesRegex(LookupError, 'has no device "lidr"; it has: lidar'):
             task = Short(2)
             task.teams[0].observation = [{"device": "lidr", "field": "ranges"}]

@@ -86,6 +86,10 @@ class Loading(InAFolder):
             troupe.Simulation(ROOM, set={1: 2})
         with self.assertRaisesRegex(ValueError, r'set: the value "\\ud800" contains half of a surrogate pair'):
             troupe.Simulation(ROOM, set={"/title": "\ud800"})
+        with self.assertRaisesRegex(TypeError, "set: the key 1 is not a JSON pointer: give a text"):
+            troupe.Simulation(ROOM, set=[("/seed", 1), (1, 2)])
+        with self.assertRaisesRegex(TypeError, "set: the list has the element '/seed': give tuples of a JSON pointer"):
+            troupe.Simulation(ROOM, set=["/seed"])
 
     def test_warnings_are_told(self):
         world = troupe.Simulation.from_text('position( name "a" colour "red" )', "a.world")

@@ -76,6 +76,37 @@ class Sweep(unittest.TestCase):
         self.assertNotEqual(table["error"][1], "")
         self.assertTrue(math.isnan(table["coverage"][1]))
 
+    def test_only_the_worlds_of_runs_need_be_loadable(self):
+        crowded = {**WORLD, "populations": [{**WORLD["populations"][0], "count": 100000}]}
+        study = {**STUDY, "world": crowded, "seeds": [1], "for_s": 0.2, "parameters": [
+            {"set": "/populations/0/count", "name": "robots", "values": [100000, 2, 4]}]}
+        table = troupe.sweep(study)
+        self.assertEqual([error == "" for error in table["error"]], [False, True, True])
+        study["parameters"] = [{"set": "/populations/0/count", "name": "robots", "values": [100000, 100001]}]
+        with self.assertRaisesRegex(troupe.InputError, "placed [0-9]+ of 100000 bodies"):
+            troupe.sweep(study)
+
+    def test_parameters_may_append_to_the_same_list(self):
+        def robot(name, x):
+            return {"name": name, "type": "bot", "pose": {"x_m": x}}
+
+        world = {"troupe": 1, "types": {"bot": {"size_m": [0.3, 0.3, 0.3], "drive": {"kind": "diff"}}}, "models": []}
+        study = {**STUDY, "world": world, "seeds": [1], "measures": ["alive"], "parameters": [
+            {"set": "/models/-", "name": "one", "values": [robot("a", 0)]},
+            {"set": "/models/-", "name": "two", "values": [robot("b", 2), robot("c", 4)]}]}
+        table = troupe.sweep(study)
+        self.assertEqual(list(table["alive"]), [2, 2])
+        settings = [("/models/-", robot("a", 0)), ("/models/-", robot("c", 4))]
+        alone = troupe.Simulation(world, seed=1, threads=1, set=settings)
+        self.assertEqual(alone.robot_names, ["a", "c"])
+        alone.run_for(2)
+        self.assertEqual(table["state_hash"][1], f"{alone.state_hash():016x}")
+
+    def test_without_seeds_the_seed_is_that_of_the_world(self):
+        study = {**STUDY, "world": {**WORLD, "seed": 7}, "for_s": 0.5}
+        del study["seeds"]
+        self.assertEqual(list(troupe.sweep(study)["seed"]), [7, 7])
+        self.assertEqual(set(troupe.sweep(study, series=True)["seed"]), {7})
 
     def test_columns_have_different_names(self):
         def study(parameter, *measures):
@@ -116,6 +147,19 @@ class Plot(unittest.TestCase):
         self.assertEqual(lines[("2",)], [(0.0, 1.0, math.sqrt(2), 2), (1.0, 2.0, math.sqrt(2), 2)])
         self.assertEqual(lines[("10",)], [(0.0, 4.0, 0.0, 1), (1.0, 5.0, 0.0, 1)])  # runs without values at a time are not counted
         self.assertEqual(troupe.plot.series_by(self.folder, "order", "robots")[2], lines)
+
+    def test_the_end_of_a_stopped_run_is_no_point_between_samples(self):
+        def points(*runs):  # of a line with two runs, whose values are always 10 and 11
+            rows = [f"{run},{time_s},{10 + run}" for run, times in enumerate(runs) for time_s in times]
+            (self.folder / "series.csv").write_text("\n".join(["run,time_s,order", *rows]) + "\n")
+            _, _, lines = troupe.plot.series_by(self.folder)
+            return [(time_s, mean, n) for time_s, mean, _, n in lines[("2",)]]
+
+        self.assertEqual(points([0, 1, 2], [0, 0.7]), [(0, 10.5, 2), (1, 10, 1), (2, 10, 1)])
+        self.assertEqual(points([0, 0.3], [0, 0.7]), [(0, 10.5, 2), (0.7, 11, 1)])  # the longest run keeps its end
+        self.assertEqual(points([0, 1, 2], [0, 1]), [(0, 10.5, 2), (1, 10.5, 2), (2, 10, 1)])
+        # Runs with other periods keep all samples except the last one.
+        self.assertEqual(points([0, 0.4, 0.8], [0, 0.5, 1]), [(0, 10.5, 2), (0.4, 10, 1), (0.5, 11, 1), (1, 11, 1)])
 
     def test_the_name_of_a_measure_needs_no_unit(self):
         columns = ["displacement_m", "displacement_m:leaders", "stalls:leaders", "my:reach_m", "path_length_m"]

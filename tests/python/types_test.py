@@ -18,6 +18,7 @@ import troupe
 from troupe.envs import Navigation, VectorEnv
 
 world = troupe.Simulation("worlds/hospital.json", robots=5, seed=1, set={"/title": "t"})
+world = troupe.Simulation("worlds/hospital.json", set=[("/title", "t"), ("/seed", 1)])
 swarm = world.swarm("minibot")
 swarm.set_speeds(0.3, np.zeros(len(swarm)), where=swarm.alive())
 x: float = world.find("r0").pose().x

@@ -278,6 +278,60 @@ TEST(DrawSolid, ScansAreFilledAndTransparentFromBothViews) {
   }
 }
 
+TEST(DrawSolid, ScansAboveAllBodiesAreDrawn) {
+  struct Case {
+    bool perspective;
+    double pitch, yaw;
+    double y, z;  // of the ranger, m: near the middle of the picture
+  };
+  for (const Case& each : {Case{false, 0, 0, 0, 9}, Case{false, 0, 0.5, 0, 9},
+                           Case{false, 0.8, 0, -9.3, 9.06}, Case{true, 0.8, 0, -9.3, 9.06}}) {
+    Yard yard;
+    yard.view.camera.perspective = each.perspective;
+    yard.view.camera.pitch = each.pitch;
+    yard.view.camera.yaw = each.yaw;
+    yard.scene.rangers = {{0, 3, {{{0, 0, each.z, 0}, 5, 1.0, 0, 3}}}};
+    yard.add(0, 0, each.y, k_green);
+    yard.frame.scans = {{0, 0, 0}};
+    yard.frame.ranges = {4, 4, 4};
+    yard.draw();
+    const Picture without = yard.picture;
+    yard.view.layers.scans = true;
+    yard.draw();
+    EXPECT_GT(yard.differing(without), 4000) << each.perspective << ", " << each.pitch << ", " << each.yaw;
+  }
+}
+
+TEST(DrawSolid, ScansAreDrawnOnLargeMaps) {
+  for (const double yaw : {0.0, 0.5}) {
+    Yard yard;
+    yard.scene.bounds = {{-8000, -6000}, {8000, 6000}};
+    yard.view.camera.perspective = false;
+    yard.view.camera.pitch = 0;
+    yard.view.camera.yaw = yaw;
+    yard.view.camera.across_m = 16000;
+    yard.scene.rangers = {{0, 3, {{{0, 0, 0.5, 0}, 5000, 1.0, 0, 3}}}};
+    yard.add(0, -3000, 0, k_green);
+    yard.frame.scans = {{0, 0, 0}};
+    yard.frame.ranges = {4000, 4000, 4000};
+    yard.draw();
+    const Picture without = yard.picture;
+    yard.view.layers.scans = true;
+    yard.draw();
+    EXPECT_GT(yard.differing(without), 4000) << yaw;
+  }
+}
+
+TEST(DrawSolid, TallBodiesHighUpAreNotCutOff) {
+  Yard yard;
+  yard.view.camera.perspective = false;
+  yard.scene.types.push_back(box_type(0.5, 8, true));
+  yard.frame.mobile = {{2, {0, -10, 8, 0}, k_blue}};
+  yard.draw();
+  // The top is at z = 16: 16 sin(pitch) - 10 cos(pitch) = 4.51 m above the middle, at 40 pixels per metre.
+  EXPECT_EQ(yard.pixel(320, 60), k_blue_pixel);
+}
+
 TEST(DrawSolid, ScansOfWhatJointsHaveMovedBeginThere) {
   Yard yard;
   yard.view.camera.pitch = 0.2;

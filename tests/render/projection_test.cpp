@@ -97,6 +97,17 @@ TEST_P(AnyView, WhatIsNearerIsLessDeep) {
   EXPECT_GT(by_matrix(projection, far).z() + projection.clip_bias() / w, by_matrix(projection, nearer).z());
 }
 
+TEST_P(AnyView, LinesAreNotMovedBeyondTheNearPlane) {
+  const std::vector<Vec3> points = corners({-8000, -4000, 0}, {8000, 4000, 0.5});
+  Projection projection = view();
+  projection.fit(points, 0, 0);
+  projection.reach(points);
+  for (const Vec3& point : points) {
+    const double w = projection.perspective() ? projection.depth(point) : 1;
+    EXPECT_GT(by_matrix(projection, point).z() + projection.clip_bias() / w, -1);
+  }
+}
+
 TEST_P(AnyView, LooksAtWhatItIsToldTo) {
   Projection projection = view();
   projection.look_at({30, 40, 0}, 16);
@@ -146,12 +157,23 @@ TEST(Projection, FromAboveIsTheFraming) {
   Framing framing{800, 400};
   framing.pixels_per_metre = 100;
   framing.center = {5, -7};
-  const Projection view = Projection::from_above(framing, {0, 3});
+  const Projection view = Projection::from_above(framing);
   for (const Vec2& p : {Vec2(5, -7), Vec2(6.5, -8)}) {
     const Vec3 point(p.x(), p.y(), 1);
     EXPECT_NEAR((*view.to_pixels(point) - framing.to_pixels(p)).norm(), 0, 1e-9);
     EXPECT_NEAR(by_matrix(view, point).x(), framing.to_pixels(p).x(), 1e-3);
     EXPECT_NEAR(by_matrix(view, point).y(), framing.to_pixels(p).y(), 1e-3);
+  }
+}
+
+TEST(Projection, FromAboveShowsAllHeights) {
+  Framing framing{800, 400};
+  framing.pixels_per_metre = 0.5;  // lines are moved nearer by 4 m
+  const Projection view = Projection::from_above(framing);
+  for (const double z : {-1000.0, 0.0, 3.0, 1000.0}) {
+    const double depth = by_matrix(view, {20, 10, z}).z();
+    EXPECT_LT(depth, 1) << z;
+    EXPECT_GT(depth + view.clip_bias(), -1) << z;
   }
 }
 

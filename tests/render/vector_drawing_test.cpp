@@ -109,6 +109,18 @@ TEST(VectorDrawing, LegendsAndBoundsAreDrawn) {
   EXPECT_THAT(svg, Not(HasSubstr("bot &amp; co")));
 }
 
+TEST(VectorDrawing, LegendsCountAllRobotsOfTheirTypes) {
+  Sheet sheet;
+  sheet.view.layers.types = true;
+  const engine::FrameBody first = sheet.frame.mobile[0];
+  for (int i = 0; i < 200; ++i) {  // more colours than the legend compares
+    sheet.frame.mobile.push_back(first);
+    sheet.frame.mobile.back().color = {1, static_cast<float>(i) / 255.0F, 0, 1};
+  }
+  sheet.frame.mobile.insert(sheet.frame.mobile.end(), 4, first);
+  EXPECT_THAT(sheet.svg(), HasSubstr(">bot &amp; co (5)</text>"));
+}
+
 TEST(VectorDrawing, NamesThatAreNoTextAreMadeOne) {
   Sheet sheet;
   sheet.view.layers.names = true;

@@ -95,6 +95,12 @@ struct RadioScene : SceneBuilder {
     return World(spec, registry(), options, diagnostics);
   }
 };
+/// A radio that sends its beacon to another one, 1 m away. Both can be removed and disabled.
+struct MortalPair : RadioScene {
+  MortalPair() { spec.mortal = true; }
+  const BodyId listener = post({0, 0, 0, 0});
+  const BodyId talker = beacon({1, 0, 0, 0});
+};
 
 engine::Readings readings(const World& world, BodyId body, std::size_t device = 0) {
   const Row row = world.row(body);
@@ -346,30 +352,24 @@ TEST(Radio, SeveralOfOneBodyDoNotHearOneAnother) {
 }
 
 TEST(Radio, WhoIsGoneIsSilent) {
-  RadioScene scene;
-  scene.spec.mortal = true;
-  const BodyId listener = scene.post({0, 0, 0, 0});
-  const BodyId talker = scene.beacon({1, 0, 0, 0});
+  MortalPair scene;
   World world = scene.world();
   world.step();
-  EXPECT_THAT(senders(world, listener), ElementsAre(talker.value));
-  world.remove(world.row(talker));
+  EXPECT_THAT(senders(world, scene.listener), ElementsAre(scene.talker.value));
+  world.remove(world.row(scene.talker));
   world.step();
-  EXPECT_THAT(senders(world, listener), IsEmpty());
+  EXPECT_THAT(senders(world, scene.listener), IsEmpty());
 }
 
 TEST(Radio, WhoIsDisabledIsSilent) {
-  RadioScene scene;
-  scene.spec.mortal = true;
-  const BodyId listener = scene.post({0, 0, 0, 0});
-  const BodyId talker = scene.beacon({1, 0, 0, 0});
+  MortalPair scene;
   World world = scene.world();
-  world.set_disabled(world.row(talker), true);
+  world.set_disabled(world.row(scene.talker), true);
   world.step();
-  EXPECT_THAT(senders(world, listener), IsEmpty());
-  world.set_disabled(world.row(talker), false);
+  EXPECT_THAT(senders(world, scene.listener), IsEmpty());
+  world.set_disabled(world.row(scene.talker), false);
   world.step();
-  EXPECT_THAT(senders(world, listener), ElementsAre(talker.value));
+  EXPECT_THAT(senders(world, scene.listener), ElementsAre(scene.talker.value));
 }
 
 TEST(Radio, AMessageLongerThanThePayloadOfItsSenderIsNotSent) {

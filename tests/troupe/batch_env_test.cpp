@@ -1,9 +1,11 @@
 #include "troupe/batch_env.hpp"
 
 #include "base/diagnostics.hpp"
+#include "engine/kinds/controller.hpp"
 #include "engine/world/world.hpp"
 #include "models/devices/led.hpp"
 #include "troupe/measures.hpp"
+#include "troupe/registry.hpp"
 #include "troupe/swarm.hpp"
 
 #include <gmock/gmock.h>
@@ -13,6 +15,7 @@
 #include <limits>
 #include <optional>
 #include <string>
+#include <utility>
 #include <vector>
 
 namespace troupe {
@@ -208,6 +211,37 @@ TEST(BatchEnv, CopiesAreTheWorldAlone) {
   }
 }
 
+/// A collective controller that commands a speed which tells how many robots it decides for.
+struct Counts {
+  void operator()(const engine::DecideBatch& batch) const {
+    for (std::size_t i = 0; i < batch.size(); ++i)
+      batch.command(i).x = 0.001 * static_cast<double>(batch.size());
+  }
+};
+
+TEST(BatchEnv, CollectiveControllersDecideForAllRobotsTogether) {
+  engine::Registry registry = make_registry();
+  registry.controllers.push_back(engine::make_controller_kind<Counts>("counts", "for this test"));
+  registry.controllers.back().is_collective = true;
+  const Simulation world = Simulation::from_text(
+      R"({"troupe": 1, "types": {"bot": {"size_m": [0.3, 0.3, 0.2], "drive": {"kind": "diff"},
+          "controller": {"kind": "counts"}}},
+          "populations": [{"name": "r", "type": "bot", "count": 130,
+                           "place": {"rule": "grid", "region_m": [[0, 0], [20, 20]], "pitch_m": 1}}]})",
+      "counts.json", {.threads = 1}, std::move(registry));
+  for (const std::string learning : {"r0", "bot"}) {
+    BatchEnv batch(world, {.teams = {{.name = "team", .robots = learning}}});
+    batch.reset();
+    const engine::World& copy = batch.simulation(0).world();
+    ASSERT_EQ(copy.commands().size(), 130u);
+    for (const engine::Command& command : copy.commands()) {
+      const Row row(static_cast<std::size_t>(&command - copy.commands().data()));
+      const bool learns = learning == "bot" || copy.spec().name(copy.body(row)) == "r0";
+      EXPECT_EQ(command.x, learns ? 0 : 0.001 * 129) << copy.spec().name(copy.body(row));
+    }
+  }
+}
+
 TEST(BatchEnv, DoesNotDependOnTheRowsOfRobots) {
   const Simulation world = learning_room();
   BatchEnv plain(world, spec_of(2));
@@ -330,6 +364,24 @@ TEST(BatchEnv, ARobotThatArrivesIsFinishedAndStandsStill) {
   EXPECT_EQ(batch.terminated(0)[2], 0);
   EXPECT_EQ(batch.rewards(0)[2], 0);
   EXPECT_EQ(batch.simulation(0).tick(), 1);
+}
+
+TEST(BatchEnv, ATeamOfOneRobotThatHasTheNameOfItsType) {
+  const Simulation world = Simulation::from_text(
+      R"({"troupe": 1, "types": {"bot": {"size_m": [0.3, 0.3, 0.2], "drive": {"kind": "diff"}},
+                                 "wall": {"size_m": [0.1, 3, 0.5]}},
+          "models": [{"name": "first", "type": "bot"}, {"name": "bot", "type": "bot", "pose": {"y_m": 1}},
+                     {"name": "wall", "type": "wall", "pose": {"x_m": 2}}]})",
+      "names.json", {.threads = 1});
+  const auto names = [&world](const char* robot) {
+    return BatchEnv(world, {.teams = {{.name = "team", .robot = robot}}}).names(0);
+  };
+  EXPECT_EQ(names("bot"), (std::vector<std::string>{"bot"}));
+  EXPECT_EQ(names(""), (std::vector<std::string>{"first", "bot"}));
+  EXPECT_THAT([&] { names("wall"); },
+              ThrowsMessage<std::out_of_range>(HasSubstr("\"wall\" is not a robot: it has no drive")));
+  EXPECT_THAT([&] { names("bots"); },
+              ThrowsMessage<std::out_of_range>(HasSubstr("no model \"bots\" in names.json")));
 }
 
 TEST(BatchEnv, CopiesAreResetAlone) {

@@ -21,6 +21,7 @@ namespace troupe {
 namespace {
 
 namespace fs = std::filesystem;
+using ::testing::Contains;
 using ::testing::ElementsAre;
 using ::testing::HasSubstr;
 using ::testing::IsEmpty;
@@ -293,6 +294,34 @@ TEST_F(ConvertTest, PartsThatAPowerPackSuppliesAreKeptOrNamed) {
   EXPECT_THAT(found,
               ElementsAre(HasSubstr("w.json:3: error: a .world file cannot express this: type \"bot\": "
                                     "device \"lift.power\": the devices that it supplies")));
+}
+
+TEST_F(ConvertTest, AnArenaWithoutWallsIsNotOfStage) {
+  const auto world = [](const std::string& walls) {
+    return R"({"troupe": 1,
+  "types": {"bot": {"size_m": [0.2, 0.2, 0.2], "drive": {"kind": "diff"}}},
+  "arena": {"size_m": [4, 4], "walls": )" +
+           walls + R"(},
+  "models": [{"name": "r", "type": "bot"}]})";
+  };
+  convert(write("w.json", world("false")), "w.world");
+  EXPECT_THAT(found, ElementsAre(HasSubstr("w.json:3: error: a .world file cannot express this: \"arena\": "
+                                           "without walls, an arena only sets the bounds")));
+  convert(write("w.json", world("true")), "w.world");
+  EXPECT_THAT(warnings, Contains(HasSubstr("w.json:3: warning: the world of a .world file reaches 100 km "
+                                           "from its origin in each direction: the edge of the arena no "
+                                           "longer stops robots")));
+}
+
+TEST_F(ConvertTest, DevicesAndPartsOfOneNameComeBack) {
+  const fs::path world = write("eyes.world", R"(
+position( name "r" ranger( name "eye" alwayson 1 sensor( range [0 3] ) )
+  ranger( name "eye" alwayson 1 sensor( range [0 7] ) ) model( name "eye" size [0.1 0.1 0.1] ) )
+model( pose [5 0 0 0] size [0.2 4 2] )
+)");
+  const fs::path back = convert(convert(world, "eyes.json"), "back.world");
+  ASSERT_THAT(found, IsEmpty());
+  EXPECT_EQ(hash_log(back, 2), hash_log(world, 2));
 }
 
 TEST_F(ConvertTest, AJsonWorldThatStageCanSayRunsTheSame) {

@@ -53,8 +53,31 @@ TEST(Trails, ReachBackTwentySecondsAndBeginAgainWithTheRun) {
   EXPECT_FALSE(trails.wants(1003));
   EXPECT_TRUE(trails.wants(1004));
   trails.see(frame_at(3, {{1, {0, 0}}}));
+  now = frame_at(5, {{1, {1, 0}}});
   trails.add_to(now);
   EXPECT_EQ(now.trails[0].points.size(), 2u);
+}
+
+TEST(Trails, HaveNoPointsFromBeforeAGap) {
+  Trails trails(0.1);
+  for (const std::uint64_t tick : {0U, 50U, 100U, 400U, 500U, 600U})
+    trails.see(frame_at(tick, {{1, {static_cast<double>(tick), 0}}}));
+  const auto oldest_at = [&](std::uint64_t tick) {
+    Frame now = frame_at(tick, {{1, {0, 0}}});
+    trails.add_to(now);
+    return now.trails[0].points.front().x();
+  };
+  EXPECT_EQ(oldest_at(600), 400);
+  EXPECT_EQ(oldest_at(601), 500);
+  EXPECT_EQ(oldest_at(900), 0) << "only the present position";
+}
+
+TEST(Trails, AreAsLongInWorldsWithLongTicks) {
+  Trails trails(2);
+  for (std::uint64_t tick = 0; tick <= 50; ++tick) trails.see(frame_at(tick, {{1, {0, 0}}}));
+  Frame now = frame_at(50, {{1, {0, 0}}});
+  trails.add_to(now);
+  EXPECT_EQ(now.trails[0].points.size(), 12u) << "11 positions in 20 s, and the present position";
 }
 
 TEST(Covered, CountsSquaresInWhichRobotsHaveBeen) {

@@ -145,6 +145,19 @@ TEST_F(PicturesTest, CamerasThatFollowAllRobotsShowAllOfThem) {
   }
 }
 
+TEST_F(PicturesTest, AGivenCenterIsShownAlsoByACameraThatFollowsABody) {
+  const Simulation simulation(world_);
+  const auto drawn = [&](const std::string& camera) {
+    Pictures pictures(simulation, {.width = 160,
+                                   .height = 120,
+                                   .camera = camera,
+                                   .center_m = std::array<double, 2>{2.2, 1.3},
+                                   .across_m = 6});
+    return pictures.draw(pictures.take(simulation));
+  };
+  EXPECT_EQ(drawn("follow:" + simulation.robot_names()[0]), drawn("perspective"));
+}
+
 TEST_F(PicturesTest, LedsOnPartsAreDrawn) {
   // Two robots of a type whose LED is on a part above the body. The second one's LED is commanded.
   world_ = write(

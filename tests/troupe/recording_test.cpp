@@ -4,18 +4,23 @@
 #include "tests/support/rogue_controllers.hpp"
 #include "tests/support/scratch.hpp"
 #include "troupe/registry.hpp"
+#include "troupe/swarm.hpp"
 #include "worldio/results/hdf5_file.hpp"
 #include "worldio/results/recording_reader.hpp"
 #include "worldio/results/recording_writer.hpp"
 
+#include <fmt/format.h>
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
 #include <cmath>
+#include <cstddef>
 #include <cstdint>
 #include <fstream>
 #include <optional>
+#include <span>
 #include <string>
+#include <utility>
 #include <vector>
 
 namespace troupe {
@@ -248,6 +253,40 @@ TEST_F(RecordingTest, WhatABodyLacksIsNoNumber) {
               ::testing::ElementsAre(0, 0, 0, 0, 1, 0, 0, 0, 0, 0, 1, 0, 0, 0, 0, 0, 1, 0, 0, 0, 0, 0, 1, 0));
   EXPECT_THAT(file.group("bodies").group("has").group("honest").dataset("0").read<std::uint8_t>(),
               ::testing::ElementsAre(0, 1, 0));
+}
+
+TEST_F(RecordingTest, RowsOfTypesWithShorterFieldsEndInZeros) {
+  for (const auto& [of_a, of_b] : {std::pair(2, 8), std::pair(8, 2)}) {
+    const auto type = [](int payload) {
+      return fmt::format(R"({{"size_m": [0.2, 0.2, 0.2], "drive": {{"kind": "diff"}},
+        "sensors": [{{"name": "radio", "kind": "radio", "payload": {}}}]}})",
+                         payload);
+    };
+    Simulation simulation(
+        write("radios.json", fmt::format(R"({{"troupe": 1, "types": {{"a": {}, "b": {}}}, "models": [
+          {{"name": "a0", "type": "a"}}, {{"name": "b0", "type": "b", "pose": {{"x_m": 1}}}},
+          {{"name": "a1", "type": "a", "pose": {{"x_m": 2}}}}]}})",
+                                         type(of_a), type(of_b))));
+    const std::vector<std::uint8_t> words{1, 2, 3, 4, 5, 6, 7, 8, 9, 10, 11, 12, 13, 14, 15, 16};
+    const std::span<const std::byte> bytes = std::as_bytes(std::span(words));
+    simulation.swarm("a").set_commands(bytes.first(2 * static_cast<std::size_t>(of_a)), "payload", "radio");
+    simulation.swarm("b").set_commands(bytes.first(static_cast<std::size_t>(of_b)), "payload", "radio");
+    {
+      Recording recording(folder_ / "run.h5", simulation, {.fields = {"radio"}, .replace = true});
+      step(simulation, recording, 2);
+    }
+    const worldio::Hdf5File file = worldio::Hdf5File::open(folder_ / "run.h5");
+    const worldio::Hdf5Dataset payload =
+        file.group("state").group("radio").group("radio").group("command").dataset("payload");
+    EXPECT_THAT(payload.extent(), ::testing::ElementsAre(3, 3, 8));
+    std::vector<std::uint8_t> last = payload.read<std::uint8_t>();
+    ASSERT_EQ(last.size(), 3u * 3 * 8);
+    last.erase(last.begin(), last.begin() + 2 * 3 * 8);
+    EXPECT_THAT(last, of_a == 2 ? ::testing::ElementsAre(1, 2, 0, 0, 0, 0, 0, 0, 1, 2, 3, 4, 5, 6, 7, 8,  //
+                                                         3, 4, 0, 0, 0, 0, 0, 0)
+                                : ::testing::ElementsAre(1, 2, 3, 4, 5, 6, 7, 8, 1, 2, 0, 0, 0, 0, 0, 0,  //
+                                                         9, 10, 11, 12, 13, 14, 15, 16));
+  }
 }
 
 TEST_F(RecordingTest, SeveralAtOnce) {

@@ -10,6 +10,9 @@
 #include <array>
 #include <filesystem>
 #include <fstream>
+#include <span>
+#include <string>
+#include <vector>
 
 namespace troupe::worldio {
 namespace {
@@ -103,6 +106,42 @@ TEST_F(BitmapFile, ReadsAPortableGraymap) {
   const auto bitmap = read(folder_ / "a.pgm");
   ASSERT_TRUE(bitmap);
   EXPECT_THAT(bitmap_contours(*bitmap), SizeIs(2));
+}
+
+/// A binary PNM, one row high, whose channels have these values of `largest`.
+std::string pnm(std::string_view format, unsigned largest, const std::vector<unsigned>& channels) {
+  const std::size_t width = channels.size() / (format == "P6" ? 3 : 1);
+  std::string bytes =
+      std::string(format) + " " + std::to_string(width) + " 1 " + std::to_string(largest) + "\n";
+  for (const unsigned value : channels) {
+    if (largest > 255) bytes += static_cast<char>(value >> 8);
+    bytes += static_cast<char>(value & 255);
+  }
+  return bytes;
+}
+
+/// The channels of all pixels, 0 to 255, as the image is read.
+std::vector<int> channels_of(const std::string& bytes) {
+  std::vector<int> all;
+  Diagnostics diagnostics;
+  EXPECT_TRUE(decode_bitmap(bytes, "map", {}, diagnostics, k_most_pixels,
+                            [&all](std::span<const std::uint8_t> channels) {
+                              all.insert(all.end(), channels.begin(), channels.end());
+                              return is_dark(channels);
+                            }));
+  return all;
+}
+
+TEST(Bitmap, TheLargestValueOfAPortableGraymapOrPixmapIsWhite) {
+  for (const std::string_view format : {"P5", "P6"}) {
+    EXPECT_THAT(channels_of(pnm(format, 1, {0, 1, 1})), ElementsAre(0, 255, 255));
+    for (const unsigned white : {5u, 100u, 255u, 65535u})
+      EXPECT_THAT(
+          channels_of(pnm(format, white, {0, white / 5, white / 5 * 2, white / 5 * 3, white / 5 * 4, white})),
+          ElementsAre(0, 51, 102, 153, 204, 255))
+          << white;
+  }
+  EXPECT_THAT(channels_of(pnm("P5", 100, {50, 200})), ElementsAre(128, 255));  // rounded; at most white
 }
 
 TEST_F(BitmapFile, AMissingFileIsAnError) {

@@ -1,9 +1,13 @@
 #include "worldio/json/document_table.hpp"
 
+#include "base/diagnostics.hpp"
+#include "engine/kinds/components.hpp"
 #include "engine/kinds/kinds.hpp"
+#include "engine/world/world.hpp"
 #include "troupe/registry.hpp"
 #include "worldio/json/kind_keys.hpp"
 #include "worldio/json/world_document.hpp"
+#include "worldio/load.hpp"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -16,8 +20,10 @@ namespace troupe::worldio {
 namespace {
 
 using ::testing::ElementsAre;
+using ::testing::ElementsAreArray;
 using ::testing::HasSubstr;
 using ::testing::IsEmpty;
+using ::testing::StartsWith;
 
 /// Adds a table and all tables of its keys.
 void add_tables(const DocumentTable& table, std::set<const DocumentTable*>& all) {
@@ -71,6 +77,41 @@ TEST(KindKeys, ParametersMayNotBeCalledLikeTheKeysOfAllDevices) {
                                     name +
                                     "\" is a key that every sensor has in JSON worlds: rename the parameter");
   }
+}
+
+TEST(KindKeys, KindsMayNotBeCalledLikeComponentsOfTheEngine) {
+  engine::Registry registry = make_registry();
+  registry.controllers.push_back({.name = "pose"});
+  EXPECT_EQ(
+      check_kinds(registry).error().text,
+      "the controller kind \"pose\" has the name of a component of the state that Troupe defines: rename "
+      "it; all names except alive, carrier, command, condition, joint, life, odometry, pose, stall, "
+      "velocity are allowed");
+  registry.controllers.back().name = "posture";
+  EXPECT_TRUE(check_kinds(registry));
+  registry.devices.push_back({.name = "alive"});
+  EXPECT_THAT(check_kinds(registry).error().text, StartsWith("the device kind \"alive\" has the name of "));
+}
+
+/// A world with all components that the engine defines.
+constexpr const char* k_all_components =
+    R"({"troupe": 1, "mortal": true, "arena": {"size_m": [4, 4]}, "types": {"bot": {
+  "size_m": [0.2, 0.2, 0.2], "drive": {"kind": "diff", "localization": "odom"},
+  "devices": [{"name": "hand", "kind": "gripper", "size_m": [0.2, 0.4, 0.1]}]}},
+  "populations": [{"name": "r", "type": "bot", "count": 1, "reserve": 1, "place": {"rule": "uniform"}}]})";
+
+TEST(KindKeys, TheComponentsOfTheEngineAreListed) {
+  Diagnostics diagnostics;
+  const engine::Registry registry = make_registry();
+  const engine::WorldSpec spec = load_json_world("w.json", k_all_components, registry, {}, diagnostics);
+  diagnostics.throw_if_errors();
+  const engine::World world(spec, registry, {}, diagnostics);
+  std::set<std::string> found;
+  for (const engine::StateTable& table : world.tables()) {
+    const std::string kind = table.component().substr(0, table.component().find('/'));
+    if (registry.device(kind) == nullptr) found.insert(kind);
+  }
+  EXPECT_THAT(found, ElementsAreArray(engine::k_engine_components));
 }
 
 TEST(KindKeys, ParametersOfShippedKindsAreNotCalledLikeKeys) {

@@ -14,6 +14,7 @@
 #include <fstream>
 #include <iterator>
 #include <string>
+#include <vector>
 
 namespace troupe::worldio {
 namespace {
@@ -82,6 +83,25 @@ TEST_F(ForeignHdf5, ValuesInOtherFilesAreNotRead) {
 TEST_F(ForeignHdf5, PlugInsOfHdf5AreNotLoaded) {
   EXPECT_THAT(error_of([](const Hdf5File& file) { file.dataset("filtered"); }),
               HasSubstr("/filtered is compressed with filter 32000"));
+}
+
+// A user may compress a recording, for example with the program h5repack.
+TEST_F(ForeignHdf5, CompressedValuesMayNeedMoreBytesThanTheirFileHas) {
+  const std::vector<std::uint64_t> zeros(1 << 20);
+  const hid_t file = H5Fcreate(file_.c_str(), H5F_ACC_TRUNC, H5P_DEFAULT, H5P_DEFAULT);
+  const hsize_t extent = zeros.size();
+  const hid_t space = H5Screate_simple(1, &extent, nullptr);
+  const hid_t compressed = H5Pcreate(H5P_DATASET_CREATE);
+  H5Pset_chunk(compressed, 1, &extent);
+  H5Pset_deflate(compressed, 9);
+  const hid_t x = H5Dcreate2(file, "x", H5T_STD_U64LE, space, H5P_DEFAULT, compressed, H5P_DEFAULT);
+  H5Dwrite(x, H5T_NATIVE_UINT64, H5S_ALL, H5S_ALL, H5P_DEFAULT, zeros.data());
+  H5Dclose(x);
+  H5Pclose(compressed);
+  H5Sclose(space);
+  H5Fclose(file);
+  ASSERT_LT(std::filesystem::file_size(file_), zeros.size() / 10);
+  EXPECT_EQ(Hdf5File::open(file_).dataset("x").read<std::uint64_t>(), zeros);
 }
 
 TEST_F(ForeignHdf5, LinksEndInTheFile) {

@@ -95,7 +95,7 @@ TEST_F(Conformance14, ErrorsInAnIncludedFileNameIt) {
       ElementsAre(
           "a.inc:4: error: the value of \"foo\" must be a number, a string or a tuple; a string needs "
           "quotes: foo \"bar\"",
-          "a.inc:3: error: \"size\" must be above 0 in every direction, found 0",
+          "a.inc:3: error: \"size\" must be above 0 in x and y, found 0",
           "w.world:4: error: \"pose\" needs 4 values [x y z heading], found 2"));
 }
 

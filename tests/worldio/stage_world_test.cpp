@@ -17,6 +17,7 @@ using engine::get;
 using testing::ElementsAre;
 using testing::HasSubstr;
 using testing::IsEmpty;
+using testing::IsSupersetOf;
 using testing::SizeIs;
 
 constexpr double k_degree = k_pi / 180;
@@ -445,6 +446,20 @@ TEST_F(StageWorld, WhatIsWrongWithAMapOfRosIsToldInItsFile) {
                   "w.world:4: error: cannot read the map d.yml: there is no such file"));
 }
 
+TEST_F(StageWorld, AMapOfRosLargerThanTheWorldIsAnError) {
+  write("row.pgm", "P5 4 1 255\n" + std::string(4, '\0'));
+  write("wide.yaml", "image: row.pgm\nresolution: 50001\norigin: [0, 0, 0]\n");
+  write("column.pgm", "P5 1 4 255\n" + std::string(4, '\0'));
+  write("high.yaml", "resolution: 200000\nimage: column.pgm\norigin: [0, 0, 0]\n");
+  write("most.yaml", "image: row.pgm\nresolution: 50000\norigin: [0, 0, 0]\n");
+  load("model( bitmap \"wide.yaml\" )\nmodel( bitmap \"high.yaml\" )\nmodel( bitmap \"most.yaml\" )\n");
+  EXPECT_THAT(messages(),
+              ElementsAre("wide.yaml:2: error: the map is larger than the world, which is 200 km wide and "
+                          "high: 4 pixels of 50001 m make the map 200.004 km wide",
+                          "high.yaml:1: error: the map is larger than the world, which is 200 km wide and "
+                          "high: 4 pixels of 200000 m make the map 800 km high"));
+}
+
 TEST_F(StageWorld, ABitmapWithoutASolidPixelIsAnError) {
   write_png(folder() / "white.png", Image{.width = 1, .height = 1, .rgba = {255, 255, 255, 255}});
   load("model( bitmap \"white.png\" )");
@@ -457,15 +472,16 @@ TEST_F(StageWorld, ZeroAndNegativeSizesOfBodiesAreErrors) {
       "model( size [1 0 1] )\nmodel( size [1 1 -1] )\nranger( sensor( size [-1 1 1] ) )\nmodel( size "
       "[1000000 "
       "1 1] )\nfiducial( block( points 3 point[0] [0 0] point[1] [1 0] point[2] "
-      "[1 1] z [0 1] ) )");
+      "[1 1] z [0 1] ) )\nposition( gripper( size [0.2 0.3 0] ) )");
   EXPECT_THAT(
       messages(),
-      ElementsAre(
-          "w.world:1: error: \"size\" must be above 0 in every direction, found 0",
-          "w.world:2: error: \"size\" must be above 0 in every direction, found -1",
-          "w.world:3: error: \"size\" must be above 0 in every direction, found -1",
-          "w.world:4: error: \"size\" is larger than the world, which is 200 km wide: found 1000000 m",
-          "w.world:5: error: \"size\" must be above 0 in every direction, found 0"));
+      IsSupersetOf<std::string>(
+          {"w.world:1: error: \"size\" must be above 0 in x and y, found 0",
+           "w.world:2: error: \"size\" must be at least 0 in every direction, found -1",
+           "w.world:3: error: \"size\" must be at least 0 in every direction, found -1",
+           "w.world:4: error: \"size\" is larger than the world, which is 200 km wide: found 1000000 m",
+           "w.world:5: error: \"size\" must be above 0 in x and y, found 0",
+           "w.world:6: error: \"size\" of a gripper must be above 0 in every direction, found 0"}));
 }
 
 TEST_F(StageWorld, WhatHasNoBodyNeedsNoSize) {
@@ -725,7 +741,7 @@ TEST_F(StageWorld, AllThatIsWrongWithATransducerIsReported) {
       "ranger( sensor( pose [1] range [3 2] ) )\n");
   EXPECT_THAT(messages(),
               ElementsAre("w.world:1: error: \"pose\" needs 4 values [x y z heading], found 2",
-                          "w.world:2: error: \"size\" must be above 0 in every direction, found -1",
+                          "w.world:2: error: \"size\" must be at least 0 in every direction, found -1",
                           "w.world:3: error: \"range\": the minimum must be at least 0 m, found -1 m",
                           "w.world:3: error: \"range\": the maximum must be above 0 m, found -2 m",
                           HasSubstr("w.world:4: error: \"fov\" must be at most 6.28"),

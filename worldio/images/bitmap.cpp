@@ -14,6 +14,7 @@
 #include <cstdint>
 #include <limits>
 #include <memory>
+#include <string>
 #include <string_view>
 
 namespace troupe::worldio {
@@ -144,10 +145,19 @@ bool jpeg_is_damaged(std::string_view bytes) {
   return false;
 }
 
-/// True if a PNM (P5 or P6, the binary formats) is cut off or has an invalid header. stb_image does not check
-/// this, and would read uninitialized memory for missing pixels. False for a file that is not a PNM.
-bool pnm_is_damaged(std::string_view bytes) {
-  if (!bytes.starts_with("P5") && !bytes.starts_with("P6")) return false;
+bool is_pnm(std::string_view bytes) { return bytes.starts_with("P5") || bytes.starts_with("P6"); }
+
+/// The header of a PNM (P5 or P6, the binary formats). A number that is missing is -1; a number above 1e6 is
+/// 1e6.
+struct PnmHeader {
+  double width;
+  double height;
+  double largest;      // value of white; above 255, each channel has two bytes
+  double channels;     // of the whole image
+  std::size_t pixels;  // position of the first pixel
+};
+
+PnmHeader pnm_header(std::string_view bytes) {
   constexpr std::string_view k_blanks = " \t\n\v\f\r";
   std::size_t at = 2;
   const auto next_number = [&]() -> double {
@@ -161,15 +171,47 @@ bool pnm_is_damaged(std::string_view bytes) {
       value = std::min(1e6, 10 * std::max(value, 0.0) + (bytes[at] - '0'));
     return value;
   };
-  const double width = next_number();
-  const double height = next_number();
-  const double largest = next_number();
+  PnmHeader header{};
+  header.width = next_number();
+  header.height = next_number();
+  header.largest = next_number();
+  header.channels = header.width * header.height * (bytes[1] == '6' ? 3 : 1);
+  header.pixels = at + 1;  // one blank precedes the pixels
+  return header;
+}
+
+/// True if a PNM is cut off or has an invalid header. stb_image does not check this, and would read
+/// uninitialized memory for missing pixels. False for a file that is not a PNM.
+bool pnm_is_damaged(std::string_view bytes) {
+  if (!is_pnm(bytes)) return false;
+  const PnmHeader header = pnm_header(bytes);
   constexpr double k_most = 999999;  // above it, products overflow an int in stb_image
-  for (const double number : {width, height, largest})
+  for (const double number : {header.width, header.height, header.largest})
     if (number < 1 || number > k_most) return true;
-  ++at;  // the one blank before the pixels
-  const double size = width * height * (bytes[1] == '6' ? 3 : 1) * (largest > 255 ? 2 : 1);
-  return at > bytes.size() || static_cast<double>(bytes.size() - at) < size;
+  const double size = header.channels * (header.largest > 255 ? 2 : 1);
+  return header.pixels > bytes.size() || static_cast<double>(bytes.size() - header.pixels) < size;
+}
+
+/// Returns a PNM with its channels scaled to 0 to 255. stb_image ignores the largest value in the header, and
+/// does not swap the bytes of 16-bit channels. Empty if the file is not a PNM or needs no scaling. The file
+/// must not be damaged.
+std::string scaled_pnm(std::string_view bytes) {
+  constexpr double k_most = 65535;  // stb_image reports an error for a larger value
+  if (!is_pnm(bytes)) return {};
+  const PnmHeader header = pnm_header(bytes);
+  if (header.largest == 255 || header.largest > k_most) return {};
+  const auto largest = static_cast<unsigned>(header.largest);
+  const auto channels = static_cast<std::size_t>(header.channels);
+  std::string scaled = fmt::format("P{} {:.0f} {:.0f} 255\n", bytes[1], header.width, header.height);
+  scaled.reserve(scaled.size() + channels);
+  std::size_t at = header.pixels;
+  const auto byte = [&] { return static_cast<unsigned>(static_cast<unsigned char>(bytes[at++])); };
+  for (std::size_t i = 0; i < channels; ++i) {
+    unsigned value = byte();
+    if (largest > 255) value = value << 8 | byte();  // the high byte is first
+    scaled += static_cast<char>((std::min(value, largest) * 255 + largest / 2) / largest);
+  }
+  return scaled;
 }
 
 /// True if a BMP is shorter than its header says, or than its pixels need. stb_image would fill the missing
@@ -290,20 +332,22 @@ std::optional<Bitmap> decode_bitmap(std::string_view bytes, std::string_view nam
       diagnostics.error(where, fmt::format("the image {} is damaged: {}", name, what));
       return {};
     }
-  const auto* data = reinterpret_cast<const stbi_uc*>(bytes.data());
-  const int size = static_cast<int>(bytes.size());
+  const auto data = [&] { return reinterpret_cast<const stbi_uc*>(bytes.data()); };
+  const auto size = [&] { return static_cast<int>(bytes.size()); };
   Bitmap bitmap;
   int channels = 0;
   // Check the size in the header before memory is allocated for the pixels.
-  if (stbi_info_from_memory(data, size, &bitmap.width, &bitmap.height, &channels) &&
+  if (stbi_info_from_memory(data(), size(), &bitmap.width, &bitmap.height, &channels) &&
       static_cast<double>(bitmap.width) * bitmap.height > most_pixels) {
     diagnostics.error(
         where, fmt::format("the image {} is too large: {} x {} pixels; at most {:.0f} million are allowed",
                            name, bitmap.width, bitmap.height, most_pixels / 1e6));
     return {};
   }
+  const std::string scaled = scaled_pnm(bytes);
+  if (!scaled.empty()) bytes = scaled;
   const std::unique_ptr<stbi_uc, void (*)(void*)> pixels(
-      stbi_load_from_memory(data, size, &bitmap.width, &bitmap.height, &channels, 0), stbi_image_free);
+      stbi_load_from_memory(data(), size(), &bitmap.width, &bitmap.height, &channels, 0), stbi_image_free);
   if (!pixels) {
     diagnostics.error(where, fmt::format("{} is not a readable PNG, JPEG, BMP or PNM image ({})", name,
                                          stbi_failure_reason()));

@@ -34,7 +34,8 @@ inline constexpr double k_most_pixels = 100e6;
 inline constexpr std::size_t k_most_corners = 4000000;
 
 /// A function that decides whether a pixel is solid. The channels of the pixel, each 0 to 255, are (grey),
-/// (grey, opacity), (red, green, blue) or (red, green, blue, opacity).
+/// (grey, opacity), (red, green, blue) or (red, green, blue, opacity). The channels of a PNM whose header has
+/// a largest value other than 255 are scaled to 0 to 255.
 using PixelRule = std::function<bool(std::span<const std::uint8_t> channels)>;
 /// Stage's rule: a pixel is solid if its first channel is at most 127. There must be at least one channel.
 bool is_dark(std::span<const std::uint8_t> channels);

@@ -1,15 +1,37 @@
 #include "worldio/images/floor_image.hpp"
 
+#include "base/limits.hpp"
 #include "worldio/images/bitmap.hpp"
 #include "worldio/images/ros_map.hpp"
+
+#include <fmt/format.h>
 
 #include <cstdint>
 #include <span>
 #include <string>
+#include <string_view>
 #include <utility>
 
 namespace troupe::worldio {
 namespace {
+
+/// Whether a map fits into the world. Reports an error at the map's resolution if it is too wide or too high.
+/// Larger maps would need memory for every part of the world that they cover.
+bool fits_world(const Bitmap& bitmap, const RosMap& map, Diagnostics& diagnostics) {
+  constexpr double k_most_m = 2 * k_world_reach_m;
+  const auto fits = [&](int pixels, std::string_view direction) {
+    const double size_m = pixels * map.resolution_m;
+    if (size_m <= k_most_m) return true;
+    diagnostics.error(map.where_resolution,
+                      fmt::format("the map is larger than the world, which is {:g} km wide and high: {} "
+                                  "pixels of {:g} m make the map {:g} km {}",
+                                  k_most_m / 1000, pixels, map.resolution_m, size_m / 1000, direction));
+    return false;
+  };
+  const bool fits_x = fits(bitmap.width, "wide");
+  const bool fits_y = fits(bitmap.height, "high");
+  return fits_x && fits_y;
+}
 
 std::optional<FloorImage> read_map(const std::filesystem::path& file, bool unknown_is_solid, Where where,
                                    Diagnostics& diagnostics) {
@@ -25,7 +47,7 @@ std::optional<FloorImage> read_map(const std::filesystem::path& file, bool unkno
       return solid;
     };
   const auto bitmap = read_bitmap(map->image, map->where_image, diagnostics, is_solid);
-  if (!bitmap) return {};
+  if (!bitmap || !fits_world(*bitmap, *map, diagnostics)) return {};
   FloorImage image{bitmap->width, bitmap->height, bitmap_contours(*bitmap), {}};
   const Eigen::Vector2d size = map->resolution_m * Eigen::Vector2d(bitmap->width, bitmap->height);
   image.place = {size, compose(map->pose_map_corner, {size.x() / 2, size.y() / 2, 0, 0}),

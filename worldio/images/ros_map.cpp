@@ -93,12 +93,14 @@ std::optional<RosMap> MapReader::read(const YAML::Node& node) {
     map.image = file_.parent_path() / image.Scalar();
     map.where_image = {file_number_, line_of(image.Mark())};
   }
-  if (const YAML::Node resolution = node["resolution"]; !resolution)
+  if (const YAML::Node resolution = node["resolution"]; !resolution) {
     error(0, "a ROS map needs the key \"resolution\", the edge length of a cell in m");
-  else
+  } else {
     map.resolution_m =
         number(resolution, "resolution", 1e-6, k_most_meters, "a length from 0.000001 to 200000 m")
             .value_or(1);
+    map.where_resolution = {file_number_, line_of(resolution.Mark())};
+  }
   if (const YAML::Node origin = node["origin"])
     read_origin(origin, map);
   else

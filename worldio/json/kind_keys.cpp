@@ -1,11 +1,15 @@
 #include "worldio/json/kind_keys.hpp"
 
+#include "base/diagnostics.hpp"
+#include "engine/kinds/components.hpp"
 #include "worldio/json/document_table.hpp"
 #include "worldio/json/world_document.hpp"
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <string_view>
+#include <vector>
 
 namespace troupe::worldio {
 namespace {
@@ -45,17 +49,32 @@ Result<> check_parameter_names(const engine::MeasureKind& kind) {
   return check_names(kind.params, document_table<MeasureDocument>(), nullptr);
 }
 
+Result<> check_kind_name(std::string_view name) {
+  std::vector<std::string_view> taken(engine::k_engine_components.begin(), engine::k_engine_components.end());
+  taken.insert(taken.begin(), "alive");  // recordings have an array /state/alive
+  if (std::ranges::find(taken, name) == taken.end()) return {};
+  return Error{
+      fmt::format("has the name of a component of the state that Troupe defines: rename it; all names except "
+                  "{} are allowed",
+                  comma_list(taken))};
+}
+
 Result<> check_kinds(const engine::Registry& registry) {
   Result<> all;
-  const auto check = [&all](std::string_view what, const auto& kinds) {
-    for (const auto& kind : kinds)
-      if (const Result<> names = check_parameter_names(kind); all && !names)
-        all = Error{fmt::format("{} \"{}\" {}", what, kind.name, names.error().text)};
+  const auto report = [&all](std::string_view what, std::string_view kind, const Result<>& found) {
+    if (all && !found) all = Error{fmt::format("{} \"{}\" {}", what, kind, found.error().text)};
+  };
+  const auto check = [&](std::string_view what, const auto& kinds) {
+    for (const auto& kind : kinds) report(what, kind.name, check_parameter_names(kind));
   };
   check("the device kind", registry.devices);
   check("the drive kind", registry.drives);
   check("the controller kind", registry.controllers);
   check("the measure kind", registry.measures);
+  for (const engine::DeviceKind& kind : registry.devices)
+    report("the device kind", kind.name, check_kind_name(kind.name));
+  for (const engine::ControllerKind& kind : registry.controllers)
+    report("the controller kind", kind.name, check_kind_name(kind.name));
   return all;
 }
 

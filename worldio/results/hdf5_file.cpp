@@ -133,6 +133,23 @@ Result<> check_own(hid_t dataset) {
   return {};
 }
 
+/// Whether the file of a dataset is large enough for this many values of this size (bytes). A damaged file
+/// may claim any number. Rows that were never written take no room in a file, but no real file consists only
+/// of such rows.
+bool fits(hid_t dataset, std::size_t values, std::size_t size) {
+  constexpr hsize_t k_most_compression = 1032;  // deflate cannot compress a file more than to 1/1032
+  const Hdf5Id file(H5Iget_file_id(dataset), H5Fclose);
+  const Hdf5Id creation(H5Dget_create_plist(dataset), H5Pclose);
+  hsize_t bytes = 0;
+  if (H5Fget_filesize(file.get(), &bytes) < 0) return false;
+  if (H5Pget_nfilters(creation.get()) > 0) bytes *= k_most_compression;
+  return values <= bytes / size;
+}
+/// The text of the error where fits() is false.
+std::string does_not_fit(std::size_t values) {
+  return fmt::format("claims to hold {} values, which do not fit into the file: the file is damaged", values);
+}
+
 /// Returns the message of the deepest entry of HDF5's stack of errors, which is the cause of the failure.
 std::string reason() {
   std::string deepest;
@@ -439,13 +456,8 @@ std::size_t Hdf5Dataset::row_values() const {
 
 std::size_t Hdf5Dataset::values() const {
   const std::size_t values = product(std::span<const std::size_t>(extent_));
-  // Rows that were never written take no room in a file, but no real file consists only of such rows.
   const LibraryCall call;
-  const Hdf5Id open_file(H5Iget_file_id(id_.get()), H5Fclose);
-  hsize_t bytes = 0;
-  check(H5Fget_filesize(open_file.get(), &bytes), "read");
-  if (values > bytes / engine::element_size(element_))
-    fail("needs more bytes than the file has: the file is damaged");
+  if (!fits(id_.get(), values, engine::element_size(element_))) fail(does_not_fit(values));
   return values;
 }
 
@@ -693,10 +705,8 @@ std::vector<std::string> Hdf5Group::read_texts(const std::string& name) const {
     fail_with(file_, fmt::format("{} {}", path_of(name), own.error().text));
   const std::size_t length = H5Tget_size(type.get());
   const auto count = static_cast<std::size_t>(check(H5Sget_simple_extent_npoints(space.get()), "read"));
-  std::error_code unknown;
-  if (count > 0 && count > fs::file_size(file_, unknown) / length)
-    fail_with(file_,
-              fmt::format("{} needs more bytes than the file has: the file is damaged", path_of(name)));
+  if (!fits(found.get(), count, length))
+    fail_with(file_, fmt::format("{} {}", path_of(name), does_not_fit(count)));
   std::string padded(length * count, '\0');
   if (count > 0 && H5Dread(found.get(), type.get(), H5S_ALL, H5S_ALL, H5P_DEFAULT, padded.data()) < 0)
     fail_with(file_, fmt::format("{} cannot be read: {}", path_of(name), reason()));

@@ -101,6 +101,25 @@ RecordedComponent component_of(const StateTable& table, std::vector<std::string>
   return component;
 }
 
+/// Whether a component has the name of a table and the chosen `fields` of this table, so that the rows of the
+/// table belong in it. The numbers of columns may differ: they can depend on a parameter of the type.
+bool has_fields_of(const RecordedComponent& component, const StateTable& table,
+                   const std::vector<std::size_t>& fields) {
+  if (component.name != table.component() || component.columns != fields) return false;
+  for (std::size_t f = 0; f < fields.size(); ++f) {
+    const engine::StateField& field = table.fields()[fields[f]];
+    if (component.fields[f].name != field.name || component.fields[f].element != field.element) return false;
+  }
+  return true;
+}
+
+/// Gives each field of a component at least as many columns as the field has in a table.
+void widen(RecordedComponent& component, const StateTable& table) {
+  for (std::size_t f = 0; f < component.fields.size(); ++f)
+    component.fields[f].columns =
+        std::max(component.fields[f].columns, table.fields()[component.columns[f]].columns);
+}
+
 /// For each body of a world, by BodyId, its row in a recorded component: RecordedComponent::Source::recorded.
 using RecordedRows = std::shared_ptr<const std::vector<std::uint32_t>>;
 
@@ -238,10 +257,16 @@ std::vector<RecordedComponent> recorded_components(const World& world, std::span
     if (table.group() == HashGroup::sensor) continue;
     std::vector<std::size_t> fields = chosen_fields(table, names);
     if (fields.empty()) continue;
-    auto component = std::ranges::find(components, table.component(), &RecordedComponent::name);
-    if (component == components.end())
-      component = components.insert(components.end(), component_of(table, steps_of(table.component()),
-                                                                   std::move(fields), bodies.size()));
+    auto component = std::ranges::find_if(
+        components, [&](const RecordedComponent& other) { return has_fields_of(other, table, fields); });
+    if (component == components.end()) {
+      std::vector<std::string> path = steps_of(table.component());
+      const auto n = std::ranges::count(components, table.component(), &RecordedComponent::name);
+      if (n > 0) path.back() += fmt::format("~{}", n + 1);
+      component = components.insert(components.end(),
+                                    component_of(table, std::move(path), std::move(fields), bodies.size()));
+    }
+    widen(*component, table);
     component->sources.push_back({t, recorded});
   }
   for (RecordedComponent& component : components) {
@@ -299,20 +324,21 @@ void gather(const World& world, const RecordedComponent& component,
     rows.clear();
     for (const BodyId id : table.ids()) rows.push_back((*source.recorded)[id.index()]);
     for (std::size_t f = 0; f < component.fields.size(); ++f) {
-      const std::size_t width =
-          engine::element_size(component.fields[f].element) * component.fields[f].columns;
+      const std::size_t element = engine::element_size(component.fields[f].element);
+      const std::size_t width = element * component.fields[f].columns;
+      const std::size_t own = element * table.fields()[component.columns[f]].columns;  // at most `width`
       const std::size_t stride = table.stride(component.columns[f]);
-      if (table.rows() == 0 || width == 0) continue;
+      if (table.rows() == 0 || own == 0) continue;
       const std::byte* from = table.cell<std::byte>(0, component.columns[f]).data();
       std::byte* const into = fields[f].data();
-      if (width == 8) {  // one number per row: a loop of its own, since other widths are rare or long
+      if (width == 8 && own == 8) {  // one number per row: a loop of its own, since others are rare or long
         for (const std::uint32_t row : rows) {
           std::memcpy(into + std::size_t{8} * row, from, 8);
           from += stride;
         }
       } else {
         for (const std::uint32_t row : rows) {
-          std::memcpy(into + width * row, from, width);
+          std::memcpy(into + width * row, from, own);
           from += stride;
         }
       }

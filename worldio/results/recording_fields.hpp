@@ -17,7 +17,9 @@ namespace troupe::worldio {
 /// belongs to a body. The bodies are in the order of their ids, whatever the order of the rows in memory: a
 /// component in /state has a row for each of recorded_bodies(), and one in /sensors for each body of its
 /// type. In memory, a component of /state may consist of several tables: the memory of a controller, for
-/// example, has a table for each type with this controller. `sources` lists these tables.
+/// example, has a table for each type with this controller. `sources` lists these tables. If a field has
+/// different numbers of columns in these tables, as the messages of radios may have, the component has the
+/// largest of these numbers.
 struct RecordedComponent {
   std::vector<std::string> path;  ///< steps from the root: {"state", "pose"}
   std::string name;               ///< name of the component in the state: "pose", "ranger/eye"
@@ -89,9 +91,10 @@ std::byte absent(const engine::StateField& field);
 
 /// Copies one component of the state of the world into buffers. `fields` has one buffer, in row-major order,
 /// for each of component.fields; its size must be component.bytes(). Rows of bodies that lack the component
-/// are not written. Rows of bodies that are not in the world at present are filled with absent(), except in
-/// the component `life`, which itself says that a body is absent. Rows of sensors that do not run because
-/// they are inactive and not read (World::senses()) are also filled with absent().
+/// are not written, nor are the last columns of a row that has fewer columns than the component. Rows of
+/// bodies that are not in the world at present are filled with absent(), except in the component `life`,
+/// which itself says that a body is absent. Rows of sensors that do not run because they are inactive and not
+/// read (World::senses()) are also filled with absent().
 void gather(const engine::World& world, const RecordedComponent& component,
             std::span<const std::span<std::byte>> fields);
 

@@ -161,10 +161,7 @@ LivePage live_page(const engine::World& world, const engine::Registry& registry)
         scene.types[t].part_colors[p] = device->name;
   LivePage page;
   for (std::size_t b = 0; b < scene.bodies.size(); ++b) {
-    const Row row = world.row(BodyId(b));
-    if (!row.valid()) continue;
-    page.order.push_back(static_cast<std::uint32_t>(b));
-    page.has_z = page.has_z || !world.type(row).joints.empty();
+    if (world.row(BodyId(b)).valid()) page.order.push_back(static_cast<std::uint32_t>(b));
   }
   std::ranges::stable_sort(page.order, {}, [&](std::uint32_t id) { return scene.bodies[id].type; });
   for (std::size_t first = 0, last = 0; first < page.order.size(); first = last) {
@@ -172,11 +169,6 @@ LivePage live_page(const engine::World& world, const engine::Registry& registry)
     while (last < page.order.size() && scene.bodies[page.order[last]].type == type) ++last;
     for (std::uint32_t p = 1; p < scene.types[type].part_colors.size(); ++p)
       if (!scene.types[type].part_colors[p].empty()) page.shown_parts.push_back({first, last - first, p});
-  }
-  OrderedJson heights = OrderedJson::array();
-  for (const std::uint32_t id : page.order) {
-    const double z = world.poses()[world.row(BodyId(id)).index()].z;
-    heights.push_back(std::isfinite(z) ? z : 0.0);
   }
   OrderedJson json;
   json["title"] = scene.title;
@@ -186,8 +178,7 @@ LivePage live_page(const engine::World& world, const engine::Registry& registry)
   json["types"] = types_json(scene);
   json["fixed"] = fixed_json(page.order, scene);
   json["robots"] = robots_json(page.order, scene);
-  json["pose"] = {{"step_m", k_replay_step_m}, {"turn", k_replay_turn}, {"has_z", page.has_z}};
-  if (!page.has_z) json["pose"]["z_m"] = std::move(heights);
+  json["pose"] = {{"step_m", k_replay_step_m}, {"turn", k_replay_turn}, {"has_z", true}};
   json["fields"] = OrderedJson::array();
   page.header = text_of(json);
   return page;

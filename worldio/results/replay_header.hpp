@@ -39,9 +39,10 @@ struct ShownPart {
 
 /// The data that a page needs before it can show a running world.
 struct LivePage {
-  std::string header;                ///< like replay_header(), without the keys that only recordings have
+  /// Like replay_header(), without the keys that only recordings have. `pose.has_z` is true, because users,
+  /// interventions and controllers can change the height of any robot.
+  std::string header;
   std::vector<std::uint32_t> order;  ///< BodyId of each robot of the page, sorted by type, then by id
-  bool has_z = false;                ///< whether heights may change; if not, `header` contains them
   /// All parts in the lists `shown_parts` of `header`, sorted by the first robot and then by the part.
   std::vector<ShownPart> shown_parts;
 };

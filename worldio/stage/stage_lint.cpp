@@ -6,6 +6,7 @@
 #include <fmt/ranges.h>
 
 #include <algorithm>
+#include <initializer_list>
 #include <unordered_map>
 
 namespace troupe::worldio {
@@ -104,9 +105,12 @@ void StageLint::check_overruled(const StageModel& model) {
   const bool is_position = model.type == "position";
   const bool is_model = model.type != "block" && model.type != "sensor" && model.type != "window";
   if (is_model && model.find(document_, "color")) report("color_rgba", "\"color\" is also given");
+  const auto has_any = [&](std::initializer_list<std::string_view> keys) {
+    return std::ranges::any_of(keys, [&](std::string_view key) { return model.find(document_, key); });
+  };
   const bool has_energy =
-      model.find(document_, "watts") || model.find(document_, "give_watts") ||
-      (is_position && (model.find(document_, "joules") || model.find(document_, "kjoules")));
+      has_any({"watts", "give_watts", "take_watts"}) ||
+      (is_position && has_any({"joules", "kjoules", "joules_capacity", "kjoules_capacity"}));
   if (is_model && !runs && !has_energy)
     report("alwayson", "this model is not a sensor itself (set it in the sensor)");
   if (is_model && !runs && !is_position && !model.find(document_, "ctrl"))

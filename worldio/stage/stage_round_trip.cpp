@@ -64,6 +64,21 @@ std::vector<std::string> devices_below(const TypeSpec& type, std::uint32_t part)
   return names;
 }
 
+/// Returns, for each device or part of `list`, the one of the same name in `others`, or null if there is
+/// none. If several have one name, the k-th of them in `list` gets the k-th of them in `others`.
+template <class Named>
+std::vector<const Named*> counterparts(const std::vector<Named>& list, const std::vector<Named>& others) {
+  std::unordered_map<std::string_view, std::vector<const Named*>> named;
+  for (const Named& other : others) named[other.name].push_back(&other);
+  std::unordered_map<std::string_view, std::size_t> count;
+  std::vector<const Named*> found;
+  for (const Named& one : list) {
+    const std::size_t k = count[one.name]++;
+    found.push_back(k < named[one.name].size() ? named[one.name][k] : nullptr);
+  }
+  return found;
+}
+
 class RoundTrip {
  public:
   RoundTrip(const TypeSpec& type, const TypeSpec& back, const engine::Registry& registry,
@@ -144,20 +159,23 @@ void RoundTrip::check_drive() {
 }
 
 void RoundTrip::check_devices() {
-  for (const DeviceSpec& device : type_.devices) {
-    const auto other = std::ranges::find(back_.devices, device.name, &DeviceSpec::name);
-    if (other == back_.devices.end() || other->kind != device.kind)
+  const std::vector<const DeviceSpec*> others = counterparts(type_.devices, back_.devices);
+  for (std::size_t d = 0; d < others.size(); ++d) {
+    const DeviceSpec& device = type_.devices[d];
+    if (!others[d] || others[d]->kind != device.kind)
       lacks(device.where,
             fmt::format("its device \"{}\" of kind {}: Stage has no such device, or gives it another name",
                         device.name, device.kind));
     else
-      check_device(device, *other);
+      check_device(device, *others[d]);
   }
-  for (const DeviceSpec& device : back_.devices)
-    if (std::ranges::find(type_.devices, device.name, &DeviceSpec::name) == type_.devices.end())
-      lacks(type_.parts.front().where, fmt::format("it has no device \"{}\" of kind {}, but in the written "
-                                                   "file it would have this device",
-                                                   device.name, device.kind));
+  const std::vector<const DeviceSpec*> originals = counterparts(back_.devices, type_.devices);
+  for (std::size_t d = 0; d < originals.size(); ++d)
+    if (!originals[d])
+      lacks(type_.parts.front().where,
+            fmt::format("it has no device \"{}\" of kind {}, but in the written file it would have this "
+                        "device",
+                        back_.devices[d].name, back_.devices[d].kind));
   // The order of devices of one kind matters, because controllers choose among them in this order.
   for (const engine::DeviceKind& kind : registry_.devices) {
     const auto names = [&](const TypeSpec& type) {
@@ -228,18 +246,20 @@ void RoundTrip::check_reach() {
     if (devices_below(type_, a.part) != devices_below(back_, back_.controllers[i].part))
       lacks(a.where, fmt::format("controller \"{}\": the devices that it can use", a.kind));
   }
-  for (const DeviceSpec& a : type_.devices) {
-    const auto b = std::ranges::find(back_.devices, a.name, &DeviceSpec::name);
-    if (a.kind == "power_pack" && b != back_.devices.end() &&
-        devices_below(type_, a.part) != devices_below(back_, b->part))
+  const std::vector<const DeviceSpec*> others = counterparts(type_.devices, back_.devices);
+  for (std::size_t d = 0; d < others.size(); ++d) {
+    const DeviceSpec& a = type_.devices[d];
+    if (a.kind == "power_pack" && others[d] &&
+        devices_below(type_, a.part) != devices_below(back_, others[d]->part))
       lacks(a.where, fmt::format("device \"{}\": the devices that it supplies", a.name));
   }
 }
 
 void RoundTrip::check_bodies() {
-  for (const PartSpec& part : type_.parts) {
-    const auto other = std::ranges::find(back_.parts, part.name, &PartSpec::name);
-    if (!part.alias.empty() && (other == back_.parts.end() || other->alias != part.alias))
+  const std::vector<const PartSpec*> same_name = counterparts(type_.parts, back_.parts);
+  for (std::size_t p = 0; p < same_name.size(); ++p) {
+    const PartSpec& part = type_.parts[p];
+    if (!part.alias.empty() && (!same_name[p] || same_name[p]->alias != part.alias))
       lacks(part.where, fmt::format("part \"{}\": its alias \"{}\"", part.name, part.alias));
   }
   const auto solid_parts = [](const TypeSpec& type) {

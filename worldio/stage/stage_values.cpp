@@ -157,7 +157,7 @@ std::optional<Eigen::Vector3d> StageValues::size(const StageProperty& property, 
     }
     if (extent < 0) {
       error(where(property),
-            fmt::format("\"{}\" must be above 0 in every direction, found {}", key(property), extent));
+            fmt::format("\"{}\" must be at least 0 in every direction, found {}", key(property), extent));
       return {};
     }
   }

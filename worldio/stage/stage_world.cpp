@@ -576,16 +576,17 @@ std::int32_t StageWorld::add_wheels(const StageModel& model, const Place& place,
 void StageWorld::check_extent(const StageModel& model, const engine::PartSpec& part) {
   const StageProperty* property = model.find(document_, "size");
   const Where where = property ? values_.where(*property) : model.where;
-  const bool has_body =
-      !part.solids.empty() || model.type == "gripper";  // a gripper gets its body together with its paddles
-  const bool is_flat = part.size.head<2>().minCoeff() > 0 && model.type != "gripper";
+  const bool is_gripper = model.type == "gripper";  // it gets its body together with its paddles
+  const bool has_body = !part.solids.empty() || is_gripper;
+  const bool is_flat = part.size.head<2>().minCoeff() > 0 && !is_gripper;
   if (has_body && !(part.size.minCoeff() > 0)) {
     if (is_flat)
       values_.warning_once(where,
                            "\"size\" gives this model a height (third value) of 0, so only bodies and beams "
                            "exactly at the z of the model meet the model: give a height above 0");
     else if (part.size.minCoeff() == 0)
-      values_.error(where, "\"size\" must be above 0 in every direction, found 0");
+      values_.error(where, is_gripper ? "\"size\" of a gripper must be above 0 in every direction, found 0"
+                                      : "\"size\" must be above 0 in x and y, found 0");
   }
   if (model.type == "bumper" && !property && !part.solids.empty())
     values_.warning_once(

@@ -129,11 +129,16 @@ void WorldText::refuse_what_stage_lacks() {
   if (says("bounds_m"))
     lacks("bounds_m",
           "a Stage world always reaches 100 km from its origin in each direction: remove this key");
+  else if (document_ && document_->arena && !document_->arena->walls)
+    lacks("arena",
+          "without walls, an arena only sets the bounds, and a Stage world always reaches 100 km from its "
+          "origin in each direction: remove this key");
   else if (spec_.bounds)
     diagnostics_.warning(
-        where_of("floorplans"),
-        "the world of a .world file reaches 100 km from its origin in each direction: the edge of the floor "
-        "plans no longer stops robots");
+        where_of(says("floorplans") ? "floorplans" : "arena"),
+        fmt::format("the world of a .world file reaches 100 km from its origin in each direction: the edge "
+                    "of the {} no longer stops robots",
+                    says("floorplans") ? "floor plans" : "arena"));
 }
 
 void WorldText::write_settings() {

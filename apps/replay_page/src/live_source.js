@@ -7,6 +7,7 @@ import { ABSENT } from "./series.js";
 
 const MOST_FRAMES = 900; // most frames kept, for trails and speeds
 const MOST_BYTES = 200e6; // their most memory
+const AXES = 4; // x, y, heading and z
 
 export class LiveSource {
   /** `hello` is the first message of the program; `send` sends a message to it. */
@@ -17,7 +18,6 @@ export class LiveSource {
     this.header.block_frames = 1;
     this.mayActs = hello.may_steer;
     this.robots = this.header.robots.id.length;
-    this.axes = this.header.pose.has_z ? 4 : 3;
     this.own = new Uint8Array(3 * this.robots);
     this.header.robots.color.forEach((color, r) => this.own.set(bytesOf(color), 3 * r));
     this.mobile = new Uint8Array(this.robots);
@@ -33,7 +33,7 @@ export class LiveSource {
     let end = this.robots;
     this.parts = parts.map((part) => ({ ...part, tints: this.colors.subarray(3 * end, 3 * (end += part.count)) }));
     for (const { tints, first, count } of this.parts) tints.set(this.own.subarray(3 * first, 3 * (first + count)));
-    this.base = new Int32Array(this.axes * this.robots);
+    this.base = new Int32Array(AXES * this.robots);
     this.ring = [];
     this.kept = Math.max(2, Math.min(MOST_FRAMES, Math.floor(MOST_BYTES / (16 * Math.max(this.robots, 1)))));
     this.newest = -1; // frame number: received pictures less 1
@@ -130,7 +130,7 @@ export class LiveSource {
   posesInto(frame, mix, out) {
     const now = this.frame(frame);
     if (!now) return false;
-    const { step_m: step, turn, has_z: hasZ, z_m: heights } = this.header.pose;
+    const { step_m: step, turn } = this.header.pose;
     const radians = (2 * Math.PI) / turn;
     let present = 0;
     for (let r = 0, to = 0; r < this.robots; r++, to += 4) {
@@ -141,7 +141,7 @@ export class LiveSource {
       present += this.mobile[r];
       out[to] = now.x[r] * step;
       out[to + 1] = now.y[r] * step;
-      out[to + 2] = hasZ ? now.z[r] * step : heights[r];
+      out[to + 2] = now.z[r] * step;
       out[to + 3] = now.heading[r] * radians;
     }
     this.present = present;
@@ -169,19 +169,19 @@ export class LiveSource {
       const code = number();
       return code % 2 === 0 ? code / 2 : -(code + 1) / 2;
     };
-    const { base, robots, axes } = this;
+    const { base, robots } = this;
     this.undrawn.push(number());
     for (let r = -1, skip = number(); skip > 0; skip = number()) {
       r += skip;
-      for (let axis = 0; axis < axes; axis++) base[axis * robots + r] += signed();
+      for (let axis = 0; axis < AXES; axis++) base[axis * robots + r] += signed();
     }
     for (let r = -1, skip = number(); skip > 0; skip = number()) {
       r += skip;
       for (let c = 0; c < 3; c++) this.colors[3 * r + c] = bytes[at++];
     }
     if (at < bytes.length) for (let r = -1, skip = number(); skip > 0; skip = number()) this.shades[(r += skip)] = bytes[at++];
-    const frame = { at: 0, time: this.state.time_s, x: base.slice(0, robots), y: base.slice(robots, 2 * robots), heading: base.slice(2 * robots, 3 * robots) };
-    if (axes > 3) frame.z = base.slice(3 * robots);
+    const [x, y, heading, z] = Array.from({ length: AXES }, (_, axis) => base.slice(axis * robots, (axis + 1) * robots));
+    const frame = { at: 0, time: this.state.time_s, x, y, heading, z };
     for (let r = 0; r < robots; r++) if (frame.heading[r] < 0) frame.x[r] = ABSENT;
     this.ring.push(frame);
     if (this.ring.length > this.kept) this.ring.shift();

@@ -116,11 +116,10 @@ export class View {
   addRobots(header) {
     this.swarms = [];
     this.limbs = [];
-    // Upper bound of the height of robots, m; infinite if robots can rise.
+    // Upper bound of the height of robots above their origins, m; infinite if joints can lift their parts.
     const most = (numbers) => numbers.reduce((high, number) => Math.max(high, number), 0);
     const tops = header.types.map((type) => most(type.shapes.map((shape) => shape.z_m[1])));
-    const rise = header.pose.has_z || header.types.some((type) => type.joints.length > 0);
-    this.tallest = rise ? Infinity : most(tops) + most(header.pose.z_m);
+    this.tallest = header.types.some((type) => type.joints.length > 0) ? Infinity : most(tops);
     this.trunks = header.types.map((type) => trunkOf(type, header.shape_step_m));
     this.limbsOf = new Array(header.types.length).fill(null); // by type
     this.typeOf = new Int32Array(this.recording.robots);
@@ -359,10 +358,18 @@ export class View {
     return [((place.x + 1) / 2) * window.innerWidth, ((1 - place.y) / 2) * window.innerHeight];
   }
 
+  /** An upper bound of the height of the robots that are present, m, world frame. */
+  top() {
+    let highest = 0;
+    for (let at = 0; at < this.poses.length; at += 4)
+      if (this.poses[at + 3] < 1e8) highest = Math.max(highest, this.poses[at + 2]);
+    return highest + this.tallest;
+  }
+
   /** Draws the robots at `poses`; `frame` is the recorded frame before, `selected` a robot or null. */
   draw(frame, selected) {
     // Everything on the screen is at most about 35 degrees off its centre.
-    const above = this.camera.position.z - this.tallest;
+    const above = this.camera.position.z - this.top();
     const nearest = above > 0 ? this.focal / (0.8 * above) : Infinity;
     for (const bodies of this.swarms) {
       bodies.posesChanged();

@@ -60,7 +60,7 @@ class Batch:
             "ticks": task.ticks,
             "seconds": float(task.seconds),
             "measures": list(task.measures),
-            "teams": [_team_spec(team) for team in self.teams],
+            "teams": [_team_spec(team, robot or "") for team in self.teams],
         }
         self.core = BatchEnv(simulation, spec)
         self.copies = copies
@@ -163,11 +163,12 @@ def _shape_of(parts: List[Dict[str, Any]]) -> Any:
     return tuple(parts[0]["shape"]) if len(parts) == 1 and "shape" in parts[0] else None
 
 
-def _team_spec(team: Team) -> Dict[str, Any]:
+def _team_spec(team: Team, robot: str) -> Dict[str, Any]:
     observation = team.observation if isinstance(team.observation, dict) else {_ONLY: team.observation}
     return {
         "name": team.name,
         "robots": team.robots,
+        "robot": robot,
         "arrays": [
             {
                 "name": name,
@@ -200,7 +201,7 @@ def _bounds(part: Dict[str, Any], rest: Optional[int], simulation: Simulation, r
         low, high = [-infinity] * 3, [infinity] * 3
     else:
         device, field = part.get("device", ""), part["field"]
-        columns = simulation.swarm(robot)
+        columns = simulation.swarm(simulation.find(robot))
         columns.subscribe()
         count = len(np.atleast_1d(simulation.find(robot).readings(field, *([device] if device else []))))
         is_range = field == "ranges"

@@ -40,8 +40,8 @@ class Env(gymnasium.Env[Any, Any]):
     options      keyword arguments of troupe.Simulation, except threads
     seeds        reset(seed=s) begins an episode with the seed s. A later reset() without a seed begins an episode whose
                  seed is derived from s. If no seed was ever given, the first seed is that of the world
-    errors       ValueError if the task has several teams, or if `robot` names several robots; LookupError if it names
-                 none; RuntimeError after close()
+    errors       ValueError if the task has several teams; LookupError if no robot has the name `robot`; RuntimeError
+                 after close()
     """
 
     metadata = {"render_modes": RENDER_MODES, "render_fps": 10}
@@ -58,14 +58,12 @@ class Env(gymnasium.Env[Any, Any]):
         self.task = task
         self.render_mode = render_mode
         self.renderer = Renderer(render_mode, render_size)
-        if robot is None:
+        if not robot:
             robot = one_copy(task, **options).names[0][0]
         self._batch: Optional[Batch] = one_copy(task, robot=robot, **options)
         self.robot = robot
         self.observation_space = self._batch.observation_spaces[0]
         self.action_space = self._batch.action_spaces[0]
-        if len(self._batch.names[0]) != 1:
-            raise ValueError(f"robot={robot!r} names {len(self._batch.names[0])} robots: give the name of one")
 
     @property
     def batch(self) -> Batch:

@@ -63,7 +63,7 @@ class VectorEnv(_VectorEnv[Any, Any, Any]):
         if num_envs < 1:
             raise ValueError(f"num_envs={num_envs}: give 1 or more")
         robots = 1
-        if robot is None:
+        if not robot:
             robots = len(Batch(task, 1, threads=1, **options).names[0])
         if num_envs % robots:
             raise ValueError(f"num_envs={num_envs}: {robots} robots learn in each copy: give a multiple of {robots}")

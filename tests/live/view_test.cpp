@@ -1,0 +1,201 @@
+#include "live/view.hpp"
+
+#include "tests/support/scratch.hpp"
+#include "troupe/simulation.hpp"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+#include <netinet/in.h>
+#include <nlohmann/json.hpp>
+#include <sys/socket.h>
+#include <sys/time.h>
+#include <unistd.h>
+
+#include <condition_variable>
+#include <cstddef>
+#include <cstdint>
+#include <filesystem>
+#include <initializer_list>
+#include <mutex>
+#include <optional>
+#include <stdexcept>
+#include <string>
+#include <string_view>
+#include <thread>
+
+// Requests whose order in time matters. tests/view_test.py tests `troupe view` as a whole.
+namespace troupe::live {
+namespace {
+
+using ::testing::HasSubstr;
+using Json = nlohmann::json;
+
+constexpr const char* k_one_bot = R"({"troupe": 1, "bounds_m": [[-9, -9], [9, 9]],
+  "types": {"bot": {"size_m": [0.4, 0.3, 0.2], "drive": {"kind": "diff"}}},
+  "models": [{"name": "a", "type": "bot"}]})";
+constexpr std::string_view k_handshake =
+    "GET /live HTTP/1.1\r\nHost: localhost\r\nUpgrade: websocket\r\nConnection: Upgrade\r\n"
+    "Sec-WebSocket-Key: dGhlIHNhbXBsZSBub25jZQ==\r\nSec-WebSocket-Version: 13\r\n\r\n";
+constexpr time_t k_most_s = 30;  // longest wait for a message of the program
+
+/// A client with the token of an address `http://127.0.0.1:PORT/#TOKEN`.
+class Viewer {
+ public:
+  explicit Viewer(const std::string& address) : socket_(::socket(AF_INET, SOCK_STREAM | SOCK_CLOEXEC, 0)) {
+    sockaddr_in to{};
+    to.sin_family = AF_INET;
+    to.sin_port = htons(static_cast<std::uint16_t>(std::stoi(address.substr(address.rfind(':') + 1))));
+    to.sin_addr.s_addr = htonl(INADDR_LOOPBACK);
+    const timeval most{k_most_s, 0};
+    if (::setsockopt(socket_, SOL_SOCKET, SO_RCVTIMEO, &most, sizeof most) != 0 ||
+        ::connect(socket_, reinterpret_cast<const sockaddr*>(&to), sizeof to) != 0)
+      throw std::runtime_error("no connection to " + address);
+    send_bytes(k_handshake);
+    for (std::string head; !head.ends_with("\r\n\r\n");) head += bytes(1);
+    send({address.substr(address.find('#') + 1)});
+  }
+  ~Viewer() { ::close(socket_); }
+  Viewer(const Viewer&) = delete;
+  Viewer& operator=(const Viewer&) = delete;
+
+  /// Sends short texts, each as a frame with the mask 0, all at once.
+  void send(std::initializer_list<std::string> texts) {
+    std::string frames;
+    for (const std::string& text : texts)
+      frames += "\x81" + std::string(1, static_cast<char>(0x80 | text.size())) + std::string(4, '\0') + text;
+    send_bytes(frames);
+  }
+  /// Returns the next text, and acknowledges the pictures before it.
+  Json receive() {
+    for (;;) {
+      const std::string head = bytes(2);
+      std::size_t size = static_cast<unsigned char>(head[1]);
+      if (size >= 126) {
+        const std::string digits = bytes(size == 126 ? 2 : 8);
+        size = 0;
+        for (const char digit : digits) size = size << 8 | static_cast<unsigned char>(digit);
+      }
+      const std::string payload = bytes(size);
+      if (head[0] == '\x81') return Json::parse(payload);
+      if (head[0] == '\x82') send({R"({"do":"drawn"})"});
+    }
+  }
+  /// Returns the next answer to a request.
+  Json answer() {
+    for (;;)
+      if (const Json text = receive(); text["type"] == "done" || text["type"] == "refused") return text;
+  }
+
+ private:
+  void send_bytes(std::string_view data) const {
+    if (::send(socket_, data.data(), data.size(), MSG_NOSIGNAL) != static_cast<ssize_t>(data.size()))
+      throw std::runtime_error("the program has closed the connection");
+  }
+  std::string bytes(std::size_t count) const {
+    std::string data(count, '\0');
+    for (std::size_t at = 0; at < count;) {
+      const ssize_t got = ::recv(socket_, data.data() + at, count - at, 0);
+      if (got <= 0) throw std::runtime_error("no message of the program");
+      at += static_cast<std::size_t>(got);
+    }
+    return data;
+  }
+
+  int socket_;
+};
+
+/// A world that a view shows on a thread of its own.
+class Shown {
+ public:
+  explicit Shown(const std::filesystem::path& folder) {
+    View::Options options{.rate = 20, .folder = folder, .is_over = [this] { return is_over(); }};
+    view_.emplace(simulation, options);
+  }
+  ~Shown() { end(); }
+  Shown(const Shown&) = delete;
+  Shown& operator=(const Shown&) = delete;
+
+  std::string address() const { return view_->address(); }
+  void run() {
+    thread_ = std::thread([this] { view_->run(); });
+  }
+  /// Stops the thread of the simulation at the next call of is_over(), until release().
+  void hold() {
+    std::unique_lock lock(mutex_);
+    is_held_ = true;
+    changed_.wait(lock, [this] { return waits_; });
+  }
+  void release() {
+    const std::scoped_lock lock(mutex_);
+    is_held_ = false;
+    changed_.notify_all();
+  }
+  void end() {
+    {
+      const std::scoped_lock lock(mutex_);
+      ends_ = true;
+    }
+    release();
+    if (thread_.joinable()) thread_.join();
+  }
+
+  Simulation simulation = Simulation::from_text(k_one_bot, "w.json", {.threads = 1, .mortal = true});
+
+ private:
+  bool is_over() {
+    std::unique_lock lock(mutex_);
+    waits_ = true;
+    changed_.notify_all();
+    changed_.wait(lock, [this] { return !is_held_; });
+    waits_ = false;
+    return ends_;
+  }
+
+  std::mutex mutex_;
+  std::condition_variable changed_;
+  bool is_held_ = false;
+  bool waits_ = false;
+  bool ends_ = false;
+  std::optional<View> view_;
+  std::thread thread_;
+};
+
+class ViewTest : public test::ScratchTest {};
+
+TEST_F(ViewTest, ACheckpointOfAPausedRunDoesNotContainALaterAct) {
+  Shown shown(folder_);
+  shown.run();
+  Viewer viewer(shown.address());
+  viewer.send({R"({"do":"pause","id":1})"});
+  Json state = viewer.receive();
+  while (state["type"] != "state" || state["playing"]) state = viewer.receive();
+  shown.hold();
+  // The thread of the server refuses the third text itself. Its answer therefore shows that the first two
+  // texts wait for the simulation.
+  viewer.send({R"({"do":"checkpoint","id":2})", R"({"do":"move","robot":"a","pose":[3,3,0,0],"id":3})", "x"});
+  EXPECT_EQ(viewer.answer()["type"], "refused");
+  shown.release();
+  const Json saved = viewer.answer();
+  ASSERT_EQ(saved["id"], 2) << saved;
+  EXPECT_EQ(viewer.answer()["id"], 3);
+  shown.end();
+  Simulation resumed = Simulation::resume(folder_ / saved["file"].get<std::string>());
+  EXPECT_EQ(resumed.tick(), state["tick"]);
+  EXPECT_EQ(resumed.find("a").pose().x, 0);
+}
+
+TEST_F(ViewTest, AViewerDoesNotStopARecordingOfTheProgram) {
+  Shown shown(folder_);
+  shown.simulation.record(folder_ / "own.h5");
+  shown.run();
+  Viewer viewer(shown.address());
+  viewer.send({R"({"do":"stop_recording","id":1})"});
+  const Json answer = viewer.answer();
+  EXPECT_EQ(answer["type"], "refused");
+  EXPECT_THAT(answer.value("reason", ""), HasSubstr("no viewer has started a recording"));
+  shown.end();
+  EXPECT_THROW(shown.simulation.record(folder_ / "second.h5"), std::logic_error) << "the first one continues";
+}
+
+}  // namespace
+}  // namespace troupe::live
