@@ -9,13 +9,13 @@ class App;
 
 namespace troupe::apps {
 
-/// An option or positional argument of a command, as declared to the command-line parser. manual_page() and
-/// completion() use these data.
+/// An option or positional argument of a command, as declared to the command-line parser. The manual page and
+/// the shell completion are made from these data.
 struct CommandOption {
   std::vector<std::string> names;  ///< as typed: "--for"; for a positional argument only its name: "WORLD"
   std::string value;               ///< placeholder of its value: "S", "FILE.h5", "exact|grid"; empty: none
   std::string help;                ///< description in --help
-  bool positional = false;
+  bool positional = false;         ///< whether it is a positional argument
 };
 
 /// A command, or the program itself, as declared to the command-line parser.

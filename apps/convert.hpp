@@ -20,7 +20,7 @@ struct ConvertOptions {
   bool force = false;         ///< replace an existing output file
   /// Values of the world to replace: pairs of a JSON pointer and a JSON value (SimulationOptions::set).
   std::vector<std::pair<std::string, std::string>> set;
-  std::vector<std::filesystem::path> plugin_path;  ///< folders to search for plug-ins
+  std::vector<std::filesystem::path> plugin_path;  ///< folders to search for plug-ins (shared libraries)
 };
 
 /// Adds the options of `convert`; parsing fills `options`, which must outlive `command`.
@@ -28,9 +28,10 @@ void add_convert_options(CLI::App& command, ConvertOptions& options);
 
 /// `troupe convert`: reads a world in one of the two formats, Stage's and JSON, writes it in the format of
 /// the output, which may be the same, and prints one line with the numbers of models and types. A JSON output
-/// of a JSON world lists populations body by body. Throws InputError if the world cannot be loaded or cannot
-/// be expressed in the format of the output. If the output exists (without `force`) or cannot be written,
-/// prints an error and returns k_bad_input.
+/// of a JSON world lists each body of a population (an entry that creates many bodies by a rule) instead of
+/// the rule. Throws InputError if the world cannot be loaded or cannot be expressed in the format of the
+/// output. If the output exists (without `force`) or cannot be written, prints an error and returns
+/// k_bad_input.
 ExitCode convert(const ConvertOptions& options);
 
 }  // namespace troupe::apps

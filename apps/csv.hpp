@@ -12,23 +12,24 @@
 namespace troupe::apps {
 
 /// A table that is written during a run, as comma-separated values that pandas reads without options. The
-/// first line has the column names, and the first column is the tick. All lines, also the first, stay in
-/// memory until flush(), so that the file contains only whole lines.
+/// first line has the column names, and the first column is the tick (number of the simulation step). All
+/// lines, also the first, stay in memory until flush(), so that the file contains only whole lines.
 class CsvFile {
  public:
   /// Creates or empties the file. `header` is the line of column names, without line break. Throws
   /// OutputError if the file cannot be opened.
   CsvFile(const std::filesystem::path& file, std::string_view header);
-  /// The beginning of a table: its lines up to some tick. A checkpoint stores length and hash of this
-  /// beginning, so that a resumed run detects a file that is the table of another run.
+  /// The beginning of a table: its lines up to some tick. A checkpoint (saved state of a run) stores length
+  /// and hash of this beginning, so that a resumed run detects a file that is the table of another run.
   struct Start {
     std::uint64_t bytes = 0;  ///< length of these lines, with the line of column names
     std::uint64_t hash = 0;   ///< hash of these bytes; 0 if there are none
     friend bool operator==(const Start&, const Start&) = default;
   };
-  /// Continues the table of an earlier run: keeps `start` and removes what follows. Throws OutputError, and
-  /// does not change the file, if the first line of the file is not `header`, if `start` is not set (the
-  /// checkpoint contains no data of this table), or if the file does not begin with `start`.
+  /// Continues the table of an earlier run: keeps the lines that `start` describes and removes the lines
+  /// after them. Throws OutputError, and does not change the file, if the first line of the file is not
+  /// `header`, if `start` is not set (the checkpoint contains no data of this table), or if the file does not
+  /// begin with these lines.
   CsvFile(const std::filesystem::path& file, std::string_view header, const std::optional<Start>& start);
 
   /// Appends a number as a cell to the current line. A double is written as the shortest text that reads back

@@ -14,11 +14,12 @@ class App;
 
 namespace troupe::apps {
 
-/// Options of `troupe describe`.
+/// Options of `troupe describe`. A kind is an implementation of a sensor, a drive, a controller and so on,
+/// which world files select by its name.
 struct DescribeOptions {
   std::string kind;                                ///< kind to describe, such as "ranger"; empty: list all
   bool schema = false;                             ///< print the JSON Schema of worlds instead
-  std::vector<std::filesystem::path> plugin_path;  ///< folders to search for plug-ins
+  std::vector<std::filesystem::path> plugin_path;  ///< folders to search for plug-ins (shared libraries)
 };
 /// Adds the options of `describe`; parsing fills `options`, which must outlive `command`.
 void add_describe_options(CLI::App& command, DescribeOptions& options);
@@ -26,9 +27,10 @@ void add_describe_options(CLI::App& command, DescribeOptions& options);
 /// worlds. Throws InputError for an unknown kind.
 ExitCode describe(const DescribeOptions& options);
 
-/// Returns a list of all kinds as text: one line with name and description per kind, under a heading per
-/// group. The groups are models, sensors, devices, drives, controllers, presets (named controllers with
-/// default parameters of their own), measures, faults and events.
+/// Returns a list of all kinds (implementations of sensors, drives, controllers and so on) as text: one line
+/// with name and description per kind, under a heading per group. The groups are models, sensors, devices,
+/// drives, controllers, presets (named controllers with default parameters of their own), measures, faults
+/// and events.
 std::string list_kinds(const engine::Registry& registry);
 
 /// Returns the names of all kinds that list_kinds() lists, except events, sorted, without duplicates.

@@ -17,9 +17,9 @@ namespace troupe::apps {
 /// The first line of every hash log.
 inline constexpr std::string_view k_hash_log_mark = "# troupe hash log 1";
 
-/// Reads a hash log (troupe run --hash-log), a text file with the state hashes of every tick. Reads it line
-/// by line, because it may be gigabytes long. Every error in the file is thrown as InputError:
-/// `run.log:31: error: ...`.
+/// Reads a hash log (troupe run --hash-log), a text file with hashes of the simulation state after every tick
+/// (simulation step). Reads the file line by line, because it may be gigabytes long. Every error in the file
+/// is thrown as InputError: `run.log:31: error: ...`.
 class HashLogReader {
  public:
   /// Opens the file and reads its header. Throws InputError if the file cannot be read or is not a hash log.
@@ -29,7 +29,7 @@ class HashLogReader {
   /// The header lines `# key: value`, with their line numbers.
   const RunHeader& header() const { return header_; }
 
-  /// The hashes of one tick.
+  /// The hashes of one tick (simulation step).
   struct Line {
     std::size_t number;   ///< line number in the file, from 1
     std::string text;     ///< the whole line, without its line break

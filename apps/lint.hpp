@@ -14,7 +14,7 @@ namespace troupe::apps {
 /// Options of `troupe lint`.
 struct LintOptions {
   std::filesystem::path world;                     ///< world file to check
-  std::vector<std::filesystem::path> plugin_path;  ///< folders to search for plug-ins
+  std::vector<std::filesystem::path> plugin_path;  ///< folders to search for plug-ins (shared libraries)
 };
 
 /// Adds the options of `lint`; parsing fills `options`, which must outlive `command`.

@@ -46,9 +46,10 @@ double seconds_from_zero(const char* option, const std::string& text);
 double positive_seconds(const char* option, const std::string& text, std::string_view what);
 
 /// Convert the text of an option value: thread_count() for --threads (1 to
-/// partition::Parallel::k_most_threads), tile_size_m() for --tile-size (m, above 0), and rank_count() for
-/// --ranks (1 to k_most_ranks). These values have the same form in every command. Throw CLI::ValidationError
-/// for other values.
+/// partition::Parallel::k_most_threads), tile_size_m() for --tile-size (edge length of the squares by which
+/// robots are divided into tasks, m, above 0), and rank_count() for --ranks (number of groups of threads that
+/// divide the world, 1 to k_most_ranks). These values have the same form in every command. Throw
+/// CLI::ValidationError for other values.
 unsigned thread_count(std::string_view text);
 double tile_size_m(std::string_view text);
 unsigned rank_count(std::string_view text);
@@ -64,9 +65,10 @@ CLI::Option* add_values(CLI::App& app, const char* name, const char* value, cons
                         const std::function<void(const std::string&)>& add);
 
 /// Options of the commands that load a world: the world file, the settings of its simulation, and the end of
-/// the run.
+/// the run. Ranks are processes, or groups of threads, that compute the world together. World time is
+/// simulated time.
 struct WorldOptions {
-  std::filesystem::path world;  ///< file of the world, or of the checkpoint
+  std::filesystem::path world;  ///< world file, or checkpoint (saved state of a run)
   bool is_checkpoint = false;   ///< `world` is a checkpoint
   SimulationOptions simulation;
   std::optional<double> for_s;  ///< --for: end in world time, s
@@ -85,8 +87,8 @@ void add_end_option(CLI::App& app, WorldOptions& options);
 /// set: receives, for each --set, the JSON pointer and the JSON text of the new value.
 void add_set_option(CLI::App& app, const char* help, std::vector<std::pair<std::string, std::string>>& set);
 
-/// Returns the end of the run in world time, s: the value of --for, or else the quit time of the world.
-/// Throws InputError if neither is given.
+/// Returns the end of the run in world time (simulated time), s: the value of --for, or else the quit time
+/// that the world file gives. Throws InputError if neither is given.
 double end_of(const WorldOptions& options, const Simulation& simulation);
 /// Adds --simd. Parsing this option selects the instruction set for range finding of the whole process, and
 /// throws CLI::ValidationError for a set that cannot be used.
@@ -95,15 +97,18 @@ void add_simd_option(CLI::App& app);
 /// nothing if the variable is not set or empty. Throws InputError if the name is unknown or the processor
 /// lacks the set.
 void obey_simd_variable();
-/// Adds --rank-seed (for tests: messages between ranks are delayed, and robots are given to other ranks, at
-/// random), which sets SimulationOptions::rank_seed.
+/// Adds --rank-seed (for tests: messages between ranks, the processes or groups of threads that compute a
+/// world together, are delayed, and robots are given to other ranks, at random), which sets
+/// SimulationOptions::rank_seed.
 void add_rank_seed_option(CLI::App& app, WorldOptions& options);
-/// Adds --distribute (each rank has only its own robots and those near them), which sets
-/// SimulationOptions::distribute.
+/// Adds --distribute (each rank, a process or group of threads, has only its own robots and those near them,
+/// instead of a copy of the whole world), which sets SimulationOptions::distribute.
 void add_distribute_option(CLI::App& app, WorldOptions& options);
-/// Adds --rank-limit (longest wait for another rank), which sets `limit_s`, s; `limit_s` must outlive `app`.
+/// Adds --rank-limit (longest wait for another rank, a process or group of threads that computes a part of
+/// the world), which sets `limit_s`, wall time, s; `limit_s` must outlive `app`.
 void add_rank_limit_option(CLI::App& app, double& limit_s);
-/// Adds --plugin-path, which appends to `path`; `path` must outlive `app`.
+/// Adds --plugin-path, which appends folders to search for plug-ins (shared libraries with models or
+/// controllers) to `path`; `path` must outlive `app`.
 void add_plugin_path_option(CLI::App& app, std::vector<std::filesystem::path>& path);
 /// Returns the folders in which plug-ins are searched, in this order: those in `given`, those in the
 /// environment variable TROUPE_PLUGIN_PATH, and those in STAGEPATH, where users of Stage keep their plug-ins.

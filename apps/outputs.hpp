@@ -48,15 +48,15 @@ void add_inputs(std::span<const std::shared_ptr<const Script>> scripts, std::vec
 /// or folder.
 void check_folder(const std::filesystem::path& folder);
 
-/// Writes a hash log: a text file with one line per tick, which contains the hashes of the state after this
-/// tick. Each line is written to the file at the end of its tick.
+/// Writes a hash log: a text file with one line per tick (simulation step), which contains the hashes of the
+/// state after this tick. Each line is written to the file at the end of its tick.
 class HashLog : public Observer {
  public:
-  /// Opens the file and writes the header. If the simulation was resumed from a checkpoint and the file
-  /// exists, the log is continued, and its lines after the tick of the checkpoint are removed. To be
-  /// continued, the log must contain this tick with the same hashes, and its header must have the same
-  /// options as this run, apart from options that a resumed run may change. Throws OutputError if the file
-  /// cannot be written or continued, and InputError if the existing file is not a hash log.
+  /// Opens the file and writes the header. If the simulation was resumed from a checkpoint (saved state of a
+  /// run) and the file exists, the log is continued, and its lines after the tick of the checkpoint are
+  /// removed. To be continued, the log must contain this tick with the same hashes, and its header must have
+  /// the same options as this run, apart from options that a resumed run may change. Throws OutputError if
+  /// the file cannot be written or continued, and InputError if the existing file is not a hash log.
   HashLog(const std::filesystem::path& file, const Simulation& simulation);
 
   /// Writes the line of the current tick, unless a continued log already ends with it. Throws
@@ -70,9 +70,9 @@ class HashLog : public Observer {
   std::optional<std::uint64_t> written_;  // the last tick of a continued log
 };
 
-/// Returns the kind of output that writes a HashLog (see RunOutput). It adds the option --hash-log to the
-/// command line, and writes the log to the file that --hash-log names. Without --hash-log, nothing is
-/// written.
+/// Returns the output of a run (an object with command-line options, see RunOutput) that writes a HashLog. It
+/// adds the option --hash-log to the command line, and writes the log to the file that --hash-log names.
+/// Without --hash-log, nothing is written.
 std::unique_ptr<RunOutput> hash_log_output();
 
 }  // namespace troupe::apps

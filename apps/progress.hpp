@@ -5,9 +5,9 @@
 
 namespace troupe::apps {
 
-/// Returns the text of a progress bar, without control characters. The run goes from world time `begin_s` to
-/// `end_s` and has reached `now_s`, all in s; `end_s` and `now_s` must exceed `begin_s`. elapsed_s: wall time
-/// since the run began, s.
+/// Returns the text of a progress bar, without control characters. The run goes from world time (simulated
+/// time) `begin_s` to `end_s` and has reached `now_s`, all in s; `end_s` and `now_s` must exceed `begin_s`.
+/// elapsed_s: wall time since the run began, s.
 std::string progress_text(double begin_s, double now_s, double end_s, double elapsed_s);
 
 /// A progress bar on standard error, which is redrawn up to five times per second and erased at the end.
@@ -15,13 +15,14 @@ std::string progress_text(double begin_s, double now_s, double end_s, double ela
 /// the run is expected to take less than two seconds in total.
 class Progress {
  public:
-  /// begin_s, end_s: world times at which the run begins and ends, s. wanted: false: nothing is drawn.
+  /// begin_s, end_s: world times (simulated times) at which the run begins and ends, s. wanted: false:
+  /// nothing is drawn.
   Progress(double begin_s, double end_s, bool wanted);
   ~Progress();
   Progress(const Progress&) = delete;
   Progress& operator=(const Progress&) = delete;
 
-  void update(double now_s);  ///< now_s: world time that the run has reached, s
+  void update(double now_s);  ///< now_s: simulated time that the run has reached, s
 
  private:
   using Clock = std::chrono::steady_clock;

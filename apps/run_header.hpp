@@ -21,9 +21,10 @@ struct RunHeader {
 
 /// Throws InputError if the two headers differ. The error has one line per difference, which begins with the
 /// name of the second file and, for text files, a line number. World files are compared by their names
-/// without folders. With `across_domains`, versions, compilers, flags and instruction sets may differ. With
-/// `across_runs`, worlds, seeds and options may differ. Threads, tile size, recorded fields and recording
-/// interval are not compared, because they change no result.
+/// without folders. With `across_domains`, versions of Troupe, compilers, flags and instruction sets may
+/// differ. With `across_runs`, worlds, seeds and options may differ. Numbers of threads, tile sizes
+/// (--tile-size, which divides robots into tasks), recorded fields and recording intervals are not compared,
+/// because they change no result.
 void refuse_unlike(const RunHeader& first, const RunHeader& second, bool across_domains, bool across_runs);
 
 }  // namespace troupe::apps

@@ -11,9 +11,10 @@ namespace CLI {  // NOLINT(readability-identifier-naming): the library's own
 class App;
 }  // namespace CLI
 
-/// The option --controller, which names a Python script with controllers. The program does not link Python.
-/// If the option is given, the program replaces itself by the Python package with the same arguments. The
-/// package `troupe` contains the same commands; it calls set_script_reader() before run_command_line().
+/// The option --controller, which names a Python script with controllers (functions that decide what the
+/// robots do). The program does not link Python. If the option is given, the program replaces itself by the
+/// Python package with the same arguments. The package `troupe` contains the same commands; it calls
+/// set_script_reader() before run_command_line().
 namespace troupe::apps {
 
 /// A function that reads the Python script `file` and returns the script. Throws if the script has errors.
@@ -22,11 +23,12 @@ using ReadScript = std::function<std::shared_ptr<const Script>(const std::filesy
 /// Sets the function that reads scripts, for the rest of the process.
 void set_script_reader(ReadScript read);
 
-/// Adds --controller, which appends to `scripts`; `scripts` must outlive `app`. Without a script reader,
-/// parsing the option only makes python_is_wanted() true.
+/// Adds --controller, which appends to `scripts`; `scripts` must outlive `app`. If set_script_reader() was
+/// not called, parsing the option only makes python_is_wanted() true.
 void add_controller_option(CLI::App& app, std::vector<std::shared_ptr<const Script>>& scripts);
 
-/// Whether a parsed command line has --controller, and this process has no script reader.
+/// Whether a parsed command line has --controller, and set_script_reader() was not called, so that only
+/// Python can read the script (run_in_python()).
 bool python_is_wanted();
 /// Replaces this process by the program in the Python package `troupe`, with the arguments argv[1] to
 /// argv[argc - 1]. Python searches modules in the working folder last. The interpreter is the one that the

@@ -24,9 +24,9 @@ struct ViewOptions : WorldOptions {
 
 /// Adds the options of `view`; parsing fills `options`, which must outlive `command`.
 void add_view_options(CLI::App& command, ViewOptions& options);
-/// `troupe view`: shows a world or a checkpoint in browsers until Ctrl-C, until the time of --for, or until a
-/// condition in the world's `stop_when` holds. Returns k_stopped after Ctrl-C or SIGTERM, k_bad_input after
-/// printing an InputError, else k_finished.
+/// `troupe view`: shows a world or a checkpoint (saved state of a run) in browsers until Ctrl-C, until the
+/// time of --for, or until a condition holds that the world file lists under `stop_when`. Returns k_stopped
+/// after Ctrl-C or SIGTERM, k_bad_input after printing an InputError, else k_finished.
 ExitCode view_world(const ViewOptions& options);
 
 }  // namespace troupe::apps

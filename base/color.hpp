@@ -5,7 +5,7 @@
 
 namespace troupe {
 
-/// Red, green, blue and opacity, each from 0 to 1.
+/// Red, green, blue and opacity, each from 0 to 1. The default is opaque red.
 struct Color {
   float r = 1;  ///< red, 0 to 1
   float g = 0;  ///< green, 0 to 1

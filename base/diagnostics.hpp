@@ -13,8 +13,8 @@
 
 namespace troupe {
 
-/// The names of the files that a world was read from, each with a number. A place in a file (struct Where)
-/// stores this number instead of the name.
+/// The names of the input files of a world (a description of a simulation), each with a number. A place in a
+/// file (struct Where) stores the number of the file instead of its name.
 class SourceFiles {
  public:
   /// Returns the number of a file. Adds the file on first use; the same name always gives the same number.
@@ -35,7 +35,7 @@ struct Where {
   std::uint32_t line = 0;                          ///< line, from 1; 0 means the whole file
 };
 
-/// Severity of a finding.
+/// Severity of a finding, which is a message about the input (struct Finding).
 enum class Severity {
   note,     ///< explains the previous finding; does not stop the load
   warning,  ///< reported; the load continues
@@ -49,8 +49,9 @@ struct Finding {
   std::string message;  ///< one sentence, without the place and without a full stop
 };
 
-/// A part of the input that other parts inherit from, or that inherits from another part, such as a type of a
-/// world.
+/// A part of the input that can inherit content from another part, or from which other parts can inherit,
+/// such as a robot type that is defined as a variant of another robot type. A part that inherits is called an
+/// heir, and the part from which it inherits is called its base.
 struct Inheritable {
   std::string path;  ///< path with which messages about the part begin: `/types/bot`
   std::string name;  ///< name of the part, as messages quote it: `bot`
@@ -68,9 +69,9 @@ class InputError : public std::runtime_error {
 /// together. Messages longer than 8000 characters are cut. Not thread-safe.
 class Diagnostics {
  public:
-  /// thorough: true for `troupe lint`. If true, warning_once() reports every place and not only the first,
-  /// and the readers of input files also report problems that do not affect a run, such as unused
-  /// definitions.
+  /// thorough: true for the command `troupe lint`, which searches a world file for problems. If true,
+  /// warning_once() reports every place and not only the first, and the readers of input files also report
+  /// problems that do not affect a run, such as unused definitions.
   explicit Diagnostics(bool thorough = false);
   /// Creates diagnostics that are not thorough and that use an existing table of input files. If `files` is
   /// null, they use a new, empty table.
@@ -80,12 +81,13 @@ class Diagnostics {
   /// The table that Where::file refers to; never null.
   const std::shared_ptr<SourceFiles>& files() const { return files_; }
 
-  /// Adds an error, unless it repeats an earlier error about inherited content (see inherits()). The call
-  /// that adds error number k_most_errors throws InputError, as throw_if_errors() does, because reading more
-  /// of the input would only cost time and memory.
+  /// Adds an error. Drops the error instead if it repeats an earlier error about inherited content (see
+  /// inherits()). The call that adds error number k_most_errors then calls throw_if_errors(), because reading
+  /// more of the input would only cost time and memory.
   void error(Where where, std::string message);
   static constexpr std::size_t k_most_errors = 1000;  ///< number of errors at which error() throws
-  static constexpr std::size_t k_most_listed = 50;    ///< throw_if_errors() only counts further errors
+  /// Number of errors that throw_if_errors() lists; it only counts the others.
+  static constexpr std::size_t k_most_listed = 50;
   /// Adds a warning, unless it repeats an earlier warning about inherited content (see inherits()).
   void warning(Where where, std::string message);
   /// Adds a warning as warning() does. If the same message occurs at several places, only the first place is
@@ -93,12 +95,15 @@ class Diagnostics {
   /// more such warnings)`. If thorough() is true, the warning is listed once for each place.
   void warning_once(Where where, std::string message);
 
-  /// Declares that `heir` contains copies of the content of `base`. From now on, an error or a warning about
-  /// inherited content is reported once instead of for every heir: if two findings have the same place, and
-  /// their messages differ only in the names of parts with a common base, the second finding is dropped. If
-  /// the first finding is about an heir, and the second one is about a base of this heir, the message of the
-  /// second replaces that of the first. Findings on the line on which an heir begins are about the heir's own
-  /// content: both findings are then kept, unless one of the two parts inherits from the other.
+  /// Declares that `heir` contains copies of the content of `base`. Errors and warnings about this content
+  /// that are added later are then reported once instead of once for every heir. To find repetitions, the
+  /// function that adds a finding compares it with each earlier finding of the same severity and the same
+  /// place. If the messages differ only in the names of two parts with a common base, the new finding is
+  /// dropped.
+  /// - If the earlier finding is about an heir, and the new one is about a base of this heir, the new message
+  ///   replaces the earlier one.
+  /// - If neither part inherits from the other, and the place is the line on which one of the two parts
+  ///   begins, both findings are kept, because they are about content that is not inherited.
   void inherits(const Inheritable& heir, const Inheritable& base);
 
   bool has_errors() const { return errors_ > 0; }      ///< whether throw_if_errors() would throw

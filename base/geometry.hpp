@@ -24,8 +24,8 @@ struct ZInterval {
   friend bool operator==(const ZInterval&, const ZInterval&) = default;
 };
 
-/// Axis-aligned box in the plane, metres. A new box is empty (min is +infinity, max is -infinity) until
-/// extend() is called.
+/// Axis-aligned box in the plane, metres. A default-constructed box, called a new box below, is empty until
+/// extend() is called: min is +infinity, max is -infinity.
 struct Box {
   /// The corner with the least x and y, metres, in the frame of the points that extend the box.
   Vec2 min{std::numeric_limits<double>::infinity(), std::numeric_limits<double>::infinity()};
@@ -51,7 +51,8 @@ struct Box {
     min = {std::min(min.x(), b.min.x()), std::min(min.y(), b.min.y())};
     max = {std::max(max.x(), b.max.x()), std::max(max.y(), b.max.y())};
   }
-  /// A copy grown by the margin on all four sides; a negative margin shrinks it and may leave it empty.
+  /// Returns a copy that is larger by the margin, in metres, on all four sides. A negative margin makes the
+  /// copy smaller and possibly empty.
   Box expanded(double margin) const {
     Box b;
     b.min = {min.x() - margin, min.y() - margin};
@@ -66,7 +67,7 @@ struct Box {
   bool touches(const Box& b) const {
     return min.x() <= b.max.x() && b.min.x() <= max.x() && min.y() <= b.max.y() && b.min.y() <= max.y();
   }
-  /// The bounding box of a circle, m; empty for a negative radius.
+  /// The bounding box of the circle with this centre and radius, m; empty for a negative radius.
   static Box around(const Vec2& center, double radius) {
     Box b;
     b.min = {center.x() - radius, center.y() - radius};
@@ -117,19 +118,19 @@ double convex_width(const Ring& ring);
 /// heights. For a point on an edge, the result may be true or false.
 bool contains(const Solid& solid, const Vec2& point);
 
-/// Width of a piece of a shape, metres, below which motions become slow to test, because they are tested in
-/// steps of a quarter of it.
+/// Width of a convex piece of a body's shape, metres, below which collision tests of motions become slow: a
+/// motion of the body is tested in steps of a quarter of the width of its narrowest piece.
 inline constexpr double k_thin_m = 0.5e-3;
 
 /// Cuts the even-odd region of a solid into convex pieces that do not overlap. A single convex contour is
-/// returned whole, counter-clockwise and without repeated corners. Any other region is cut into trapezoids
-/// with horizontal top and bottom, and trapezoids are merged where their union stays convex. If a piece is
-/// narrower than k_thin_m, the region is also cut along the y axis and along a diagonal, and the cut whose
-/// narrowest piece is widest is returned. Contours may cross, touch and coincide. Cutting moves corners by at
-/// most 1e-12 of the largest coordinate. The pieces are ordered by their lowest place perpendicular to the
-/// cuts, then along the cuts; there are none if the region has no area. Throws
-/// std::length_error if the contours have so many long edges, or cross so often, that the cut would take
-/// longer than a few seconds.
+/// returned whole, counter-clockwise and without repeated corners. Any other region is cut along lines
+/// parallel to the x axis into trapezoids, and trapezoids are merged where their union stays convex. If a
+/// piece is narrower than k_thin_m, the function also tries cuts parallel to the y axis and parallel to a
+/// diagonal. It returns the pieces of the direction whose narrowest piece is widest. Contours may cross,
+/// touch and coincide. Cutting moves corners by at most 1e-12 of the largest coordinate. The pieces are
+/// ordered by their lowest coordinate perpendicular to the cuts, then by their coordinate along the cuts. The
+/// result is empty if the region has no area. Throws std::length_error if the contours have so many long
+/// edges, or cross so often, that the cut would take longer than a few seconds.
 std::vector<ConvexPrism> convex_pieces(const Solid& solid);
 
 }  // namespace troupe

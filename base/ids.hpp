@@ -24,15 +24,16 @@ struct Id {
   friend constexpr auto operator<=>(Id, Id) = default;
 };
 
-/// Identifies a body: a top-level model with everything attached to it. Bodies are numbered in the order of
-/// the world file. An id is never reused after the death of its body. It is not an index into the state
-/// tables: that is the Row of the body.
+/// Identifies a body: a robot or another object of the world, with all parts that are attached to it. Bodies
+/// are numbered from 0 in the order of the world file. If a body leaves the world during a run, its id is not
+/// given to another body. An id is not an index into the state tables; the Row of the body is.
 using BodyId = Id<struct BodyIdKind>;
-/// Identifies a body type, which holds the data that identical bodies share.
+/// Identifies a body type, which holds the data that bodies of the same construction share.
 using TypeId = Id<struct TypeIdKind>;
-/// Identifies a row of the state tables. Every body that has a drive, a device or a controller, or that can
-/// be gripped or pushed, has a row, which holds the state of the body. The row of a body may change between
-/// two ticks: code that refers to a body for longer keeps its BodyId.
+/// Identifies a row of the state tables, the arrays that hold the state of a simulation. Every body that has
+/// a drive, a device or a controller, or that can be gripped or pushed, has a row, which holds the state of
+/// the body. The row of a body may change between two ticks (time steps). Code that refers to a body for more
+/// than one tick must therefore keep its BodyId.
 using Row = Id<struct RowKind>;
 
 }  // namespace troupe

@@ -37,9 +37,10 @@ struct SinCos {
 /// +-inf give NaN.
 SinCos sincos(double radians);
 
-/// Computes the sines and cosines of many angles, rad. Each result has the bits of sincos(double). This takes
-/// half the time of single calls, because the compiler vectorises the loop. `out` must have the size of
-/// `radians`. (There is no such function for atan2: because of its three divisions it would not be faster.)
+/// Computes the sines and cosines of many angles, rad. Each result has the bits of sincos(double). The
+/// function takes half the time of single calls, because the compiler vectorises its loop. `out` must have
+/// the size of `radians`. (There is no such function for atan2: because of its three divisions it would not
+/// be faster.)
 void sincos(std::span<const double> radians, std::span<SinCos> out);
 
 /// Wraps an angle into [-k_pi, k_pi]. An angle inside is returned unchanged, bit for bit. From any other

@@ -12,14 +12,16 @@ namespace troupe {
 std::array<std::uint32_t, 4> philox4x32(std::array<std::uint32_t, 4> counter,
                                         std::array<std::uint32_t, 2> key);
 
-/// Returns the number of a random stream: a hash of the name of a kind (such as the sensor kind `ranger`) and
-/// the name of one of its instances (such as `laser`). Unless two 32-bit hashes coincide, every instance has
-/// a stream of its own. Adding a noisy sensor then does not change the random numbers of any other sensor.
+/// Returns the number of a random stream, which is an independent sequence of random numbers. The number is a
+/// hash of the name of a kind (an implementation of a sensor, drive or controller, such as `ranger`) and the
+/// name of one of its instances (a use of the kind in a robot, such as `laser`). Unless two 32-bit hashes
+/// coincide, every instance has a stream of its own. Adding a noisy sensor then does not change the random
+/// numbers of any other sensor.
 std::uint32_t stream_id(std::string_view kind, std::string_view instance);
 
-/// A sequence of random numbers for one entity (usually a body, by its id), in one stream, at one tick. A
-/// draw is one 32-bit number of the sequence. Draw k is a pure function of (seed, stream, entity, tick, k),
-/// so no generator state is kept between ticks.
+/// A sequence of random numbers for one entity (usually a body, by its id), in one stream (see stream_id()),
+/// at one tick (time step). A draw is one 32-bit number of the sequence. Draw k is a pure function of (seed,
+/// stream, entity, tick, k), so no generator state is kept between ticks.
 class Random {
  public:
   /// Creates the sequence; the next draw is draw 0.
@@ -72,11 +74,12 @@ inline std::uint64_t mix_in(std::uint64_t mixture, std::uint64_t value) {
   return scramble(mixture + value + k_step);
 }
 
-/// A 64-bit hash of a seed and a tick. Every bit of the result depends on every bit of the seed and the tick.
+/// A 64-bit hash of a seed and the number of a tick. Every bit of the result depends on every bit of the seed
+/// and the tick.
 inline std::uint64_t mix(std::uint64_t seed, std::uint64_t tick) { return mix_in(mix_in(0, seed), tick); }
 /// A 64-bit hash of a seed, a tick and an id. Every bit of the result depends on every bit of the three
-/// numbers. In each tick, conflicts between the motions of bodies are resolved in the order of the hashes of
-/// their ids, so that the order differs from tick to tick.
+/// numbers. In each tick, conflicts between the motions of bodies are resolved in the order of the bodies'
+/// hashes, so that the order differs from tick to tick.
 inline std::uint64_t mix(std::uint64_t seed, std::uint64_t tick, std::uint64_t id) {
   return mix_in(mix(seed, tick), id);
 }

@@ -8,7 +8,7 @@
 namespace troupe {
 
 /// The reason for a failure, as part of a sentence. The text has no full stop and does not name the place in
-/// the input; the caller that reports the error adds the place (base/diagnostics.hpp).
+/// the input; the caller that reports the error adds the file and the line (base/diagnostics.hpp).
 struct Error {
   std::string text;  ///< for example "needs a radio"
 };

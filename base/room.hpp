@@ -6,10 +6,11 @@
 
 namespace troupe {
 
-/// The number of elements for which a list should have memory if it needs memory for `size` elements and has
-/// memory for `room`: the result is `room` unless this is too little, or so much that a third of it would not
-/// be used. A new number includes some spare elements, so a list whose size varies slightly keeps its memory.
-/// A list that has no memory yet gets memory for exactly `size` elements.
+/// Returns the number of elements for which a list should have memory. size: the number of elements for which
+/// the list needs memory; room: the number for which it has memory. The result is `room`, unless `room` is
+/// less than `size`, or more than about one and a half times `size`. In these two cases the result is `size`
+/// and 3 % spare elements, so that a list whose size varies slightly keeps its memory. If `room` is 0, the
+/// result is exactly `size`.
 inline std::size_t room_for(std::size_t size, std::size_t room) {
   constexpr std::size_t k_small = 8;  // elements that are not worth freeing
   if (room == 0) return size;
@@ -38,7 +39,7 @@ void resize_with_room(std::vector<T>& list, std::size_t size, const T& value = T
 }
 
 /// Returns freed memory to the operating system, as far as the C library can. Without this call, the process
-/// may keep the pages of freed lists. Call this after much memory was freed for good.
+/// may keep the pages of freed lists. Call it after much memory was freed that will not be needed again.
 void release_freed_memory();
 
 }  // namespace troupe

@@ -19,9 +19,9 @@ struct Picture {
   /// Further JSON members that only one client receives, by the number of the client: for example, the state
   /// of the robot that the client inspects.
   std::map<std::uint64_t, std::string> own;
-  /// The poses of the robots that the page shows, world frame, in the order of the argument `order` of
-  /// take(): first x of all robots, then y of all, then the heading of all, then z of all. x, y and z are in
-  /// units of worldio::k_replay_step_m (1 mm) and clamped to +-1000 km. Headings are numbers from 0 to
+  /// The poses of the robots that the page shows, world frame, in the order of the page (the argument `order`
+  /// of take()): first x of all robots, then y of all, then the heading of all, then z of all. x, y and z are
+  /// in units of worldio::k_replay_step_m (1 mm) and clamped to +-1000 km. Headings are numbers from 0 to
   /// worldio::k_replay_turn - 1, in units of 1 / k_replay_turn of a turn. A robot that is not in the world
   /// has the heading k_gone; its other values are 0.
   std::vector<std::int32_t> poses;
@@ -30,7 +30,8 @@ struct Picture {
   /// stands for the same part of several robots; these robots are in the order of the page. Empty if take()
   /// was called without `has_colors`.
   std::vector<std::uint8_t> colors;
-  /// For each client that colours robots by a value: one byte per robot (take_shades(), live/watched.hpp).
+  /// For each client that colours robots by a value, by the number of the client: one byte per robot, from 1
+  /// for the lowest value to 255 for the highest, 0 for no value (take_shades(), live/watched.hpp).
   std::map<std::uint64_t, std::vector<std::uint8_t>> shades;
 };
 /// Heading of robots that are not in the world.

@@ -41,7 +41,7 @@ class ViewBackend {
   virtual void refused(const std::string& what) = 0;
 };
 
-/// Serves one page and its WebSocket, on a separate thread (docs/live.md, "Wire protocol").
+/// Serves one HTML page and its WebSocket, on a separate thread (docs/live.md, "Wire protocol").
 class ViewServer {
  public:
   struct Options {

@@ -31,7 +31,8 @@ inline constexpr double k_most_rate = 1e6;  ///< largest speed that a viewer may
 /// has paused the run, waits as long as the limit of the speed (Options::rate) requires, and applies the
 /// commands of the users. The simulation never waits until a browser has drawn a picture.
 ///
-/// The view replaces the callback of Simulation::before_tick(), and its destructor removes that callback. The
+/// The view replaces the callback that the program has set with Simulation::before_tick() (called in each
+/// time step, before robots sense and move), and the destructor of the view removes the callback. The
 /// simulation must outlive the view. Not thread-safe: use a view on the thread that steps the simulation. The
 /// view serves the page on a thread of its own.
 class View {
@@ -57,9 +58,9 @@ class View {
     /// dropped.
     std::function<void(const std::string&)> report;
   };
-  /// Starts the server and creates the session file. Throws std::runtime_error if Options::bind is not an IP
-  /// address, if the address or the port is not available, if the file cannot be written, and in builds
-  /// without TROUPE_VIEW.
+  /// Starts the server and creates the session file, which stores the actions of the users. Throws
+  /// std::runtime_error if Options::bind is not an IP address, if the address or the port is not available,
+  /// if the file cannot be written, and in builds without TROUPE_VIEW.
   View(Simulation& simulation, const Options& options);
   explicit View(Simulation& simulation);  ///< the same as View(simulation, Options())
   /// Ends the session and disconnects all viewers.

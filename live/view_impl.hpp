@@ -27,8 +27,8 @@
 
 namespace troupe::live {
 
-/// Executes the commands that viewers (pages or programs that have connected) send. docs/live.md describes
-/// the protocol.
+/// The implementation of View: executes the commands that viewers (pages or programs that have connected)
+/// send. docs/live.md describes the protocol.
 class View::Impl : private ViewBackend {
  public:
   Impl(Simulation& simulation, const Options& options);

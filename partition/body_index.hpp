@@ -19,7 +19,7 @@ struct BodyCircle {
   float x;            ///< x of the centre (east)
   float y;            ///< y of the centre (north)
   float radius;       ///< slightly more than the exact radius
-  std::uint32_t row;  ///< row of the body; in FixedOutlines, the number of a piece of an outline
+  std::uint32_t row;  ///< row of the body; in class FixedOutlines, the number of a piece of a static outline
 };
 
 /// Makes a BodyCircle that encloses the circle with this radius about this position (m, world frame). `row`
@@ -33,14 +33,15 @@ inline BodyCircle enclosing_circle(const Vec2& position, double radius, std::uin
           static_cast<float>((radius + shift) * (1 + 0x1p-22)), row};
 }
 
-/// The radius, in the argument `radii` of BodyIndex::rebuild(), of a body that is not in the world.
+/// The value in the argument `radii` of BodyIndex::rebuild() for a body that is not in the world.
 inline constexpr double k_not_there = -1;
 
 /// A spatial index of the mobile bodies: their circles in one array, sorted by grid cell, and within a cell
-/// by row. A parallel counting sort rebuilds it in each tick: it sorts the rows by tile (a square of cells,
-/// see GridGeometry), and then the rows of each tile by cell. In the first sort, each task counts a range of
-/// rows of its own, so that threads share no counter; in the second, each task sorts whole tiles. Both sorts
-/// are stable: they keep the order of the rows without comparing them.
+/// by row (the index of the body in the arguments of rebuild()). A parallel counting sort rebuilds the index
+/// in each tick (time step). It sorts the rows by tile (a square of cells, see GridGeometry), and then the
+/// rows of each tile by cell. In the first sort, each task counts a range of rows of its own, so that threads
+/// share no counter; in the second, each task sorts whole tiles. Both sorts are stable: they keep the order
+/// of the rows without comparing them.
 ///
 /// A body not wider than a cell is listed only in the cell of its origin, and queries are expanded by the
 /// largest radius of such bodies. A wider body, called a wide body below, is listed in every cell that the

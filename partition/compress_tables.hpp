@@ -6,12 +6,12 @@
 
 namespace troupe::partition {
 
-/// Makes a table with one permutation of the lanes of a SIMD vector for each bit mask of kLanes bits, in the
-/// order of the masks. A permutation moves the lanes that its mask selects to the front of the vector and
-/// keeps their order. If kBytes is 1, a permutation has one entry per lane of the result: the index of the
-/// lane that moves to this place. Otherwise a lane has kBytes bytes, and a permutation has one entry per byte
-/// of the result: the index of the byte that moves to this place. The entries after those of the selected
-/// lanes are 0.
+/// Makes a table with one permutation of the lanes (elements) of a SIMD vector for each bit mask of kLanes
+/// bits, in ascending order of the masks. A permutation moves the lanes that its mask selects to the front of
+/// the vector and keeps their order. If kBytes is 1, a permutation has one entry per lane of the result: the
+/// index of the lane that moves to this place. Otherwise a lane has kBytes bytes, and a permutation has one
+/// entry per byte of the result: the index of the byte that moves to this place. The entries after those of
+/// the selected lanes are 0.
 template <std::size_t kLanes, std::size_t kBytes>
 constexpr std::array<std::uint8_t, (kLanes * kBytes) << kLanes> compress_table() {
   std::array<std::uint8_t, (kLanes * kBytes) << kLanes> table{};

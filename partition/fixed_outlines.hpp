@@ -16,12 +16,12 @@ struct FixedEdge {
   std::uint32_t solid;  ///< the solid of the edge: index into StaticScene::solids()
 };
 
-/// The outlines of the static scene (all solids that do not move), for rangers and other sensors. The
-/// outlines are divided into pieces: short chains of edges, each with an enclosing circle. A grid indexes the
-/// circles by the cells of their centres. A ranger skips a piece if its beams cannot reach the circle of the
-/// piece, as it does for bodies. An edge longer than `piece_m` (see the constructor) is a piece of its own,
-/// which several circles together enclose. The edge is not cut, because cutting would change the bits of
-/// readings. A default-constructed object has no pieces.
+/// The outlines of the static scene (all solids that do not move), for rangers (range sensors) and other
+/// sensors. The outlines are divided into pieces: short chains of edges, each with an enclosing circle. A
+/// grid indexes the circles by the cells of their centres. A ranger skips a piece if its beams cannot reach
+/// the circle of the piece, as it does for bodies. An edge longer than `piece_m` (see the constructor) is a
+/// piece of its own, which several circles together enclose. The edge is not cut, because cutting would
+/// change the bits of readings. A default-constructed object has no pieces.
 class FixedOutlines {
  public:
   FixedOutlines() = default;
@@ -55,8 +55,8 @@ class FixedOutlines {
   }
 
   /// The vertices of a piece, world frame, metres. The edges of the piece run from each vertex to the next,
-  /// and all belong to one solid. At least k_most_edges - 1 more vertices are readable beyond the end, as
-  /// EdgeBlock::add() needs. piece: its number (BodyCircle::row).
+  /// and all belong to one solid. At least k_most_edges - 1 more vertices are readable beyond the end,
+  /// because EdgeBlock::add() copies k_most_edges vertices at a time. piece: its number (BodyCircle::row).
   std::span<const Vec2> chain(std::uint32_t piece) const {
     return {&vertices_[pieces_[piece].first], pieces_[piece].vertices};
   }

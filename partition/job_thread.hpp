@@ -7,7 +7,8 @@
 namespace troupe::partition {
 
 /// A thread that runs jobs, such as drawing and writing files, in the order in which they were added, while
-/// the thread that adds them continues. The steps of a world do not use it: they run only on Parallel.
+/// the thread that adds them continues. The time steps of a simulated world do not use this class. They run
+/// in parallel loops (class Parallel).
 ///
 /// After a job throws, the waiting jobs are dropped, no further job starts, and every call of rethrow(),
 /// add() and finish() throws the exception of that job.

@@ -28,7 +28,7 @@ class MessageWriter {
     static_assert(std::is_trivially_copyable_v<T>);
     put_bytes(std::as_bytes(std::span(&value, 1)));
   }
-  /// Appends bytes, but not how many there are.
+  /// Appends bytes without their number; the reader must know the number.
   void put_bytes(std::span<const std::byte> bytes) {
     message_.insert(message_.end(), bytes.begin(), bytes.end());
   }
@@ -50,9 +50,9 @@ class MessageWriter {
   Message message_;
 };
 
-/// Reads values from a message, in the order in which a MessageWriter appended them. The functions get...()
-/// throw std::logic_error if fewer bytes are left than they need. The message must outlive this
-/// object.
+/// Reads values from a message, in the order in which a MessageWriter appended them. The functions whose
+/// names begin with `get` throw std::logic_error if the message has fewer bytes left than they read. The
+/// message must outlive this object.
 class MessageReader {
  public:
   MessageReader() = default;  ///< reads an empty message

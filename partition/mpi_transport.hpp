@@ -12,7 +12,8 @@ namespace troupe::partition {
 /// The transport between the processes that an MPI launcher has started (docs/cluster.md). Each process is a
 /// rank. Troupe itself is not linked with MPI: this class loads a module at run time, which is a shared
 /// library that is linked with MPI (partition/mpi/mpi_module.h). After send(), receive() or
-/// complete_sending() has thrown RankError, later calls of these functions throw an error with the same text.
+/// complete_sending() has thrown RankError (another rank or MPI has failed), later calls of these functions
+/// throw an error with the same text.
 class MpiTransport : public Transport {
  public:
   /// Loads the module and initialises MPI. module: path of the shared library. Throws std::runtime_error if

@@ -41,10 +41,10 @@ struct CircleArrays {
 
 /// The circles that reach into the disc within which a sensor looks: those that enclose bodies, and those
 /// that enclose pieces (short chains of edges) of static outlines. The sensor can detect no other body or
-/// piece. This class is for searches in a few directions: fiducial finders, light sensors, rangers with wide
-/// beams, and the walls between two radios. Rangers with thin beams use NearbyOutlines instead, which shares
-/// one search among all rangers in a block of cells. Not thread-safe. Keep one object per thread and reuse
-/// it: its arrays keep their memory.
+/// piece. This class is for searches in a few directions: by fiducial finders, light sensors and range
+/// sensors with wide beams, and for the walls between two radios. Range sensors with thin beams use
+/// NearbyOutlines instead, which shares one search among all rangers in a block of cells. Not thread-safe.
+/// Keep one object per thread and reuse it: its arrays keep their memory.
 class NearCircles {
  public:
   /// Begins an empty list for a disc. centre: the centre of the disc, world frame, m. reach: its radius, m.
@@ -53,7 +53,8 @@ class NearCircles {
   /// Also adds some circles that are slightly outside the disc. begin() must have been called.
   template <class Skip>
   void add_bodies(const BodyIndex& index, Skip&& skip) {
-    // A wide body is in several cells of the index. Its circle may be met again in another cell.
+    // A wide body (wider than a cell) is in several cells of the index. Its circle may be met again in
+    // another cell.
     const float wide = index.has_wide() ? static_cast<float>(0.5 * index.geometry().cell_m)
                                         : std::numeric_limits<float>::infinity();
     if (index.has_wide()) forget_met(index.rows());

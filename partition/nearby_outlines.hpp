@@ -12,20 +12,21 @@
 
 namespace troupe::partition {
 
-/// Consecutive circles in memory. Three more circles must be readable beyond the end, because kernels load
-/// several circles at a time.
+/// Circles that enclose bodies or static outlines, consecutive in memory. Three more circles must be readable
+/// beyond the end, because kernels load several circles at a time.
 using CircleRun = std::span<const BodyCircle>;
-/// Copies the circles of all runs, one after another, to the entries of `out` from index `size` on. Sets the
-/// bits of `mark` in CircleArrays::row of the copies. `out` must have room for three more circles than are
+/// Copies the circles of all runs, one after another, to the entries of `out` from index `size` on. `out` has
+/// one array for each member of a circle. In the copies, the bits of `mark` are set in the member `row` (the
+/// index of a body or the number of an outline piece). `out` must have room for three more circles than are
 /// copied.
 void unpack(std::span<const CircleRun> runs, std::uint32_t mark, std::size_t size, CircleArrays& out);
 
-/// Finds the outlines that the rays of the sensors in one block of cells (GridGeometry::block_bits()) may
-/// hit: outlines of bodies, and pieces (short chains of edges) of static outlines. Gives the circles that
-/// enclose these outlines. The circles are divided into bands by their distance from the block; band 0 is the
-/// nearest. A wide body (see BodyIndex) may be in several bands, and several times in one band. A band is
-/// gathered on first use and then serves all sensors in the block. In a crowd most sensors need only the
-/// first band.
+/// Finds the outlines that the rays of the sensors in one block (a square of up to 4 x 4 cells of the spatial
+/// index, GridGeometry::block_bits()) may hit: outlines of bodies, and pieces (short chains of edges) of
+/// static outlines. Gives the circles that enclose these outlines. The circles are divided into bands by
+/// their distance from the block; band 0 is the nearest. A wide body (wider than a cell) may be in several
+/// bands, and several times in one band. A band is gathered on first use and then serves all sensors in the
+/// block. In a crowd most sensors need only the first band.
 class NearbyOutlines {
  public:
   /// In circles(), the member `row` is the index of a body in the state tables or, with this bit set, the
@@ -36,7 +37,7 @@ class NearbyOutlines {
   /// current block. geometry: the grid of `bodies`, which defines the blocks. reach: largest distance from a
   /// sensor at which its rays may hit a circle, metres.
   void begin(const BodyIndex& bodies, const FixedOutlines& fixed, const GridGeometry& geometry, double reach);
-  /// Makes the block that contains this point (world frame, metres) the current block, to which the members
+  /// Makes the block that contains this point (world frame, metres) the current block, to which the functions
   /// below refer. If the block changes, all bands are gathered again on their next use. begin() must have
   /// been called.
   void set_block_of(const Vec2& point);

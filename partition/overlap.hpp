@@ -16,14 +16,16 @@ struct PieceCircle {
 /// outline. The outline must have at least one corner.
 PieceCircle circle_about(const Ring& outline);
 
-/// The shape of a body for overlap(): convex prisms in the body frame.
+/// The shape of a body for tests of overlap: convex prisms, called pieces, in the body frame.
 struct ObstacleShape {
   std::vector<ConvexPrism> pieces;   ///< in any order; their union is the body
   std::vector<PieceCircle> circles;  ///< enclosing circles, one per piece
   std::size_t vertices = 0;          ///< number of vertices of all pieces
-  double radius = 0;    ///< radius of the circle about the body's origin that encloses the body, m
-  double thinnest = 0;  ///< smallest width of any piece (convex_width()), m; without pieces 0 or infinite
-  ZInterval z;          ///< the interval that encloses the heights of all pieces, body frame, m
+  double radius = 0;  ///< radius of the circle about the body's origin that encloses the body, m
+  /// Smallest width of any piece (convex_width()), m; without pieces, make_obstacle_shape() sets it to
+  /// infinity.
+  double thinnest = 0;
+  ZInterval z;  ///< the interval that encloses the heights of all pieces, body frame, m
 
   bool empty() const { return pieces.empty(); }  ///< true if the body blocks nothing
 };
@@ -36,9 +38,9 @@ inline constexpr double k_rounding_m = 1e-9;
 /// Makes a shape from the convex pieces of a body's obstacle solids (convex_pieces()), body frame, m.
 ObstacleShape make_obstacle_shape(std::span<const ConvexPrism> pieces);
 
-/// Returns the shape with every edge of every piece moved inwards by `depth`, m. A body that penetrates the
-/// shape by at most `depth` does not overlap the result. Edges of a piece narrower than twice `depth` would
-/// cross over, so `depth` should be less than half of ObstacleShape::thinnest.
+/// Returns the shape with every edge of every piece moved inwards by `depth`, m; heights stay. A body that
+/// penetrates the shape by at most `depth` does not overlap the result. Edges of a piece narrower than twice
+/// `depth` would cross over, so `depth` should be less than half of ObstacleShape::thinnest.
 ObstacleShape inset(const ObstacleShape& shape, double depth);
 /// Writes one piece with its edges moved inwards by `depth`, m, to `out`, which must be another object. The
 /// outline of `out` keeps its memory.

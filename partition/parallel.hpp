@@ -6,7 +6,8 @@
 
 namespace troupe::partition {
 
-/// Runs parallel loops on several threads. The step of a world does all its parallel work through this class.
+/// Runs parallel loops on several threads. A simulated world does all parallel work of a time step through
+/// this class.
 ///
 /// There are two equivalent backends: oneTBB, and plain std::thread (CMake option TROUPE_STD_THREADS), which
 /// the thread sanitizer understands. The constructor restores the default floating-point environment

@@ -7,8 +7,8 @@
 
 namespace troupe::partition {
 
-/// A ring whose vertices are transformed to another frame. Each access to a vertex computes the transformed
-/// vertex again; nothing is stored.
+/// A ring (closed polygon) whose vertices are transformed to another frame. Each access to a vertex computes
+/// the transformed vertex again; nothing is stored.
 class PlacedRing {
  public:
   /// transform: from the frame of the ring to the other frame. `ring` and `transform` must outlive the
@@ -35,9 +35,9 @@ bool segment_overlap(const Vec2& s0, const Vec2& s1, std::span<const Vec2> polyg
 /// True if the segment from s0 to s1 enters the interior of a convex counter-clockwise polygon.
 bool segment_overlap(const Vec2& s0, const Vec2& s1, const PlacedRing& polygon);
 
-/// A shape at a pose. If the shape has at most 128 vertices, as nearly all shapes have, the constructor
-/// transforms them once, into an array in this object. The vertices of larger shapes are transformed at each
-/// access, so that no shape needs heap memory.
+/// The shape of a body (convex prisms, called pieces, see ObstacleShape) at a pose. If the shape has at most
+/// 128 vertices, as nearly all shapes have, the constructor transforms them once, into an array in this
+/// object. The vertices of larger shapes are transformed at each access, so that no shape needs heap memory.
 class PlacedShape {
  public:
   /// Places a shape, which must outlive the object. z: height of the shape's frame, metres, world frame.
@@ -77,19 +77,21 @@ class PlacedShape {
   std::array<Vec2, 128> vertices_;  // of all pieces, if they fit
 };
 
-/// The function overlap() of overlap.hpp for shapes that are already placed: true if the shapes share area at
-/// a common height. The caller must pass the body with the lower id as `a`.
+/// Returns true if the shapes share area at a common height; shapes that only touch do not. The function
+/// overlap() of overlap.hpp is the same test for shapes that are not yet placed. The caller must pass the
+/// shape of the body with the lower id as `a`, so that rounding gives the same result whichever of the two
+/// bodies moves.
 bool overlap(const PlacedShape& a, const PlacedShape& b);
 
-/// A fast test that compares only the circles about the pieces and ignores heights. If it returns false, no
-/// piece of one shape comes within `distance` (metres) of a piece of the other; if it returns true, a piece
-/// may. at_a, at_b: from the frame of each shape to the world frame.
+/// A fast test that compares only the enclosing circles of the pieces and ignores heights. If it returns
+/// false, no piece of one shape comes within `distance` (metres) of a piece of the other; if it returns true,
+/// a piece may. at_a, at_b: from the frame of each shape to the world frame.
 bool pieces_in_reach(const ObstacleShape& a, const Transform& at_a, const ObstacleShape& b,
                      const Transform& at_b, double distance);
 
 /// A fast test. a, b: origins of two shapes, metres, world frame. radius_a, radius_b: radii about these
 /// origins that enclose the shapes, metres. If the function returns false, the shapes cannot overlap; if it
-/// returns true, they may. overlap() calls it first.
+/// returns true, they may. overlap() begins with this test.
 inline bool in_reach(const Vec2& a, double radius_a, const Vec2& b, double radius_b) {
   const double reach = radius_a + radius_b + k_rounding_m;
   const double dx = b.x() - a.x();

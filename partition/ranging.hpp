@@ -12,15 +12,17 @@
 
 namespace troupe::partition {
 
-/// The arithmetic of the exact ray engine: edges are projected on all beams of a fan at once. docs/sensing.md
-/// derives the formulas and their error bounds.
+/// The arithmetic of the exact ray engine, which computes where the beams of range sensors hit the edges of
+/// outlines. A fan is a set of beams at one height that are computed together; an edge is projected on all
+/// beams of a fan at once. docs/sensing.md derives the formulas and their error bounds.
 ///
-/// Positions relative to the fan's reference point are computed in double and rounded once to float, so that
-/// two edges with a common vertex use the same value. For a beam with direction d and origin o, and a vertex
-/// v, the sign of c = (v - o) x d tells on which side of the beam v is; x denotes the cross product in the
-/// plane. The beam hits edge (a, b) if c_a and c_b are on different sides. Zero counts as both sides, so that
-/// no beam passes between two edges at their vertex. The inverse range is (d x e) / A, with the edge vector e
-/// = b - a and A = (a - o) x (b - o); it is negative if the edge is behind the origin.
+/// Positions relative to the reference point of the fan, a point near the origins of its beams, are computed
+/// in double and rounded once to float, so that two edges with a common vertex use the same value. For a beam
+/// with direction d and origin o, and a vertex v, the sign of c = (v - o) x d tells on which side of the beam
+/// v is; x denotes the cross product in the plane. The beam hits edge (a, b) if c_a and c_b are on different
+/// sides. Zero counts as both sides, so that no beam passes between two edges at their vertex. The inverse
+/// range, 1 over the distance along the beam, is (d x e) / A, with the edge vector e = b - a and A = (a - o)
+/// x (b - o); it is negative if the edge is behind the origin.
 ///
 /// e and a x b are computed in double and then rounded to float. In exact arithmetic, c_a - c_b would also
 /// give d x e, and the rounded ends would also give a x b. In floats, these two expressions would lose all
@@ -51,7 +53,7 @@ struct Scan {
   float step = 0;               ///< angle between neighbouring beams, rad
 };
 
-/// The largest number of beams of a fan that is not a scan.
+/// The largest number of beams of a fan (beams that are computed together) that is not a scan.
 inline constexpr std::size_t k_most_beams = 32;
 
 /// A fan of beams at one height. Beam i starts at (ox[i], oy[i]), relative to a reference point that is
@@ -83,10 +85,11 @@ struct RayEdge {
 };
 
 /// A margin, as a fraction of a distance. Tests that discard distant edges treat each beam as longer by this
-/// margin, because rounding may make the computed range to an edge smaller than the distance to its nearest
-/// point. At the smallest angle that is not grazing (k_grazing), the range is too small by at most 2^-14 of
-/// that distance plus 2^-14 of the distance between the beam's origin and the reference point. If the second
-/// distance does not exceed the first, the margin is at least twice this error.
+/// margin, because rounding may make the computed range to an edge smaller than the distance from the beam's
+/// origin to the nearest point of the edge. At the smallest angle that is not grazing (k_grazing), the range
+/// is too small by at most 2^-14 of this distance plus 2^-14 of the distance between the beam's origin and
+/// the reference point of the fan. If the second distance does not exceed the first, the margin is at least
+/// twice this error.
 constexpr double k_range_slack = 1.0 / 4096;
 
 /// A second margin, metres, which the tests that use k_range_slack add to the first margin. It covers the
@@ -232,10 +235,10 @@ struct MetCircles : CircleArrays {
 /// may_meet() requires CircleArrays that are padded to a multiple of this many circles.
 inline constexpr std::size_t k_circle_padding = 16;
 /// Discards circles that no beam can hit. Keeps those of the circles in [begin, end) that some beam may hit
-/// before its limit and whose nearest point is from `low` to `high` away from the reference, metres. Writes
-/// the rows of the kept circles, and the beams that may hit them, to the first entries of `met`, and returns
-/// the number of kept circles. Its margins are far above rounding errors, so that no circle that a beam hits
-/// is discarded.
+/// before its limit and whose nearest point is from `low` to `high` away from `reference`, metres. Writes the
+/// rows of the kept circles, and the beams that may hit them, to the first entries of `met`, and returns the
+/// number of kept circles. The margins of these tests are far above rounding errors, so that no circle that a
+/// beam hits is discarded.
 /// begin, end  multiples of k_circle_padding; circles with a radius of minus infinity are never hit
 /// limits      as limits_of() computes them
 std::size_t may_meet(const CircleArrays& circles, std::size_t begin, std::size_t end, const Vec2& reference,

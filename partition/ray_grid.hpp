@@ -15,7 +15,7 @@
 
 namespace troupe::partition {
 
-/// The ray engine of the paper on Stage (Vaughan: Massively multi-robot simulation in Stage, Swarm
+/// The ray engine of the robot simulator Stage (Vaughan: Massively multi-robot simulation in Stage, Swarm
 /// Intelligence, 2008): outlines are drawn into the cells of a nested grid, and rays walk from cell to cell.
 ///
 /// Cells are squares with edges of length `resolution`. The cell of a point (x, y) in the world frame is
@@ -36,7 +36,7 @@ namespace troupe::partition {
 /// does not change the cells through which the ray passes, because the staircase is computed in integers.
 /// docs/sensing.md gives all rules.
 
-/// An outline of a mobile body.
+/// An outline of a mobile body, which RayGrid::redraw() draws.
 struct MovingOutline {
   std::uint32_t body = 0;   ///< index into `poses` of redraw(); rays of this body ignore the outline
   std::uint32_t first = 0;  ///< the outline is vertices [first, first + count) of RayGrid::redraw()

@@ -1,4 +1,5 @@
-// Finds the beams of a scan by their angles. Included once per instruction set, like partition/simd.inl.
+// Finds the beams of a scan (a fan of beams with one origin and equal angular steps) by their angles.
+// Included once per instruction set, like partition/simd.inl.
 #if defined(TROUPE_PARTITION_SCAN_ANGLES_INL) == defined(HWY_TARGET_TOGGLE)
 #ifdef TROUPE_PARTITION_SCAN_ANGLES_INL
 #undef TROUPE_PARTITION_SCAN_ANGLES_INL
@@ -53,9 +54,10 @@ class ScanAngles {
     const Floats my = Set(k_f, my_);
     return angle_of(Add(Mul(x, mx), Mul(y, my)), Sub(Mul(y, mx), Mul(x, my)));
   }
-  /// Computes per lane the numbers of the first and the last beam between two angles, as floats; first > last
-  /// if there is no beam. In lanes where `all` holds, the result is all beams. The same is true where an
-  /// angle is close to +-pi, because angles jump there.
+  /// Computes per lane the numbers of the first and the last beam between the angles `from` and `to`, as
+  /// floats; first > last if there is no beam between them. Beams are numbered from 0. In lanes where `all`
+  /// holds, the result is all beams. The same is true where an angle is close to +-pi, because angles jump
+  /// there.
   template <class Mask>
   HWY_INLINE void beams(const Floats& from, const Floats& to, const Mask& all, Floats& first,
                         Floats& last) const {

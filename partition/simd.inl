@@ -82,8 +82,8 @@ using hn::MaxOfLanes;
 
 // On targets without a compress instruction, Highway 1.0.3 keeps the permutations of its Compress in an array
 // inside the function. gcc 12 copies this array, up to a kilobyte, to the stack at every call, which took
-// three quarters of the time of may_meet(). Highway's CountTrue is a function call on SSSE3, the one target
-// without popcnt.
+// three quarters of the time of the kernel may_meet(). Highway's CountTrue is a function call on SSSE3, the
+// one target without popcnt.
 #if HWY_TARGET == HWY_SSSE3 || HWY_TARGET == HWY_SSE4 || HWY_TARGET == HWY_AVX2 || HWY_TARGET == HWY_NEON
 
 /// The bits of a mask of at most eight lanes.
@@ -94,8 +94,8 @@ HWY_INLINE std::uint8_t bits_of(Tag tag, const Mask<Tag>& mask) {
   return bits;
 }
 
-/// Moves the lanes where the mask holds to the front, in their order. The lanes after them are arbitrary. For
-/// whole vectors of 32-bit lanes.
+/// Moves the lanes where the mask holds to the front, in their order. The lanes after them are arbitrary.
+/// Works only for whole vectors of 32-bit lanes.
 template <class V>
 HWY_INLINE V compress(const V& v, const Mask<hn::DFromV<V>>& mask) {
   constexpr hn::DFromV<V> k_tag;

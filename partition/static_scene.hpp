@@ -14,13 +14,14 @@
 
 namespace troupe::partition {
 
-/// A static solid in the world frame.
+/// A solid (a polygon, extruded over an interval of heights) of a body that never moves, such as a wall.
 struct FixedSolid {
-  Solid solid;              ///< the solid, world frame
-  BodyId body;              ///< the body that the solid belongs to
-  bool obstacle = true;     ///< whether the solid blocks motions
-  float ranger_return = 1;  ///< intensity that rangers read; negative: rangers do not see it
-  std::uint32_t part = 0;   ///< index of the solid's part in the type of the body
+  Solid solid;           ///< the solid, world frame
+  BodyId body;           ///< the body that the solid belongs to
+  bool obstacle = true;  ///< whether the solid blocks motions; it is then called an obstacle
+  /// Intensity that rangers (range sensors) read; negative: rangers do not see the solid.
+  float ranger_return = 1;
+  std::uint32_t part = 0;  ///< number of the part of the body that has the solid
 };
 
 /// An index of edges by the cells that they cross. Each of these cells lists the whole edge. Edges are not
@@ -28,8 +29,8 @@ struct FixedSolid {
 class EdgeGrid {
  public:
   EdgeGrid() = default;
-  /// Indexes the edges. geometry: the grid of the cells. A query visits every edge that crosses its box, and
-  /// some other edges near the box. The grid affects only the number of the other edges, and so the speed.
+  /// Indexes the edges. geometry: the grid of the cells. It affects only the speed: for_each_run() visits
+  /// every edge that crosses its box, and with larger cells more edges that are only near the box.
   EdgeGrid(std::span<const FixedEdge> edges, const GridGeometry& geometry);
 
   /// Calls visit(span of edges) for the edges in the cells that the box (metres, world frame) touches. An
@@ -54,8 +55,10 @@ class EdgeGrid {
 };
 
 /// The static scene: the solids that never move. It provides the outlines of the solids for rays, tests
-/// whether a shape overlaps a solid, and computes distances to solids. A default-constructed scene has no
-/// solids.
+/// whether the shape of a body overlaps a solid, and computes distances to solids. An obstacle is a solid
+/// that blocks motions (FixedSolid::obstacle). The shape of a body is a list of pieces, which are convex
+/// prisms (ObstacleShape); a PlacedShape is a shape at a pose. Two objects are at a common height if their
+/// intervals of heights overlap. A default-constructed scene has no solids.
 class StaticScene {
  public:
   StaticScene() = default;
@@ -83,30 +86,33 @@ class StaticScene {
     });
   }
 
-  /// Returns the index in solids() of an obstacle that has an edge that enters a piece (a convex prism)
-  /// of the shape at a common height; -1 if there is none. If there are several, returns the one that the
-  /// search finds first. Solids for which ignored(index) is true are skipped. A solid that contains the whole
-  /// shape is not found, because none of its edges enters the shape; blocked() finds it.
+  /// Returns the index in solids() of an obstacle of which an edge enters a piece of the shape at a common
+  /// height; -1 if there is no such obstacle. Of several such obstacles, returns the one that the search
+  /// finds first. Solids for which ignored(index) is true are skipped. A solid that contains the whole shape
+  /// is not found, because none of its edges enters the shape; blocked() finds it.
   template <class Ignored>
   int crossed(const PlacedShape& shape, Ignored&& ignored) const;
   /// Whether an obstacle contains a whole piece of the shape at a common height. Solids for which
-  /// ignored(index in solids()) is true are skipped. This finds the solids that crossed() cannot find.
+  /// ignored(index in solids()) is true are skipped. This function finds the solids that crossed() cannot
+  /// find.
   template <class Ignored>
   bool swallowed(const PlacedShape& shape, Ignored&& ignored) const {
     return find_swallowing(shape, [&](std::uint32_t solid) { return !ignored(solid); });
   }
 
   /// The distance from a point (metres, world frame) to the nearest edge of an obstacle, metres, or `most` if
-  /// there is no edge within the distance `most`. Heights are ignored; inside an obstacle, the distance is
-  /// not negative.
+  /// there is no edge within the distance `most`. Heights are ignored. For a point inside an obstacle, the
+  /// result is also the distance to the nearest edge, without a sign.
   double clearance(const Vec2& point, double most) const;
-  /// True if the shape shares area with the obstacle solid solids()[solid] at a common height.
+  /// True if the shape shares area with the obstacle solids()[solid] at a common height.
   bool overlaps_solid(std::size_t solid, const PlacedShape& shape) const;
-  /// Whether an obstacle solid blocks the motion of a shape from the place `before` to the place `there`. The
-  /// solid must overlap the shape at `there`. The result depends on the overlap at `before`:
+  /// Whether the obstacle solids()[solid] blocks the motion of a body from the pose of `before` to the pose
+  /// of `there`. Both arguments are the shape of the body, which must overlap the solid at `there`. The
+  /// result depends on the overlap at `before`:
   /// - If there is none, the solid blocks the motion.
-  /// - An overlap of at most k_rounding_m is due to rounding. The solid then blocks the motion if the overlap
-  ///   at `there` is deeper than that. (Otherwise a robot that touches a wall could drive through the wall.)
+  /// - An overlap of at most k_rounding_m (1e-9 m) is due to rounding. The solid then blocks the motion if
+  ///   the overlap at `there` is deeper than k_rounding_m. (Otherwise a robot that touches a wall could drive
+  ///   through the wall.)
   /// - A solid with a deeper overlap does not block the motion, so that a body can leave the solid.
   bool blocks(std::size_t solid, const PlacedShape& before, const PlacedShape& there) const;
   /// True if the shape, at this pose, shares area with an obstacle at a common height: an edge of the

@@ -12,17 +12,18 @@
 
 namespace troupe::partition {
 
-/// Divides the plane among ranks (the threads or processes that compute one world together). The plane is cut
-/// into square tiles, and the tiles are numbered along a Hilbert curve, so that tiles with near numbers are
-/// near in space. Each rank owns the tiles of one range of numbers.
+/// Divides the plane among ranks (the threads or processes that compute one world together). The plane is
+/// divided into square tiles, and the tiles are numbered along a Hilbert curve, so that tiles with near
+/// numbers are near in space. The number of a tile is called its key. Each rank owns the tiles of one range
+/// of keys. The list of the keys at which the ranges begin is called the cut.
 class TileOwners {
  public:
   using Key = std::uint64_t;  ///< number of a tile along the Hilbert curve
 
   TileOwners() = default;  ///< a single rank, which owns all tiles
-  /// cut: for N ranks, N - 1 keys in ascending order. Rank r owns the tiles with keys from cut[r - 1] (rank
-  /// 0: from 0) up to, but not including, cut[r] (the last rank: up to the last key). Rank r owns nothing if
-  /// cut[r - 1] and cut[r] are equal.
+  /// geometry: the grid, which gives the size of the tiles. cut: for N ranks, N - 1 keys in ascending order.
+  /// Rank r owns the tiles with keys from cut[r - 1] (rank 0: from 0) up to, but not including, cut[r] (the
+  /// last rank: up to the last key). Rank r owns nothing if cut[r - 1] and cut[r] are equal.
   TileOwners(const GridGeometry& geometry, std::vector<Key> cut);
 
   /// The key of a tile.
@@ -31,8 +32,9 @@ class TileOwners {
   static Key key(const GridGeometry& geometry, const Vec2& point) {
     return key(geometry.tile(geometry.cell(point)));
   }
-  /// Returns the cut (see the constructor) that gives each of `ranks` ranks about the same number of points.
-  /// keys: the key of each point's tile, in ascending order. Points with equal keys have one owner.
+  /// Returns the cut (see the constructor) that gives each of `ranks` ranks about the same number of points,
+  /// such as positions of robots. keys: for each point, the key of the tile that contains the point, in
+  /// ascending order. Points with equal keys belong to one rank.
   static std::vector<Key> equal_cut(std::span<const Key> keys, unsigned ranks);
 
   /// For tests: returns a random cut (see the constructor). Each of its keys is a key of the ascending list
@@ -45,9 +47,9 @@ class TileOwners {
 
   /// Appends to `near` the ranks that own a tile within `distance` (m) of a point (m, world frame), in
   /// ascending order, without the owner of the point. May also append ranks whose tiles are slightly farther
-  /// away: by up to a tenth of the distance if it is 32 tile edges or more. If the distance is 2^20 tile
-  /// edges or more, appends all ranks but the owner. The result depends only on the arguments of the
-  /// constructor and of this function, so that it is the same on all ranks. Not thread-safe.
+  /// away; if `distance` is 32 tile edges or more, they are up to a tenth of `distance` farther away. If
+  /// `distance` is 2^20 tile edges or more, appends all ranks but the owner. The result depends only on the
+  /// arguments of the constructor and of this function, so that it is the same on all ranks. Not thread-safe.
   void find_near(const Vec2& point, double distance, std::vector<unsigned>& near) const;
 
  private:
@@ -58,7 +60,7 @@ class TileOwners {
     std::int32_t y;
     unsigned level;
   };
-  struct Foreign {  // ground of another rank
+  struct Foreign {  // tiles of another rank
     Box box;
     unsigned rank;
   };
@@ -73,8 +75,8 @@ class TileOwners {
 
   GridGeometry geometry_;
   std::vector<Key> cut_;
-  // Ground of other ranks near the squares that find_near() was asked about with the last distance. The key
-  // of an element is the first key of the square, and the rank to which the others are foreign.
+  // Cache of find_near() for the last value of `distance`: tiles of other ranks near a square. The key of an
+  // element is the first key of the square, and the rank that owns the point.
   mutable double distance_ = -1;
   mutable std::map<std::pair<Key, unsigned>, std::vector<Foreign>> foreign_;
 };

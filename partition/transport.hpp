@@ -9,11 +9,12 @@
 
 namespace troupe::partition {
 
-/// Largest number of ranks of a Transport.
+/// Largest number of ranks of a Transport. Ranks are the threads or processes that compute one world
+/// together.
 inline constexpr unsigned k_most_ranks = 1024;
 
-/// Thrown by a Transport if another rank failed or cannot be reached, or if MPI fails. The text names the
-/// other rank if it is known.
+/// Thrown by a Transport if another rank (see k_most_ranks) failed or cannot be reached, or if MPI fails. The
+/// text names the other rank if it is known.
 class RankError : public std::runtime_error {
  public:
   using std::runtime_error::runtime_error;

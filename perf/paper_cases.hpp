@@ -18,16 +18,16 @@ struct Scene {
   /// in perf/paper_hashes.txt, the file with the recorded hashes, and in perf/paper_reference.json, the file
   /// with the speeds of other simulators.
   std::string name;
-  std::filesystem::path world;
+  std::filesystem::path world;  ///< world file
   worldio::LoadOptions load;
   std::size_t robots = 0;
   double skip_s = 0;  ///< simulated time before the measurement starts, s
   double for_s = 60;  ///< simulated time whose wall time is measured, s
-  bool grid = false;  ///< use the grid engine, the ray tracer of the paper on Stage (perf/paper.cpp)
+  bool grid = false;  ///< trace rays through the cells of a grid, as the paper on Stage does
 };
 
-/// A scene, and the way in which it is run. Each run is a row of a table, except in the table `simd`, where
-/// all runs of a case are one row.
+/// A scene, and the way in which it is simulated. Each run is a row of a table, except in the table `simd`,
+/// where all runs of a case are one row.
 struct Run {
   Scene scene;
   unsigned threads = 1;

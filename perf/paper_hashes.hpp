@@ -9,15 +9,17 @@
 
 namespace troupe::perf {
 
-/// The recorded state hashes with which results are compared. The file, by default perf/paper_hashes.txt, has
-/// one line per hash, with the name of the scene, the tick and the hash in hexadecimal digits.
+/// The recorded state hashes with which results are compared. A state hash is computed from the whole state
+/// of a simulation after a tick (simulation step). The file, by default perf/paper_hashes.txt, has one line
+/// per hash, with the name of the scene, the tick and the hash in hexadecimal digits.
 class HashBook {
  public:
   /// Reads the file. If it does not exist, there are no hashes. Throws std::runtime_error, with file and
   /// line, if a line is invalid.
   explicit HashBook(std::filesystem::path file);
 
-  /// The recorded hash of a scene at a tick; empty if there is none.
+  /// The recorded hash of a scene (a world with a number of robots, named as in "hospital/2000") at a tick;
+  /// empty if there is none.
   std::optional<std::uint64_t> find(const std::string& scene, std::uint64_t tick) const;
   /// Sets the hash of a scene at a tick; save() writes it.
   void record(const std::string& scene, std::uint64_t tick, std::uint64_t hash) {

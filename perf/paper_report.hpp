@@ -22,7 +22,7 @@ using Reference = std::map<std::string, std::map<std::string, double>>;
 /// Reads a file with the format of perf/paper_reference.json. Throws std::runtime_error if it cannot be read.
 Reference read_reference(const std::filesystem::path& file);
 
-/// All measurements.
+/// All measurements of one run of the benchmark program.
 struct Report {
   std::vector<std::pair<std::string, std::string>> machine;  ///< as describe_machine() returns it
   std::size_t repeat = 0;                                    ///< repetitions of each row
@@ -67,8 +67,8 @@ void write_between_marks(const std::filesystem::path& file, const std::string& t
 
 /// Compares the hashes of a report with those in `book`. If `record`, stores them in `book` instead; the
 /// caller then calls HashBook::save(). Returns one line of text for each wrong or unknown hash, and for each
-/// row whose repetitions ended with different hashes. With `record`, a hash is wrong if an earlier row
-/// of the same scene and tick has a different one.
+/// row whose repetitions ended with different hashes. With `record`, a hash is wrong if an earlier row of the
+/// same scene (simulated world) and tick (simulation step) has a different one.
 std::vector<std::string> check_hashes(const Report& report, HashBook& book, bool record);
 
 }  // namespace troupe::perf

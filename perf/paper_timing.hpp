@@ -14,21 +14,21 @@
 
 namespace troupe::perf {
 
-/// Measurements of a run. Members whose comments do not mention repetitions hold values of the last
-/// repetition.
+/// Measurements of a run. A tick is a simulation step. Members whose comments do not mention repetitions hold
+/// values of the last repetition.
 struct Timing {
   Run run;
   std::size_t robots = 0;
-  double tick_s = 0;
+  double tick_s = 0;            ///< length of a tick, s
   std::uint64_t ticks = 0;      ///< measured ticks in each repetition
   std::uint64_t hash_tick = 0;  ///< the tick at which `hash` is computed: the end of the first repetition
   std::uint64_t hash = 0;       ///< hash of the whole state, ranges included, in the first repetition
   bool repeatable = true;       ///< false if another repetition had a different hash at hash_tick
   std::vector<double> wall_s;   ///< wall time of each repetition, s
   double beams_per_tick = 0;
-  double rounds_per_tick = 0;  ///< rounds of conflict resolution, mean
+  double rounds_per_tick = 0;  ///< mean number of rounds in which conflicting motions are resolved
   double stalled_share = 0;    ///< fraction of robots stalled in the last tick
-  double move_share = 0;       ///< fraction of the wall time that the phase `move` takes; 0 if not measured
+  double move_share = 0;       ///< fraction of the wall time spent moving robots; 0 if not measured
   std::size_t frames = 0;      ///< frames drawn in the last repetition
 
   /// Wall time per robot and tick, ns, for a repetition that took `seconds` of wall time.
@@ -63,8 +63,9 @@ CaseTiming time_case(const Case& one, std::size_t repeat, const engine::Registry
 std::string with_text(const Run& run);
 
 /// Returns the cost of an observer: the additional wall time of the run `watched`, as a fraction of the wall
-/// time without the observer. The run without an observer is that of the same case with as many threads. The
-/// cost is the median over the repetitions. Empty if `watched` has no observer or the case has no such run.
+/// time without the observer. An observer reads the state after every tick, for example to record it. The run
+/// without an observer is that of the same case with as many threads. The cost is the median over the
+/// repetitions. Empty if `watched` has no observer or the case has no such run.
 std::optional<double> watching_cost(const CaseTiming& one, const Timing& watched);
 
 /// Returns an error, with the reason, if pictures cannot be drawn.

@@ -8,11 +8,11 @@
 
 namespace troupe::perf {
 
-/// The observer of a run, which reads the state after every tick:
+/// The observer of a run, which reads the state after every tick (simulation step):
 /// - `nothing`: there is no observer.
-/// - `hashes` computes the state hash, as `troupe run --hash-log` does.
+/// - `hashes` computes a hash of the whole state, as `troupe run --hash-log` does.
 /// - `recording` records the poses, as `troupe run --record` does, in one frame per tick of 0.1 s.
-/// - `measures` computes all measures that have no required parameter, as
+/// - `measures` computes all measures (numbers such as the mean speed) that have no required parameter, as
 ///   `troupe run --measures FILE --measure-every 0` does.
 enum class Watch : std::uint8_t { nothing, hashes, recording, measures };
 /// The name of an observer in tables and messages, such as "hashes".
@@ -22,7 +22,7 @@ std::string_view watch_name(Watch watch);
 class Watcher {
  public:
   virtual ~Watcher() = default;
-  /// Must be called after each tick.
+  /// Reads the state. Must be called after each tick (simulation step).
   virtual void look() = 0;
   /// Must be called after the last tick; writes data that are still buffered.
   virtual void finish() {}

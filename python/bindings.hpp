@@ -61,8 +61,8 @@ class Held {
   /// Returns the simulation. The caller must hold the interpreter's lock. Throws std::logic_error while
   /// another thread steps the simulation.
   Simulation& use();
-  /// Makes `ticks` ticks. Checks for signals regularly, so that Ctrl-C ends the run between two ticks.
-  /// to_its_end: whether to stop early if a stop condition of the world ends the run.
+  /// Makes `ticks` ticks (simulation steps). Checks for signals regularly, so that Ctrl-C ends the run
+  /// between two ticks. to_its_end: whether to stop early if a stop condition of the world ends the run.
   void step(std::uint64_t ticks, bool to_its_end = false);
   /// Calls `task` without the interpreter's lock. Until it returns, use() throws, as during a step. Raises
   /// KeyboardInterrupt afterwards if Ctrl-C was pressed.
@@ -110,7 +110,8 @@ PictureOptions picture_options(int width, int height, const std::string& camera,
 
 using SimulationClass = py::class_<Held, Holder>;
 
-/// A model owned by Python, which keeps its simulation alive.
+/// A model (a body of the simulated world, or a part of a body) owned by Python. It keeps its simulation
+/// alive.
 struct HeldModel {
   Holder held;
   Model model;
@@ -122,9 +123,9 @@ struct HeldModel {
   }
 };
 
-/// A swarm owned by Python, which keeps its simulation alive.
+/// A swarm (a group of robots of a simulation) owned by Python. It keeps its simulation alive.
 struct HeldSwarm {
-  Holder held;  ///< null for a swarm that a measure of a script gets as its argument
+  Holder held;  ///< null for a swarm that a Python function for a measure gets as its argument
   Swarm swarm;
 
   /// Returns the swarm. Throws as Held::use() does.
@@ -135,8 +136,9 @@ struct HeldSwarm {
   py::ssize_t size() const { return static_cast<py::ssize_t>(swarm.size()); }
 };
 
-/// Returns a read-only NumPy array that refers to the memory of a simulation, which it keeps alive. first:
-/// address of the first element. strides: distance of neighbouring elements along each axis, bytes.
+/// Returns a read-only NumPy array that refers to the memory of a simulation. The array keeps the simulation
+/// (`owner`) alive. first: address of the first element. strides: distance of neighbouring elements along
+/// each axis, bytes.
 py::array view(const py::dtype& type, std::vector<py::ssize_t> shape, std::vector<py::ssize_t> strides,
                const void* first, const Holder& owner);
 
@@ -146,26 +148,28 @@ py::array view(std::span<const T> values, const Holder& owner) {
               owner);
 }
 
-/// Returns the memory of a contiguous array as a writable span of T. T must consist of one or more numbers of
-/// the type Element, as Pose consists of four doubles.
+/// Returns the memory of a contiguous array as a writable span of T, valid while the array exists. T must
+/// consist of one or more numbers of the type Element, as Pose consists of four doubles.
 template <class T, class Element>
 std::span<T> elements(py::array_t<Element>& array) {
   return {reinterpret_cast<T*>(array.mutable_data()), static_cast<std::size_t>(array.nbytes()) / sizeof(T)};
 }
 
-/// Loads the controllers and measures of scripts (python/troupe/_script.py). sources: a list whose elements
-/// are names of scripts or classes of controllers. Throws InputError for an invalid script or class.
+/// Loads the controllers (functions that decide what the robots do) and measures (numbers computed from the
+/// state) of Python scripts (python/troupe/_script.py). sources: a list whose elements are names of scripts
+/// or classes of controllers. Throws InputError for an invalid script or class.
 std::vector<std::shared_ptr<const Script>> scripts_of(const py::list& sources);
 
-/// Returns the NumPy type of an element type of state tables.
+/// Returns the NumPy type that corresponds to a C++ element type of the tables in which the engine stores the
+/// state.
 py::dtype dtype_of(engine::Element element);
 
 /// Makes the exit of the interpreter wait for threads that have released its lock; Unlocked explains why.
 void bind_exit();
 /// Adds the exceptions of the module and maps C++ exceptions to Python exceptions.
 void bind_errors(py::module_& module);
-/// Converts the data of power packs (energies in J, and two bools) to a dict whose keys are the names of the
-/// members of Model::Energy.
+/// Converts the data of power packs (batteries; energies in J, and two bools) to a dict whose keys are the
+/// names of the members of Model::Energy.
 py::dict dict_of(const Model::Energy& energy);
 
 // Each of the following functions adds classes and functions to the module.

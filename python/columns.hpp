@@ -9,8 +9,8 @@
 #include <string_view>
 #include <vector>
 
-/// Conversions between NumPy arrays and the data of a group of robots, one row per robot. Both swarms and
-/// controllers use them.
+/// Conversions between NumPy arrays and the data of a group of robots, one row per robot. The Python classes
+/// of swarms (groups of robots) and of controllers use them.
 namespace troupe::python {
 
 using Numbers = py::array_t<double, py::array::c_style | py::array::forcecast>;
@@ -37,11 +37,14 @@ class Column {
   std::size_t step_;
 };
 
-/// Converts the argument `where` of a command to what Swarm takes: one byte per robot, 0 if the command skips
-/// the robot; empty if it is for all robots.
+/// Converts the Python argument `where` of a command, which selects robots, to what the C++ class Swarm
+/// takes: one byte per robot, 0 if the command skips the robot. The result is empty if `where` is None; the
+/// command is then for all robots. Throws ValueError if `where` is neither None nor an array of one bool per
+/// robot.
 std::vector<std::uint8_t> mask_of(const Where& where, std::size_t robots);
 
-/// Returns a new array for a field: shape (robots,) or, if the field has several columns, (robots, columns).
+/// Returns a new array for a field (a member of the state of each robot): shape (robots,) or, if the field
+/// has several columns, (robots, columns).
 py::array empty_rows(const engine::StateField& field, py::ssize_t robots);
 /// The memory of a contiguous array, as bytes; valid while the array exists.
 std::span<std::byte> bytes_of(py::array& array);
@@ -52,9 +55,9 @@ std::span<const std::byte> const_bytes_of(const py::array& array);
 const engine::StateField& command_field(std::span<const engine::StateField> fields, std::string_view name,
                                         std::string_view whose);
 
-/// Converts a value to an array robots x columns with the element type of a field of a command. Throws
-/// ValueError if the shape does not fit, or if the element type is an integer type that cannot represent one
-/// of the numbers.
+/// Converts a Python value to an array of the shape (robots, columns) with the element type of a field of a
+/// command. Throws ValueError if the shape does not fit, or if the element type is an integer type that
+/// cannot represent one of the numbers.
 py::array rows_for(const engine::StateField& field, const py::handle& value, py::ssize_t robots);
 
 /// Returns the command that makes the radios named `device` send `message`, as a dict from names of fields to

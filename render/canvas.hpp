@@ -13,9 +13,9 @@
 
 namespace troupe::render {
 
-/// Selects the colour of a triangle. `own` is the colour stored in its vertices. `body`, `edge` and `mark`
-/// are the members with these names of the instance that is drawn, so that instances with different colours
-/// can share a mesh. A triangle has the colour of its last corner.
+/// Selects the colour of a triangle of a mesh. `own` is the colour stored in its vertices. `body`, `edge` and
+/// `mark` are the members with these names of the instance that is drawn, so that instances with different
+/// colours can share a mesh. A triangle has the colour of its last corner.
 enum class Paint : std::uint32_t { own, body, edge, mark };
 
 // ---- flat layers, in the plane of the picture
@@ -32,7 +32,7 @@ struct Vertex {
   Paint paint;
 };
 
-/// A list of triangles, three vertices each, drawn in order.
+/// A list of triangles, three vertices each. They are drawn in the order of the list.
 using Mesh = std::vector<Vertex>;
 
 /// A body, or another thing, that is drawn with a mesh.
@@ -80,7 +80,8 @@ using SolidMesh = std::vector<SolidVertex>;
 
 /// A body, or another thing, that is drawn with a solid mesh.
 struct SolidInstance {
-  float x, y, z;          ///< position of its origin relative to Projection::origin(), m
+  /// Position of its origin relative to Projection::origin() (a point near the visible scene), m.
+  float x, y, z;
   float scale;            ///< metres per unit of the mesh
   float cos, sin;         ///< cosine and sine of its heading
   Rgba body, edge, mark;  ///< its colours for Paint::body, edge and mark
@@ -107,7 +108,8 @@ struct SolidLayer {
 /// A body drawn as a small square.
 struct Point {
   /// If PointLayer::on_map: x and y are pixels right of and above the picture's centre, z is the height, m.
-  /// Otherwise: position relative to Projection::origin(), m.
+  /// Otherwise: position relative to Projection::origin(), which is a point near the visible part of the
+  /// world, m.
   float x, y, z;
   Rgba color;
 };

@@ -34,9 +34,11 @@ struct Camera {
 /// 0.
 enum class Background : std::uint8_t { paper, white, dark, transparent };
 
-/// What is drawn in addition to the bodies. Some layers name the member of engine::Frame or
-/// engine::FrameScene that holds their data; a layer without data draws nothing. The scale bar, the simulated
-/// time and the legends are drawn only in pictures of at least 240 x 160 pixels.
+/// What is drawn in addition to the bodies. The data to draw are in an engine::FrameScene (data that are
+/// constant during a run, such as static bodies) and an engine::Frame (the robots and other data at one
+/// time). Some layers name the member of Frame or FrameScene that holds their data; a layer without data
+/// draws nothing. The scale bar, the simulated time and the legends are drawn only in pictures of at least
+/// 240 x 160 pixels.
 struct Layers {
   bool grid = true;      ///< grid lines on the floor
   bool shadows = true;   ///< shadows of the bodies on the floor
@@ -53,8 +55,8 @@ struct Layers {
   bool types = false;  ///< legend of the types of robots, if `legend` draws no colour scale
   bool scans = false;  ///< range readings as transparent areas: Frame::scans
   bool beams = false;  ///< range readings as lines: Frame::scans
-  bool sights = false;  ///< lines from fiducial finders to detected bodies: Frame::sights
-  bool blobs = false;   ///< blobs of blob finders in their colours: Frame::blobs
+  bool sights = false;  ///< lines from fiducial finders (marker sensors) to detected bodies: Frame::sights
+  bool blobs = false;   ///< blobs that blob finders (colour sensors) see: Frame::blobs
   bool grips = false;   ///< light beams of grippers (red: interrupted), lines to held bodies: Frame::grips
   bool links = false;   ///< lines from carriers to carried bodies: Frame::links
   bool trails = false;  ///< past positions of bodies: Frame::trails
@@ -63,11 +65,11 @@ struct Layers {
   bool footprints = false;  ///< outlines of the mobile bodies (Frame::mobile) on the floor
   bool coverage = false;    ///< squares of the floor that robots have visited: Frame::covered
   bool density = false;     ///< squares of the floor, coloured by the number of robots in each
-  bool tiles = false;       ///< tiles of the spatial index, coloured by the number of robots in each
-  bool cells = false;       ///< outlines of the cells of the spatial index that contain robots
+  bool tiles = false;  ///< tiles (squares) of the spatial index, coloured by the number of robots in each
+  bool cells = false;  ///< outlines of the cells (parts of tiles) of the spatial index that contain robots
 };
 
-/// How a picture shows a frame.
+/// How a picture shows an engine::Frame, the state of a world at one time.
 struct View {
   int width = 1280;  ///< width of the picture, pixels
   int height = 720;  ///< height of the picture, pixels
@@ -103,7 +105,9 @@ struct Picture {
   std::vector<std::uint8_t> rgba;
 };
 
-/// Draws frames of one scene. Data that all pictures need are computed only once.
+/// Draws pictures of one simulation: of one engine::FrameScene, which has the data that are constant during a
+/// run, and of any number of engine::Frame, each of which has the data of one time. Data that all pictures
+/// need are computed only once.
 ///
 /// view    A view from above (is_from_above()) is a map: +x points right, +y up. Bodies are flat shapes, and
 ///         robots are drawn over the floor plan whatever its height. Other views show solids with lit faces
@@ -131,7 +135,8 @@ class Painter {
 
   /// The scene passed to the constructor.
   const engine::FrameScene& scene() const;
-  /// Draws one picture as pixels. Errors: see the class. The indices in `frame` must be valid for scene().
+  /// Draws one picture as pixels. Errors: see the class. The indices in `frame`, such as those of body types,
+  /// must be valid for scene().
   Picture draw(const engine::Frame& frame, const View& view);
   /// Draws a view from above as vector graphics and returns the content of an SVG 1.1 or PDF file. The size
   /// of the picture is that of the view, with pixels of 1/96 inch. `texts` are stored in the file; characters

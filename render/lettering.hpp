@@ -16,7 +16,8 @@ namespace troupe::render {
 /// segment is readable on any background.
 using Lines = std::vector<std::pair<Vec2, Vec2>>;
 
-/// Usual height of capitals and digits, strokes (Framing::stroke).
+/// Usual height of capitals and digits, in strokes. A stroke is the unit of line widths: 1 pixel in small
+/// pictures, more in large ones (Framing::stroke).
 inline constexpr double k_cap_height = 11;
 
 /// Adds the letters of `text` to `lines`. pen: start of the baseline, pixels right of and above the picture's
@@ -44,7 +45,8 @@ struct Writing {
   std::vector<Text> texts;  ///< the texts; vector formats store them as text, not as lines
 };
 
-// Widths of the halo and of the ink of lines and letters, strokes.
+// Widths of the halo (the margin around lines and letters) and of the lines and letters themselves, in
+// strokes (Framing::stroke).
 inline constexpr double k_halo_strokes = 5;
 inline constexpr double k_ink_strokes = 1.4;
 

@@ -8,8 +8,8 @@
 
 namespace troupe::render {
 
-/// Distance of the scale bar, the texts and the legends from the edges of the picture, strokes
-/// (Framing::stroke).
+/// Distance of the scale bar, the texts and the legends from the edges of the picture, in strokes. A stroke
+/// is the unit of line widths: 1 pixel in small pictures, more in large ones (Framing::stroke).
 inline constexpr double k_furniture_margin = 14;
 
 /// A length of 1, 2 or 5 times a power of ten, in m.
@@ -25,11 +25,11 @@ struct RoundLength {
   std::string text() const;
 };
 
-/// The lines of the floor grid of a map, one stroke wide (rounded to whole pixels), in pixels right of and
-/// above the picture's centre. The distance between lines is a RoundLength that is at least 48 strokes long
-/// in the picture.
+/// The lines of the floor grid of a map (a view from above), one stroke wide (rounded to whole pixels), in
+/// pixels right of and above the picture's centre. The distance between lines is a RoundLength that is at
+/// least 48 strokes long in the picture.
 Mesh floor_grid(const Framing& framing, Rgba color);
-/// The scale bar and the texts along the picture's lower edge.
+/// Selects the scale bar and the texts along the picture's lower edge.
 struct Furniture {
   bool scale = true;  ///< a scale bar with its length, in the left corner
   std::string left;   ///< text right of the scale bar, or in the left corner if there is no scale bar

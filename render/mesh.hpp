@@ -4,7 +4,8 @@
 
 namespace troupe::render {
 
-/// What body_mesh() draws in addition to the faces.
+/// What body_mesh() draws in addition to the faces. A type is a list of solid shapes that bodies which look
+/// alike share (engine::FrameType).
 struct MeshStyle {
   float edge = 0;  ///< width of the outline of each contour, pixels; 0: no outline
   float halo = 0;  ///< width of a white line drawn under the outline, pixels; 0: no line
@@ -26,22 +27,23 @@ Rgba contrasting(Rgba fill);
 /// The longer side of the axis-aligned rectangle around a solid, m; 0 if the solid is empty.
 double width_of(const Solid& solid);
 
-/// The convex pieces of each shape of a type, in the order of the shapes. Callers compute the pieces once per
-/// type and keep them, because the computation takes long for large floor plans.
+/// The convex pieces of each shape of a type (engine::FrameType), in the order of the shapes. Callers compute
+/// the pieces once per type and keep them, because the computation takes long for large floor plans.
 using Pieces = std::vector<std::vector<ConvexPrism>>;
 Pieces pieces_of(const engine::FrameType& type);
 
 /// The top faces of the shapes of a type in its body frame, m, with the outlines and the heading mark that
 /// `style` selects. Shapes with lower tops come first, the heading mark last. Shapes without a colour of
-/// their own use Paint::body, Paint::edge and Paint::mark. `pieces` must be pieces_of(type).
+/// their own use Paint::body, Paint::edge and Paint::mark, which stand for the colours of the body that is
+/// drawn. `pieces` must be pieces_of(type).
 Mesh body_mesh(const engine::FrameType& type, const Pieces& pieces, const MeshStyle& style);
-/// The triangles of a mesh without those of its lines, all in the colour Paint::body. Maps draw this mesh as
-/// the shadow of a body.
+/// The triangles of a mesh without those of its lines, all in the colour Paint::body (the colour of the body
+/// that is drawn). Views from above draw this mesh as the shadow of a body.
 Mesh silhouette(Mesh mesh);
 
 /// Adds a line from a to b at the height z. The square ends of the line extend beyond a and b by half the
 /// width, so that corners close. a and b are in mesh units (of Instance::size pixels each), z is in m, the
-/// width is in pixels. own: the colour for Paint::own.
+/// width is in pixels. paint: selects the colour; own: the colour if `paint` is Paint::own.
 void add_stroke(Mesh& mesh, const Vec2& a, const Vec2& b, double z, double width, Paint paint, Rgba own = {});
 /// Adds a filled rectangle with the lower left corner `min` and the upper right corner `max`, in mesh units
 /// (of Instance::size pixels each), at the height 0 and in the colour `own`.

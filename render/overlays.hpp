@@ -7,27 +7,29 @@
 
 namespace troupe::render {
 
-/// The floor grid of a view that is not from above: lines on the floor, `pitch` metres apart, at multiples of
-/// `pitch`. The grid covers FrameScene::bounds (if these are empty, 10 m x 10 m about Projection::origin()),
-/// but only up to 60 lines from Projection::origin() in each direction. If no part of the bounds is that
-/// near, the grid extends 5 lines from Projection::origin() in each direction.
+/// An engine::FrameScene has the data to draw that are constant during a run, an engine::Frame those that
+/// change. Returns the floor grid of a view that is not from above: lines on the floor, `pitch` metres apart,
+/// at multiples of `pitch`. The grid covers FrameScene::bounds (if these are empty, 10 m x 10 m about
+/// Projection::origin()), but only up to 60 lines from Projection::origin() in each direction. If no part of
+/// the bounds is that near, the grid extends 5 lines from Projection::origin() in each direction.
 SolidLayer solid_grid(const engine::FrameScene& scene, const Projection& projection, double pitch,
                       Rgba color);
 /// The distance between grid lines for this view, m: a length of 1, 2 or 5 times a power of ten (RoundLength)
-/// that is at least 48 strokes (Framing::stroke) long in the picture at Projection::floor_center(). If that
-/// point is behind the viewer, the distance is 2 m.
+/// that is at least 48 strokes long in the picture (a stroke is the unit of line widths, Framing::stroke) at
+/// Projection::floor_center(). If that point is behind the viewer, the distance is 2 m.
 double grid_pitch(const Projection& projection);
 
-/// Appends layers with those overlays on the floor that `shown` selects: coverage, density, tiles, cells,
-/// bounds, footprints, trails. The new layers cover all earlier layers, and later layers cover them. colors:
-/// one colour per body of Frame::mobile; if empty, bodies have their own colours.
+/// Appends layers (meshes with their positions) with those overlays on the floor that `shown` selects:
+/// coverage, density, tiles, cells, bounds, footprints, trails. The new layers cover all earlier layers, and
+/// later layers cover them. colors: one colour per body of Frame::mobile; if empty, bodies have their own
+/// colours.
 void add_on_floor(std::vector<AnyLayer>& layers, const engine::FrameScene& scene, const engine::Frame& frame,
                   std::span<const Rgba> colors, const Projection& projection, const Layers& shown,
                   const Theme& theme);
 
-/// Appends layers with those overlays above the floor that `shown` selects: scans, beams, sights, blobs.
-/// colors: as for add_on_floor(). depth: how these layers use the depth buffer: `floor` in a view from above,
-/// `air` in other views.
+/// Appends layers with those overlays above the floor that `shown` selects, which show readings of sensors:
+/// scans, beams, sights, blobs. colors: one colour per body of Frame::mobile; if empty, bodies have their own
+/// colours. depth: how these layers use the depth buffer: `floor` in a view from above, `air` in other views.
 void add_in_air(std::vector<AnyLayer>& layers, const engine::FrameScene& scene, const engine::Frame& frame,
                 std::span<const Rgba> colors, const Projection& projection, const Layers& shown,
                 SolidLayer::Depth depth);

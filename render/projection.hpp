@@ -17,8 +17,9 @@ using Vec3 = Eigen::Vector3d;
 /// viewer.
 class Projection {
  public:
-  /// A parallel view straight down, with the given framing. It shows points at any height, but the depth
-  /// buffer does not resolve their heights, so its solid layers must have the depth SolidLayer::Depth::floor.
+  /// A parallel view straight down. The framing gives the size, the centre and the scale of the picture. The
+  /// view shows points at any height, but the depth buffer does not resolve their heights. Solid layers in
+  /// this view must therefore have the depth SolidLayer::Depth::floor.
   static Projection from_above(const Framing& framing);
   /// A view of width x height pixels. stroke: pixels per stroke (Framing::stroke). pitch: rad, 0 looks
   /// straight down, pi/2 horizontally. yaw: rad, counter-clockwise seen from above; 0: +y is upwards in the
@@ -30,7 +31,7 @@ class Projection {
   bool perspective() const { return focal_ > 0; }
   int width() const { return width_; }
   int height() const { return height_; }
-  /// Pixels per stroke, the unit of line widths and letter sizes (Framing::stroke).
+  /// Pixels per stroke, the unit of line widths and letter sizes; 1 in small pictures (Framing::stroke).
   double stroke() const { return stroke_; }
 
   /// Moves the viewer, and sets the scale of a parallel view, so that all points are in the picture and fill

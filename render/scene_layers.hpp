@@ -8,10 +8,11 @@
 
 namespace troupe::render {
 
-/// A scene, which must outlive this object, and data that are computed once for all its pictures.
+/// A scene (the data to draw that are constant during a run), which must outlive this object, and data that
+/// are computed once for all its pictures.
 struct SceneMeshes {
   const engine::FrameScene& scene;
-  std::vector<Pieces> pieces;  ///< for each type of the scene, the result of pieces_of()
+  std::vector<Pieces> pieces;  ///< for each type of the scene, the convex pieces of its shapes (pieces_of())
 };
 
 /// Colour of the outline of a stalled robot: one whose last motion was blocked or out of bounds.
@@ -22,18 +23,19 @@ inline constexpr float k_stalled_widening = 1.3F;
 /// background, either the outline or the white line has enough contrast.
 inline constexpr float k_stalled_halo = 1.9F;
 
-/// Least width of a robot in the picture, strokes (Framing::stroke), so that a swarm stays visible in a large
-/// world. Narrower robots are drawn with this width.
+/// Least width of a robot in the picture, in strokes, so that a swarm stays visible in a large world. A
+/// stroke is the unit of line widths: 1 pixel in small pictures, more in large ones (Framing::stroke).
+/// Narrower robots are drawn with this width.
 inline constexpr double k_smallest_robot = 3.5;
-/// On a map, robots narrower than this, in strokes, have no outline, because an outline would hide their
-/// colour.
+/// On a map (a view from above), robots narrower than this, in strokes (see k_smallest_robot), have no
+/// outline, because an outline would hide their colour.
 inline constexpr double k_smallest_outlined = 7;
-/// On a map, robots narrower than this, in strokes, have no heading mark, because a mark would be too small
-/// to see.
+/// On a map (a view from above), robots narrower than this, in strokes (see k_smallest_robot), have no
+/// heading mark, because a mark would be too small to see.
 inline constexpr double k_smallest_marked = 9;
 
 /// A layer with a single instance of a mesh whose units are pixels right of and above the picture's centre.
-/// on_top: as Layer::on_top.
+/// on_top: whether the layer covers all earlier layers, at any height.
 Layer flat(Mesh mesh, bool on_top);
 
 /// Adds the layers of a view from above that show static bodies, such as the floor plan, and their shadows.
@@ -47,7 +49,8 @@ void add_flat_mobile(std::vector<AnyLayer>& layers, const SceneMeshes& meshes, c
 /// Adds the layers of a view that is not from above: shadows, static bodies and mobile bodies, in the order
 /// in which they must be drawn. The overlays `on_floor` are drawn over the shadows and below the bodies. The
 /// overlays `in_air` are hidden by static bodies but never hide mobile bodies, because a hundred overlapping
-/// scans would cover the robots below. colors: as for add_flat_mobile().
+/// scans would cover the robots below. colors: one colour per body of Frame::mobile; if empty, bodies have
+/// their own colours.
 void add_solids(std::vector<AnyLayer>& layers, const SceneMeshes& meshes, const engine::Frame& frame,
                 std::span<const Rgba> colors, const Projection& projection, const Layers& shown,
                 const Theme& theme, std::vector<AnyLayer> on_floor, std::vector<AnyLayer> in_air);

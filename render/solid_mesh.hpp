@@ -6,7 +6,8 @@
 
 namespace troupe::render {
 
-/// What prism_mesh() draws in addition to the faces.
+/// What prism_mesh() draws in addition to the faces. A type is a list of solid shapes that bodies which look
+/// alike share (engine::FrameType).
 struct SolidStyle {
   float edge = 0;          ///< width of the lines along edges, pixels; 0: no lines
   float halo = 0;          ///< width of a white line drawn under each line of width `edge`, pixels; 0: none
@@ -15,10 +16,12 @@ struct SolidStyle {
   double least_edged = 0;  ///< shapes shorter than this along both x and y, m, have no lines
 };
 
-/// The shapes of a type as prisms without undersides, in its body frame, m. `pieces` must be pieces_of(type).
+/// The shapes of a type as prisms without undersides, in its body frame, m. `pieces` must be pieces_of(type),
+/// the convex pieces of the shapes.
 SolidMesh prism_mesh(const engine::FrameType& type, const Pieces& pieces, const SolidStyle& style);
-/// A box around all shapes of a type, without underside, in its body frame, m, in the colour Paint::body. It
-/// is drawn for bodies of a few pixels. Empty if the type has no shapes.
+/// A box around all shapes of a type, without underside, in its body frame, m, in the colour Paint::body (the
+/// colour of the body that is drawn). The box is drawn for bodies that are only a few pixels wide. Empty if
+/// the type has no shapes.
 SolidMesh box_mesh(const engine::FrameType& type);
 /// The faces of a mesh, without its lines and marks, for a layer with SolidLayer::shadow.
 SolidMesh shadow_mesh(const SolidMesh& mesh);
@@ -27,7 +30,8 @@ SolidMesh shadow_mesh(const SolidMesh& mesh);
 ZInterval heights_of(const engine::FrameType& type);
 
 /// Adds a line from a to b, which are in mesh units (of SolidInstance::scale metres each); `width` is in
-/// pixels. own: the colour for Paint::own. corner: Corner::stroke or Corner::rim.
+/// pixels. paint: selects the colour; own: the colour if `paint` is Paint::own. corner: Corner::stroke for a
+/// normal line, Corner::rim for a line that normal lines cover.
 void add_stroke(SolidMesh& mesh, const Eigen::Vector3d& a, const Eigen::Vector3d& b, double width,
                 Paint paint, Rgba own = {}, Corner corner = Corner::stroke);
 /// Adds an unlit triangle (Corner::plain) of the colour `own`.

@@ -12,7 +12,7 @@ namespace troupe::render {
 /// the scale is readable in grey and for the colour-blind. Numbers outside 0 to 1 are clamped; the number
 /// must not be NaN.
 Rgba value_color(double share);
-/// The colour of bodies without a value.
+/// The colour of bodies without a value, whose value is NaN.
 inline constexpr Rgba k_no_value = {170, 166, 158, 255};
 
 /// Returns the smallest and the largest finite value. If both are equal to x, returns x - 0.5 and x + 0.5. If

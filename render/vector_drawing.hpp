@@ -41,12 +41,13 @@ struct VectorDrawing {
   std::vector<std::variant<VectorPath, VectorText>> items;
 };
 
-/// The layers and the lettering of a map as a drawing. The projection must be from above (is_from_above()).
-/// Consecutive triangles of a triangle fan are joined to a polygon, and consecutive line segments to a
-/// polyline, if they have the same colour, line width and height. A drawing has no depth buffer: the paths of
-/// consecutive layers are sorted by height and drawn in that order. A layer with `on_top` begins a new group
-/// of paths, which is sorted separately and drawn after all earlier paths. The paths of a SolidLayer form a
-/// group that is not sorted. Texts are passed through printable_utf8().
+/// Converts the layers and the lettering of a map, which is a view from above, to a drawing. The projection
+/// must be one from above (Projection::from_above()). Consecutive triangles of a triangle fan are joined to a
+/// polygon, and consecutive line segments to a polyline, if they have the same colour, line width and height.
+/// A drawing has no depth buffer: the paths of consecutive layers are sorted by height and drawn in that
+/// order. A layer with `on_top` begins a new group of paths, which is sorted separately and drawn after all
+/// earlier paths. The paths of a SolidLayer form a group that is not sorted. In texts, printable_utf8()
+/// replaces characters that SVG or PDF does not allow.
 VectorDrawing vector_drawing(const Projection& projection, std::span<const AnyLayer> layers,
                              const Writing& writing, const Theme& theme);
 

@@ -6,9 +6,10 @@
 
 namespace troupe::sensors {
 
-/// The fields of a blob finder's readings, in order. Words in backquotes are parameters of the sensor. Arrays
-/// have `most_blobs` entries, one per blob. Blobs are listed from right to left, and entries after the last
-/// blob are 0. Columns and rows count from 0 at the upper left corner of the image.
+/// The fields of a blob finder's readings, in order. Each comment begins with the type of the field; `u32` is
+/// an unsigned 32-bit integer. Fields per blob are arrays with `most_blobs` entries. Words in backquotes are
+/// parameters of the sensor. Blobs are listed from right to left, and entries after the last blob are 0.
+/// Columns and rows count from 0 at the upper left corner of the image.
 enum BlobField : std::size_t {
   k_blob_count,   ///< u32: blobs of the colours in `colors` (empty: of all colours); may exceed `most_blobs`
   k_blob_left,    ///< i32 per blob: leftmost column
@@ -19,8 +20,8 @@ enum BlobField : std::size_t {
   k_blob_color,   ///< u8 [red green blue opacity] per blob, each from 0 to 255
 };
 
-/// Returns the sensor kind `blobfinder`, which reports the blobs that a camera with few columns would see:
-/// runs of neighbouring columns that show the same colour.
+/// Returns the implementation of the sensor `blobfinder`, which reports the blobs that a camera with few
+/// columns would see. A blob is a run of neighbouring columns that show the same colour.
 /// sees    The sensor casts one ray per column, of length `range`. The rays are at equal angles from -fov/2
 ///         to +fov/2 about the axis of view, which is the heading of the sensor plus `pan`; fov/2 is to the
 ///         left, in column 0. A single column looks along the axis of view. A ray ends at the first wall or
@@ -30,8 +31,8 @@ enum BlobField : std::size_t {
 ///         height.
 /// source  Stage's blobfinder model. That model skips a column after each blob; this sensor skips none. As in
 ///         Stage, colours are the same if their red, green and blue (from 0 to 1) each differ by less than
-///         1e-5; opacity does not count. With use_blob_return, a model whose blob_return is false is not
-///         reported but hides the models behind it.
+///         1e-5; opacity does not count. With the parameter use_blob_return, a body whose blob_return is
+///         false is not reported, but it hides the bodies behind it.
 engine::DeviceKind blobfinder_kind();
 
 }  // namespace troupe::sensors

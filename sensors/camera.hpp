@@ -6,15 +6,17 @@
 
 namespace troupe::sensors {
 
-/// The fields of a camera's readings, in order. Pixels are stored row by row from the upper left corner; each
-/// row goes from left to right.
+/// The fields of a camera's readings, in order. Each field is an array with one entry per pixel; its comment
+/// begins with the type of the entries. Pixels are stored row by row from the upper left corner; each row
+/// goes from left to right.
 enum CameraField : std::size_t {
   k_camera_color,  ///< u8 [red green blue opacity] per pixel, each from 0 to 255
-  k_camera_depth,  ///< f32 per pixel, m along the axis of view; range_far if the pixel shows sky
+  /// F32 per pixel, m along the axis of view; range_far (the farthest visible depth) if the pixel shows sky
+  k_camera_depth,
 };
 
-/// Returns the sensor kind `camera`, which renders colour and depth of its field of view without a graphics
-/// library.
+/// Returns the implementation of the sensor `camera`, which renders colour and depth of its field of view
+/// without a graphics library. Words such as range_near are parameters of the camera.
 /// sees    A picture shows walls and bodies as extruded blocks with tops and undersides, and the floor at
 ///         z = 0. It does not show the camera's own robot, nor bodies that move with this robot (one carries
 ///         the other, or a third body carries both). There is no light or shadow: each body has its own

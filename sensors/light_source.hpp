@@ -13,24 +13,27 @@ namespace troupe::sensors {
 /// Name of the first field of the state of a light, LightState::lit.
 inline constexpr std::string_view k_lit = "lit";
 
-/// The state of a light. A device is a light if its prepared data is a LightSource.
+/// The state of a light. A light is a device whose prepared data (explained at LightSource) has the type
+/// LightSource.
 struct LightState {
-  std::uint8_t lit = 0;  ///< 1 if the light is lit in this tick
+  std::uint8_t lit = 0;  ///< 1 if the light is lit in this tick (time step), else 0
 
   static constexpr void describe(engine::Description<LightState>& d) {
     d.member<&LightState::lit>(k_lit, engine::facts::is_appearance, "1: the light is lit in this tick");
   }
 };
 
-/// The prepared data (engine::DeviceKind::Prepared::data) of a light. To a light sensor, each device whose
-/// prepared data has this type is a light. The members period_s, dutycycle and `enabled` determine when the
+/// The prepared data of a light. Prepared data (engine::DeviceKind::Prepared::data) is the object that a
+/// device makes from its parameters when a world is loaded. To a light sensor, each device whose prepared
+/// data has the type LightSource is a light. The members period_s, dutycycle and `enabled` determine when the
 /// light is lit while no controller commands it.
 struct LightSource {
   /// Pose in the frame of the body or joint that carries the light. The heading has no effect: lights shine
   /// in all directions. The light must be inside the circle about the body's origin that encloses the body
   /// (engine::solids_radius()), because light sensors find lights by these circles.
   Pose pose_body_light;
-  double intensity = 1;  ///< reading of a light sensor that faces the lit light at a distance of 1 m
+  /// Reading (no unit) of a light sensor that faces the lit light at a distance of 1 m.
+  double intensity = 1;
   double period_s = 0;   ///< time from the start of one flash to the next, s; 0: the light does not blink
   double dutycycle = 0;  ///< lit fraction of each period, 0 to 1; with period_s 0: above 0 means always lit
   bool enabled = false;  ///< false: the light is dark until a controller switches it on

@@ -12,14 +12,16 @@
 
 namespace troupe::sensors {
 
-/// The fields of a radio's readings, in order. Arrays have `most_heard` entries, one for each message heard
-/// in the tick. The messages are sorted by the id of the sending body; messages of several radios of one
-/// body, by the order of these radios. Entries after the last message are 0.
+/// The fields of a radio's readings, in order. Each comment begins with the type of the field. Words in
+/// backquotes are parameters of the radio. Fields per message are arrays with `most_heard` entries, one for
+/// each message heard in the tick (time step). The messages are sorted by the id of the sending body;
+/// messages of several radios of one body, by the order of these radios. Entries after the last message are
+/// 0.
 enum RadioField : std::size_t {
   k_radio_count,     ///< u32: number of messages heard
   k_radio_lost,      ///< u32: number of messages that arrived but were too many or too long to be heard
   k_radio_dropped,   ///< u32: number of messages dropped at random because of `drop_rate`
-  k_radio_sender,    ///< u32 per message: BodyId of the sender
+  k_radio_sender,    ///< u32 per message: number (BodyId) of the body that sent it
   k_radio_range,     ///< f32 per message, m: horizontal distance to the sending radio
   k_radio_bearing,   ///< f32 per message, rad: bearing of the sending radio, frame of the hearing radio
   k_radio_strength,  ///< f32 per message: strength with which it arrived, dBm
@@ -28,8 +30,8 @@ enum RadioField : std::size_t {
   k_radio_payload,   ///< u8 [payload] per message: its bytes; 0 after its last byte
 };
 
-/// The offsets, in bytes, of the fields of a radio's command. The command stays in effect until it is
-/// changed.
+/// The offsets, in bytes, of the fields of a radio's command, by which a controller sets the message to send.
+/// The command stays in effect until a controller changes it.
 enum RadioCommandField : std::size_t {
   k_radio_mode,   ///< u8: whether the radio sends, a RadioMode
   k_radio_bytes,  ///< u8: length of the message, bytes
@@ -43,14 +45,15 @@ enum class RadioMode : std::uint8_t {
 };
 
 /// Returns the length in bytes of the longest message that a radio can send or hear: its parameter `payload`.
-/// radio: the prepared data of a device of the kind `radio`. For controllers that choose among several
-/// radios.
+/// radio: the prepared data of a radio, which the engine computes from the radio's parameters when a world is
+/// loaded. For controllers that choose among several radios.
 inline std::size_t payload_of(const engine::DeviceKind::Prepared& radio) {
   return radio.percepts[k_radio_payload].columns / radio.percepts[k_radio_sender].columns;
 }
 
-/// The interface of a controller to a radio: reads the messages heard in this tick and sets the message to
-/// send.
+/// The interface of a controller to a radio: reads the messages heard in this tick (time step) and sets the
+/// message to send. In the example, percept and actions are arguments of the controller, and devices[0] is
+/// the radio.
 ///
 ///     sensors::RadioPort radio(percept.devices[0], actions.devices[0]);
 ///     for (std::size_t i = 0; i < radio.count(); ++i)
@@ -139,8 +142,8 @@ class RadioPort {
   std::byte* asked_;
 };
 
-/// Returns the sensor kind `radio`: a radio hears the messages that other radios on its channel sent in the
-/// previous tick, with range and bearing of the senders.
+/// Returns the implementation of the sensor `radio`. A radio hears the messages that other radios on its
+/// channel (a parameter) sent in the previous tick, with range and bearing of the senders.
 ///
 /// heard     The listener is the radio that hears, the sender the radio that sent the message. A message
 ///           arrives if all of the following conditions hold. The horizontal distance is at most the sender's
@@ -174,7 +177,7 @@ class RadioPort {
 ///           A loss below 0 counts as 0. N is `power_loss_coefficient`, n is `path_loss_exponent`.
 /// quality   The quality is 1 - loss / (power of the sender - sensitivity of the listener). With `disc` the
 ///           quality is at most 1 - distance / limit, where limit is the lesser of the sender's `range` and
-///           the listener's `hears`. The quality is never below 0.
+///           the listener's `hears` (its `range` if `hears` is 0). The quality is never below 0.
 /// edges     Radios at exactly the largest distance hear each other. Between radios at the same place the
 ///           bearing is 0.
 engine::DeviceKind radio_kind();

@@ -7,24 +7,25 @@
 
 namespace troupe::sensors {
 
-/// Beams at one height that are cast together. Arrays have one entry per beam, in the order of the readings.
-/// The arrays from dx to `limits` are padded to partition::padded_beams(count) entries by repeating the last
-/// beam, because the code that casts beams reads whole SIMD vectors.
+/// Beams of a ranger (range sensor) at one height that are cast together. Arrays have one entry per beam, in
+/// the order of the readings. The arrays from dx to `limits` are padded to partition::padded_beams(count)
+/// entries (`count` rounded up to a multiple of 16) by repeating the last beam, because the code that casts
+/// beams reads whole SIMD vectors.
 struct BeamGroup {
-  std::size_t first = 0;         ///< column of the first beam in the readings
+  std::size_t first = 0;         ///< index of the first beam among the readings of the ranger
   std::size_t count = 0;         ///< number of beams
   double z = 0;                  ///< height, body frame, m
   std::vector<double> dx, dy;    ///< unit directions, body frame
   std::vector<double> ox, oy;    ///< origins relative to RangerBeams::reference, body frame, m
   std::vector<float> range_max;  ///< reading of a beam that hits nothing, m
-  std::vector<float> limits;     ///< range_max plus the margins of partition::limits_of(), m
+  std::vector<float> limits;     ///< range_max plus margins for rounding errors, m
   float farthest = 0;            ///< the largest of the limits, m
   /// Whether, for each beam i of the first half, beam i + count / 2 has the opposite direction, within 1e-9.
   /// False if the group has an odd number of beams or angular noise.
   bool mirrored = false;
-  /// True: the group consists of the beams of one transducer with more than partition::k_most_beams beams,
-  /// which start at the reference, have equal angular steps, and have no angular noise. Only then are middle,
-  /// fov and step set.
+  /// True: the group consists of the beams of one transducer with more than partition::k_most_beams (32)
+  /// beams, which start at RangerBeams::reference, have equal angular steps, and have no angular noise. Only
+  /// then are middle, fov and step set.
   bool scan = false;
   Vec2 middle = Vec2::UnitX();  ///< direction halfway between the first and the last beam, body frame
   double fov = 0;               ///< angle between the first and the last beam, rad
@@ -38,7 +39,7 @@ struct BeamGroup {
 /// The noise, the lower limit and the beam width of one transducer (fan of beams). add_extras() applies them
 /// to the readings of the transducer after its beams have been cast.
 struct TransducerExtras {
-  std::size_t first = 0;      ///< column of its first reading
+  std::size_t first = 0;      ///< index of its first reading among the readings of the ranger
   std::size_t count = 0;      ///< number of its readings
   double range_max = 0;       ///< largest reading, m; readings with noise are clamped to [0, range_max]
   double noise_stddev = 0;    ///< standard deviation of a normally distributed error of a reading, m
@@ -53,8 +54,9 @@ struct TransducerExtras {
   std::vector<double> headings;
 };
 
-/// The beams of a ranger, prepared once from its parameters, for both ray engines (exact and grid). The body
-/// frame is that of the body, or of the joint, that carries the ranger.
+/// The beams of a ranger, prepared once from its parameters. They serve both ray engines: the exact engine,
+/// which intersects beams with outlines, and the grid engine, which follows rays through the cells of a grid.
+/// The body frame is that of the body, or of the joint, that carries the ranger.
 struct RangerBeams {
   std::size_t count = 0;           ///< number of beams of all transducers
   std::vector<BeamGroup> groups;   ///< all beams, in the order of the readings

@@ -9,8 +9,9 @@
 
 namespace troupe::sensors {
 
-/// Returns the random numbers for the headings of the beams of the i-th body of the batch. Their stream
-/// differs from the one for the noise of readings, so that angular noise does not change the other noise.
+/// Returns the random numbers for the headings of the beams of the i-th body of the batch (the bodies that
+/// one task of a parallel loop handles). They come from another random stream than the noise of readings, so
+/// that angular noise does not change the other noise.
 Random random_of_headings(const engine::DeviceBatch& batch, std::size_t i);
 
 /// Computes the directions of beams with angular noise. The object stores the results, so that calls of
@@ -27,10 +28,11 @@ class NoisyHeadings {
   std::vector<double> dx_, dy_;
 };
 
-/// Applies the extras of transducers (RangerBeams::extras) to the readings of a batch whose beams have been
-/// cast. First, each reading of a beam with a width becomes the distance to the nearest surface within this
-/// width, about the heading with angular noise along which the beam was cast. Then noise is added, and last,
-/// readings below the lower limit are raised to the limit.
+/// Applies the noise of readings, the lower limits and the beam widths of transducers (RangerBeams::extras)
+/// to the readings of a batch whose beams have been cast. A transducer is a fan of beams of a ranger (range
+/// sensor). First, each reading of a beam with a width becomes the distance to the nearest surface within
+/// this width, about the heading with angular noise along which the beam was cast. Then noise is added, and
+/// last, readings below the lower limit are raised to the limit.
 ///
 /// With noise, a reading r below range_max becomes r + r * noise_proportional * u + noise_stddev * n +
 /// r * noise_relative * m, clamped to [0, range_max]; u is uniform in [-1, 1), and n and m are standard

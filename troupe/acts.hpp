@@ -27,9 +27,10 @@ class ActRefused : public std::invalid_argument {
   using std::invalid_argument::invalid_argument;
 };
 
-/// The held robots of a simulation: robots that a user or a program steers instead of their controllers.
-/// Between the act that holds a robot and the act that releases it, the robot gets the same speed command
-/// before every tick. This command overrides the controller of the robot.
+/// The held robots of a simulation: robots that a user or a program steers instead of their controllers (the
+/// code that normally commands them). Between the act that holds a robot and the act that releases it, the
+/// robot gets the same speed command before every tick (time step). This command overrides the controller of
+/// the robot.
 class Holds {
  public:
   /// Holds a robot from the next tick on; replaces the speeds of a robot that is already held. body: number

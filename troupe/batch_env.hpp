@@ -17,7 +17,7 @@
 namespace troupe {
 
 /// A group of columns of an array of observations (BatchArraySpec): the numbers that one source provides for
-/// one robot.
+/// one robot. A device is a sensor or other equipment of a robot; its readings consist of named fields.
 struct BatchPart {
   /// The source of the columns.
   enum class Of : std::uint8_t {
@@ -25,7 +25,7 @@ struct BatchPart {
     pose,       ///< x, y (m), cosine and sine of the heading, world frame: 4 columns
     estimate,   ///< x, y (m), cosine and sine of the heading of the estimated pose (Model::estimate)
     speed,      ///< forward, left (m/s), turn (rad/s), as Model::speed() returns them
-    stalled,    ///< 1 if the last motion was blocked or would have left the world's bounds, else 0
+    stalled,    ///< 1 if the last motion was blocked or would have left the bounds of the world, else 0
     nearest,    ///< the `count` nearest robots, nearest first: see `name`
     target,     ///< x, y (m, in the robot's frame) and distance (m) of a body: see `name`
     time_left,  ///< fraction of BatchSpec::seconds that remains: 1 at the start of an episode, 0 at its end
@@ -35,12 +35,13 @@ struct BatchPart {
   Of of = Of::reading;  ///< source of the columns
   std::string device;   ///< `reading`: name of the device; empty: the first device with this field
   std::string field;    ///< `reading`: name of the field
-  /// With `nearest`: the robots among which the nearest ones are searched, given as the name of a type, of a
-  /// population or of one robot; empty: all robots. The observing robot itself and robots that are not in
-  /// the world are skipped. Distances are between the origins of the robots, in the plane. Each robot that
-  /// is found has k_neighbour columns: x, y (m, in the observing robot's frame), cosine and sine of its
-  /// heading relative to the observing robot's heading, and 1. If fewer than `count` robots are found, the
-  /// remaining columns are 0. If two robots are at the same distance, the one with the lower id comes first.
+  /// With `nearest`: the robots among which the nearest ones are searched, given as the name of a type of
+  /// bodies, of a population (bodies of one type that the world file creates with one entry) or of one robot;
+  /// empty: all robots. The observing robot itself and robots that are not in the world are skipped.
+  /// Distances are between the origins of the robots, in the plane. Each robot that is found has k_neighbour
+  /// columns: x, y (m, in the observing robot's frame), cosine and sine of its heading relative to the
+  /// observing robot's heading, and 1. If fewer than `count` robots are found, the remaining columns are 0.
+  /// If two robots are at the same distance, the one with the lower id comes first.
   /// With `target`: if a body has this name, it is the target of all robots. Otherwise each robot has its own
   /// target: the body whose name is `name` followed by the number at the end of the robot's name. For
   /// example, if `name` is "goal" and no body has this name, the target of the robot "r3" is the body
@@ -66,10 +67,10 @@ struct BatchArraySpec {
   bool raw = false;
 };
 
-/// An action: one number that the policy sets for each robot in each step, and the command that it controls.
-/// The number -1 commands `low`, 1 commands `high`, and numbers in between are interpolated linearly. Numbers
-/// outside this range are clipped to it. If at least one action of a team commands the drive, the components
-/// of the drive's command that no action controls are 0.
+/// An action: one number that the policy sets for each robot in each step, and the command of the robot that
+/// this number controls. The number -1 commands `low`, 1 commands `high`, and numbers in between are
+/// interpolated linearly. Numbers outside this range are clipped to it. If at least one action of a team
+/// commands the drive, the components of the drive's command that no action controls are 0.
 struct BatchAction {
   std::string device;  ///< name of a device that takes commands (Model::asked); empty: the drive
   /// For the drive: "forward", "left" (m/s) or "turn" (rad/s; for a car drive the steering angle, rad). For a
@@ -82,7 +83,8 @@ struct BatchAction {
 };
 
 /// A number that a BatchReward or a BatchEnd uses: either a column of an array, with one value per robot, or
-/// a measure, with one value per copy of the world.
+/// a measure (a number computed from the state of the world, troupe/measures.hpp), with one value per copy of
+/// the world.
 struct BatchColumn {
   std::string array;       ///< name of an array of the team; empty: `measure` is used
   std::size_t column = 0;  ///< index of the column in the array, from 0
@@ -96,15 +98,17 @@ struct BatchReward {
   BatchColumn of;     ///< the number that is rewarded
   double weight = 1;  ///< factor by which the number is multiplied
   /// True: the reward uses the change of the number since the previous step (or since the beginning of the
-  /// episode), not the number itself. The change is 0 for a robot that was not in the world then.
+  /// episode), not the number itself. The change is 0 for a robot that was not in the world after the
+  /// previous step.
   bool change = false;
 };
 
-/// A condition that finishes a robot, that is, ends its episode. A condition on a measure finishes all robots
-/// of the team that are in the world of the copy. If the number is NaN, the condition does not hold.
+/// A condition that finishes a robot, that is, ends its episode: a number is below (or above) a threshold. A
+/// condition on a measure finishes all robots of the team that are in the world of the copy. If the number is
+/// NaN, the condition does not hold.
 struct BatchEnd {
   BatchColumn of;         ///< the number that is tested
-  double below = 0;       ///< the threshold; by default the condition holds if the number is less
+  double below = 0;       ///< the threshold; unless `is_above`, the condition holds if the number is less
   bool is_above = false;  ///< true: the condition holds if the number is greater than the threshold `below`
   double reward = 0;      ///< added to the robot's reward of the step in which the condition holds
 };
@@ -112,7 +116,7 @@ struct BatchEnd {
 /// A group of robots that learn one policy. They have the same observations, actions and rewards.
 struct BatchTeam {
   std::string name;    ///< name of the team; no two teams have the same name
-  std::string robots;  ///< name of a type, a population or a robot; empty: all robots
+  std::string robots;  ///< name of a type of bodies, a population or a robot; empty: all robots
   /// Name of the only robot of the team, also if a type or a population has this name; empty: the team has
   /// the robots that `robots` names.
   std::string robot;
@@ -126,18 +130,20 @@ struct BatchTeam {
 struct BatchSpec {
   std::size_t copies = 1;  ///< number of copies of the world, 1 to 1,000,000
   unsigned threads = 0;    ///< number of threads, as in SimulationOptions; changes no result
-  std::size_t ticks = 1;   ///< number of ticks by which a step advances the world, 1 or more
+  std::size_t ticks = 1;   ///< number of ticks (time steps of the simulation) per step, 1 or more
   /// World time after which an episode is truncated, s: above 0 and at most 1e12, rounded up to whole ticks.
   /// The time counts from the end of the first tick of the episode, in which the policies give no commands,
   /// and is tested after each step.
   double seconds = 60;
   std::vector<BatchTeam> teams;  ///< one or more teams; no robot may be in two teams
-  /// Measures that are computed for each copy, named as for the constructor of Measures. Empty: no measures.
+  /// Measures (numbers computed from the state of the world) that are computed for each copy, named as for
+  /// the constructor of Measures. Empty: no measures.
   std::vector<std::string> measures;
 };
 
 /// Many copies of one world that step together, each with its own seed: a vectorised environment for
-/// learning.
+/// learning. The robots of a team learn one policy. A step advances all copies by BatchSpec::ticks ticks
+/// (time steps of the simulation).
 ///
 ///     troupe::BatchEnv batch("room.json", spec);
 ///     batch.reset();
@@ -152,10 +158,11 @@ struct BatchSpec {
 ///          have the same bits for any number of threads and copies
 /// robots   the policies drive the robots of teams: these robots do not run their controllers of the world
 ///          file, and all their sensors run. Other robots run their controllers
-/// end      a robot is finished when one of the ends of its team holds or when it dies; its death itself
-///          gives no reward. From then on its reward is 0, its actions are ignored, its drive is commanded to
-///          stop (if an action of the team commands the drive), and its devices keep their last commands. A
-///          program may finish further robots by writing 1 to terminated() between two steps
+/// end      a robot is finished when one of the ends of its team holds or when it dies, that is, leaves the
+///          world for good; its death itself gives no reward. Then its reward is 0, its actions are
+///          ignored, its drive is commanded to stop (if an action of the team commands the drive), and its
+///          devices keep their last commands. A program may finish further robots by writing 1 to
+///          terminated() between two steps
 /// over     a copy is over when its episode reaches `seconds`, or when no robot of its teams is both in the
 ///          world and unfinished (over() has the exact rule). If a condition of the world's `stop_when`
 ///          holds, all robots of the teams are finished, and so the copy is over. step() begins the next
@@ -184,12 +191,13 @@ class BatchEnv {
   BatchEnv(BatchEnv&&) noexcept;             ///< a moved-from object may only be destroyed or assigned to
   BatchEnv& operator=(BatchEnv&&) noexcept;  ///< a moved-from object may only be destroyed or assigned to
 
-  const BatchSpec& spec() const;                           ///< the spec that the batch was made from
+  const BatchSpec& spec() const;                           ///< the options given to the constructor
   std::size_t copies() const;                              ///< number of copies of the world
   std::size_t robots(std::size_t team) const;              ///< robots of a team per copy, in the world or not
   std::vector<std::string> names(std::size_t team) const;  ///< names of a team's robots, in order of ids
   const Simulation& simulation(std::size_t copy) const;    ///< the simulation of a copy, read-only
-  /// The simulation of a copy, for observers such as live::View. Only the batch may step and reset it.
+  /// The simulation of a copy, for observers such as live::View, which shows a running world in a browser.
+  /// Only the batch may step and reset the simulation.
   Simulation& simulation(std::size_t copy);
   unsigned threads() const;  ///< number of threads that step the copies
 
@@ -205,8 +213,8 @@ class BatchEnv {
   /// Returns the elements of the array of this name of a team: copies x robots x columns, row-major. Throws
   /// as array() does, and std::invalid_argument if the elements are not float32.
   std::span<const float> floats(std::size_t team, std::string_view name) const;
-  /// Copies x robots x actions, row-major: the caller writes the numbers for the next step. A step does not
-  /// change them.
+  /// The actions of a team, copies x robots x actions elements, row-major: the caller writes the numbers for
+  /// the next step. A step does not change them.
   std::span<double> actions(std::size_t team);
   std::span<double> rewards(std::size_t team);           ///< copies x robots: reward of the last step
   std::span<std::uint8_t> terminated(std::size_t team);  ///< copies x robots: 1 if the robot is finished
@@ -218,9 +226,11 @@ class BatchEnv {
   /// one robot of its teams, in the world or not, is finished and no robot of its teams that is in the world
   /// is unfinished. Each call takes into account what the caller has written to terminated().
   std::span<const std::uint8_t> over();
-  /// Names of the columns of measures(), as in Measures::columns(); empty if BatchSpec::measures is empty.
+  /// Names of the columns of measures(), with their units, as Measures::columns() returns them; empty if
+  /// BatchSpec::measures is empty.
   std::vector<std::string> measure_columns() const;
-  std::span<const double> measures() const;  ///< copies x measure_columns(), row-major, after the last step
+  /// Values of the measures after the last step: copies x measure_columns().size() elements, row-major.
+  std::span<const double> measures() const;
   std::span<const std::uint64_t> seeds() const;  ///< one per copy: seed of its current episode
 
   /// Begins an episode in all or some copies.
@@ -229,8 +239,8 @@ class BatchEnv {
   ///        derived. If the element has no value, or if `seeds` is empty, the copy begins its next episode,
   ///        whose seed is derived from the seed that the copy was last given
   /// Throws std::invalid_argument for spans of other sizes, std::logic_error if `which` is 0 for a copy that
-  /// has not yet begun its first episode, InputError if the placement rules find no place for a robot, and
-  /// engine::StepError if the first tick of an episode throws.
+  /// has not yet begun its first episode, InputError if the rules by which the world file places robots find
+  /// no place, and engine::StepError if the first tick of an episode throws.
   void reset(std::span<const std::uint8_t> which = {},
              std::span<const std::optional<std::uint64_t>> seeds = {});
   /// Advances all copies by one step. begins: one byte per copy; if it is not 0, the copy begins its next
@@ -238,8 +248,8 @@ class BatchEnv {
   /// std::logic_error before the first reset(). Throws std::invalid_argument, before any copy makes its step,
   /// if `begins` has another size or an action of a copy that makes a step is not finite. Throws
   /// engine::StepError if the step of a copy throws, and as reset() does if a copy cannot begin its episode.
-  /// In these last two cases the other copies have made their step, and the failed copy must be reset before
-  /// it can step again.
+  /// If the step of a copy throws or a copy cannot begin its episode, the other copies have made their step,
+  /// and the failed copy must be reset before it can step again.
   void step(std::span<const std::uint8_t> begins = {});
 
  private:

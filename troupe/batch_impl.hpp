@@ -17,20 +17,25 @@
 
 namespace troupe {
 
-/// The data of a BatchEnv. The constructor looks up all names, so that a step works on ids and indices.
+/// The data of a BatchEnv, which steps many copies of one world. The constructor looks up all names in the
+/// BatchSpec (the options), so that a step works on ids and indices. A team is a group of robots that learn
+/// one policy; its arrays contain the observations.
 struct BatchEnv::Impl {
   using Of = BatchPart::Of;
   /// Number of commands of a drive: forward, left, turn.
   static constexpr std::size_t k_drive = 3;
 
-  /// How the columns of one part (BatchPart) of an array are computed. plan() creates this object in the
-  /// constructor, so that no step has to look up names.
+  /// How the columns of one part of an array are computed. A part is a group of columns from one source
+  /// (BatchPart). plan() creates this object in the constructor, so that no step has to look up names.
   struct Part {
     const BatchPart* spec = nullptr;
     std::size_t columns = 0;
     engine::Element element = engine::Element::f32;  // of the field of a part `reading`
-    std::size_t of_kind = 0;  // index among the readings, the groups or the targets of TeamCopy
+    // Index of this part among the parts of the team with the same source `reading`, `nearest` or `target`,
+    // and so in TeamCopy::readings, groups or targets. 0 for other sources.
+    std::size_t of_kind = 0;
   };
+  /// An array of observations of a team, for all copies of the world.
   struct ArrayData {
     std::string name;
     engine::Element element = engine::Element::f32;
@@ -46,23 +51,26 @@ struct BatchEnv::Impl {
     std::size_t column = 0;
     bool of_measure = false;
   };
+  /// An action (BatchAction) whose names have been replaced by indices.
   struct Action {
     std::size_t command = 0;  // 0 to 2: drive; from k_drive on: devices, see TeamCopy::commands
     engine::Element element = engine::Element::f64;
     double low = 0;
-    double span = 0;
+    double span = 0;  // BatchAction::high - low
   };
+  /// The data of a team that belong to all copies of the world.
   struct TeamData {
     const BatchTeam* spec = nullptr;
     std::size_t robots = 0;
     std::vector<std::string> names;
     std::vector<ArrayData> arrays;
     std::vector<Action> actions_plan;
-    bool drives = false;
+    bool drives = false;  // whether an action commands the drive
     std::vector<Column> rewards_of;
     std::vector<Column> ends_of;
     std::vector<double> actions;  // copies x robots x actions
-    std::vector<double> rewards;  // copies x robots, as are terminated and alive
+    // Each of the following has copies x robots elements.
+    std::vector<double> rewards;
     std::vector<std::uint8_t> terminated;
     std::vector<std::uint8_t> alive;
   };
@@ -83,16 +91,17 @@ struct BatchEnv::Impl {
     std::vector<std::uint8_t> was_terminated;  // per robot: `terminated` before the step
     std::vector<std::uint8_t> was_alive;       // per robot: `alive` after the previous step
   };
+  /// One copy of the world.
   struct Copy {
     explicit Copy(Simulation&& s) : simulation(std::move(s)) {}
     Simulation simulation;
     std::optional<Measures> measures;
     std::vector<std::uint8_t> learns;  // per body: 1 if it is in a team
     std::vector<TeamCopy> teams;
-    std::uint64_t first_seed = 0;
-    std::uint64_t episode = 0;
-    bool has_begun = false;
-    std::uint64_t last_tick = 0;
+    std::uint64_t first_seed = 0;  // seed of episode 0, from which the seeds of later episodes are derived
+    std::uint64_t episode = 0;     // number of the episode
+    bool has_begun = false;        // whether episode 0 has begun
+    std::uint64_t last_tick = 0;   // tick at which the episode is truncated
   };
 
   BatchSpec spec;

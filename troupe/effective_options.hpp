@@ -9,15 +9,17 @@
 namespace troupe {
 
 /// Returns true for the keys of Simulation::effective_options() that do not affect the simulated results.
-/// They state how the run is computed (number of threads, ...), or at which tick it was resumed.
+/// That function lists the options of a run as pairs of key and value. The keys that do not affect results
+/// state how the run is computed (number of threads, ...), or at which tick it was resumed.
 constexpr bool changes_no_result(std::string_view option) {
   constexpr std::array<std::string_view, 5> k_options{"threads", "tile_m", "simd", "ranks",
                                                       "resumed_at_tick"};
   return std::ranges::find(k_options, option) != k_options.end();
 }
 
-/// Returns a key or value of effective_options() as it is written in the header of a hash log (a file with
-/// the state hash of every tick), in one line: a line break becomes `\n`, and a backslash `\\`.
+/// Returns a key or value of Simulation::effective_options() as it is written, in one line, in the header of
+/// a hash log (a file with the hash of the simulated state after every time step): a line break becomes `\n`,
+/// and a backslash `\\`.
 inline std::string to_one_line(std::string_view text) {
   std::string line;
   for (const char c : text) {

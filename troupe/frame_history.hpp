@@ -10,10 +10,11 @@
 
 namespace troupe {
 
-/// Past positions of bodies, for the picture layer `trails`. A position is stored every k_seconds / 50
-/// seconds, rounded up to whole ticks. Of the last 50 positions, those of the last k_seconds are kept. Pass
-/// frames to see() in the order of their ticks; a frame with an earlier tick than the last stored frame
-/// clears the history.
+/// Past positions of bodies, for the picture layer `trails`, which draws the path of each body as a line. The
+/// positions come from frames: a frame is the data that a viewer needs to draw the world at one tick (time
+/// step). A position is stored every k_seconds / 50 seconds, rounded up to whole ticks. Of the last 50
+/// positions, those of the last k_seconds are kept. Pass frames to see() in the order of their ticks; a frame
+/// with an earlier tick than the last stored frame clears the history.
 class Trails {
  public:
   /// Largest age of the positions of a trail, s, before rounding up to whole ticks.
@@ -45,19 +46,19 @@ class Trails {
 };
 
 /// Squares of the floor that robots have visited, for the picture layer `coverage`. A square is visited if
-/// the origin of a robot was in it at the end of a tick that was passed to see(), as in the measure
-/// `coverage`.
+/// the origin of a robot was in it at a tick (time step) whose frame was passed to see(), as in the measure
+/// `coverage`. A frame is the data that a viewer needs to draw the world at one tick.
 class Covered {
  public:
   static constexpr double k_square_m = 1;  ///< edge length of the squares, m
 
   /// Stores the squares of all robots of a frame. Pass frames in the order of their ticks; a frame with an
-  /// earlier tick than the previous frame clears the history. scene: the scene to which the types of the
-  /// bodies in `frame` refer.
+  /// earlier tick than the previous frame clears the history. scene: the constant data of the world, among
+  /// them the types of bodies to which `frame` refers.
   void see(const engine::FrameScene& scene, const engine::Frame& frame);
   /// Replaces Frame::covered by the visited squares, sorted by x and then by y, and sets Frame::covered_m to
   /// k_square_m. Each square has the time of its last visit as a number from 0 (first stored tick) to 1 (last
-  /// stored tick).
+  /// stored tick; also if only one tick was stored).
   void add_to(engine::Frame& frame) const;
 
  private:

@@ -26,21 +26,22 @@ class Simulation;
 /// outlive this object. Not thread-safe.
 class Measures {
  public:
-  /// wanted: one text per measure: the name of a measure ("stalls"); a name and the type, population or robot
-  /// that it is computed for ("stalls:leaders"); or a JSON object as in a world file (`{"kind": "coverage",
-  /// "cell_m": 0.5}`). An empty list means the measures of the world file, or, if it has none, all measures
-  /// that need no parameters, except those that are a second name (alias) of another measure. Throws
-  /// InputError, whose text lists all errors: unknown measures, parameters and robots, and two measures with
-  /// the same column.
+  /// wanted: one text per measure: the name of a measure ("stalls"); the name of a measure, a colon and the
+  /// robots for which it is computed ("stalls:leaders"), given as the name of a type of bodies, of a
+  /// population (an entry of the world file that creates many robots) or of a robot; or a JSON object as in a
+  /// world file (`{"kind": "coverage", "cell_m": 0.5}`). An empty list means the measures of the world file,
+  /// or, if it has none, all measures that need no parameters, except those that are a second name (alias) of
+  /// another measure. Throws InputError, whose text lists all errors: unknown measures, parameters and
+  /// robots, and two measures with the same column name.
   explicit Measures(Simulation& simulation, const std::vector<std::string>& wanted = {});
   ~Measures();
   Measures(Measures&&) noexcept;             ///< a moved-from object may only be destroyed or assigned to
   Measures& operator=(Measures&&) noexcept;  ///< a moved-from object may only be destroyed or assigned to
 
-  /// Updates measures that depend on earlier ticks, such as the covered area, with the current state. Call it
-  /// after every step; the constructor has already called it for the current tick. If a tick was left out,
-  /// and after Simulation::reset(), these measures start again from the current state. A second call in a
-  /// tick has no effect.
+  /// Updates measures that depend on earlier ticks (time steps), such as the covered area, with the current
+  /// state. Call it after every step; the constructor has already called it for the current tick. If a tick
+  /// was left out, and after Simulation::reset(), these measures start again from the current state. A second
+  /// call in a tick has no effect.
   void see();
   /// Names of the values, in the order of the list `wanted`, with their units appended: `displacement_m`,
   /// `displacement_m:leaders`, `stalls` (no unit).
@@ -55,7 +56,8 @@ class Measures {
   /// in find(). Throws std::out_of_range, with the known columns, if there is no such column.
   double value(std::string_view name);
 
-  /// Returns the data about earlier ticks that the measures store, as bytes, for a checkpoint.
+  /// Returns the data about earlier ticks that the measures store, as bytes, for a checkpoint (a file from
+  /// which a run can be resumed).
   std::vector<std::byte> memory() const;
   /// Restores the data that memory() returned. The measures must be the same as those that returned the
   /// bytes, and the simulation must be in the state that it had when memory() was called. Returns false, and

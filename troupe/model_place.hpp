@@ -8,19 +8,21 @@
 
 namespace troupe {
 
-/// What a Model, which is only a handle, refers to: a body of a world, or a part of a body. `part` is the
-/// index of the part; 0: the body itself. `name` is the result of Model::name().
+/// What a Model, which is only a handle, refers to: a body of a world, or a part of a body. A device is a
+/// sensor or other equipment on a part. `part` is the index of the part; 0: the body itself. `name` is the
+/// result of Model::name().
 struct Model::Place {
   engine::World* world;
   BodyId body;
   std::size_t part;
   std::string name;
 
-  /// Returns the row of the body in the state tables. Throws std::logic_error for static geometry, which has
-  /// no row, and if the state is incomplete after a failed step.
+  /// Returns the row (index) of the body in the state tables, which hold the state of all bodies that are not
+  /// static. Throws std::logic_error for static geometry, which has no row, and if the state is incomplete
+  /// after a failed step.
   Row row() const;
-  /// As row(), for functions that do not apply to parts: also throws std::logic_error if this model is a
-  /// part.
+  /// Returns the result of row(), for functions that do not apply to parts: also throws std::logic_error if
+  /// this model is a part.
   Row whole() const;
   const engine::BodyType& type() const { return world->type(body); }
   /// Returns the index of the body in the state tables that only bodies of its type have, such as those of
@@ -50,11 +52,12 @@ struct Model::Place {
   /// satisfy `counted`.
   template <class Counted>
   [[noreturn]] void throw_unknown(std::string_view what, std::string_view wanted, Counted&& counted) const;
-  /// Throws std::logic_error if `sensor`, a sensor of this model, does not run.
+  /// Throws std::logic_error if `sensor`, a sensor of this model, does not run. A sensor runs only if the
+  /// world file, a controller of the robot or Simulation::subscribe() makes it run.
   void check_running(const engine::BodyType::Device& sensor) const;
-  /// Returns the ranger named `wanted` of this model, or its first ranger if `wanted` is empty. Throws
-  /// std::out_of_range, with the known names, if there is none, and std::logic_error if the ranger does not
-  /// run.
+  /// Returns the ranger (range sensor) named `wanted` of this model, or its first ranger if `wanted` is
+  /// empty. Throws std::out_of_range, with the known names, if there is none, and std::logic_error if the
+  /// ranger does not run.
   const engine::BodyType::Device& ranger(std::string_view wanted) const;
   /// Returns the device named `wanted` of this model. Throws std::out_of_range, with the known names, if
   /// there is none.

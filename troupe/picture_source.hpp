@@ -12,8 +12,8 @@
 
 namespace troupe {
 
-/// A number that bodies have in their state: one column of a field of a component. Troupe stores the state in
-/// components, each with named fields of one or more columns.
+/// A number that bodies have in their state: one column of a field of a component. Troupe stores the state of
+/// the bodies in tables, called components. Each component has named fields of one or more columns.
 struct ChosenValue {
   std::string component;   ///< name of the component: "velocity", "wander/0" (StateTable::component())
   std::string field;       ///< name of the field in the component
@@ -21,20 +21,21 @@ struct ChosenValue {
   std::string text;        ///< label with unit: "velocity.x (m/s)"
 };
 
-/// The members of engine::Frame that a caller requests from a PictureSource, in addition to the poses of
-/// bodies.
+/// The data that a caller requests from a PictureSource, in addition to the poses of bodies. The data are
+/// members of engine::Frame, the data that a viewer needs to draw a world at one tick (time step).
 struct FrameWishes {
-  bool scans = false;                ///< scans of rangers: Frame::scans and Frame::ranges
-  bool sights = false;               ///< lines to detected fiducials: Frame::sights
-  bool blobs = false;                ///< detected blobs: Frame::blobs
+  bool scans = false;                ///< readings of range sensors: Frame::scans and Frame::ranges
+  bool sights = false;               ///< lines to detected markers: Frame::sights
+  bool blobs = false;                ///< detected regions of one colour: Frame::blobs
   bool grips = false;                ///< light beams and held bodies of grippers: Frame::grips
-  bool links = false;                ///< which body carries which: Frame::links
-  bool charges = false;              ///< charges of power packs: Frame::charges
+  bool links = false;                ///< lines to carried bodies: Frame::links
+  bool charges = false;              ///< charges of energy stores: Frame::charges
   bool names = false;                ///< names of bodies: Frame::names
   std::optional<ChosenValue> value;  ///< the value by which bodies are coloured: Frame::values; empty: none
 };
 
-/// A state to draw: the current state of a simulation, or a frame of a recording.
+/// A state to draw: the current state of a simulation, or a frame of a recording, which is what the recording
+/// contains for one tick (time step).
 class PictureSource {
  public:
   virtual ~PictureSource() = default;
@@ -47,7 +48,7 @@ class PictureSource {
   virtual double tick_s() const = 0;       ///< length of a tick, s
   /// The entry `window` of the world file, which describes a view of the world; null if the file has none.
   virtual const engine::Record* window() const = 0;
-  virtual engine::FrameScene scene() const = 0;  ///< the data that do not change during the run
+  virtual engine::FrameScene scene() const = 0;  ///< static bodies, shapes, and other constant data
   /// The id of the body of this name; empty if there is no such body.
   virtual std::optional<std::uint32_t> find_body(std::string_view name) const = 0;
 
@@ -59,12 +60,12 @@ class PictureSource {
   /// states which data are missing and why.
   virtual Result<> check(const FrameWishes& wishes) const = 0;
 
-  // The current state.
+  // The state to draw.
   virtual double time_s() const = 0;             ///< world time, s
   virtual std::uint64_t state_hash() const = 0;  ///< hash of the whole state (docs/determinism.md)
-  /// Returns the poses of the mobile bodies (those that are not static) and the members of engine::Frame that
-  /// `wishes` request. For a body that lacks a requested item, lists with one number per body contain NaN,
-  /// and other lists have no entry.
+  /// Returns the poses of the mobile bodies (those that are in the world and not static) and the members of
+  /// engine::Frame that `wishes` request. For a body that lacks a requested item, lists with one number per
+  /// body contain NaN, and other lists have no entry.
   virtual engine::Frame frame(const FrameWishes& wishes) const = 0;
 };
 

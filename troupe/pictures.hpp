@@ -41,9 +41,10 @@ struct PictureOptions {
   /// Names of layers (picture_layers()), separated by commas: layers to show in addition to the default ones,
   /// and, with a minus sign, default layers to hide, as in `scans,trails,-grid`.
   std::string layers;
-  /// The value of the state that determines the colour of each robot: COMPONENT.FIELD, such as `velocity.x`,
-  /// or COMPONENT.FIELD.COLUMN for one column of a field, such as `ranger/ir.ranges.0`. Empty: robots have
-  /// the colours of the world file.
+  /// The value that determines the colour of each robot: COMPONENT.FIELD, such as `velocity.x`, or
+  /// COMPONENT.FIELD.COLUMN for one column of a field, such as `ranger/ir.ranges.0`. Components are the
+  /// tables of which the state of the robots consists; each has named fields. Empty: robots have the colours
+  /// of the world file.
   std::string color_by;
   /// Values at the two ends of the colour scale, in the unit of the value that `color_by` names. Not given:
   /// the smallest and the largest value in each picture.
@@ -55,7 +56,8 @@ struct PictureOptions {
   bool operator==(const PictureOptions&) const = default;
 };
 
-/// A layer of a picture.
+/// A layer of a picture: one sort of drawn data, such as the paths of the robots, that can be shown or
+/// hidden.
 struct PictureLayer {
   std::string_view name;  ///< name of the layer in PictureOptions::layers
   bool on;                ///< whether pictures show the layer by default
@@ -80,17 +82,18 @@ Result<> check_camera(const std::string& camera);
 ///     simulation.run_for(60);
 ///     pictures.write(pictures.take(simulation), "after-a-minute.png");
 ///
-/// take() copies the state of the current tick into a Shot. draw() and write() use only the Shot, so another
-/// thread may call them while the simulation continues. No function changes the simulation. The simulation
-/// passed to see() and take() must be that of the constructor or have the same world.
+/// take() copies the state of the current tick (time step) into a Shot. draw() and write() use only the Shot,
+/// so another thread may call them while the simulation continues. No function changes the simulation. The
+/// simulation passed to see() and take() must be that of the constructor or have the same world.
 class Pictures {
  public:
   /// Throws InputError for unknown cameras, layers and backgrounds, and for options that name something that
   /// the world does not have: a body to follow, an entry `window`, a field to colour by. Throws
   /// std::runtime_error if the build has no renderer.
   Pictures(const Simulation& simulation, PictureOptions options);
-  /// Draws pictures of a recording or of another source. Throws as the constructor for a simulation does, and
-  /// InputError also for layers and values whose data the source does not contain.
+  /// Draws pictures of a recording or of another source (troupe/picture_source.hpp is the interface of
+  /// sources). Throws as the constructor for a simulation does, and InputError also for layers and values
+  /// whose data the source does not contain.
   Pictures(const PictureSource& source, PictureOptions options);
   ~Pictures();
   Pictures(Pictures&&) noexcept;             ///< a moved-from object may only be destroyed or assigned to
@@ -100,17 +103,18 @@ class Pictures {
   int width() const;
   int height() const;  ///< height of the pictures, pixels
 
-  /// Collects the data of the current tick for the layers `trails` and `coverage`. Call it after every step.
-  /// Without these layers it does nothing. If the current tick is earlier than that of the previous call, for
-  /// example after a reset, the data collected before are discarded.
+  /// Collects the data of the current tick for the layers `trails` (past paths of bodies) and `coverage`
+  /// (squares of the floor that robots have visited). Call it after every step. Without these layers it does
+  /// nothing. If the current tick is earlier than that of the previous call, for example after a reset, the
+  /// data collected before are discarded.
   void see(const Simulation& simulation);
   void see(const PictureSource& source);  ///< collects the data for `trails` and `coverage` from `source`
   /// Discards the data that see() collected for the layers `trails` and `coverage`, and the position and
   /// region that the camera keeps after the followed robots have left the world.
   void forget();
-  /// The simulated time before a picture, s, during which see() must be called after every step. Layers such
-  /// as `trails` show what happened in this time. 0: no layer needs see(); infinity: see() must be called
-  /// from the start of the run.
+  /// The length of the simulated time before a picture, s, in which see() must be called after every step.
+  /// Layers such as `trails` show what happened in this time. 0: no layer needs see(); infinity: see() must
+  /// be called from the start of the run.
   double history_s() const;
 
   struct ShotData;

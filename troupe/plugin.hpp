@@ -16,9 +16,9 @@
 #include <utility>
 #include <vector>
 
-/// A plug-in is a shared library with controllers, measures, sensors or other devices (docs/controllers.md).
-/// This header is all that the sources of the library must include. A controller is a class whose objects are
-/// called to decide on the commands of one robot:
+/// A plug-in is a shared library with kinds: implementations of controllers, measures, sensors or other
+/// devices (docs/controllers.md). This header is all that the sources of the library must include. A
+/// controller is a class whose objects are called to decide on the commands of one robot:
 ///
 ///     #include <troupe/plugin.hpp>
 ///
@@ -194,10 +194,11 @@ troupe_plugin() {
   static const ::troupe::plugin::Entry<::troupe::engine::DeviceKind> TROUPE_PLUGIN_ENTRY(__COUNTER__)( \
       name, ::troupe::plugin::device_of<make>);
 
-/// Registers a class derived from Measure as the measure of this name. The class must have the constructor
-/// that make_measure_kind() needs and a description `static constexpr std::string_view text`. It may have
-/// `unit`, `definition` and `formula` (engine/kinds/measure_kind.hpp). Use the macro at namespace scope, once
-/// per measure.
+/// Registers a class derived from Measure as the measure of this name. The class must have a constructor with
+/// the arguments (world, robots), or (world, params, robots) if it has a described `struct Params`, and a
+/// description `static constexpr std::string_view text`. It may have static members `unit`, `definition` and
+/// `formula`, with the meaning of these members of MeasureKind (engine/kinds/measure_kind.hpp). Use the macro
+/// at namespace scope, once per measure.
 #define TROUPE_MEASURE(name, ...)                                                                       \
   static_assert(::troupe::plugin::is_name(name),                                                        \
                 "a measure's name is one word without / : = \\ \" and without a leading dot");          \

@@ -8,7 +8,8 @@
 #include <cstdint>
 #include <initializer_list>
 
-/// A hash of the layouts of all types that a plug-in and the program exchange, see layout() below.
+/// This header defines layout(), which returns a hash of the layouts of all types that a plug-in and the
+/// program exchange. A plug-in is a shared library with controllers, sensors, other devices or measures.
 
 // TROUPE_PLUGIN_EACH(DO, T, a, b, ...) expands to DO(T, a) DO(T, b) ..., for up to 64 names.
 #define TROUPE_PLUGIN_PARENTHESES ()
@@ -61,16 +62,16 @@ constexpr std::uint64_t of_sizes() {
 #pragma GCC diagnostic push
 #pragma GCC diagnostic ignored "-Winvalid-offsetof"
 /// Returns a hash of the layouts of all types that plug-in and program exchange, and of the types whose
-/// members the inline functions of SensingView and World read: sizes, alignments, and for structs the offset
-/// of each member by name. If the hashes of plug-in and program differ although their version numbers are
-/// equal, plug-in and program were compiled with headers of different revisions of Troupe.
-/// tests/plugins/layouts.txt has the hash of each version of the interface.
+/// members the inline functions of SensingView and World read (the classes through which a plug-in reads the
+/// world): sizes, alignments, and for structs the offset of each member by name. If the hashes of plug-in and
+/// program differ although their version numbers are equal, plug-in and program were compiled with headers of
+/// different revisions of Troupe. tests/plugins/layouts.txt has the hash of each version of the interface.
 constexpr std::uint64_t layout() {
   using namespace engine;
   using namespace detail;
   return mixed(
-      {// Kinds and the arguments of their functions, what a view consists of, and the definition of the
-       // world.
+      {// Kinds (the implementations of controllers, devices and measures) and the arguments of their
+       // functions, the structs that a SensingView refers to, and the definition of the world.
        TROUPE_PLUGIN_MEMBERS(ControllerKind, name, text, params, needs_drive, switches, is_collective, memory,
                              memory_bytes, start, prepare, bind_world, brings, decide),
        TROUPE_PLUGIN_MEMBERS(ControllerKind::Prepared, data, devices),

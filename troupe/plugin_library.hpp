@@ -13,9 +13,10 @@
 #include <string_view>
 #include <vector>
 
-/// Checks that a plug-in matches the program that loads it. Plug-in and program both compile this header: the
-/// plug-in stores the versions and settings that it was compiled with (struct Library), and the loader
-/// (troupe/plugins.cpp) compares them with those of the program.
+/// This header serves to check that a plug-in matches the program that loads it. A plug-in is a shared
+/// library with kinds (implementations of controllers, sensors, other devices or measures). Plug-in and
+/// program both compile this header: the plug-in stores the versions and settings that it was compiled with
+/// (struct Library), and the loader (troupe/plugins.cpp) compares them with those of the program.
 
 #if defined(_LIBCPP_VERSION)
 #define TROUPE_PLUGIN_STANDARD_LIBRARY "libc++"
@@ -52,7 +53,8 @@ struct Library {
   const char* version;      ///< version of Troupe: k_version
   const char* build;        ///< build settings: k_build
   std::uint64_t layout;     ///< hash of the layouts of types: layout()
-  /// Returns whether the plug-in's compiler contracts a product and a sum to one fused multiply-add.
+  /// Returns whether the plug-in's compiler contracts a product and a sum to one fused multiply-add. The
+  /// loader rejects such a plug-in, because the contraction changes the bits of results.
   bool (*contracts)();
   /// Appends the controllers, the devices and the measures of the library to the lists, each under the name
   /// that was given to the macro TROUPE_CONTROLLER, TROUPE_DEVICE or TROUPE_MEASURE.

@@ -14,10 +14,11 @@
 
 namespace troupe {
 
-/// Loads controllers, devices and measures by name from plug-ins, which are shared libraries
-/// (docs/controllers.md). The name "dancer" refers to the kind "dancer" in dancer.so, and "swarm:leader" to
-/// the kind "leader" in swarm.so. Scripts that add() has added also count as libraries. If several of the
-/// searched folders have a file dancer.so, the one in the first of these folders is used.
+/// Loads kinds by name from plug-ins, which are shared libraries (docs/controllers.md). A kind is an
+/// implementation of a controller, of a sensor or other device, or of a measure (a number computed from the
+/// state). The name "dancer" refers to the kind "dancer" in dancer.so, and "swarm:leader" to the kind
+/// "leader" in swarm.so. Scripts (such as Python files) that add() has added also count as libraries. If
+/// several of the searched folders have a file dancer.so, the one in the first of these folders is used.
 ///
 /// A library stays loaded until the process ends. After each load, the floating-point environment of the
 /// calling thread is restored, because a library that was linked with -ffast-math switches denormal numbers
@@ -39,15 +40,16 @@ class Plugins {
   Plugins(const Plugins&) = delete;
   Plugins& operator=(const Plugins&) = delete;
 
-  /// Returns the controller of this name; loads its library at the first call. Registry::plugged_controllers
-  /// calls this function. The pointer is never null and is valid while this object lives. unknown: the text
-  /// with which the error begins if there is no such plug-in; the searched folders follow.
+  /// Returns the controller of this name; loads its library at the first call. A registry, which lists the
+  /// kinds that a world can use, calls this function through Registry::plugged_controllers for a name that is
+  /// not in its list. The pointer is never null and is valid while this object lives. unknown: the text with
+  /// which the error begins if there is no such plug-in; the searched folders follow.
   Result<const engine::ControllerKind*> controller(std::string_view name, std::string unknown);
-  /// Returns the sensor or other device of this name, as controller() does for controllers.
-  /// Registry::plugged_devices calls this function.
+  /// Returns the sensor or other device of this name, as controller() does for controllers. A registry calls
+  /// this function through Registry::plugged_devices.
   Result<const engine::DeviceKind*> device(std::string_view name, std::string unknown);
-  /// Returns the measure of this name, as controller() does for controllers. Registry::plugged_measures calls
-  /// this function.
+  /// Returns the measure of this name, as controller() does for controllers. A registry calls this function
+  /// through Registry::plugged_measures.
   Result<const engine::MeasureKind*> measure(std::string_view name, std::string unknown);
   /// Adds the controllers and measures of a script, as if they came from a loaded library with the name of
   /// the script. Throws InputError if this name is not valid or already in use, and if the script defines no
@@ -81,10 +83,11 @@ class Plugins {
   std::vector<std::string> warnings_;
 };
 
-/// Allows a registry, and copies of it, to use the kinds of these scripts and to load controllers, devices
-/// and measures from plug-ins in these folders. Returns the object that loads them, which the registry also
-/// owns. Throws InputError as Plugins::add() does, and std::invalid_argument if a kind of the registry has a
-/// parameter that is called like a key of JSON worlds (worldio/json/kind_keys.hpp).
+/// Allows `registry`, and later copies of it, to use the kinds of the scripts `scripts` and to load
+/// controllers, devices and measures from plug-ins in the folders `path`. Returns the object that loads them,
+/// which the registry also owns. Throws InputError as Plugins::add() does, and std::invalid_argument if a
+/// kind of the registry, or a parameter of such a kind, has a name that JSON worlds, checkpoints or
+/// recordings use for another purpose (worldio/json/kind_keys.hpp).
 std::shared_ptr<Plugins> add_plugins(engine::Registry& registry, std::vector<std::filesystem::path> path,
                                      std::span<const std::shared_ptr<const Script>> scripts = {});
 

@@ -22,9 +22,10 @@ namespace troupe {
 
 class Plugins;
 
-/// The processes of one program, each of them a rank (docs/cluster.md). Rank 0 runs the program. For each
-/// world of the program, rank 0 makes a replica (a copy of the world) on every other rank. The other ranks
-/// only execute the orders that rank 0 sends them.
+/// The processes that execute one program together, for example on a cluster. Each process is a rank and has
+/// a number from 0 (docs/cluster.md). Rank 0 runs the program. For each world of the program, every other
+/// rank makes a replica (a copy of the world). The ranks divide the robots of the world among each other, and
+/// each rank computes its own robots. The ranks other than 0 only execute the orders that rank 0 sends them.
 class RankProcesses {
  public:
   /// transport: the connection to the other processes; it must outlive this object
@@ -37,15 +38,16 @@ class RankProcesses {
   RankProcesses(const RankProcesses&) = delete;
   RankProcesses& operator=(const RankProcesses&) = delete;
 
-  /// On rank 0: makes replicas of a world, which must be at tick 0. `world` and `registry` must outlive the
-  /// result. Throws InputError, with the rank and the reason, if a process cannot make its replica, for
-  /// example because it lacks a plug-in.
+  /// On rank 0: makes a replica of a world on every rank. The world must be at tick 0: no step has been made.
+  /// `world` and `registry` must outlive the result. Throws InputError, with the rank and the reason, if a
+  /// process cannot make its replica, for example because it lacks a plug-in.
   ///
-  /// plugins: the plug-ins that the world uses
+  /// registry: the kinds of sensors, drives, controllers and so on that the world was made with
+  /// plugins: the plug-ins (shared libraries with further kinds) that the world uses
   /// options: options of all replicas; if their number of threads is 0, each process uses its own threads()
-  /// seed: SimulationOptions::rank_seed; here it determines only how robots move between ranks
-  /// distribute: whether each rank has only the state of its own robots and of robots near them; only for
-  /// worlds that can be distributed (engine/ranks/halo.hpp)
+  /// seed: for tests; if set, robots move to random ranks during the run, and the seed determines the ranks
+  /// distribute: whether each rank has only the state of its own robots and of robots near them. Only worlds
+  /// for which engine::why_replicated() returns an empty text can be distributed in this way
   std::unique_ptr<RankGroup> add(engine::World& world, const engine::Registry& registry,
                                  const Plugins& plugins, const engine::WorldOptions& options,
                                  std::optional<std::uint64_t> seed, bool distribute);
@@ -53,7 +55,7 @@ class RankProcesses {
   /// partition::RankError if a rank fails.
   ///
   /// plugin_path: folders to search for the plug-ins that rank 0 uses
-  /// requests: returns how often this process was asked for a checkpoint (RankStatistics::requests)
+  /// requests: returns how often this process has received the signal SIGUSR1, which requests a checkpoint
   void follow(const std::vector<std::filesystem::path>& plugin_path,
               const std::function<std::uint32_t()>& requests);
   unsigned threads() const { return threads_; }  ///< the argument `threads` of the constructor

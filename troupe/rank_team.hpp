@@ -15,13 +15,15 @@ struct WorldOptions;
 
 namespace troupe {
 
-/// The options of a RankTeam. SimulationOptions describes them; its members `rank_seed` and `rank_clock` are
-/// here called `seed` and `clock`.
+/// The options of a RankTeam. SimulationOptions has the same options; its members `rank_seed` and
+/// `rank_clock` are here called `seed` and `clock`. No option changes a simulated result.
 struct RankOptions {
-  unsigned ranks = 1;
+  unsigned ranks = 1;  ///< number of ranks, from 1 to k_most_ranks (1,024)
+  /// For tests: if set, messages between ranks arrive late and shuffled, and robots move to random ranks.
   std::optional<std::uint64_t> seed;
+  /// Returns the present time, s, from any fixed origin; called on the threads of all ranks. Null: no clock.
   std::function<double(unsigned rank)> clock;
-  bool distribute = false;
+  bool distribute = false;  ///< true: each rank has only the state of its own robots and of robots near them
 };
 
 /// Throws std::invalid_argument, with the reason, if the number of ranks is not from 1 to k_most_ranks, or if
@@ -33,13 +35,15 @@ void check_ranks(const RankOptions& options);
 /// the world then chooses the number.
 unsigned threads_per_rank(unsigned threads, unsigned ranks);
 
-/// Replicas (copies) of a world on threads of this process, one per rank (engine/ranks/replica.hpp). The
-/// calling thread is rank 0.
+/// The ranks of a world, if they are threads of this process. The ranks compute the world together: each has
+/// a replica (a copy) of the world and computes a part of its robots (engine/ranks/replica.hpp). The calling
+/// thread is rank 0.
 class RankTeam : public RankGroup {
  public:
-  /// Makes the replicas of `lead`, which is at tick 0 and becomes the replica of rank 0. world: options of
-  /// the worlds of the other ranks. options: must have passed check_ranks(). `lead` and `registry` must
-  /// outlive this object. Throws partition::RankError if a replica cannot be made.
+  /// Makes the replicas of `lead`, which is at tick 0 (no step has been made) and becomes the replica of rank
+  /// 0. registry: the kinds of sensors, drives, controllers and so on that `lead` was made with. world:
+  /// options of the worlds of the other ranks. options: must have passed check_ranks(). `lead` and `registry`
+  /// must outlive this object. Throws partition::RankError if a replica cannot be made.
   RankTeam(engine::World& lead, const engine::Registry& registry, const engine::WorldOptions& world,
            const RankOptions& options);
   ~RankTeam() override;

@@ -13,15 +13,17 @@
 namespace troupe {
 
 /// A recording (docs/recordings.md) as a source of pictures. A frame is what the recording contains for one
-/// tick. Drawing a frame needs neither the world file nor its plug-ins, and simulates nothing. What pictures
-/// can show depends on the fields that were recorded (--record-fields): stalled robots need `stall`, scans of
-/// rangers need `ranges`, charges of power packs need `power_pack`, and colours by a value need the field of
-/// that value. Parts on joints are drawn at their recorded positions if `joint` was recorded, else in their
-/// rest position. The layers `sights`, `blobs`, `grips` and `links` cannot be drawn.
+/// tick. A tick is a time step of the simulation. Drawing a frame needs neither the world file nor its
+/// plug-ins, and simulates nothing. What pictures can show depends on the fields of the state that were
+/// recorded (the option --record-fields of `troupe run`): robots whose motion was blocked need `stall`, scans
+/// of rangers (range sensors) need `ranges`, charges of power packs (energy stores) need `power_pack`, and
+/// colours by a value need the field of that value. Parts on joints are drawn at their recorded positions if
+/// `joint` was recorded, else in their rest position. The layers `sights`, `blobs`, `grips` and `links` of
+/// pictures (detections of sensors, gripped and carried bodies) cannot be drawn.
 class RecordedRun : public PictureSource {
  public:
   /// Throws InputError if the file is not a recording, has no poses or no frames, or was written by an old
-  /// version that did not store the static scene.
+  /// version of Troupe that did not store the static scene (the bodies that never move).
   explicit RecordedRun(const std::filesystem::path& recording);
   ~RecordedRun() override;
   /// The moved-from object may only be destroyed or assigned to.
@@ -39,10 +41,10 @@ class RecordedRun : public PictureSource {
   std::size_t frame_index() const;
   /// Makes the frame with this index the current frame. Indices after the last frame select the last frame.
   void go_to_frame(std::size_t frame);
-  /// Index of the earliest frame that is at most `history_s` seconds before the current frame.
+  /// Index in times_s() of the earliest frame that is at most `history_s` seconds before the current frame.
   std::size_t first_within(double history_s) const;
 
-  // PictureSource, for the current frame.
+  // The functions of PictureSource (troupe/picture_source.hpp), for the current frame.
   std::string file() const override;
   std::string world() const override;
   std::uint64_t seed() const override;

@@ -10,14 +10,16 @@
 
 namespace troupe {
 
-/// What a recording contains, and how it is written. Fields and interval that are not given are taken from
-/// the key `record` of the world file. If that key gives none either, the field is `pose` and the interval
-/// 0.1 s.
+/// What a recording contains, and how it is written. A recording contains fields, which are parts of the
+/// state of the bodies, at regular intervals of simulated time. Fields and interval that are not given here
+/// are taken from the key `record` of the world file. If the world file does not give them, the only field is
+/// `pose`, and the interval is 0.1 s.
 struct RecordingOptions {
-  /// Names of components of the state or of fields of sensors: "pose", "velocity", "stall", "ranges", ...;
-  /// "all" for all of them. Empty: not given.
+  /// Names of components (tables of the state), or of fields of sensors: "pose", "velocity", "stall",
+  /// "ranges", ...; "all" for all components and fields. Empty: not given.
   std::vector<std::string> fields;
-  /// Simulated time between two frames (recorded ticks), s; rounded up to whole ticks. 0 or less: not given.
+  /// Simulated time between two frames (entries of the recording), s; rounded up to whole ticks (time steps).
+  /// 0 or less: not given.
   double every_s = 0;
   /// Whether an existing file is replaced; if not, an existing file is an error. Recording::resume() ignores
   /// this option.
@@ -30,8 +32,9 @@ struct RecordingOptions {
   bool in_background = false;
 };
 
-/// A recording of a simulation: an HDF5 file (docs/recordings.md). While it is written, readers that open it
-/// in HDF5's SWMR mode (h5py: `swmr=True`) can read it.
+/// A recording of a simulation: an HDF5 file with chosen fields of the state over time (docs/recordings.md).
+/// A frame is the entry of the recording for one tick (time step). While the file is written, other processes
+/// can read it in HDF5's single-writer multiple-reader mode (SWMR; h5py: `swmr=True`).
 ///
 ///     troupe::Recording recording("run.h5", simulation);
 ///     while (simulation.time_s() < 60) {
@@ -72,8 +75,9 @@ class Recording {
   /// not lost if this process dies. Full batches of frames are written without a call. Call it if the
   /// recording interval is long, or before saving a checkpoint.
   void flush();
-  /// Starts a flush(). With the option `in_background` it returns before the frames are written. Without the
-  /// option it is the same as flush().
+  /// Starts to write the frames that are still in memory, as flush() does. With the option `in_background`,
+  /// start_flush() returns before the frames are written. Without the option, it returns after they are
+  /// written.
   void start_flush();
   /// Writes the frames that are still in memory and closes the file. All HDF5 tools can then read it, also
   /// those without SWMR mode. Further calls of the functions of this recording do nothing.

@@ -14,9 +14,10 @@ namespace troupe {
 
 class Simulation;
 
-/// Writes a session file: the acts (changes by a user, troupe/acts.hpp) that were applied to a simulation, so
-/// that SessionReplay can repeat them (docs/live.md). When add() returns, the act has been passed to the
-/// operating system: it is not lost if the process dies.
+/// Writes a session file: the acts that were applied to a running simulation, and the ticks (time steps) at
+/// which they were applied (docs/live.md). An act is a change by a user or a program, such as moving a robot
+/// (troupe/acts.hpp). SessionReplay repeats the acts from the file. When add() returns, the act has been
+/// passed to the operating system: it is not lost if the process dies.
 class SessionLog {
  public:
   /// Creates the file NAME.session.jsonl in `folder`, where NAME is the name of the world file without its
@@ -40,8 +41,9 @@ class SessionLog {
   std::unique_ptr<Impl> impl_;
 };
 
-/// Repeats a session: applies each of its acts at the tick at which it was applied in the original run. Call
-/// act() in the callback of Simulation::before_tick():
+/// Repeats a session, that is, a run with acts that SessionLog wrote to a file: applies each act at the tick
+/// at which it was applied in the original run. Call act() in the callback of Simulation::before_tick(),
+/// which is called in every tick before sensors and robots are computed:
 ///
 ///   troupe::Simulation simulation("cave.world", {.seed = 7, .mortal = true});  // as in the original run
 ///   troupe::SessionReplay session("cave.session.jsonl", simulation);
@@ -51,10 +53,10 @@ class SessionReplay {
  public:
   /// Reads a session file. Throws InputError, `cave.session.jsonl:1: error: ...`, if the file is not a
   /// session or does not match the simulation: if the version of Troupe, an option that affects results, or
-  /// the state hash at the first tick of the session differs, or if the simulation has not reached that tick.
-  /// The simulation may be past that tick if it was resumed from a checkpoint of the session; its state then
-  /// already contains the acts of earlier ticks, which are skipped. The state hash is not compared in this
-  /// case.
+  /// the state hash (a hash of the whole state of the world) at the first tick of the session differs, or if
+  /// the simulation has not reached that tick. The simulation may be past that tick if it was resumed from a
+  /// checkpoint of the session; its state then already contains the acts of earlier ticks, which are skipped.
+  /// The state hash is not compared in this case.
   SessionReplay(const std::filesystem::path& file, const Simulation& simulation);
   ~SessionReplay();
   SessionReplay(const SessionReplay&) = delete;

@@ -47,16 +47,19 @@ struct WorldDocument;
 
 namespace troupe {
 
-/// How rangers compute ranges: by exact ray-surface intersection, or by stepping through an occupancy grid
-/// (docs/sensing.md).
+/// How rangers (range sensors such as laser scanners) compute ranges: by exact ray-surface intersection, or
+/// by stepping through an occupancy grid (docs/sensing.md).
 using engine::RangingEngine;
+/// The result of Simulation::cast(): the first surface that a ray meets.
 using engine::RayHit;
 
-/// The largest number of ranks (SimulationOptions::ranks).
+/// The largest number of ranks, the threads or processes that compute one world together
+/// (SimulationOptions::ranks).
 inline constexpr unsigned k_most_ranks = 1024;  // = partition::k_most_ranks
 
-/// How a world is loaded and run. Only the options `seed`, `ranging`, `robots`, `set`, `scripts` and `spare`
-/// change the simulated results; `search_path` and `plugin_path` decide which files are found.
+/// How a world is loaded and run. The class Simulation explains the terms that this file uses. Only the
+/// options `seed`, `ranging`, `robots`, `set`, `scripts` and `spare` change the simulated results;
+/// `search_path` and `plugin_path` decide which files are found, and `mortal` only allows further calls.
 struct SimulationOptions {
   /// Number of worker threads, at most 1,024; a larger number throws std::invalid_argument. 0: one thread per
   /// processor that the affinity mask and the control groups of the process allow.
@@ -68,9 +71,10 @@ struct SimulationOptions {
   std::optional<std::uint64_t> seed;
   /// How rangers compute ranges. Not set: as the world file states.
   std::optional<RangingEngine> ranging;
-  /// New sizes of populations: pairs of the name of a population and its new number of robots. An empty name
-  /// means the only population of the world. Loading the world throws InputError if no population has a given
-  /// name, and for an empty name if the world has several populations or none.
+  /// New sizes of populations (groups of bodies of one type that a world file creates with one entry): pairs
+  /// of the name of a population and its new number of robots. An empty name means the only population of the
+  /// world. Loading the world throws InputError if no population has a given name, and for an empty name if
+  /// the world has several populations or none.
   std::vector<std::pair<std::string, std::size_t>> robots;
   /// Values of the world file to replace: pairs of a JSON pointer (a path in the file, RFC 6901) and a JSON
   /// value, such as {"/populations/0/count", "500"}.
@@ -85,13 +89,15 @@ struct SimulationOptions {
   /// Scripts, such as Python files, with controllers and measures (troupe/script.hpp). The controllers
   /// replace those that the world file gives to the same robots.
   std::vector<std::shared_ptr<const Script>> scripts;
-  /// Allows the program to remove, disable and enable bodies, as `"mortal": true` in the world file does. The
-  /// option changes no state hash as long as the program does not use it to remove or disable a body.
+  /// Allows the program to call Simulation::remove(), disable() and enable(), as `"mortal": true` in the
+  /// world file does. The option changes no state hash as long as the program does not use it to remove or
+  /// disable a body.
   bool mortal = false;
   /// Number of robots that spawn() can add to each population while the world runs (docs/lives.md). These
   /// unborn robots are the reserve of the population. The option adds no robots to a population for which the
   /// world file declares a reserve. The ids of the robots that the option adds follow those of all other
-  /// bodies. A world with a reserve has other state hashes than the same world without it.
+  /// bodies. A world with a reserve has other state hashes (64-bit hashes of the whole state) than the same
+  /// world without a reserve.
   std::uint32_t spare = 0;
   /// Number of ranks among which the robots are divided, from 1 to 1,024; other numbers throw
   /// std::invalid_argument, and so does more than one rank if a launcher such as mpirun started several
@@ -113,14 +119,15 @@ struct SimulationOptions {
   /// sets this option (docs/cluster.md). Null: this process computes the world alone.
   std::shared_ptr<RankProcesses> processes;
   /// True: each rank stores only the state of its own robots and of robots near them (docs/cluster.md). This
-  /// process then has the state of all other robots only after engine::World::gather(). Without effect if one
-  /// rank computes the world, and for worlds that cannot be distributed in this way, for which
-  /// RankStatistics::why_replicated states the reason. Only the program `troupe` sets this option.
+  /// process then has the state of all other robots only after a call of engine::World::gather(), which
+  /// fetches the state from the other ranks. Without effect if one rank computes the world, and for worlds
+  /// that cannot be distributed in this way, for which RankStatistics::why_replicated states the reason. Only
+  /// the program `troupe` sets this option.
   bool distribute = false;
 };
 
-/// How a run is resumed from a checkpoint. Only the options `set`, `across_versions` and `across_plugins` can
-/// change the simulated results.
+/// How a run is resumed from a checkpoint, a file with the whole state of a run that Simulation::save()
+/// wrote. Only the options `set`, `across_versions` and `across_plugins` can change the simulated results.
 struct ResumeOptions {
   /// Number of worker threads, as in SimulationOptions.
   unsigned threads = 0;
@@ -148,7 +155,9 @@ struct ResumeOptions {
   bool distribute = false;                          ///< as in SimulationOptions
 };
 
-/// The phases of a tick, in the order in which they run (engine/world/phase.hpp).
+/// The phases of a tick (a time step), in the order in which they run: intervene, sense, actuate, decide,
+/// move and index (engine/world/phase.hpp). k_phases is their number; phase_name() returns the name of a
+/// phase.
 using engine::k_phases;
 using engine::Phase;
 using engine::phase_name;
@@ -164,18 +173,22 @@ struct Statistics {
   std::size_t held_at_bounds = 0;  ///< robots whose last motion would have left the bounds of the world
   /// Mean straight-line distance of the robots from their positions at tick 0 or at birth, m.
   double mean_displacement_m = 0;
-  std::uint64_t conflict_rounds = 0;  ///< rounds in which conflicting motions were resolved, since tick 0
-  std::size_t state_bytes = 0;        ///< memory of all state tables, bytes
+  /// Rounds in which conflicting motions (motions after which bodies would overlap) were resolved, since
+  /// tick 0.
+  std::uint64_t conflict_rounds = 0;
+  std::size_t state_bytes = 0;  ///< memory of all state tables, which hold the state of the bodies, bytes
 };
 
-/// What rank 0 has sent to the other ranks so far, and how long it has waited for them. With one rank, all
+/// What rank 0 has sent to the other ranks so far, and how long it has waited for them. The ranks are the
+/// threads or processes that compute one world together (SimulationOptions::ranks). With one rank, all
 /// numbers except `ranks` and `nodes` are 0.
 struct RankStatistics {
   unsigned ranks = 1;          ///< number of ranks
   unsigned nodes = 1;          ///< number of computers on which the ranks run
   std::uint64_t messages = 0;  ///< number of messages that rank 0 has sent to other ranks
   std::uint64_t bytes = 0;     ///< total length of these messages, bytes
-  double waited_s = 0;         ///< time spent waiting, s; 0 if neither rank_clock nor `processes` is given
+  /// Time that rank 0 has waited, s; 0 if neither `rank_clock` nor `processes` of the options is set.
+  double waited_s = 0;
   /// How often robots moved to other ranks because the slowest rank took more than 1.1 times the mean time of
   /// all ranks.
   std::uint64_t rebalanced = 0;
@@ -212,10 +225,12 @@ struct RecordingOptions;
 class Model {
  public:
   /// The name: for a handle from Simulation::find(), the name given to find(), which may be an alias; else
-  /// the name in the world file or, if it has none, the name that Stage's rule generates ("position:0").
+  /// the name in the world file. A model without a name there has the name that the simulator Stage would
+  /// generate, such as "position:0".
   const std::string& name() const;
-  /// Id of the body; for a part, the id of the body that it is mounted on. Fiducial finders, bumpers, radios
-  /// and Simulation::cast() report this id, and Simulation::model() takes it.
+  /// Id of the body; for a part, the id of the body that it is mounted on. Simulation::cast() and sensors
+  /// that identify bodies (fiducial finders, bumpers, radios) report this id, and Simulation::model() takes
+  /// it.
   BodyId id() const;
   /// Pose in the world frame, m and rad. The pose of a part on a joint includes the motion of the joint. A
   /// body that was removed keeps its last pose; the pose of a body that is not yet born is NaN.
@@ -230,17 +245,20 @@ class Model {
   /// which the drive runs throw StepError. Throws std::logic_error, as accelerate() and go_to() do, for a
   /// model that has no drive, and for a body that is not in the world.
   void set_speed(double forward, double left, double turn);
-  void set_speed(double forward, double turn) { set_speed(forward, 0, turn); }  ///< as above, left = 0
+  /// Commands speeds as the other set_speed() does, with left = 0.
+  void set_speed(double forward, double turn) { set_speed(forward, 0, turn); }
   /// Commands accelerations in the body frame: forward and left in m/s^2, turn in rad/s^2 (for a car drive:
   /// the steering angle, rad). They apply from the next tick on, within the drive's limits of acceleration
   /// and speed, until another command replaces them. Throws as set_speed() does.
   void accelerate(double forward, double left, double turn);
-  void accelerate(double forward, double turn) { accelerate(forward, 0, turn); }  ///< as above, left = 0
+  /// Commands accelerations as the other accelerate() does, with left = 0.
+  void accelerate(double forward, double turn) { accelerate(forward, 0, turn); }
   /// Commands a goal pose, m and rad, in the frame of the robot's estimated pose (estimate()). The robot
   /// drives to the goal and stays there until another command replaces this one. docs/driving.md describes
   /// the path that each kind of drive takes. Throws as set_speed() does.
   void go_to(double x, double y, double heading);
-  void go_to(const Pose& goal) { go_to(goal.x, goal.y, goal.heading); }  ///< as above; ignores goal.z
+  /// Commands a goal pose as the other go_to() does; ignores goal.z.
+  void go_to(const Pose& goal) { go_to(goal.x, goal.y, goal.heading); }
   /// A velocity in the body frame.
   struct Speed {
     double forward = 0;  ///< speed forward, m/s
@@ -258,11 +276,13 @@ class Model {
   /// Whether the robot's motion in the last tick was blocked by an obstacle or would have ended outside the
   /// bounds of the world; false before the first step.
   bool stalled() const;
-  /// Estimated pose of the body, m and rad. With the localization `gps`, and for a body without a drive, this
-  /// is the true pose in the world frame; with `odom` it is the odometry estimate, in the frame that
-  /// `localization_origin` in the world file defines. All numbers are 0 for a body that is not yet born. For
-  /// a part with a device `wheels` it is the true pose of the part, pose(); for other parts, the estimate of
-  /// the body.
+  /// Estimated pose of the body, m and rad. The drive parameter `localization` of the world file selects it:
+  /// with `gps` it is the true pose, with `odom` an estimate from wheel odometry. Both are in the frame that
+  /// the drive parameter `localization_origin` defines. Without `localization_origin`, the frame is the world
+  /// frame with `gps`, and the pose of the robot at tick 0 or at its birth with `odom`. For a body without a
+  /// drive, estimate() returns the true pose in the world frame. All numbers are 0 for a body that is not yet
+  /// born. For a part with a device `wheels`, estimate() returns the true pose of the part, pose(); for other
+  /// parts, the estimate of the body.
   Pose estimate() const;
   /// Overwrites the odometry estimate: m and rad, in the frame of estimate(); pose.z is ignored. Throws
   /// std::logic_error if the localization of the robot is not `odom`, and std::invalid_argument if a number
@@ -292,15 +312,17 @@ class Model {
   /// all its parts; if it is a part, only the sensors on this part.
   std::vector<std::string> sensors() const;
   /// Ranges that the ranger named `sensor` measured, m, one per beam, counter-clockwise within each
-  /// transducer. An empty name means the first ranger. The span stays valid while the simulation lives, and
-  /// its content changes with each step. All ranges are 0 before the first step and for a body that is not in
-  /// the world. Throws std::out_of_range, with the known names, if there is no such ranger. Throws
-  /// std::logic_error if the sensor does not run; Simulation::subscribe() makes all sensors of a robot run.
+  /// transducer (a fan of beams that start at one pose). An empty name means the first ranger. The span stays
+  /// valid while the simulation lives, and its content changes with each step. All ranges are 0 before the
+  /// first step and for a body that is not in the world. Throws std::out_of_range, with the known names, if
+  /// there is no such ranger. Throws std::logic_error if the sensor does not run; Simulation::subscribe()
+  /// makes all sensors of a robot run.
   std::span<const float> ranges(std::string_view sensor = {}) const;
   /// Intensities that the ranger named `sensor` measured, one per value of ranges(); errors as in ranges().
   /// The span is empty unless the parameter `intensity` of the ranger is true.
   std::span<const float> intensities(std::string_view sensor = {}) const;
-  /// Readings of a sensor, or the state of another device such as a gripper or a power pack:
+  /// Returns the values of one named field of a device: of the readings of a sensor, or of the state of
+  /// another device such as a gripper or a power pack:
   ///
   ///     robot.readings<float>("depth");             // depth image of its camera, m, one value per pixel
   ///     robot.readings<std::int32_t>("id", "eye");  // ids seen by the fiducial finder "eye"
@@ -358,8 +380,8 @@ class Model {
   /// commands.
   std::span<const engine::StateField> command_fields(std::string_view device) const;
 
-  /// State of a power pack: its charge, and the energy that it dissipated, received and gave since tick 0, J
-  /// (docs/energy.md).
+  /// State of a power pack (the energy store of a body): its charge, and the energy that it dissipated,
+  /// received and gave since tick 0, J (docs/energy.md).
   using Energy = engine::Energy;
   /// Energy of the power pack that supplies this model: a pack on this part, or else on the nearest of the
   /// parts on which this part is mounted, up to the body itself. Empty if there is no such pack.
@@ -378,8 +400,9 @@ class Model {
   std::span<const std::byte> cell(std::string_view field, std::string_view device,
                                   engine::Element element) const;
   std::byte* asked(std::string_view device, std::size_t bytes, std::span<const engine::StateField> fields);
-  /// Swarm::for_each() keeps an object of this class on a thread while the function `visit` runs there for
-  /// `robot`. On this thread, functions that change other robots then throw std::logic_error.
+  /// Marks a robot as visited. Swarm::for_each() calls a function of its caller for each robot of the swarm.
+  /// During each call, it keeps an object of this class for that robot on the thread of the call. While the
+  /// object exists, functions on this thread that would change other robots throw std::logic_error.
   class Visit {
    public:
     explicit Visit(const Model& robot);
@@ -388,7 +411,7 @@ class Model {
     Visit& operator=(const Visit&) = delete;
 
    private:
-    const Model* before_;
+    const Model* before_;  // robot that was marked on this thread before; null if none
   };
   static void refuse_in_for_each(const engine::World& world, std::string_view what);
   void refuse_others_in_for_each() const;
@@ -400,6 +423,24 @@ class Model {
 /// A world and its state. Not thread-safe: use each simulation from one thread at a time, except that several
 /// threads may call cast() at once. A simulation computes on worker threads of its own
 /// (SimulationOptions::threads). A process may have several simulations.
+///
+/// These terms are used in this file; docs/glossary.md defines them and others:
+///
+/// body          a robot, another object, or static geometry such as walls; every body has an id
+/// type          the properties that bodies of the same construction share: shape, drive, devices,
+///               controllers
+/// drive         the equipment that moves a body; a robot is a body whose type has a drive
+/// device        equipment of a body that has state, such as a gripper; a sensor is a device that only
+///               observes
+/// controller    code that computes the commands of a robot, for example from its sensor readings
+/// kind          an implementation of a drive, device, controller, measure or fault, such as the sensor
+///               `ranger`; a registry lists the kinds that a world can use
+/// population    an entry of the world file that creates many bodies of one type, placed by a rule. Its
+///               reserve are bodies that are not in the world at tick 0 and can be born later
+/// tick          a time step of constant length, tick_s(); tick 0 is the state after loading
+/// intervention  a change of the world at a given time, which the world file lists under the key `at`
+/// fault         a failure of a robot, such as a dead sensor, which the world file describes
+/// measure       a number that is computed from the state, such as the covered area
 class Simulation {
  public:
   /// Loads a world file (Stage `.world` or Troupe JSON). Throws InputError, whose text lists all errors in
@@ -464,8 +505,10 @@ class Simulation {
   /// warning: ...`, and about plug-ins and the checkpoint, `file: warning: ...`.
   const std::vector<std::string>& warnings() const;
   /// The options that the simulation uses (world, seed, number of threads, ...), as pairs of key and value,
-  /// for logs. All keys differ: a replaced value is not listed, and values that `set` appends to a list with
-  /// the same pointer are numbered, as in `set /models/- #2`.
+  /// for logs. They include the values of SimulationOptions::set, with keys such as `set
+  /// /populations/0/count`. All keys differ: of several values for one pointer, only the last is listed.
+  /// Values that are appended to a list, with a pointer that ends in `/-`, are all listed, with numbers as in
+  /// `set /models/- #2`.
   std::vector<std::pair<std::string, std::string>> effective_options() const;
 
   /// The condition in the world's list `stop_when` that ended the run, such as `coverage >= 0.9`
@@ -525,9 +568,9 @@ class Simulation {
   /// store the placement rules.
   void reset(std::uint64_t seed);
   /// Makes another simulation of the same world at tick 0, as if it had been loaded with this seed. Reads no
-  /// file. The new simulation may outlive this one and is computed by one rank. Callbacks, subscriptions,
-  /// changes by set() and warnings() are not copied. threads: number of worker threads, as in
-  /// SimulationOptions. Throws as reset(seed) does.
+  /// file. The new simulation may outlive this one and is computed by one rank. It has no callbacks, no
+  /// subscriptions, no warnings() and none of the changes that set() has made. threads: number of worker
+  /// threads, as in SimulationOptions. Throws as reset(seed) does.
   Simulation another(std::uint64_t seed, unsigned threads) const;
 
   /// Saves the whole state between two steps in a checkpoint, one HDF5 file. resume() then needs neither the
@@ -563,8 +606,8 @@ class Simulation {
   std::optional<double> quit_time_s() const;
 
   /// Finds a model by name: a body ("r0"), or a part that is mounted on a body ("r0.ranger:1"). The name is
-  /// the one in the world file, or the one that Stage's rule generates. If there is no such model,
-  /// throws std::out_of_range, whose text suggests a similar name if there is one.
+  /// the one in the world file, or else the one that the simulator Stage would generate (Model::name()). If
+  /// there is no such model, throws std::out_of_range, whose text suggests a similar name if there is one.
   Model find(std::string_view name);
   /// The body with this id. Sensors and cast() report such ids. Throws std::out_of_range if there is no such
   /// body.
@@ -643,10 +686,11 @@ class Simulation {
   std::string parameters(std::string_view type) const;
   /// Names of all robots in the world, in the order of their ids.
   std::vector<std::string> robot_names() const;
-  /// Makes all sensors of a body run, as Stage's Subscribe does. model: name of the body or of one of its
-  /// parts. Without this call, a sensor runs only if the world file makes it run (`active` in JSON,
-  /// `alwayson` in Stage worlds) or if the robot's controller reads it. Call subscribe() before the first
-  /// step: later calls throw std::logic_error. Throws std::out_of_range for an unknown model.
+  /// Makes all sensors of a body run, as the function Subscribe of the simulator Stage does. model: name of
+  /// the body or of one of its parts. Without this call, a sensor runs only if the world file makes it run
+  /// (`active` in JSON, `alwayson` in Stage worlds) or if the robot's controller reads it. Call subscribe()
+  /// before the first step: later calls throw std::logic_error. Throws std::out_of_range for an unknown
+  /// model.
   void subscribe(std::string_view model);
 
   /// Starts to record this run in a file (troupe/recording.hpp): the current state, and then the state at
@@ -664,11 +708,12 @@ class Simulation {
   /// Returns a 64-bit hash of the whole state: the sum that Hashes::state describes. Simulations with equal
   /// states have equal hashes (docs/determinism.md).
   std::uint64_t state_hash() const;
-  /// The hash of the state, and the hashes of four groups of its components (tables).
+  /// The hash of the state, and the hashes of four groups of the components (tables) of which the state
+  /// consists.
   struct Hashes {
     std::uint64_t state = 0;     ///< the sum of the four hashes below, modulo 2^64
     std::uint64_t pose = 0;      ///< poses, carried bodies, which bodies are in the world
-    std::uint64_t velocity = 0;  ///< velocities, commands of drives and devices, stalls
+    std::uint64_t velocity = 0;  ///< velocities, commands of drives and devices, blocked motions
     std::uint64_t sensor = 0;    ///< readings of sensors, and the state of other devices
     std::uint64_t memory = 0;    ///< memory of controllers, odometry, faults and disabled bodies
   };
@@ -698,10 +743,10 @@ class Simulation {
   /// a tick begins, and with std::nullopt when the tick ends, on the thread that calls step(). A second call
   /// replaces the callback; a null callback removes it.
   void on_phase(std::function<void(std::optional<Phase>)> callback);
-  /// Sets a callback for profilers. It is called when a task of a parallel loop begins (`begins` is true) and
-  /// when the task ends (false); `task` is the index of the task in its loop. Worker threads call it
-  /// concurrently, so it must be thread-safe. Set it between two steps. A second call replaces the callback;
-  /// a null callback removes it.
+  /// Sets a callback for profilers. Parallel loops are divided into tasks for the worker threads. The
+  /// callback is called when a task of a loop begins (`begins` is true) and when the task ends (false);
+  /// `task` is the index of the task in its loop. Worker threads call it concurrently, so it must be
+  /// thread-safe. Set it between two steps. A second call replaces the callback; a null callback removes it.
   void on_task(std::function<void(std::size_t task, bool begins)> callback);
   /// Sets a callback, for example to measure the time of parallel loops. It is called on the thread that
   /// calls step() when a parallel loop begins (true) and when it ends (false), also for loops that run
@@ -728,9 +773,9 @@ class Simulation {
   /// does not exist, or for an SVG or PDF file of a view that is not from straight above.
   void snapshot(const std::filesystem::path& png, const PictureOptions& options) const;
   /// Returns a picture of the world from above: 8-bit RGB, three bytes per pixel, row by row from the top.
-  /// width, height: size in pixels. Throws std::runtime_error if the library OSMesa is missing, the size
-  /// exceeds its limit, or the build has no renderer, and std::invalid_argument for a width or height
-  /// below 1. Do not call picture() or snapshot() from two threads at once: they share a renderer.
+  /// width, height: size in pixels. Throws std::runtime_error if the library OSMesa is missing, if the size
+  /// exceeds the limit of OSMesa, or if the build has no renderer, and std::invalid_argument for a width or
+  /// height below 1. Do not call picture() or snapshot() from two threads at once: they share a renderer.
   std::vector<std::uint8_t> picture(int width = 1280, int height = 720) const;
   /// Returns a picture with the camera, size and layers of `options`: 8-bit RGB, three bytes per pixel, row
   /// by row from the top. A width or height of 0 or less means the default of PictureOptions. Throws

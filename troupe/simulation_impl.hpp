@@ -27,16 +27,19 @@
 
 namespace troupe {
 
+/// The data of a Simulation. A registry lists the kinds that the world can use: the implementations of
+/// sensors, other devices, drives, controllers, measures and faults. The ranks are the threads or processes
+/// that compute the world together.
 struct Simulation::Impl {
   std::shared_ptr<engine::Registry> registry;  ///< shared with simulations from another()
-  std::shared_ptr<Plugins> plugins;            ///< loads plug-ins for `registry`
+  std::shared_ptr<Plugins> plugins;            ///< loads kinds from shared libraries for `registry`
   std::unique_ptr<engine::World> world;
   /// The ranks that compute `world` together with this thread; null if it is computed by one rank.
   std::unique_ptr<RankGroup> ranks;
-  std::string why_replicated;  ///< value of RankStatistics::why_replicated
+  std::string why_replicated;  ///< why SimulationOptions::distribute has no effect; else empty
   std::vector<std::string> warnings;
   std::filesystem::path file;       ///< path of the world file
-  double tile_size_m = 0;           ///< value of SimulationOptions::tile_size_m
+  double tile_size_m = 0;           ///< SimulationOptions::tile_size_m: edge of the tiles of the world, m
   worldio::PlaceAgain place_again;  ///< places bodies for another seed; empty if no pose depends on seeds
   /// Changes to the world, as pairs of key and value for effective_options(): the values of the option `set`
   /// (if a run was resumed with a value, the key contains the tick), and the option `spare`. All keys differ.
@@ -48,18 +51,20 @@ struct Simulation::Impl {
   worldio::Memories memories;
   /// The callbacks of on_save(), by name.
   std::map<std::string, std::function<std::vector<std::byte>()>> on_save;
-  /// Evaluates the stop conditions; null if the world has no `stop_when`.
+  /// Evaluates the conditions under the key `stop_when` of the world file, which end the run; null if the
+  /// world has none.
   std::unique_ptr<engine::StopConditions> stop;
   /// The recording that record() started; null if none is running.
   std::unique_ptr<Recording> recording;
-  std::deque<std::function<void(Simulation&)>> on_tick;
-  bool in_callbacks = false;
+  std::deque<std::function<void(Simulation&)>> on_tick;  ///< callbacks of Simulation::on_tick()
+  bool in_callbacks = false;                             ///< whether a callback of `on_tick` is running
   /// Renderer and options of the last call of snapshot() or picture(); null before the first call.
   std::unique_ptr<Pictures> pictures;
   PictureOptions picture_options;
 
-  std::function<void(Simulation&)> before_tick;
-  /// Robots that acts hold, see Holds and Simulation::act().
+  std::function<void(Simulation&)> before_tick;  ///< callback of Simulation::before_tick(); may be empty
+  /// The held robots: those that a user or a program steers instead of their controllers, because of an act
+  /// (a change of the running world, Simulation::act()).
   Holds holds;
 
   /// Throws std::logic_error if a callback of on_tick() is running. `what`: the call that is not allowed in
@@ -73,11 +78,12 @@ struct Simulation::Impl {
   Pictures& pictures_of(const Simulation& simulation, const PictureOptions& options);
 
   // troupe/simulation_files.cpp
-  /// Makes the world of a valid spec, and collects the warnings about this world and about plug-ins in
-  /// `warnings`. populations: the names of the populations of a JSON world, for the option `spare`.
+  /// Makes the world of a valid spec (the description of a world that the engine uses internally), and
+  /// collects the warnings about this world and about plug-ins in `warnings`. populations: the names of the
+  /// populations of a JSON world, for the option `spare`, which adds unborn robots to them.
   void start(engine::WorldSpec spec, const SimulationOptions& options, Diagnostics& diagnostics,
              std::span<const std::string> populations = {});
-  /// Sets `world`, and makes its replicas (copies of the world) on the other ranks. options:
+  /// Makes `world` from its spec, and makes its replicas (copies of the world) on the other ranks. options:
   /// SimulationOptions or ResumeOptions.
   template <class Options>
   void make_world(engine::WorldSpec spec, const Options& options, Diagnostics& diagnostics);

@@ -6,8 +6,8 @@ namespace troupe {
 
 class Simulation;
 
-/// The current state of a simulation as a source of pictures. Keeps a reference to the simulation, which must
-/// outlive this object.
+/// The current state of a simulation as a source of pictures. The functions are those of PictureSource
+/// (troupe/picture_source.hpp). Keeps a reference to the simulation, which must outlive this object.
 class SimulationSource : public PictureSource {
  public:
   explicit SimulationSource(const Simulation& simulation) : simulation_(simulation) {}

@@ -15,8 +15,10 @@
 
 namespace troupe {
 
-/// A group of robots of one simulation. Most functions do in one call, for all robots of the group, what the
-/// function of Model with the same name (in the singular) does for one robot.
+/// A group of robots of one simulation. Model (troupe/simulation.hpp) is a handle of a single robot. Most
+/// functions of Swarm do in one call, for all robots of the group, what the function of Model with the same
+/// name (in the singular) does for one robot. A ranger is a range sensor, such as a laser scanner; a device
+/// is a sensor or other equipment of a robot, whose readings and commands consist of named fields.
 ///
 ///     troupe::Swarm swarm = simulation.swarm("minibots");
 ///     std::vector<float> ranges(swarm.size() * swarm.beams());
@@ -49,9 +51,10 @@ class Swarm {
   std::size_t size() const { return ids_.size(); }      ///< number of robots, in the world or not
   std::span<const BodyId> ids() const { return ids_; }  ///< ids of the robots, in ascending order
   std::vector<std::string> names() const;               ///< names of the robots, in the order of ids()
-  std::uint64_t tick() const;                           ///< number of completed ticks
+  std::uint64_t tick() const;                           ///< number of completed ticks (time steps)
   double time_s() const;                                ///< world time, s
-  /// Names of the types of the robots, each name once, in the order of the world file.
+  /// Names of the types of the robots (a type states the shape, drive and devices of its robots), each name
+  /// once, in the order of the world file.
   std::vector<std::string> types() const;
 
   /// Writes 1 for each robot that is in the world (docs/lives.md), else 0.
@@ -60,7 +63,8 @@ class Swarm {
   void stalled(std::span<std::uint8_t> out) const;
   /// Writes the poses in the world frame, m and rad, as Model::pose() returns them.
   void poses(std::span<Pose> out) const;
-  /// Writes the estimated poses, m and rad, as Model::estimate() returns them.
+  /// Writes the estimated poses (the true poses, or those from wheel odometry), m and rad, as
+  /// Model::estimate() returns them.
   void estimates(std::span<Pose> out) const;
   /// Writes the velocities that the drives computed in the last tick, in the body frame of each robot, m/s
   /// and rad/s, as Model::speed() returns them.
@@ -80,9 +84,10 @@ class Swarm {
   /// ranger, rad, in the order of ranges(). An empty name means the first ranger. The result is empty for a
   /// swarm without robots. Throws std::out_of_range if the first robot has no such ranger.
   std::vector<double> bearings(std::string_view sensor = {}) const;
-  /// Returns an upper bound of the ranges that the first robot's ranger named `sensor` can measure, m: the
-  /// largest range_max of its transducers, plus the distances by which the ranger and its transducers are
-  /// away from the origin of the body. 0 for a swarm without robots. Throws as bearings() does.
+  /// Returns an upper bound of the ranges that the first robot's ranger named `sensor` can measure, m. A
+  /// transducer is a fan of beams of a ranger, and range_max its largest range. The bound is the largest
+  /// range_max of the transducers, plus the distances by which the ranger and its transducers are away from
+  /// the origin of the body. 0 for a swarm without robots. Throws as bearings() does.
   double range_bound(std::string_view sensor = {}) const;
   /// Returns the description (name, type, columns, unit) of the field `field` of the readings of the first
   /// robot's device named `device`. An empty `device` means the first device of this robot that has this

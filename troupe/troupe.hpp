@@ -1,6 +1,6 @@
 #pragma once
 
-/// Includes the public headers that most programs need.
+/// This header includes the public headers of Troupe that most programs need.
 #include "base/diagnostics.hpp"
 #include "troupe/acts.hpp"
 #include "troupe/batch_env.hpp"

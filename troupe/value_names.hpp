@@ -9,10 +9,11 @@
 
 namespace troupe {
 
-/// Splits the name of a state value, COMPONENT.FIELD or COMPONENT.FIELD.COLUMN, into its parts, and returns
-/// all possible results. Because names of components may contain dots, `a.b.3` is column 3 of the field b of
-/// the component a, or the field 3 of the component a.b. Does not check that the values exist, and leaves
-/// their `text` empty. The result is empty if the name has no dot.
+/// Splits the name of a value of the state, COMPONENT.FIELD or COMPONENT.FIELD.COLUMN, into its parts, and
+/// returns all possible results. Components are the tables of which the state consists; each has named fields
+/// of one or more columns. Because names of components may contain dots, `a.b.3` is column 3 of the field b
+/// of the component a, or the field 3 of the component a.b. Does not check that the values exist, and leaves
+/// ChosenValue::text, the label, empty. The result is empty if the name has no dot.
 std::vector<ChosenValue> readings_of(const std::string& name);
 
 /// Appends the unit to a name: "velocity.x (m/s)". Returns the name alone if the unit is empty.

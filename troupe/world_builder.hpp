@@ -69,7 +69,7 @@ class Settings {
     Setting value;         ///< value in the unit that the key states
   };
   Settings() = default;
-  /// Calls set() for each entry; of entries with the same key the last one counts.
+  /// Calls set() for each entry. If several entries have the same key, the last one counts.
   Settings(std::initializer_list<Entry> entries);
   /// Sets the value of a key; replaces an earlier value of the same key.
   Settings& set(std::string_view key, const Setting& value);
@@ -81,7 +81,8 @@ class Settings {
   std::vector<std::pair<std::string, Setting>> entries_;
 };
 
-/// Builds a world in a program: types of bodies, and bodies.
+/// Builds a world in a program: types of bodies, and bodies. A type states the properties that bodies of the
+/// same construction share; a robot is a body whose type has a drive.
 ///
 ///     troupe::WorldBuilder world;
 ///     world.set("seed", 7);
@@ -131,9 +132,9 @@ class WorldBuilder {
     /// sensor().
     Type& device(std::string_view name, std::string_view kind, const Settings& parameters = {},
                  const Pose& pose = {});
-    /// Sets the controller that runs on each robot of the type. It replaces an earlier controller. kind:
-    /// "wander", ...; parameters: those of this kind of controller. Robots without a controller do only what
-    /// the program commands.
+    /// Sets the controller (the code that commands a robot) that runs on each robot of the type. It replaces
+    /// an earlier controller. kind: "wander", ...; parameters: those of this kind of controller. Robots
+    /// without a controller do only what the program commands.
     Type& controller(std::string_view kind, const Settings& parameters = {});
     /// Sets any key that a type can have in the world file, in place of an earlier value of the key. Do not
     /// set "sensors" of a type that also gets sensors from sensor(), nor "devices" together with device():
@@ -164,7 +165,8 @@ class WorldBuilder {
                     const Settings& more = {});
   /// Adds `count` bodies of a type with the names NAME0, NAME1, ... (NAME is `name`). place: the placement
   /// rule, as under "place" in the world file, such as {{"rule", "uniform"}, ...}. more: further keys that a
-  /// population has in the world file ("reserve", "color").
+  /// population has in the world file, such as "color", or "reserve", the number of further bodies that can
+  /// be added while the world runs.
   WorldBuilder& population(std::string_view name, std::string_view type, std::size_t count,
                            const Settings& place, const Settings& more = {});
   /// Adds a straight wall between two points in the world frame; points, thickness and height in m. Each call
@@ -173,15 +175,16 @@ class WorldBuilder {
   WorldBuilder& wall(const Vec2& from, const Vec2& to, double thickness = 0.1, double height = 0.5);
   /// Adds the walls of a floor plan: the dark pixels of the image file `bitmap`. The bounding box of these
   /// pixels, or the whole image with {"margins", "keep"} in `more`, is scaled to x by y metres. height:
-  /// height of the walls, m. more: further keys that a floor plan has in the world file.
+  /// height of the walls, m. more: further keys that a floor plan has in the world file, such as "pose", the
+  /// pose of the centre of the image (by default the origin of the world).
   WorldBuilder& floorplan(std::string_view name, const std::filesystem::path& bitmap, double x, double y,
                           double height = 0.5, const Settings& more = {});
 
   /// The name given to the constructor, with the ending `.json`.
   const std::filesystem::path& name() const { return name_; }
-  /// The text of the JSON world file, which `troupe run` can load, with one line per body or sensor. Throws
-  /// std::runtime_error if a text in the world is not valid UTF-8. The constructor of Simulation throws the
-  /// same error.
+  /// The text of the JSON world file, which the program `troupe run` can load, with one line per body or
+  /// sensor. Throws std::runtime_error if a text in the world is not valid UTF-8. The constructor of
+  /// Simulation then throws this error, too.
   std::string json() const;
 
  private:

@@ -10,8 +10,9 @@
 
 namespace troupe::worldio {
 
-/// Size of the largest text or image file that is read, in bytes (4 GiB); decode_bitmap() has a lower limit
-/// for images. No world needs a larger file, so a larger file is a mistake.
+/// Size of the largest text or image file that is read, in bytes (4 GiB). The decoder of images,
+/// decode_bitmap(), has a lower limit, 2^31 - 1 bytes. No world needs a larger file, so a larger file is a
+/// mistake.
 inline constexpr std::uintmax_t k_most_input_bytes = std::uintmax_t{4} << 30;
 
 /// Checks that a file is a readable regular file of at most `most_bytes` bytes, without opening the file. A

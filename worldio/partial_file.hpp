@@ -27,8 +27,8 @@ class PartialFile {
   ~PartialFile();
 
   const std::filesystem::path& path() const { return partial_; }  ///< path of the partial file until commit()
-  /// Descriptor of the partial file, open for writing; -1 after commit(). A process that inherits the
-  /// descriptor shares the lock.
+  /// Descriptor of the partial file, open for writing; -1 after commit(). A child process that inherits the
+  /// descriptor shares the lock: the lock lasts until both processes have closed the descriptor.
   int descriptor() const { return descriptor_; }
   /// Appends all bytes to the partial file.
   void write(std::span<const std::byte> bytes);

@@ -17,11 +17,11 @@ struct CheckOptions : WorldOptions {
   std::vector<double> tile_sizes_m{0, 1.7};
   /// Numbers of ranks (groups of threads that divide the robots among themselves) to compare.
   std::vector<unsigned> ranks{1};
-  /// Also check variants that, in each tick, discard caches, rebuild the world or shuffle the order of the
-  /// bodies in the state tables.
+  /// Also check variants that, in each tick (simulation step), discard caches, rebuild the world or shuffle
+  /// the order of the bodies in the state tables.
   bool amnesia = false;
-  /// Also check a variant in which devices cannot see bodies beyond their reach, the distance up to which
-  /// their kinds declare to read other bodies.
+  /// Also check a variant in which devices cannot see bodies beyond their reach. The reach is the distance up
+  /// to which a device needs to see other bodies, according to the code that implements it.
   bool reach = false;
   bool controllers = false;  ///< also repeat each decision of the controllers and compare the results
 };

@@ -10,12 +10,12 @@
 
 namespace troupe::apps {
 
-/// Writes camera images into a folder: for each running camera, at each tick above 0 that is a multiple of
-/// `every_ticks`, one PNG with the colours (`r0.eye-000012.300s-color.png`: body, camera, world time) and one
-/// with the depths (`...-depth.png`; docs/sensing.md). A camera runs if it is set active, if a controller
-/// reads it or if the program subscribed to its body. The bytes of a file depend only on the readings of the
-/// camera, its name and the tick. No image is written for a camera that has no reading yet, or whose robot is
-/// not in the world (unborn or dead).
+/// Writes camera images into a folder: for each running camera, at each tick (simulation step) above 0 that
+/// is a multiple of `every_ticks`, one PNG with the colours (`r0.eye-000012.300s-color.png`: body, camera,
+/// simulated time) and one with the depths (`...-depth.png`; docs/sensing.md). A camera runs if it is set
+/// active, if a controller reads it or if the program subscribed to its body. The bytes of a file depend only
+/// on the readings of the camera, its name and the tick. No image is written for a camera that has no reading
+/// yet, or whose robot is not in the world (unborn or dead).
 class CameraPictures : public Observer {
  public:
   /// Creates the folder if it does not exist; its parent folder must exist. every_ticks: interval of the
@@ -29,9 +29,9 @@ class CameraPictures : public Observer {
   std::uint64_t every_ticks_;
 };
 
-/// Returns the kind of output that writes camera images (see RunOutput and CameraPictures). It adds the
-/// options --camera-png and --camera-every to the command line, and writes the images into the folder that
-/// --camera-png names. Without --camera-png, nothing is written.
+/// Returns the output of a run (an object with command-line options, see RunOutput) that writes camera images
+/// (CameraPictures). It adds the options --camera-png and --camera-every to the command line, and writes the
+/// images into the folder that --camera-png names. Without --camera-png, nothing is written.
 std::unique_ptr<RunOutput> camera_output();
 
 }  // namespace troupe::apps

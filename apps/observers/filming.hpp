@@ -34,15 +34,16 @@ class RunSpeed {
   std::chrono::steady_clock::time_point start_ = std::chrono::steady_clock::now();
 };
 
-/// Writes pictures of single ticks of a run. A separate thread draws them while the run continues.
+/// Writes pictures of single ticks (simulation steps) of a run. A separate thread draws them while the run
+/// continues.
 class Snapshots : public Observer {
  public:
   /// files: must request at least one snapshot. end_tick: last tick of the run. Throws InputError for options
   /// that do not fit the world, and for times outside the run.
   Snapshots(const PictureFiles& files, const Simulation& simulation, std::uint64_t end_tick);
 
-  /// Writes a small picture next to the first file and removes it. Throws the errors of Pictures::write(), so
-  /// that they are reported before the run.
+  /// Writes a small picture next to the first file and removes it, so that errors of drawing or writing are
+  /// reported before the run. Throws the errors of Pictures::write(), which draws and writes a picture.
   void rehearse() { pictures_.rehearse(first_); }
   void observe(const Simulation& simulation) override;
   void finish(const Simulation& simulation) override;
@@ -64,8 +65,8 @@ class Filming : public Observer {
  public:
   /// Throws InputError for options that do not fit the world.
   Filming(const PictureFiles& files, const PictureSource& source);
-  /// Writes a small picture next to the film and removes it. Throws the errors of Pictures::write(), so
-  /// that they are reported before the run.
+  /// Writes a small picture next to the film and removes it, so that errors of drawing or writing are
+  /// reported before the run. Throws the errors of Pictures::write(), which draws and writes a picture.
   void rehearse() { pictures_.rehearse(film_); }
   /// Starts ffmpeg, unless the film is written as one picture per frame. Call it once, before observe().
   /// Throws OutputError if ffmpeg is not found or the file cannot be written.
@@ -100,9 +101,9 @@ class Filming : public Observer {
   partition::JobThread thread_;     // last, because it uses all members above
 };
 
-/// Returns the kind of output that writes pictures and a film of a run (see RunOutput, Snapshots and
-/// Filming). It adds the options of add_picture_options() to the command line. Among them, --snapshot and
-/// --film name the files; without these two, nothing is written.
+/// Returns the output of a run (an object with command-line options, see RunOutput) that writes pictures and
+/// a film (Snapshots and Filming). It adds the options of add_picture_options() to the command line. Among
+/// them, --snapshot and --film name the files; without these two, nothing is written.
 std::unique_ptr<RunOutput> pictures_output();
 
 }  // namespace troupe::apps

@@ -8,9 +8,9 @@
 
 namespace troupe::apps {
 
-/// Base class of objects that are notified of the phases and tasks of each tick. A phase is a step of the
-/// tick, such as sense or move; a task is a part of a parallel loop. A run calls phase() in its callback of
-/// Simulation::on_phase(), and task() in its callback of Simulation::on_task().
+/// Base class of objects that are notified of the phases and tasks of each tick (simulation step). A phase is
+/// a part of the tick, such as sense or move; a task is a part of a parallel loop. A run calls phase() in its
+/// callback of Simulation::on_phase(), and task() in its callback of Simulation::on_task().
 class TickWatcher {
  public:
   virtual ~TickWatcher() = default;
@@ -37,9 +37,9 @@ class Observer {
   virtual bool reads_robots() const { return true; }
   /// Called once before the first step and after every tick.
   virtual void observe(const Simulation& simulation) = 0;
-  /// Called before a checkpoint is saved during the run, periodically or on request. The observer must then
-  /// write everything that it has observed so far to its file, because a run that is resumed from this
-  /// checkpoint continues the file.
+  /// Called before a checkpoint (a file with the state) is saved during the run, periodically or on request.
+  /// The observer must then write everything that it has observed so far to its file, because a run that is
+  /// resumed from this checkpoint continues the file.
   virtual void before_save() {}
   /// Called when the run has ended or was stopped, after the last observe().
   virtual void finish(const Simulation& /*simulation*/) {}

@@ -7,10 +7,10 @@
 
 namespace troupe::apps {
 
-/// Limits the speed of a run to `rate` times real time: after each tick, observe() waits until the wall time
-/// at which this tick is due. A run that is slower than its rate never waits. If a run has fallen behind by
-/// more than one second, for example because the process was suspended, it does not catch up: from then on it
-/// continues at its rate.
+/// Limits the speed of a run to `rate` times real time: after each tick (simulation step), observe() waits
+/// until the wall time at which this tick is due. A run that is slower than its rate never waits. If a run
+/// has fallen behind by more than one second, for example because the process was suspended, it does not
+/// catch up: from then on it continues at its rate.
 class Pacer : public Observer {
  public:
   /// rate: largest speed, in multiples of real time, above 0. is_over: a function that returns true if the
@@ -29,7 +29,7 @@ class Pacer : public Observer {
   double rate_;
   std::function<bool()> is_over_;
   bool begun_ = false;
-  double begun_at_s_ = 0;       // world time
+  double begun_at_s_ = 0;       // simulated time
   Clock::time_point begun_at_;  // wall time of the same moment
   double waited_s_ = 0;
 };

@@ -23,7 +23,7 @@ namespace troupe::apps {
 /// The first bytes of every profile.
 inline constexpr std::string_view k_profile_mark = "{\"displayTimeUnit\":\"ms\",\"traceEvents\":[\n";
 
-/// The ticks that a profile contains, counted from 1, and limits on the size of its file.
+/// The ticks (simulation steps) that a profile contains, counted from 1, and limits on the size of its file.
 struct ProfileLimits {
   std::uint64_t first_tick = 1;                 ///< first tick in the profile
   std::uint64_t last_tick = ~std::uint64_t{0};  ///< last tick in the profile
@@ -35,14 +35,15 @@ struct ProfileLimits {
 };
 
 /// Writes the timing of a run in the Trace Event Format, which the trace viewers of browsers read: one track
-/// with the ticks and their phases, one track per worker thread with its tasks (batches of robots), one track
-/// per rank (a process, or a group of threads, that computes some of the robots) if there are several ranks,
-/// and counters of memory and robots.
+/// with the ticks (simulation steps) and their phases, such as sense and move, one track per worker thread
+/// with its tasks (batches of robots), one track per rank (a process, or a group of threads, that computes
+/// some of the robots) if there are several ranks, and counters of memory and robots.
 ///
 /// file    the file is complete JSON after each tick: it can be read during the run, and after the program
 ///         was killed
 /// tasks   the argument of a task is its index in its parallel loop; in the sense phase, tasks are batches of
-///         neighbouring robots, in the order of the tiles. A phase may run several parallel loops
+///         neighbouring robots, in the order of the tiles (squares of the world). A phase may run several
+///         parallel loops
 /// ranks   in each tick, the track of a rank shows the times that the rank spent in the phases sense, actuate
 ///         and decide for its own robots. The phase sense is drawn at the time at which it began on rank 0,
 ///         because the clocks of processes differ
@@ -122,9 +123,9 @@ class Profile : public Observer, public TickWatcher {
   PerThread<Track> tracks_;
 };
 
-/// Returns the kind of output that writes a Profile (see RunOutput). It adds the options --profile and
-/// --profile-ticks to the command line, and writes the profile to the file that --profile names. Without
-/// --profile, nothing is written.
+/// Returns the output of a run (an object with command-line options, see RunOutput) that writes a Profile. It
+/// adds the options --profile and --profile-ticks to the command line, and writes the profile to the file
+/// that --profile names. Without --profile, nothing is written.
 std::unique_ptr<RunOutput> profile_output();
 
 }  // namespace troupe::apps

@@ -14,15 +14,16 @@
 
 namespace troupe::apps {
 
-/// Writes the table of --measures: the tick, the time and the values of the measures (numbers computed from
-/// the state), with the columns `tick,time_s,coverage,...`. The table has one line for every tick that is a
-/// multiple of `every`, so that a resumed run writes the same lines as an uninterrupted run.
+/// Writes the table of --measures: the tick (number of the simulation step), the time and the values of the
+/// measures (numbers computed from the state), with the columns `tick,time_s,coverage,...`. The table has one
+/// line for every tick that is a multiple of `every`, so that a resumed run writes the same lines as an
+/// uninterrupted run.
 class MeasuresTable : public Observer {
  public:
-  /// Creates the table. If the simulation was resumed from a checkpoint, an existing table is continued and
-  /// the data that the measures keep from earlier ticks are restored from the checkpoint. every: interval of
-  /// the lines, ticks, at least 1. Throws OutputError if the file cannot be written or continued, or if the
-  /// checkpoint lacks these data. The simulation must outlive this object.
+  /// Creates the table. If the simulation was resumed from a checkpoint (saved state of a run), an existing
+  /// table is continued and the data that the measures keep from earlier ticks are restored from the
+  /// checkpoint. every: interval of the lines, ticks, at least 1. Throws OutputError if the file cannot be
+  /// written or continued, or if the checkpoint lacks these data. The simulation must outlive this object.
   MeasuresTable(const std::filesystem::path& file, Simulation& simulation, Measures measures,
                 std::uint64_t every);
   ~MeasuresTable() override;
@@ -65,12 +66,13 @@ inline constexpr std::string_view k_events_mark = "tick,time_s,event,robot,";
 inline constexpr std::string_view k_events_header =
     "tick,time_s,event,robot,id,x_m,y_m,heading_rad,other,other_id";
 
-/// Returns the kind of output that writes a MeasuresTable (see RunOutput). It adds the options --measures,
-/// --measure and --measure-every to the command line, and writes the table to the file that --measures names.
-/// Without --measures, nothing is written.
+/// Returns the output of a run (an object with command-line options, see RunOutput) that writes a
+/// MeasuresTable. It adds the options --measures, --measure and --measure-every to the command line, and
+/// writes the table to the file that --measures names. Without --measures, nothing is written.
 std::unique_ptr<RunOutput> measures_output();
-/// Returns the kind of output that writes an EventsTable (see RunOutput). It adds the option --events to the
-/// command line, and writes the table to the file that --events names. Without --events, nothing is written.
+/// Returns the output of a run (an object with command-line options, see RunOutput) that writes an
+/// EventsTable. It adds the option --events to the command line, and writes the table to the file that
+/// --events names. Without --events, nothing is written.
 std::unique_ptr<RunOutput> events_output();
 
 }  // namespace troupe::apps

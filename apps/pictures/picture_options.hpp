@@ -54,7 +54,8 @@ void set_times(PictureFiles& pictures, const char* option, const std::string& te
 /// (k_time_mark). times_option, name_option: names of the two options, for the error.
 void check_names(const PictureFiles& pictures, const char* times_option, const char* name_option);
 
-/// Returns the list of cameras and of layers (--camera, --layers), for the help of a command.
+/// Returns the list of cameras (views of the world, --camera) and of layers (what is drawn, such as trails;
+/// --layers), for the help of a command.
 std::string picture_help();
 
 }  // namespace troupe::apps

@@ -16,14 +16,14 @@ namespace troupe::apps {
 /// Options of `troupe render`.
 struct RenderOptions : WorldOptions {
   PictureFiles pictures;  ///< pictures of the file `world`, which is a world, a checkpoint or a recording
-  std::vector<std::string> given;  ///< names of given options that not every type of input allows
+  std::vector<std::string> given;  ///< given options that not every type of input allows; for the error
 };
 
 /// Adds the options of `render`; parsing fills `options`, which must outlive `command`.
 void add_render_options(CLI::App& command, RenderOptions& options);
-/// `troupe render`: draws the requested pictures of a world, a checkpoint or a recording, and makes the
-/// requested film. Returns k_stopped after Ctrl-C or SIGTERM, k_bad_input after printing an InputError or
-/// OutputError, else k_finished.
+/// `troupe render`: draws the requested pictures of a world, a checkpoint (saved state of a run) or a
+/// recording, and makes the requested film. Returns k_stopped after Ctrl-C or SIGTERM, k_bad_input after
+/// printing an InputError or OutputError, else k_finished.
 ExitCode render_pictures(const RenderOptions& options);
 
 }  // namespace troupe::apps

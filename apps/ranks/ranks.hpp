@@ -24,9 +24,9 @@ ExitCode on_ranks(const WorldOptions& options,
                   const std::function<ExitCode(const SimulationOptions& simulation)>& run);
 
 /// Divides independent runs, such as the runs of a sweep, among the processes (ranks) that a launcher has
-/// started. The ranks exchange messages: rank 0 shares the list of runs, and gathers the results. Each rank
-/// must first call share() (rank 0) or shared() (other ranks), then tell_that_it_works() while it makes its
-/// runs, and then gather().
+/// started. The ranks are numbered from 0 and exchange messages: rank 0 shares the list of runs, and gathers
+/// the results. Each rank must first call share() (rank 0) or shared() (other ranks), then
+/// tell_that_it_works() while it makes its runs, and then gather().
 class RankDeal {
  public:
   /// For a process that is the only one. threads: number of runs that this process makes at the same time
@@ -43,11 +43,12 @@ class RankDeal {
   unsigned rank() const;
   unsigned ranks() const;
   unsigned threads() const { return threads_; }  ///< number of runs that this process makes at the same time
-  /// A rank that is at work must call tell_that_it_works() at intervals of at most this time.
+  /// A rank that makes its runs must call tell_that_it_works() at intervals of at most this time, so that the
+  /// other ranks do not give up waiting for it.
   std::chrono::duration<double> interval() const { return interval_; }
-  /// Tells the ranks that wait for this rank: this rank is at work. They then start to count `limit_s` again.
-  /// While rank 0 waits in gather(), it passes such a message of one rank on to all other ranks. Does nothing
-  /// with one rank.
+  /// Tells the ranks that wait for this rank: this rank is at work. Their wait of at most `limit_s` then
+  /// starts again. While rank 0 waits in gather(), it passes such a message of one rank on to all other
+  /// ranks. Does nothing with one rank.
   void tell_that_it_works() const;
   /// On rank 0: sends a message to all other ranks, whose shared() returns this message. Call it at most
   /// once.

@@ -7,19 +7,20 @@
 
 namespace troupe::apps {
 
-/// Measures how evenly the ticks of a run load the worker threads. Its functions are called from the
-/// callbacks on_phase(), on_loop() and on_task() of a simulation. Parallel loops between ticks (hashes,
-/// measures) are not counted. The cost is two clock readings per task; a task takes tens of microseconds.
+/// Measures how evenly the ticks (simulation steps) of a run load the worker threads. Its functions are
+/// called from the callbacks on_phase(), on_loop() and on_task() of a simulation. Parallel loops between
+/// ticks (hashes, measures) are not counted. The cost is two clock readings per task; a task takes tens of
+/// microseconds.
 class LoadClock {
  public:
-  /// Call with true when a tick begins and with false when it has ended. Repeated calls with the same value
-  /// have no effect.
+  /// Call it with true when a tick begins and with false when it has ended. Repeated calls with the same
+  /// value have no effect.
   void tick(bool is_under_way) {
     if (is_under_way == is_tick_) return;
     is_tick_ = is_under_way;
     mark(tick_, is_under_way, ticks_s_);
   }
-  /// Call when a parallel loop begins (true) or ends (false), on the thread that steps the simulation.
+  /// Call it when a parallel loop begins (true) or ends (false), on the thread that steps the simulation.
   void loop(bool begins) {
     if (!is_tick_) return;
     mark(loop_, begins, loops_s_);
@@ -32,7 +33,7 @@ class LoadClock {
     }
     longest_s_ += longest;
   }
-  /// Call when a task of the loop begins (true) or ends (false), on the thread that runs the task.
+  /// Call it when a task of the loop begins (true) or ends (false), on the thread that runs the task.
   void task(bool begins) {
     if (!is_tick_) return;  // not a data race, because is_tick_ is written only between loops
     Worker& worker = workers_.own();

@@ -9,8 +9,9 @@
 
 namespace troupe::apps {
 
-/// Sums the wall time of each phase over all ticks. Call it, in a callback of Simulation::on_phase(), with
-/// the phase that begins, and with std::nullopt when a tick ends.
+/// Sums the wall time of each phase over all ticks. A tick is a simulation step; a phase is a part of it,
+/// such as sense or move. Call it, in a callback of Simulation::on_phase(), with the phase that begins, and
+/// with std::nullopt when a tick ends.
 class PhaseClock {
  public:
   using Clock = std::chrono::steady_clock;

@@ -11,8 +11,9 @@
 
 namespace troupe::apps {
 
-/// Results of a run. At the end of the run, summary_text() or, with --json, summary_json() makes the summary
-/// from them.
+/// Results of a run. World time is simulated time, a tick is a simulation step, and a phase is a part of a
+/// tick, such as sense or move. At the end of the run, summary_text() or, with --json, summary_json() makes
+/// the summary from these results.
 struct Report {
   std::string world;             ///< name of the world file
   std::string title;             ///< title of the world
@@ -27,7 +28,8 @@ struct Report {
   /// Statistics of the ranks in this run, such as the messages that rank 0 sent and the time that rank 0
   /// waited. Ranks are processes, or groups of threads, that compute the world together.
   RankStatistics ranks;
-  /// Counts of own bodies, messages and so on in this run, one entry per rank; empty with one rank.
+  /// One entry per rank: the messages that it sent, the bodies that it computed itself (its own bodies) and
+  /// so on, each summed over the ticks of this run. Empty with one rank.
   std::vector<RankCounts> rank_counts;
   double load_s = 0;    ///< wall time of loading the world, s
   double wall_s = 0;    ///< wall time of all ticks, including the observers (hash log, ...), s
@@ -59,9 +61,11 @@ struct Report {
     /// `most` divided by `mean`, 1 if all ranks have the same value; 0 if the mean is 0.
     double imbalance() const;
   };
+  /// Mean and largest value, over the ranks, of the member `count` of `rank_counts` divided by the number of
+  /// ticks.
   PerRank per_rank(std::uint64_t RankCounts::*count) const;
-  /// Number of ghosts (copies of bodies of other ranks) of all ranks, divided by the number of own bodies of
-  /// all ranks.
+  /// Number of ghosts (copies that a rank has of bodies of other ranks), summed over all ranks, divided by
+  /// the number of bodies that the ranks compute themselves, both averaged over the ticks.
   double ghosts_per_own() const;
 
   double observe_s() const;  ///< part of wall_s that was spent in observers, s

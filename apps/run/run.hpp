@@ -10,7 +10,8 @@ namespace troupe::apps {
 /// k_bad_input, and writes neither to standard output nor to a file. Returns k_stopped if a run was stopped
 /// early by a signal or --wall-limit. If the run repeats a session (--session) and an action of a user in it
 /// is impossible, prints an error and returns k_failed. If writing an output fails, saves the checkpoints
-/// that the options request and throws. If a step fails, throws without saving the checkpoint of that run.
+/// (states from which the runs can be resumed) that the options request and throws. If a simulation step
+/// fails, throws without saving the checkpoint of that run.
 ExitCode run(const RunOptions& options);
 
 }  // namespace troupe::apps

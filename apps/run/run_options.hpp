@@ -18,7 +18,7 @@ struct RunOptions : WorldOptions {
   /// which `world` is the world to run.
   std::vector<std::filesystem::path> worlds;
   RunOutputs outputs;  ///< all outputs; most of them store the values of their options themselves
-  std::filesystem::path checkpoint;  ///< file to save checkpoints in; empty: none
+  std::filesystem::path checkpoint;  ///< file for checkpoints (saved states); empty: none
   /// Simulated time between checkpoints, s; not given: checkpoints are saved only on SIGUSR1 and at the end.
   std::optional<double> checkpoint_every_s;
   std::optional<double> wall_limit_s;  ///< wall time after which the run stops, s; not given: no limit

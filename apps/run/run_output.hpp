@@ -37,7 +37,8 @@ class RunOutput {
   /// this output.
   virtual std::vector<std::filesystem::path*> names(RunOptions& options) = 0;
   /// Returns the files that the output will write. The caller checks that they can be written. Throws
-  /// OutputError if the output finds another error, such as an existing checkpoint. Creates nothing.
+  /// OutputError if the output finds another error, such as a checkpoint (saved state of a run) that exists
+  /// already. Creates nothing.
   virtual std::vector<std::filesystem::path> files(const RunOptions& options) const = 0;
   /// For a kind of output whose file a world can name: if the command line names no file, takes the name from
   /// the loaded world, if the world gives one. The default does nothing. Throws InputError if that name is
@@ -45,8 +46,8 @@ class RunOutput {
   virtual void take_name_from_world(RunOptions& /*options*/, const Simulation& /*simulation*/) const {}
   /// Checks the output before any file is opened, so that errors in drawing, measuring or writing are
   /// reported before the run. Returns a function that opens the files; null if there is nothing to open.
-  /// simulation: must outlive the opened observers. end_tick: last tick of the run. Throws InputError if the
-  /// options do not fit the world.
+  /// simulation: must outlive the opened observers. end_tick: last tick (simulation step) of the run. Throws
+  /// InputError if the options do not fit the world.
   virtual OpenOutput prepare(const RunOptions& options, Simulation& simulation,
                              std::uint64_t end_tick) const = 0;
 };

@@ -20,9 +20,10 @@ namespace troupe::apps {
 
 class Pacer;
 
-/// One loaded world of a run, with the observers that write its outputs. The caller calls, in this order:
-/// take_names_from_world(), rehearse(), open_outputs(), open_view() if the run is shown in browsers, begin(),
-/// step() until is_done(), finish(), print_summary(), after_summary().
+/// One loaded world of a run, with the observers that write its outputs. A tick is a step of the simulation;
+/// an observer is an object that reads the state after each tick, for example to record it. The caller calls,
+/// in this order: take_names_from_world(), rehearse(), open_outputs(), open_view() if the run is shown in
+/// browsers, begin(), step() until is_done(), finish(), print_summary(), after_summary().
 class WorldRun {
  public:
   /// Loads or resumes the world and prints its warnings. options: the options of one world; {world} must
@@ -64,7 +65,7 @@ class WorldRun {
   void step();
   /// Whether the run has reached its last tick, or a condition in the world's `stop_when` holds.
   bool is_done() const { return simulation_.tick() >= ticks_ || simulation_.stopped(); }
-  /// World time at the end of the next tick, s.
+  /// Simulated time at the end of the next tick, s.
   double next_s() const { return static_cast<double>(simulation_.tick() + 1) * simulation_.tick_s(); }
   /// Calls finish() of all observers and fills the report.
   void finish();

@@ -12,13 +12,15 @@ namespace troupe::apps {
 
 /// The result of one run of a study (many runs of a world with different parameters and seeds).
 struct SweepOutcome {
-  std::size_t run = 0;         ///< index of the run in the study
-  std::uint64_t seed = 0;      ///< seed of the run
-  std::uint64_t ticks = 0;     ///< number of ticks of the run
-  double time_s = 0;           ///< world time at the end, s
-  std::string stopped_by;      ///< the condition of the world's `stop_when` that ended the run; empty: none
-  std::vector<double> values;  ///< statistics of measures, by worldio::measure_columns(); NaN: no value
-  std::string state_hash;      ///< hash of the last state, as hexadecimal digits
+  std::size_t run = 0;      ///< index of the run in the study
+  std::uint64_t seed = 0;   ///< seed of the run
+  std::uint64_t ticks = 0;  ///< number of ticks (simulation steps) of the run
+  double time_s = 0;        ///< simulated time at the end, s
+  std::string stopped_by;   ///< the condition of the world's `stop_when` that ended the run; empty: none
+  /// Statistics of measures (numbers computed from the state of the simulation), one per name that
+  /// worldio::measure_columns() returns for the study, in the same order. NaN: no value.
+  std::vector<double> values;
+  std::string state_hash;  ///< hash of the last state, as hexadecimal digits
 };
 
 /// The results of runs of a study that are known so far.
@@ -54,10 +56,10 @@ class SweepJournal {
   int descriptor_ = -1;
 };
 
-/// Returns the results in all journals of a folder, which must exist. A run that failed and was finished by a
-/// repeated call has only its outcome. An incomplete last line of a journal is ignored. study: the text that
-/// identifies the study, as for SweepJournal. Throws OutputError if a journal stores another text or has a
-/// damaged line.
+/// Returns the results in all journals of a folder, which must exist. If a run failed and a later call of
+/// `troupe sweep` finished it, the result has its outcome but not its error. An incomplete last line of a
+/// journal is ignored. study: the text that identifies the study, as for SweepJournal. Throws OutputError if
+/// a journal stores another text or has a damaged line.
 SweepResults read_journals(const std::filesystem::path& folder, std::string_view study);
 
 /// Returns the path of the journal that the process for part `part` of `parts` writes (--part). Parts are

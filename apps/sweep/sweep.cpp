@@ -184,10 +184,34 @@ Simulation first_world(const Study& study, const SweepOptions& options) {
   std::rethrow_exception(first);
 }
 
+/// The contents of a loaded world, with its images, as text. It does not depend on the folders of the files.
+std::string contents_of(const Simulation& simulation) {
+  auto spec = nlohmann::json::parse(worldio::spec_to_json(simulation.world().spec(), simulation.registry()));
+  spec.erase("files");
+  return fmt::format("{}\n{:016x}\n", spec.dump(), simulation.state_hash());
+}
+
+/// The contents of the worlds with each listed value of a parameter that may be the name of a file, such as
+/// an image of a floor plan: the file is not part of the study, and other runs do not read it.
+std::string contents_of_choices(const Study& study, const SweepOptions& options) {
+  std::string text;
+  for (std::size_t p = 0; p < study.choices.size(); ++p)
+    for (const std::string& value : study.choices[p].values) {
+      if (value.find('"') == value.npos) continue;
+      Study::Run run = study.run(0);
+      run.values[p] = value;
+      try {
+        text += contents_of(Simulation(study.world, options_of(study, run, options)));
+      } catch (const InputError&) {  // no run, or only one with other values of other parameters, has it
+      }
+    }
+  return text;
+}
+
 /// Returns a text that identifies the study, and the names of the columns of its measures. The text is a hash
-/// of the study file, the world with its images, the scripts (--controller) and the version of the program;
-/// it does not depend on the folders of the files. Loads the world of a run, so that errors in the worlds of
-/// all runs are reported before any run.
+/// of the study file, the worlds with their images, the scripts (--controller) and the version of the
+/// program; it does not depend on the folders of the files. Loads the world of a run, so that errors in the
+/// worlds of all runs are reported before any run.
 std::pair<std::string, std::vector<std::string>> identify(const Study& study, const SweepOptions& options,
                                                           bool shows_warnings) {
   Simulation simulation = first_world(study, options);
@@ -195,10 +219,9 @@ std::pair<std::string, std::vector<std::string>> identify(const Study& study, co
   end_of(study, simulation);
   if (shows_warnings)
     for (const std::string& warning : simulation.warnings()) fmt::print(stderr, "{}\n", warning);
-  auto spec = nlohmann::json::parse(worldio::spec_to_json(simulation.world().spec(), simulation.registry()));
-  spec.erase("files");
-  std::string text = fmt::format("{}\n{}\n{:016x}\n{}", worldio::read_file(options.study).value_or(""),
-                                 spec.dump(), simulation.state_hash(), version_line());
+  std::string text =
+      fmt::format("{}\n{}{}{}", worldio::read_file(options.study).value_or(""), contents_of(simulation),
+                  contents_of_choices(study, options), version_line());
   for (const auto& script : options.scripts) text += fmt::format("\n{:016x}", script->contents);
   return {hex(hash_text(text)), {measures.columns().begin(), measures.columns().end()}};
 }

@@ -24,7 +24,7 @@ struct SweepOptions {
   double rank_limit_s = 600;  ///< --rank-limit: longest wait for another process, wall time, s
   bool list = false;          ///< only print the list of runs
   bool quiet = false;         ///< print only errors
-  std::vector<std::filesystem::path> plugin_path;      ///< folders to search for plug-ins
+  std::vector<std::filesystem::path> plugin_path;      ///< folders to search for plug-ins (shared libraries)
   std::vector<std::shared_ptr<const Script>> scripts;  ///< scripts with controllers (--controller)
 };
 
@@ -34,9 +34,9 @@ void add_sweep_options(CLI::App& command, SweepOptions& options);
 /// `troupe sweep`: makes those runs of a study whose results are not in its folder yet. When all runs are
 /// finished, writes the tables. Returns k_finished if the runs of this process are finished, k_failed if a
 /// run failed or a file could not be written, and k_stopped after Ctrl-C or SIGTERM. If the output folder
-/// cannot be used (OutputError), prints the error and returns k_bad_input.
-/// Throws InputError for an invalid study or world; with several processes, on_each_rank() handles this
-/// error.
+/// cannot be used (OutputError), prints the error and returns k_bad_input. Throws InputError for an invalid
+/// study or world; if a launcher such as mpirun started several processes, the first process prints this
+/// error instead, and the function returns k_bad_input.
 ExitCode sweep(const SweepOptions& options);
 
 }  // namespace troupe::apps

@@ -13,8 +13,9 @@
 #include <optional>
 #include <utility>
 
-/// The resolution of conflicts between motions, for conflicts.cpp and pushing.cpp. A row is the index of a
-/// body in the state tables.
+/// The resolution of conflicts between the motions that bodies propose for one tick (time step), for
+/// conflicts.cpp and pushing.cpp. A row is the index of a body in the state tables. A row stands also for its
+/// body. Bodies take turns in the order of a random priority. A mover is a body whose motion is tested.
 
 namespace troupe::engine {
 
@@ -64,10 +65,10 @@ inline std::size_t motion_samples(double displacement, double thinnest) {
   return std::max<std::size_t>(1, static_cast<double>(whole) < n ? whole + 1 : whole);
 }
 
-/// A row that proposes a motion, with its old pose `from`, its `motion` and its `shape`. The number of
-/// samples (the poses at which the motion is tested) and the shapes placed at the old pose, here(), and at
-/// the proposed pose, there(), are computed on first use, because only some rows need them. The crowd must
-/// outlive the object. Not thread-safe.
+/// A row that proposes a motion, with its old pose `from`, its `motion` and its `shape`. `crowd` has the data
+/// of all bodies of the tick. The number of samples (the poses at which the motion is tested) and the shapes
+/// placed at the old pose, here(), and at the proposed pose, there(), are computed on first use, because only
+/// some rows need them. The crowd must outlive the object. Not thread-safe.
 class Mover {
  public:
   Mover(const Conflicts::Crowd& crowd, std::uint32_t r)
@@ -108,8 +109,8 @@ class Mover {
 /// Returns a range of samples of a motion, as its first and its last sample. The range contains every sample
 /// at which the mover's origin lies within the distance `reach` (m) of a point (world frame, m), and possibly
 /// further samples. The range is empty if its first sample is greater than its last. If the motion has at
-/// most eight samples, or does not change the position, returns all samples. (The motion of a fast body can
-/// have thousands.)
+/// most eight samples, or does not change the position, returns all samples. The function saves time for fast
+/// bodies, whose motions can have thousands of samples.
 inline std::pair<std::size_t, std::size_t> samples_near(Mover& mover, const Vec2& point, double reach) {
   constexpr std::size_t k_few = 8;
   const std::size_t n = mover.samples();
@@ -126,8 +127,8 @@ inline std::pair<std::size_t, std::size_t> samples_near(Mover& mover, const Vec2
 
 /// The resolution of the motions of one tick. All threads share one object. Conflicts::resolve() calls
 /// bound_motions() for all rows, finish_bounds() once, propose_and_check() for each row in the spatial index,
-/// and then next_round() and, for each waiting row, resolve_waiting(), until no row waits. Threads may call
-/// the functions that take rows at the same time, for different rows.
+/// and then next_round() and, for each waiting row, resolve_waiting(), until no row waits. Several threads
+/// may at the same time call the functions that take rows, for different rows.
 class Conflicts::Resolver {
  public:
   Resolver(Conflicts& conflicts, const Crowd& crowd, const partition::StaticScene& scene,
@@ -354,9 +355,9 @@ class Conflicts::Resolver {
     return is_blocked(mover.there());
   }
 
-  /// Calls visit(row) for all bodies whose motions may come near the motion of the mover, for the mover
-  /// itself, and possibly for bodies farther away. If there are more than 32 rows to visit, a row may be
-  /// visited more than once.
+  /// Calls visit(row) for the rows of all bodies whose motions may come near the motion of the mover, for the
+  /// mover itself, and possibly for bodies farther away. If there are more than 32 rows to visit, a row may
+  /// be visited more than once.
   template <class Visit>
   void for_each_near(const Mover& mover, Visit&& visit) const {
     const Vec2 from = mover.from.position();

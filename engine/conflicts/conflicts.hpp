@@ -47,8 +47,8 @@ struct Pushables {
   bool any() const { return !is_pushable.empty(); }  ///< whether the world has pushable bodies
 };
 
-/// Decides which bodies move in a tick, and which bodies they push. Parts of two bodies can only overlap if
-/// they have heights in common.
+/// Decides which bodies move in a tick, and which bodies they push. The static scene is the geometry of the
+/// bodies that do not move during a run. Parts of two bodies can only overlap if they have heights in common.
 ///
 /// rule    Bodies take turns in the order of priority. The body whose turn it is (the mover) takes its
 ///         proposed pose if its motion to that pose is free of the static scene and of every other body. The
@@ -90,8 +90,8 @@ struct Pushables {
 ///         that contains everything that it could touch or move. It is resolved after all bodies of higher
 ///         priority whose zones overlap its zone.
 /// memory  Grows with the number of rows. resolve() allocates only when the number of rows has changed by
-///         more than a little (base/room.hpp), or the sum of push limits is larger than ever before, or when
-///         a pusher has more than 512 bodies in its zone.
+///         more than a little (base/room.hpp), or the sum of push limits (Pushables::limits) is larger than
+///         ever before, or when a pusher has more than 512 bodies in its zone.
 class Conflicts {
  public:
   static constexpr int k_push_passes = 16;  ///< largest number of passes: see `pushing`, above
@@ -140,11 +140,11 @@ class Conflicts {
     /// order: all rows in the spatial index
     virtual std::span<const std::uint32_t> begin(std::span<const Motion> motions,
                                                  std::span<const std::uint32_t> order) = 0;
-    /// Called when this rank can resolve no row before it knows more outcomes of ghosts, and finally when it
-    /// has resolved all its rows. Sends outcome() and pushes_by() of its rows to the ranks that have ghosts
-    /// of them, and passes what it receives about ghosts to receive(). Pushes of the same body must be
-    /// received in the order of the rounds (round_of()) in which they were made. Returns false if the
-    /// outcomes of all ghosts are known and those of all own rows were sent.
+    /// Called each time when this rank can resolve no further row until it knows more outcomes of ghosts, and
+    /// finally when it has resolved all its rows. Sends outcome() and pushes_by() of its rows to the ranks
+    /// that have ghosts of them, and passes what it receives about ghosts to receive(). Pushes of the same
+    /// body must be received in the order of the rounds (round_of()) in which they were made. Returns false
+    /// if the outcomes of all ghosts are known and those of all own rows were sent.
     virtual bool exchange(Conflicts& conflicts) = 0;
     /// Called last. Sends all other ranks the final position of each body that was pushed last by a row of
     /// this rank. Passes the final positions that it receives, of bodies that have a row here, to

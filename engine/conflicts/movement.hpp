@@ -12,8 +12,10 @@
 
 namespace troupe::engine {
 
-/// The motions of bodies in a tick: from velocities to new poses. This part of World writes the components
-/// (state tables) `pose`, `stall` and `odometry`. A row is the index of a body in the state tables.
+/// The motions of bodies in a tick (time step): from velocities to new poses. A robot is a body with a drive.
+/// A body is stalled if its last motion was blocked or would have ended out of bounds. This part of World
+/// writes the components (state tables) `pose`, `stall` and `odometry`. A row is the index of a body in the
+/// state tables.
 class Movement {
  public:
   /// The arguments must outlive the object.
@@ -25,7 +27,8 @@ class Movement {
   /// changed their rows. The caller must then compute all other data with draw_odometry_errors(), rest() and
   /// count_stalls().
   void build();
-  /// Computes the odometry error of each robot, unborn ones too, from the seed (Localization::error_of()).
+  /// Computes the odometry error of each robot, also of robots that are not yet born: a given error, or a
+  /// random error that depends on the seed of the world (Localization::error_of()).
   void draw_odometry_errors();
   /// Discards the proposed motion of a row, and the cached circle free of static obstacles (FreeCircle,
   /// engine/conflicts/conflicts.hpp). Call this when code other than commit() sets the pose of the row's
@@ -33,8 +36,9 @@ class Movement {
   void rest(Row row);
   /// Counts the stalled bodies again. Call this after other code has written the component `stall`.
   void count_stalls();
-  /// Overwrites with junk all data that are neither constant nor state: see World::forget(). The caller must
-  /// then derive them again with draw_odometry_errors(), rest() and count_stalls().
+  /// Overwrites with junk all data that are neither constant nor state. World::forget() calls this to test
+  /// that the data can be computed again from the state. The caller must then derive them again with
+  /// draw_odometry_errors(), rest() and count_stalls().
   void forget();
   /// Overwrites the motions of the last tick with junk. The next tick must not read these motions.
   void forget_motions();
@@ -48,8 +52,8 @@ class Movement {
   /// otherwise null
   void resolve(std::span<const std::uint32_t> composites, Conflicts::Border* border);
   /// Writes the poses of the bodies that moved or were pushed, their transforms and outlines, the component
-  /// `stall`, and the odometry estimates. The spatial index keeps the old poses, and carried bodies
-  /// keep theirs until Links::carry() is called.
+  /// `stall`, and the odometry estimates. The spatial index keeps the old poses. Carried bodies keep their
+  /// old poses until Links::carry() moves them with their carriers.
   void commit();
 
   /// Number of rounds in which the last resolve() resolved the motions: 1 if no body had to wait for the

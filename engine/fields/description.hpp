@@ -48,11 +48,11 @@
 ///     };
 ///
 /// `described<Transducer>()` returns the table, `from_record<Transducer>(record)` makes the struct from a
-/// record of values, and `to_record(transducer)` makes a record from the struct. A member that is not
-/// described, or described twice, is a compile error. The struct must have no constructors, and at most 128
-/// members. Fields have the order of the description. A struct of another folder can be described next to the
-/// code that needs it, by a function such as `constexpr void describe(Description<Pose>&)` in namespace
-/// troupe::engine.
+/// record of values, and `to_record(transducer)` makes a record from the struct. A record is a list of
+/// values, one per field of the table (engine/fields/fields.hpp). A member that is not described, or
+/// described twice, is a compile error. The struct must have no constructors, and at most 128 members. Fields
+/// have the order of the description. A struct of another folder can be described next to the code that needs
+/// it, by a function such as `constexpr void describe(Description<Pose>&)` in namespace troupe::engine.
 ///
 /// members   bool; integers; float, double; std::string; enums whose values count from 0, with a function
 ///           names_of(Enum) that returns the names in the order of the values; std::vector<double>;
@@ -66,9 +66,10 @@
 /// limits    A member has the limits that its description gives, and never wider ones than those of its type.
 ///           The readers of files report a value outside the limits as an error.
 ///
-/// A struct that is state (a controller's memory, a device's state or commands: memory_fields<T>()) is
-/// described in the same way. Its members are numbers, bools and arrays of numbers or bools. Recordings store
-/// the units and texts of its description.
+/// A struct that is part of the state of a world (a controller's memory, a device's state or commands) is
+/// described in the same way. Its members are numbers, bools and arrays of numbers or bools. memory_fields()
+/// in engine/kinds/controller.hpp makes the list of its state fields. Recordings store the units and texts of
+/// the description.
 
 namespace troupe::engine {
 
@@ -82,14 +83,15 @@ template <class T>
 TROUPE_OF_TYPE const FieldTable& described();
 
 /// A fact about a described member: a unit, a limit, a text or another property of its Field. The functions
-/// and constants in the namespace `facts` make facts. A text or a Unit converts to a fact implicitly.
+/// and constants in the namespace `facts` make facts. A text or a Unit converts to a fact implicitly. "State"
+/// is the state of a world, which is hashed, saved and recorded.
 class Fact {
  public:
   /// What the fact specifies.
   enum class Kind : std::uint8_t {
     text,             ///< sets Field::text to the member `words`
     unit,             ///< sets Field::unit to the member `unit`
-    at_least,         ///< narrows the limits to [`number`, `high`]
+    at_least,         ///< narrows the limits to `number` (lower) and `high` (upper), both allowed
     above,            ///< raises the lower limit to `number`, which is itself not allowed
     at_most,          ///< lowers the upper limit to `number`, which is itself allowed
     choices,          ///< sets Field::choices to the member `choices`
@@ -127,8 +129,8 @@ class Fact {
 namespace facts {
 
 /// Limits of a number in SI units. The limits themselves are allowed values, except that of above(). For a
-/// list they apply to each number. If several facts or the type of the member limit the same side, the
-/// narrowest limit counts.
+/// list, the limits apply to each number. If several facts limit the same side, or a fact and the type of the
+/// member do, the narrowest limit counts.
 ///@{
 constexpr Fact at_least(double min) {
   return Fact(Fact::Kind::at_least, min, std::numeric_limits<double>::infinity());
@@ -152,16 +154,19 @@ constexpr Fact columns(std::size_t n) { return Fact(Fact::Kind::columns, static_
 inline constexpr Fact required{Fact::Kind::required};
 /// The member gives a number of readings of a sensor (Field::counts_readings). Only for integers.
 inline constexpr Fact counts_readings{Fact::Kind::counts_readings};
-/// Neither interventions of the world file nor World::set() can change the member while the world runs. Has
-/// an effect only on the parameters of drives and devices (Field::fixed).
+/// The member cannot change while the world runs, neither by an intervention (a change that the world file
+/// lists) nor by World::set(). The fact has an effect only on the parameters of drives and devices
+/// (Field::fixed).
 inline constexpr Fact fixed{Fact::Kind::fixed};
 /// The member records where the other members come from (a file and a line). It is stored, but comparisons
 /// ignore it (Field::provenance).
 inline constexpr Fact provenance{Fact::Kind::provenance};
-/// For members of state: the member adds nothing to the hash while it is zero (StateField::sparse). For
-/// members of other structs: a stored record may lack the field, which then gets its default.
+/// For members of a struct that is state: the member adds nothing to the hash of the state while it is zero
+/// (StateField::sparse). For members of other structs: a stored record may lack the field, which then gets
+/// its default.
 inline constexpr Fact is_sparse{Fact::Kind::sparse};
-/// For members of state: the appearance of a body depends on the member (StateField::appearance).
+/// For members of a struct that is state: the appearance of a body depends on the member, so recordings of
+/// poses contain it (StateField::appearance).
 inline constexpr Fact is_appearance{Fact::Kind::appearance};
 }  // namespace facts
 
@@ -170,11 +175,10 @@ inline constexpr Fact is_appearance{Fact::Kind::appearance};
 struct MemberType {
   FieldType type = FieldType::number;  ///< type of the field that describes such a member
   std::size_t columns = 0;             ///< length of a fixed array; 0: not a fixed array
-  /// Smallest value that a number of this type, or an element of a fixed array of integers, can have.
-  /// -infinity for double, for integers of 64 bits, for arrays of floating-point numbers, and for all types
-  /// without numbers or with a variable number of them.
+  /// Smallest value of a float, of an Id, of an integer of at most 32 bits, or of each element of a fixed
+  /// array of such integers. -infinity for all other types.
   double min = -std::numeric_limits<double>::infinity();
-  /// Largest value that such a number can have, if `min` is finite; otherwise infinity.
+  /// Largest value of such a number, if `min` is finite; otherwise infinity.
   double max = std::numeric_limits<double>::infinity();
   bool optional = false;     ///< whether the member is a std::optional
   bool is_unsigned = false;  ///< true: std::uint64_t; a Value stores its bits in a std::int64_t
@@ -182,15 +186,16 @@ struct MemberType {
   /// Returns described<T>() for a member that is a described struct T, or a std::optional or list of such
   /// structs. Null for all other members.
   const FieldTable& (*table)() = nullptr;
-  /// Returns the value of a member; for an empty std::optional, a value whose given() is false. Null if
-  /// `table` is not null.
+  /// Returns the value of a member; for an empty std::optional, a value whose given() is false. Null if the
+  /// member holds described structs (`table` is not null).
   Value (*get)(const void* member) = nullptr;
   /// Sets a member to a value. Throws std::bad_variant_access if the value has another type, and
   /// std::invalid_argument if the member cannot hold it, such as a number that is too large for an integer
-  /// type. The limits of floating-point types are not checked. Null if `table` is not null.
+  /// type. The limits of floating-point types are not checked. Null if `table` or `each` is not null.
   void (*set)(void* member, const Value& value) = nullptr;
-  /// If `table` or `each` is not null: access to the structs or inner lists that a member holds. A member
-  /// that is a struct holds one (itself), a std::optional holds none or one, and a list holds any number.
+  /// Functions that access the structs (if `table` is not null) or the inner lists (if `each` is not null)
+  /// that a member holds. A member that is a struct holds one struct (itself), a std::optional holds none or
+  /// one, and a list holds any number. Null for all other members.
   ///@{
   std::size_t (*size)(const void* member) = nullptr;  ///< number of structs that a member holds
   /// Sets the number of structs to n; new ones are T{}. Null: the number is always 1.
@@ -201,7 +206,7 @@ struct MemberType {
   /// lists in place of structs, get() returns all numbers concatenated, and set() is null. Null for all other
   /// members.
   const MemberType* each = nullptr;
-  bool is_state = false;           ///< whether the member can be part of a state struct
+  bool is_state = false;           ///< whether the member can be part of a struct that is state
   Element element = Element::f64;  ///< type of the number, or of the numbers of an array, if is_state is true
 };
 
@@ -271,13 +276,13 @@ struct Pointed<M C::*> {
 };
 
 Value numbers_value(const double* numbers, std::size_t count);
-/// The numbers of a value that is a list of numbers; valid as long as the value. Throws
+/// Returns the numbers of a value that is a list of numbers; valid as long as the value. Throws
 /// std::bad_variant_access if the value has another type, and std::invalid_argument if it does not have
 /// exactly `count` numbers.
 std::span<const double> numbers_of(const Value& value, std::size_t count);
 std::int64_t integer_of(const Value& value, std::int64_t least, std::int64_t most);
-/// Throws std::invalid_argument if `number` is not an integer from `least` to `most`. Used for each element
-/// of an array of integers.
+/// Throws std::invalid_argument if `number` is not a whole number from `least` to `most`. Called for each
+/// element of an array of integers, because a Value stores such an array as doubles.
 void check_integer(double number, std::int64_t least, std::uint64_t most);
 std::size_t choice_of(const Value& value, std::span<const std::string_view> choices);
 Value color_value(const Color& color);
@@ -288,8 +293,8 @@ void set_colors(std::vector<Color>& colors, const Value& value);
 template <class E>
 TROUPE_OF_TYPE inline constexpr auto k_names = names_of(E{});
 
-/// Element: the element type of a fixed array (std::array or Eigen column vector); size: its number of
-/// elements. For other types, size is 0 and there is no Element.
+/// Describes the type M. For a fixed array (std::array or Eigen column vector), Element is the type of its
+/// elements, and size is their number. For other types, size is 0 and there is no Element.
 template <class M>
 struct Fixed {
   static constexpr std::size_t size = 0;
@@ -511,18 +516,18 @@ struct TROUPE_OF_TYPE TypeOf<std::optional<M>> {
   static constexpr MemberType value = optional_type<M>();
 };
 
-/// Appends the field of a member to a table. `object` is the struct with its default values, and `member`
-/// points into it. `type` must outlive the table. Throws std::logic_error if the facts contradict one another
-/// or the type, or if the table already has a field of that name.
+/// Appends the field of a member to a table. `object` is the struct with its default values, and `member` is
+/// the address of the member in that struct. `type` must outlive the table. Throws std::logic_error if the
+/// facts contradict one another or the type, or if the table already has a field with the name `name`.
 void add_field(FieldTable& table, std::string_view name, const MemberType& type, const void* object,
                const void* member, std::initializer_list<Fact> facts);
-/// Appends a field for a member that has no generic access (Description::apart()): Field::member is null.
-/// Throws std::logic_error if the table already has a field of that name.
+/// Appends a field for a member that generic code cannot read or write (Description::apart()): Field::member
+/// is null. Throws std::logic_error if the table already has a field with the name `name`.
 void add_apart(FieldTable& table, std::string_view name);
-/// Appends the fields of a member that is itself a described struct with the table `part`. The offsets of the
-/// new fields are relative to `object`, the struct with the member. Fields that have a default, and fields of
-/// type record, get the value in `member` as their default. Throws std::logic_error if the table already has
-/// a field of the same name.
+/// Appends the fields of `part` to `table`. `part` is the table of a described struct, and `member` is the
+/// address of such a struct in the struct `object`, which `table` describes. The offsets of the new fields
+/// are relative to `object`. Fields that have a default, and fields of type record, get the value in `member`
+/// as their default. Throws std::logic_error if `table` already has a field with the name of one of them.
 void add_part(FieldTable& table, const FieldTable& part, const void* object, const void* member);
 
 }  // namespace detail
@@ -568,9 +573,10 @@ class Description {
     if (table_ == nullptr) count(detail::tag<k_member>(), false);
   }
 
-  /// Marks a member that has no generic access: a field with a name and a position in the table, but without
-  /// Field::member. Each function that walks over the fields (to store, compare or check them) needs code of
-  /// its own for such a member; get() and set() throw std::logic_error. Not for structs that are state.
+  /// Describes a member that generic code cannot read or write. Its field has a name and a position in the
+  /// table, but Field::member is null. Each function that walks over the fields (to store, compare or check
+  /// them) needs code of its own for such a member; get() and set() throw std::logic_error. Not for structs
+  /// that are state.
   template <auto k_member>
   [[gnu::cold]] constexpr void apart(std::string_view name) {
     if (table_ == nullptr)
@@ -579,12 +585,13 @@ class Description {
       detail::add_apart(*table_, name);
   }
 
-  /// Number of members described so far. Only for a description without a table, like the next two functions.
+  /// Number of members described so far. Only for a description without a table (default constructor).
   constexpr std::size_t members() const { return count_; }
-  /// Whether any member was described more than once.
+  /// Whether any member was described more than once. Only for a description without a table.
   constexpr bool repeats() const { return repeats_; }
-  /// Whether all members described so far may be members of a struct that is state: each is a number or bool
-  /// of a type listed at Element (std::int16_t, for example, is not), or an array of these.
+  /// Whether all members described so far may be members of a struct that is state. Each must be a bool, a
+  /// number of a type that a state table can store (std::int16_t, for example, is none), or an array of such
+  /// numbers or bools. Only for a description without a table.
   constexpr bool is_state() const { return is_state_; }
 
  private:
@@ -635,8 +642,8 @@ TROUPE_OF_TYPE const FieldTable& described() {
   return table;
 }
 
-/// Describes a pose: x, y and z from -100 km to 100 km, and a heading of up to ten turns, each 0 by default.
-/// pose_fields() returns the resulting table.
+/// Describes a pose: x, y and z from -100 km to 100 km, and a heading of up to ten turns in either direction.
+/// Each is 0 by default. pose_fields() returns the resulting table.
 constexpr void describe(Description<Pose>& d) {
   using namespace facts;
   using enum Unit;
@@ -648,23 +655,23 @@ constexpr void describe(Description<Pose>& d) {
   d.member<&Pose::heading>("heading", radians, within(-k_turns, k_turns), "counter-clockwise from +x");
 }
 
-/// Returns the values of the struct at `object` as a record of its table. An empty std::optional gives a
-/// value whose given() is false. Throws std::logic_error if a field has no access to its member
-/// (Description::apart()).
+/// Returns the values of the struct at `object`, which `table` describes, as a record: one value per field.
+/// An empty std::optional gives a value whose given() is false. Throws std::logic_error if the table has a
+/// field without access to its member (Description::apart()).
 Record record_of(const FieldTable& table, const void* object);
-/// Sets the members of the struct at `object` from a record of its table. Members for which the record has no
-/// value (Value::given()) keep their values. A list of structs, and a std::optional struct, is replaced as a
-/// whole: in each new struct, members without a value have their defaults. Limits of the table are not
-/// checked. Throws
+/// Sets the members of the struct at `object`, which `table` describes, from a record with one value per
+/// field. Members for which the record has no value (Value::given() is false) keep their values. A list of
+/// structs, and a std::optional struct, is replaced as a whole: in each new struct, members without a value
+/// have their defaults. Limits of the table are not checked. Throws
 /// - std::bad_variant_access if a value has another type than its member, and for each value of a list of
 ///   lists of numbers (MemberType::each), which this function cannot set;
 /// - std::invalid_argument if a member cannot hold its value;
 /// - std::logic_error if the record gives a value for a field without access (Description::apart()).
 ///
-/// After an exception, the members before the one with the error are set. In a record that a reader has
-/// checked against the table, each value has the type and the limits of its field. The first two exceptions
-/// are then possible only for a list of lists of numbers, and for a fixed array of integers: readers do not
-/// check that its numbers are integers of the type of its elements.
+/// After an exception, the members before the one with the error are set. In a record that a reader of files
+/// has checked against the table, each value has the type of its field and is within its limits. The first
+/// two exceptions are then possible only for a list of lists of numbers, and for a fixed array of integers.
+/// Readers do not check that the numbers of such an array are integers of the type of its elements.
 void fill(const FieldTable& table, void* object, const Record& record);
 
 /// Returns the value of one member of the struct at `object`. For an empty std::optional, Value::given() is
@@ -674,23 +681,24 @@ Value get(const Field& field, const void* object);
 /// member of any other type then keeps its value. Throws the exceptions of fill().
 void set(const Field& field, void* object, const Value& value);
 
-/// Returns a T with the values of a record of described<T>(). Members for which the record has no value have
-/// the defaults of T{}. Throws the exceptions of fill().
+/// Returns a T with the values of a record, which has one value per field of described<T>(). Members for
+/// which the record has no value have the defaults of T{}. Throws the exceptions of fill().
 template <class T>
 T from_record(const Record& record) {
   T object{};
   fill(described<T>(), &object, record);
   return object;
 }
-/// Returns the values of a struct as a record of described<T>(), see record_of().
+/// Returns the values of a struct as a record: one value per field of described<T>(). Throws the exceptions
+/// of record_of().
 template <class T>
 Record to_record(const T& object) {
   return record_of(described<T>(), &object);
 }
 
-/// Converts the table of a described struct to state fields, for a state component whose rows are such
-/// structs. Every member must be a number, a bool or an array of these, which memory_fields() checks and this
-/// function does not.
+/// Converts the table of a described struct to the fields of a StateTable whose rows are such structs. Every
+/// member must be a number, a bool or an array of these. This function does not check that; memory_fields()
+/// in engine/kinds/controller.hpp calls it and checks that at compile time.
 std::vector<StateField> state_fields(const FieldTable& table);
 
 }  // namespace troupe::engine

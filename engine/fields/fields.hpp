@@ -13,8 +13,8 @@ namespace troupe::engine {
 
 struct Value;
 
-/// The values of a parameter block, such as the parameters of a sensor: one value for each field of its
-/// FieldTable, in the order of the fields.
+/// The values of a parameter block, such as the parameters of a sensor: one value for each field of the
+/// block's FieldTable, in the order of the fields.
 using Record = std::vector<Value>;
 
 /// The value of a parameter, in SI units, or no value.
@@ -109,42 +109,43 @@ struct Field {
   std::string_view name;               ///< lower case with underscores; keys in files append the unit
   FieldType type = FieldType::number;  ///< type of the value
   Unit unit = Unit::none;              ///< unit of the number, or of each number of a list
-  /// Default value, in SI units. Without a value (Value::given() is false), the field is required, unless it
-  /// is optional or of type record: a missing record has the defaults of its own fields.
+  /// Default value, in SI units. If this member has no value (Value::given() is false), the field has no
+  /// default and is required, with two exceptions. A field with `optional` may be missing. A missing field of
+  /// type record has the defaults of the fields of the table `record`.
   Value fallback;
   /// Lower limit of the number, or of each number of a list, in SI units. The limit itself is allowed, unless
   /// above_min is set.
   double min = -std::numeric_limits<double>::infinity();
   /// Upper limit of the number, or of each number of a list, in SI units. The limit itself is allowed.
   double max = std::numeric_limits<double>::infinity();
-  std::string_view text;                  ///< one sentence for `troupe describe`, errors and the JSON schema
+  std::string_view text;                  ///< meaning in one sentence, for documentation and errors
   std::size_t columns = 0;                ///< for type numbers: length of the list; 0: any length
   std::vector<std::string_view> choices;  ///< for type text: the allowed values; empty: any text
-  /// For types record and records: the fields of a block. The table must outlive this object. Null if only
-  /// the reader of the field knows the table, and for all other types.
+  /// For types record and records: the fields of a block. The table must outlive this object. Null for all
+  /// other types, and for a block whose table only the code that reads the field knows.
   const FieldTable* record = nullptr;
   /// True: the number must be greater than `min`, not equal to it (for example a size or a period).
   bool above_min = false;
-  /// For type integer: the value is a number of readings of a sensor. The sum of these fields of a device is
-  /// limited to 1,000,000 and checked before the memory of the device is allocated.
+  /// For type integer: the value is a number of readings of a sensor. The sum of all such fields of a device
+  /// must not exceed 1,000,000. The engine checks this limit before it allocates the memory of the sensor.
   bool counts_readings = false;
   /// True: the field may be missing in a file, and then has no value (Value::given() is false). It is not
   /// required and has no default.
   bool optional = false;
-  /// True: neither interventions of the world file nor World::set() can change the parameter while the world
-  /// runs. For parameters of controllers, this member has no effect.
+  /// True: the parameter cannot change while the world runs, neither by an intervention (a change that the
+  /// world file lists) nor by World::set(). For parameters of controllers, this member has no effect.
   bool fixed = false;
   /// True: the field records where the other fields come from (a file and a line). It is stored, but
   /// comparisons of records ignore it.
   bool provenance = false;
-  /// For a field of state: StateField::sparse, its zeros do not change the hash. For other fields: a stored
-  /// record may lack the field, which then has its default.
+  /// For a field of the state of a world: the field adds nothing to the hash of the state while it is zero
+  /// (StateField::sparse). For other fields: a stored record may lack the field, which then has its default.
   bool sparse = false;
-  /// For a field of state: StateField::appearance, the appearance of a body depends on it.
+  /// For a field of the state of a world: the appearance of a body depends on it (StateField::appearance).
   bool appearance = false;
-  /// For a member of a described struct (engine/fields/description.hpp): access to the member, and its offset
-  /// in the struct. `member` is null for other fields, and for members without generic access
-  /// (Description::apart()). It points to static storage.
+  /// For a member of a described struct (engine/fields/description.hpp): functions that read and write the
+  /// member, and its offset in the struct. `member` points to static storage. It is null for fields that are
+  /// no such members, and for members that only code of their own can read and write (Description::apart()).
   ///@{
   const MemberType* member = nullptr;
   std::size_t offset = 0;  ///< offset in the struct, bytes
@@ -154,16 +155,16 @@ struct Field {
   bool required() const { return !fallback.given() && !optional && type != FieldType::record; }
 };
 
-/// The parameters of one kind, or the members of one described struct. Field names are unique; the table does
-/// not check this.
+/// The parameters of one kind (a sort of sensor, drive or controller), or the members of one described
+/// struct. Field names must be unique, which the table does not check.
 struct FieldTable {
   std::vector<Field> fields;  ///< the fields; a Record has its values in the same order
 
   /// Index of the field with this name; -1 if there is none.
   int find(std::string_view name) const;
-  /// A record of the default values. For fields without a default (required and optional ones) it has no
-  /// value: Value::given() is false. There is one exception: for a field of type record that is neither
-  /// optional nor has a default, it has the defaults() of the table Field::record.
+  /// Returns a record of the default values. For required and optional fields, which have no default,
+  /// Value::given() is false. A field of type record that is not optional and has no default gets the
+  /// defaults() of its table Field::record.
   Record defaults() const;
 };
 
@@ -178,14 +179,14 @@ struct UnitSuffix {
 /// strings. The list has static storage.
 std::span<const UnitSuffix> unit_suffixes(Unit unit);
 
-/// The value of the field with this name in a record of the table. The table must have the field, which is
-/// not checked.
+/// The value of the field with this name in `record`, a record of `table`. The table must have the field;
+/// this function does not check that.
 inline const Value& get(const FieldTable& table, const Record& record, std::string_view name) {
   return record[static_cast<std::size_t>(table.find(name))];
 }
 
-/// The table of poses: x, y, z (m) and heading (rad), each 0 by default. The same object in each call, so
-/// that its address identifies fields that are poses (Field::record).
+/// The table of the fields of a pose: x, y, z (m) and heading (rad), each 0 by default. Each call returns the
+/// same object. Code can therefore recognise a field that is a pose by this address in Field::record.
 const FieldTable& pose_fields();
 
 }  // namespace troupe::engine

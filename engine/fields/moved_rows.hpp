@@ -7,8 +7,8 @@
 
 namespace troupe::engine {
 
-/// The indices, ascending, of the elements that change their places if each element i of a list goes to the
-/// place to[i].
+/// Returns the indices i, ascending, for which to[i] differs from i. These elements of a list change their
+/// places when each element i moves to the place to[i].
 inline std::vector<std::uint32_t> moved_places(std::span<const std::uint32_t> to) {
   std::vector<std::uint32_t> moved;
   for (std::uint32_t i = 0; i < to.size(); ++i)
@@ -16,7 +16,8 @@ inline std::vector<std::uint32_t> moved_places(std::span<const std::uint32_t> to
   return moved;
 }
 
-/// Moves each element i of a column to the place to[i]. An empty column stays empty. moved: moved_places(to)
+/// Moves each element i of a list to the place to[i]. `to` must have each index of the list once, and `moved`
+/// must be moved_places(to). An empty list stays empty.
 template <class T>
 void move_elements(std::vector<T>& column, std::span<const std::uint32_t> moved,
                    std::span<const std::uint32_t> to) {

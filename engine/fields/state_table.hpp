@@ -12,7 +12,7 @@
 
 namespace troupe::engine {
 
-/// Type of the values of a field. A bool is stored as a u8 with the value 0 or 1.
+/// Type of the values of a field of the state (StateField). A bool is stored as a u8 with the value 0 or 1.
 enum class Element : std::uint8_t {
   f64,  ///< double
   f32,  ///< float
@@ -23,7 +23,7 @@ enum class Element : std::uint8_t {
   u8,   ///< std::uint8_t, bool
 };
 std::size_t element_size(Element element);       ///< size of a value, bytes: 8, 4 or 1
-std::string_view element_name(Element element);  ///< NumPy's name: "float64", "int32", "uint8", ...
+std::string_view element_name(Element element);  ///< name of the type in NumPy: "float64", "int32", ...
 
 /// The element type for a C++ type T. Does not compile if T is none of the types listed at Element.
 template <class T>
@@ -53,22 +53,23 @@ struct StateField {
   Element element = Element::f64;  ///< type of each column
   std::uint32_t columns = 1;       ///< values per row
   std::string unit;                ///< unit of the values: "m", "rad/s"; empty: none
-  std::string text;                ///< meaning, in one line, for `troupe describe` and recordings
+  std::string text;                ///< meaning, in one line, for documentation and recordings
   /// Offset of the field within a row, bytes; only for tables with StateTable::Layout::rows. If the rows are
   /// not structs, the constructor of StateTable sets the offset.
   std::uint32_t offset = 0;
-  /// True: the field adds nothing to the hash of a row in which all its bytes are 0. When a new version of
-  /// Troupe adds such a field, worlds that do not use it keep their hashes.
+  /// True: if all bytes of the field are 0 in a row, the field adds nothing to the hash of the row. When a
+  /// new version of Troupe adds such a field to the state, worlds that do not use it keep their hashes.
   bool sparse = false;
-  /// True: the appearance of a body depends on the field, so the field is recorded whenever poses are
-  /// recorded.
+  /// True: the appearance of a body depends on the field. A recording of poses therefore also contains the
+  /// field.
   bool appearance = false;
 };
 /// Returns a copy of `fields` in which StateField::sparse is true for every field.
 std::vector<StateField> sparse(std::vector<StateField> fields);
 
-/// Groups of state components. A hash log (docs/determinism.md) has one column per group, with the sum of the
-/// hashes of its components.
+/// Groups of state components (state tables). A hash log is a text file with the hashes of the state after
+/// every tick (docs/determinism.md). It has one column per group, with the sum of the hashes of the group's
+/// components.
 enum class HashGroup : std::uint8_t {
   pose,      ///< poses of bodies and joints, which body carries which, births and deaths
   velocity,  ///< velocities, commands to drives and devices, whether motions were blocked
@@ -76,11 +77,11 @@ enum class HashGroup : std::uint8_t {
   memory,    ///< memories of controllers, odometry, disabled and faulty bodies
 };
 inline constexpr std::size_t k_hash_groups = 4;     ///< number of hash groups
-std::string_view hash_group_name(HashGroup group);  ///< name of its column in a hash log
+std::string_view hash_group_name(HashGroup group);  ///< name of the group's column in a hash log
 
 /// The state of one component ("pose", "ranger/eye", ...): a table with one row for each body that has the
-/// component, or for each body of one type that has it. Allocation, hashing, and all code that stores or
-/// compares states use the list of fields of the table. Therefore no part of the state can be missing from
+/// component, or for each body of one body type that has it. All code that allocates, hashes, stores or
+/// compares states uses the list of fields of the table. Therefore no part of the state can be missing from
 /// the determinism tests.
 ///
 /// There are two layouts: `columns` keeps each field contiguous, for loops that read one field of every
@@ -95,9 +96,9 @@ class StateTable {
 
   StateTable() = default;  ///< a table without rows
   /// A table with one row for each of `ids`. All bytes are 0. With Layout::rows and row_bytes > 0, each row
-  /// is a struct of that size, and the fields have the offsets that `fields` gives. With Layout::rows and
-  /// row_bytes 0, the constructor computes the offsets and the size of a row. Layout::columns uses neither
-  /// offsets nor row_bytes.
+  /// is a struct of row_bytes bytes, and the fields have the offsets StateField::offset. With Layout::rows
+  /// and row_bytes 0, the constructor computes the offsets and the size of a row. Layout::columns uses
+  /// neither offsets nor row_bytes.
   StateTable(std::string component, HashGroup group, Layout layout, std::vector<StateField> fields,
              std::vector<BodyId> ids, std::size_t row_bytes = 0);
 
@@ -105,7 +106,7 @@ class StateTable {
   const std::string& component() const { return component_; }
   HashGroup group() const { return group_; }  ///< the group whose column of the hash log contains this table
   std::span<const StateField> fields() const { return fields_; }  ///< fields in declared order
-  /// Number of rows, including those of unborn and dead bodies.
+  /// Number of rows, including those of bodies that are not yet in the world (unborn) and of dead bodies.
   std::size_t rows() const { return ids_.size(); }
   std::span<const BodyId> ids() const { return ids_; }  ///< body of each row
 
@@ -154,28 +155,30 @@ class StateTable {
     return *reinterpret_cast<const T*>(row(r));
   }
 
-  /// Hash of a row, which does not depend on the layout. It is a sum modulo 2^64: the hash of (component
-  /// name, id of the body, all fields that are not sparse, in declared order), plus, for each sparse field
-  /// that is not zero, the hash of (component name and field name, id of the body, field). If all fields are
-  /// sparse, the first term is 0.
+  /// Hash of a row, which does not depend on the layout. It is a sum modulo 2^64. The first term is the hash
+  /// of (component name, id of the body, all fields that are not sparse, in declared order); it is 0 if all
+  /// fields are sparse (StateField::sparse). Each sparse field that is not zero adds one term: the hash of
+  /// (component name and field name, id of the body, field).
   std::uint64_t hash_row(std::size_t row) const { return hash_rows(row, row + 1); }
   /// Sum of the hashes of rows [first, last), modulo 2^64.
   std::uint64_t hash_rows(std::size_t first, std::size_t last) const;
-  std::size_t bytes() const { return data_.size(); }  ///< size of data()
-  /// The memory of all rows, including padding and the room for more rows.
+  std::size_t bytes() const { return data_.size(); }  ///< size of data(), bytes
+  /// The memory of all rows, including padding and unused memory for more rows (see make_room()).
   std::span<std::byte> data() { return data_; }
-  /// Sets every byte to 0, as in a new table.
+  /// Sets every byte of all rows to 0, as in a new table.
   void clear() { std::ranges::fill(data_, std::byte{0}); }
   /// Sets every byte of a row's fields to 0; bytes between the fields stay.
   void clear_row(std::size_t row) { fill_row(row, std::byte{0}); }
   void fill_row(std::size_t row, std::byte value);  ///< sets every byte of a row's fields to `value`
-  /// Copies the row of the same index from a table that has the same fields and layout.
+  /// Overwrites the fields of a row with those of the row of the same index in the table `from`. That table
+  /// must have the same fields and layout.
   void copy_row(std::size_t row, const StateTable& from);
   /// Gives the table memory for at least `rows` rows, and frees memory if too much of it is unused
   /// (room_for() in base/room.hpp). `rows` must be at least rows(). The rows may move in memory.
   void make_room(std::size_t rows);
-  /// add_rows() adds a row for each of these bodies at the end, with all fields 0. keep_rows() removes rows
-  /// from the end, so that `count` rows remain. The table must have room for the rows (make_room()).
+  /// add_rows() adds a row for each of the bodies `ids` at the end, with all fields 0. The table must have
+  /// memory for these rows, see make_room(). keep_rows() removes rows from the end, so that `count` rows
+  /// remain; `count` must not exceed rows().
   ///@{
   void add_rows(std::span<const BodyId> ids);
   void keep_rows(std::size_t count) { ids_.resize(count); }
@@ -185,7 +188,7 @@ class StateTable {
 
  private:
   std::size_t lay_out();
-  /// Sum of the hashes of the fields that are not sparse.
+  /// Sum, over the rows [first, last), of the hashes of the fields that are not sparse.
   std::uint64_t hash_dense(std::size_t first, std::size_t last) const;
 
   std::string component_;
@@ -215,15 +218,15 @@ class StateTable {
   std::vector<std::byte> data_;
 };
 
-/// Returns the part of a component's name that begins with the name that the world file gives the device or
-/// joint: `ir` for `ranger/ir`, `arm` for `joint/arm`, `eye` for `sensors/minibot/eye` (a component of a
+/// Returns the end of a component's name, from the name that the world file gives the device or joint. The
+/// result is `ir` for `ranger/ir`, `arm` for `joint/arm`, `eye` for `sensors/minibot/eye` (a component of a
 /// recording), and `lamp/command` for `led/lamp/command` (the commands to the device `lamp`). If the
-/// component's name has no slash (`pose`), or if its second part is a number (`wander/0`, of a controller),
-/// returns the whole name.
+/// component's name has no slash (`pose`), or if its second part is a number (`wander/0`, the memory of a
+/// controller), the result is the whole name.
 std::string_view given_name(std::string_view component);
-/// Whether a name that a user gives, such as a field to record, selects this component: whether the name is
-/// that of the component, its given_name(), or its kind, which is the part of the component's name before the
-/// first slash.
+/// Whether a name that a user gives, such as a field to record, selects a component. A name selects the
+/// component if it is the component's whole name, its given_name(), or the part of its name before the first
+/// slash, which is the kind (`ranger` in `ranger/ir`).
 bool selects(std::string_view name, std::string_view component);
 
 }  // namespace troupe::engine

@@ -14,9 +14,10 @@
 namespace troupe::engine {
 
 /// The compiled interventions and faults of a world, and which of them are applied next. An intervention is a
-/// change of the world at a given time, such as removing robots; a fault is a random failure of a robot.
-/// These data are not part of the state, because they follow from the spec (the description of the world) and
-/// the tick.
+/// change of the world at a given time, such as removing robots; a fault is a random failure of a robot. A
+/// kind is a table of functions that implements one sort of device, drive, controller or fault. A random
+/// stream is a sequence of random numbers with a number of its own. A tick is a time step. These data are not
+/// part of the state, because they follow from the spec (the description of the world) and the tick.
 struct Experiment {
   /// The value of `due` if no intervention or fault event follows: larger than the number of any tick.
   static constexpr std::uint64_t k_never = std::numeric_limits<std::uint64_t>::max();
@@ -29,15 +30,17 @@ struct Experiment {
     /// added the intervention.
     std::uint32_t stream = 0;
     /// All bodies of the group InterventionSpec::whom, in order of ids, whether or not they are in the world.
-    /// Empty for `add` and `set`.
+    /// Empty for the interventions `add` (spawns bodies) and `set` (changes parameters).
     std::vector<BodyId> whom;
-    std::size_t reserve = 0;  ///< for `add`: the reserve of the bodies, index into WorldSpec::reserves
+    std::size_t reserve = 0;  ///< for `add`: list of bodies to spawn, index into WorldSpec::reserves
     /// For `set` of a drive or controller: the data that its kind prepared from the new parameters. Applying
-    /// the intervention swaps them with the data in BodyType; they are then the data of the old parameters.
+    /// the intervention swaps these data with those in BodyType; `data` then holds the data of the old
+    /// parameters.
     std::any data;
     DeviceKind::Prepared device;  ///< for `set` of a device: used like `data`, which is then empty
     /// For `set` of a drive: the data of the controllers of the type, used like `data`, because controllers
-    /// may have stored limits of the drive. Empty if no controller of the type has the hook `bind_world`.
+    /// may have stored limits of the drive. Empty if no kind of these controllers has the function
+    /// `bind_world`, which reads the description of the world.
     std::vector<std::any> controllers;
   };
   /// Sorted by tick; within a tick in the order of ExperimentSpec::at.
@@ -50,7 +53,7 @@ struct Experiment {
   /// World::restart() restore it. Empty while World::set() has added no intervention.
   std::vector<Intervention> declared;
 
-  /// One impairment of a FaultSpec, compiled for the bodies of one type.
+  /// One impairment (effect on a body) of a FaultSpec, compiled for the bodies of one type.
   struct Fault {
     Impairment impairment;  ///< effect of the fault on a body, and how often it occurs
     /// Random stream of the fault: stream_id() of the name of its kind and of the index of its FaultSpec.

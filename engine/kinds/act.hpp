@@ -15,6 +15,10 @@ namespace troupe::engine {
 /// Simulation::act() (docs/live.md). It is plain data: names, and numbers in SI units. For an action that is
 /// impossible, such as a move to an occupied pose, Simulation::act() throws troupe::ActRefused and changes
 /// nothing. The members that a kind of action does not use are ignored.
+///
+/// All bodies of a body type have the same parts, devices (sensors and actuators), drive and controllers. A
+/// population is a group of bodies of one type with the names NAME0, NAME1, ... . Its reserve consists of
+/// those of its bodies that are not yet in the world and can be spawned later.
 struct Act {
   /// The kind of action. A body that an action names must be in the world.
   enum class Kind : std::uint8_t {
@@ -26,30 +30,30 @@ struct Act {
     /// `release`, with a reset of the simulation, or when the robot is no longer in the world
     hold,
     release,  ///< ends the `hold` of a robot: the robot follows the commands of its controller again
-    /// changes the command to `device`, a device of a body: sets the fields that `values` names, and keeps
-    /// the others. A controller that uses the device may overwrite the command.
+    /// changes the command to `device`, a device of the body `whom`: sets the fields of the command that
+    /// `values` names, and keeps its other fields. A controller that uses the device may overwrite the
+    /// command.
     command,
-    /// spawns the next body of the reserve (bodies that are not yet in the world) of population `whom` at
-    /// `pose`, which must be free
+    /// spawns the next body of the reserve of the population `whom` at `pose`, which must be free
     add,
     remove,   ///< removes a body from the world for good
-    disable,  ///< stops the devices, controllers and drive of a body
-    enable,   ///< ends `disable`; a drop-out fault of the body, which also stops it, continues
+    disable,  ///< stops the devices, controllers and drive of a body, until the action `enable`
+    enable,   ///< ends `disable`; a fault of the body that also stops it (a drop-out) continues
     set,      ///< changes the parameters that `setting` names, for all bodies of the type `whom`
   };
   Kind kind = Kind::move;  ///< kind of action
-  std::string whom;        ///< name of a body; for `add`, of a population; for `set`, of a type
+  std::string whom;        ///< name of a body; for `add`, of a population; for `set`, of a body type
   Pose pose;               ///< for `move` and `add`: new pose of the body, world frame, m and rad
   /// For `speed` and `hold`: the speeds [forward, left, turn], m/s and rad/s, body frame, each from -1e6 to
-  /// 1e6. For a car, `turn` is the steering angle, rad.
+  /// 1e6. For a drive of kind `car`, `turn` is the steering angle, rad.
   std::array<double, 3> speed{};
   std::string device;  ///< for `command`: name of the device, which must take commands
-  /// For `command`: names of fields of the device's command struct, each with its new numbers: one finite
-  /// number, or for an array as many as it has elements. An integer field takes only whole numbers within its
-  /// range (with 64 bits: from -2^53, or 0 if unsigned, to 2^53 - 1). A field of type float rounds the
-  /// number, which must not exceed the largest float in magnitude.
+  /// For `command`: names of fields of the device's command struct, each with its new numbers. A field takes
+  /// one finite number; an array takes as many as it has elements. An integer field takes only whole numbers
+  /// within its range. For 64 bits, the range is -2^53 to 2^53 - 1 (signed) or 0 to 2^53 - 1 (unsigned). A
+  /// field of type float rounds the number, which must not exceed the largest float in magnitude.
   std::vector<std::pair<std::string, std::vector<double>>> values;
-  /// For `set`: JSON text with the new values, as Simulation::set() takes it. Example:
+  /// For `set`: JSON text with the new values of parameters, in the format of Simulation::set(). Example:
   /// `{"drive": {"velocity_max_x_mps": 0.5}}`.
   std::string setting;
 

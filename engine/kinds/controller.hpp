@@ -12,12 +12,13 @@
 #include <type_traits>
 #include <utility>
 
-/// Lists the members of a controller's Memory, or of another struct that belongs to the state of a world:
-/// `TROUPE_FIELDS(heading, steps)` in the body of the struct. The macro is the short form of `describe`
-/// (engine/fields/description.hpp), without units and texts. The state is hashed, compared, saved and
-/// recorded field by field, in the order of this list. A struct with a member that is not listed, is listed
-/// twice, or is not a number, a bool or a std::array of these, does not compile as a Memory. Numbers are
-/// double, float, std::uint8_t and integers of 32 or 64 bits.
+/// Lists the members of a controller's Memory (the data that the controller keeps for each robot), or of
+/// another struct that belongs to the state of a world. Example: `TROUPE_FIELDS(heading, steps)` in the body
+/// of the struct. The macro is the short form of a function `describe` (engine/fields/description.hpp), which
+/// also gives each member a unit and a text. The state is hashed, compared, saved and recorded field by
+/// field, in the order of the list. The list must have each member of the struct once. Each member must be a
+/// number, a bool or a std::array of these. Numbers are double, float, std::uint8_t and integers of 32 or 64
+/// bits. A struct that breaks these rules does not compile as a Memory.
 #define TROUPE_FIELDS(...)                                         \
   constexpr auto troupe_fields() { return std::tie(__VA_ARGS__); } \
   static constexpr std::string_view troupe_field_names() { return #__VA_ARGS__; }
@@ -25,8 +26,9 @@
 namespace troupe::engine {
 namespace detail {
 
-/// True if TROUPE_FIELDS lists no member twice. If the number of listed names also equals the number of
-/// members, the list has each member exactly once.
+/// Returns true if the macro TROUPE_FIELDS of the struct Memory lists no member twice. The caller also checks
+/// that the list has as many entries as the struct has members. Both checks together ensure that the list has
+/// each member once.
 template <class Memory>
 constexpr bool lists_distinct_members() {
   Memory example{};
@@ -52,8 +54,8 @@ struct Shape<std::array<T, N>> {
   static constexpr std::uint32_t columns = N;
 };
 
-/// Name number n, counted from 0, of a comma-separated list of names, without leading spaces. The list must
-/// have more than n names.
+/// Returns the name with index n (from 0) in a comma-separated list of names, without leading spaces. The
+/// list must have more than n names.
 constexpr std::string_view nth_name(std::string_view names, std::size_t n) {
   for (; n > 0; --n) names.remove_prefix(names.find(',') + 1);
   names = names.substr(0, names.find(','));
@@ -181,10 +183,11 @@ std::vector<StateField> listed_fields() {
 
 }  // namespace detail
 
-/// The state fields of a memory struct, with their offsets in the struct, in the order in which its
-/// `describe` function describes them or TROUPE_FIELDS lists them. The struct must have one of these two (if
-/// it has both, `describe` counts), must be trivially copyable, and must have no constructors. Otherwise the
-/// call does not compile. A struct without members has no fields.
+/// Returns one StateField (name, type, unit, text and offset in the struct) for each member of a memory
+/// struct, in the order in which its function `describe` describes the members or TROUPE_FIELDS lists them.
+/// The struct must have one of these two; if it has both, `describe` counts. The struct must be trivially
+/// copyable and have no constructors. Otherwise the call does not compile. The result is empty for a struct
+/// without members.
 template <class Memory>
 std::vector<StateField> memory_fields() {
   static_assert(std::is_trivially_copyable_v<Memory>,
@@ -198,10 +201,12 @@ std::vector<StateField> memory_fields() {
   }
 }
 
-/// Makes a controller kind (ControllerKind in engine/kinds/kinds.hpp) from a class C. One object of C serves
-/// all robots of a type. Several threads call this object at once, each for different robots, so operator()
-/// must not change the object. Data that a robot keeps from one decision to the next belong in Memory. `name`
-/// and `text` must live as long as the kind. C must be copyable. It has
+/// Makes a controller kind from a class C. A controller kind is a table of functions that implements one sort
+/// of controller (ControllerKind in engine/kinds/kinds.hpp). One object of C serves all robots of a body
+/// type. Several threads call this object at once, each for different robots, so operator() must not change
+/// the object. Data that a robot keeps from one decision to the next belong in Memory. A batch is a list of
+/// robots that decide in the same tick (time step). `name` and `text` must live as long as the kind. C must
+/// be copyable. It has
 ///
 ///     void operator()([Memory&,] const Percept&, Random&, Actions&) const;  // for one robot, or
 ///     void operator()(const DecideBatch&) const;                            // for a batch of robots
@@ -215,20 +220,23 @@ std::vector<StateField> memory_fields() {
 ///     static C make(const Params&);               // default: C{params}
 ///         // without Params: static C make(), by default C{}
 ///     Result<std::vector<std::size_t>> choose(std::span<const DeviceInfo>, std::vector<bool>& claimed);
-///         // returns the indices of the devices that it uses, and may reserve devices for itself in
-///         // `claimed`, see ControllerKind::prepare; default: uses all devices that are offered, also those
-///         // that other controllers have reserved, and reserves none
+///         // returns the indices of the devices that it uses. The first argument lists the devices on the
+///         // part of the controller and on the parts mounted on that part, except drives of parts.
+///         // claimed[d] is true if an earlier controller has reserved device d for itself; the function may
+///         // set it to reserve the device. Default: uses all devices of the list, also reserved ones, and
+///         // reserves none
 ///     static constexpr std::array k_uses{std::string_view("ranger")};
 ///         // instead of choose: the kinds of the devices that it uses, in this order; a kind that is listed
-///         // twice stands for two devices; an error if the robot has too few devices of a kind; also uses
-///         // devices that other controllers have reserved, and reserves none
+///         // twice stands for two devices. It is an error if the robot has too few devices of a kind. The
+///         // controller also uses devices that other controllers have reserved, and reserves none
 ///     Result<> bind_world(const WorldSpec&, const TypeSpec&, std::uint32_t part);
 ///         // completes the object from the world: ControllerKind::bind_world
 ///     static constexpr std::array<std::string_view, N> brings;
-///         // kinds of devices that it adds to Stage models: ControllerKind::brings
+///         // kinds of devices that the loader of Stage worlds adds to each model with this controller:
+///         // ControllerKind::brings
 ///
-/// A controller can use at most k_most_devices_read devices. If operator() for one robot throws, the error
-/// message of the step names that robot.
+/// A controller can use at most k_most_devices_read (16) devices. If operator() for one robot throws, the
+/// error message of the step names that robot.
 template <class C>
 ControllerKind make_controller_kind(std::string_view name, std::string_view text) {
   using Memory = typename detail::MemoryOf<C>::type;

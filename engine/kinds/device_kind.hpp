@@ -33,27 +33,30 @@ DeviceKind::Prepared prepare_device(const Record& record, const Pose& pose_body_
 }  // namespace detail
 
 /// Makes the kind of a sensor, or of another device, from a class C. A kind is a table of functions, its
-/// hooks (DeviceKind in engine/kinds/kinds.hpp has their contracts). The hooks call the members of C with the
-/// same names; their argument `data` contains a C. Each device of a body type has one object of C, which
-/// serves all bodies of the type, and several threads call this object at once. C must be copyable. `name`
-/// and `text` must live as long as the kind. C may have
+/// hooks; DeviceKind in engine/kinds/kinds.hpp says when the engine calls each hook and what it must do. The
+/// hooks call the members of C with the same names; the argument `data` of the hooks contains a C. A body
+/// type is what identical bodies share. Each device of a body type has one object of C, which serves all
+/// bodies of the type, and several threads call this object at once. C must be copyable. `name` and `text`
+/// must live as long as the kind. C may have
 ///
 ///     struct Params { ...; describe };            // its parameters; default: none
-///     struct State { ...; describe };             // its state (percepts), one struct per body
+///     struct State { ...; describe };             // its state, such as readings (percepts), one per body
 ///     struct Command { ...; describe };           // its commands from controllers, one struct per body
-///         // State and Command may list their members with TROUPE_FIELDS instead of describe
+///         // `describe` is a function that lists the members of the struct with units and texts
+///         // (engine/fields/description.hpp). State and Command may have the macro TROUPE_FIELDS instead
 ///     static DeviceKind::Prepared prepare(const Params&, const Pose& pose_body_device);
-///         // DeviceKind::prepare; the member `data` of the result must be a C: otherwise the hook throws
-///         // std::logic_error. If the result has no percepts, the hook sets them to the fields of State; if
-///         // it has no commands, to the fields of Command. If C has no Params, the pose is the only argument
+///         // DeviceKind::prepare: compiles the parameters. The member `data` of the result must be a C:
+///         // otherwise the hook throws std::logic_error. If the result has no percepts, the hook sets them
+///         // to the fields of State. If the result has no commands, the hook sets them to the fields of
+///         // Command. If C has no Params, the pose is the only argument
 ///     static C make(const Params&, const Pose& pose_body_device);
 ///         // instead of prepare, if `data` is the only member to be set; only if C has Params
 ///         // default, without prepare and make: C{params}, or C{} if C has no Params
 ///
-/// C may also have the following hooks, without the argument `data`, and constants of DeviceKind. If C has a
-/// State, the hooks marked "row" may take a reference to the State of one body instead of the table and the
-/// slot (the index of the body's row in the table). A hook that C lacks is null, and a constant that C lacks
-/// has its default value:
+/// C may also have the following functions and constants. The functions are the hooks of DeviceKind, without
+/// the argument `data`; a hook that C lacks is null. The constants are members of DeviceKind; a constant that
+/// C lacks has its default value. If C has a State, the functions marked "row" may take a reference to the
+/// State of one body instead of the table and the slot (the index of the body's row in the table).
 ///
 ///     std::uint64_t sense(const SenseBatch&) const;                      // or a const DeviceBatch&
 ///     void act(const DeviceBatch&) const;

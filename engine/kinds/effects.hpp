@@ -11,47 +11,50 @@
 namespace troupe::engine {
 
 // The verbs (Effect::verb) of births and deaths. Devices of all kinds may emit them; a kind that emits deaths
-// must set DeviceKind::Prepared::ends_lives. The engine itself applies them after all other effects of the
-// tick: first all deaths, then all births, each in the order of Effects::sorted().
-/// Birth of the next body of the reserve Effect::reserve, which holds bodies that are not yet in the world.
-/// The payload is the pose at birth: x, y, z (m), heading (rad), world frame. If Effect::source dies in the
-/// same tick, the birth does not take place.
+// must set the flag DeviceKind::Prepared::ends_lives. The engine itself applies them after all other effects
+// of the tick (time step): first all deaths, then all births, each in the order of Effects::sorted().
+/// Value of Effect::verb: birth of the next body of the reserve Effect::reserve, which holds bodies that are
+/// not yet in the world. The payload is the pose at birth: x, y, z (m), heading (rad), world frame. If
+/// Effect::source dies in the same tick (time step), the birth does not take place.
 inline constexpr std::uint32_t k_birth = ~0u;
-/// Death of Effect::target. Nothing happens if the target is not valid(), is not in the world, or is a
-/// static body.
+/// Value of Effect::verb: death of Effect::target. Nothing happens if the target is not valid(), is not in
+/// the world, or is a static body. A static body has no drive, device or controller, and cannot be gripped or
+/// pushed.
 inline constexpr std::uint32_t k_death = ~0u - 1;
 
-/// The outcome of a request for a birth. Devices store the numerical values in their state, so the values
-/// must never change.
+/// The outcome of a request for a birth. Devices store the numerical values in their state, which is saved to
+/// files, so the value of an enumerator must never change.
 enum class BirthStatus : std::uint8_t {
   unasked,   ///< no birth was requested
   born,      ///< the body Birth::body was born
   occupied,  ///< no birth: the pose is occupied, outside the bounds of the world, or not finite
-  used_up,   ///< no birth: all bodies of the reserve have been born
+  used_up,   ///< no birth: all bodies of the reserve (bodies that may be born later) have been born
 };
-/// The result of a birth, as passed to DeviceKind::born and returned by World::spawn().
+/// The result of a requested birth. DeviceKind::born, a function of the device that requested the birth,
+/// receives it. World::spawn(), by which a program requests a birth, returns it.
 struct Birth {
   BirthStatus status = BirthStatus::unasked;  ///< whether a body was born, or why not
   BodyId body;                                ///< the new body; invalid if none was born
 };
 
-/// An action of one body on another in a tick, such as gripping, charging or releasing it. A device must not
-/// write to the state of other bodies. Instead, the device emits an effect, which is a record of the action.
-/// Devices emit effects in the phase `actuate` of the tick, in which drives and devices run, in any order and
-/// on any thread. After all bodies have moved, the effects are applied one by one (DeviceKind::apply), in an
-/// order that does not depend on the threads.
+/// An action of one body on another in a tick (time step), such as gripping, charging or releasing it. A
+/// device (sensor or actuator) must not write to the state of other bodies. Instead, the device emits an
+/// effect, which is a record of the action. Devices emit effects in the phase `actuate` of the tick, in which
+/// drives and devices run, in any order and on any thread. After all bodies have moved, the effects are
+/// applied one by one, in an order that does not depend on the threads. The function DeviceKind::apply of the
+/// device's kind (the table of functions that implements the device) applies an effect.
 struct Effect {
   BodyId source;             ///< the acting body
-  std::uint32_t device = 0;  ///< the acting device: index in BodyType::devices
-  /// Orders the effects that one device of one body emits in a tick. Each of them needs a number of its own:
-  /// the order of effects with equal numbers is unspecified.
+  std::uint32_t device = 0;  ///< the acting device: index in BodyType::devices of the type of `source`
+  /// Orders the effects that one device of one body emits in a tick. Each of these effects needs a number of
+  /// its own, because the order of effects with equal numbers is unspecified.
   std::uint32_t sequence = 0;
   std::uint32_t verb = 0;  ///< the action: k_birth, k_death, or a number that the device's kind defines
   BodyId target;           ///< the affected body; not valid() if there is none
   /// Arguments of the verb, in SI units; positions are in the world frame. The device's kind defines their
   /// meaning.
   std::array<double, 4> payload{};
-  std::uint32_t reserve = 0;  ///< for a birth: index into WorldSpec::reserves
+  std::uint32_t reserve = 0;  ///< for a birth: reserve of the new body, an index into WorldSpec::reserves
 
   /// Whether the effect is a birth or a death, which the engine itself applies.
   bool is_of_life() const { return verb == k_birth || verb == k_death; }

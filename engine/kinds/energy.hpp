@@ -5,17 +5,18 @@ namespace troupe::engine {
 inline constexpr double k_most_watts = 1e9;    ///< largest power that a world file may give, W
 inline constexpr double k_most_mass_kg = 1e6;  ///< largest mass that a world file may give, kg
 
-/// The energy account of a device that stores energy, such as a power pack. All energies are in J.
-/// `dissipated_j`, `received_j` and `given_j` are sums since the device came into the world.
+/// The energy account of a device that stores energy, such as a power pack (a battery that supplies the
+/// devices and the drive of a body). All energies are in J. `dissipated_j`, `received_j` and `given_j` are
+/// sums since the body of the device came into the world.
 struct Energy {
   double stored_j = 0;      ///< energy stored now
   double capacity_j = 0;    ///< largest energy that the device can store; 0 if `infinite`
-  double dissipated_j = 0;  ///< consumed: by the devices and the drive that it supplies, and by itself
+  double dissipated_j = 0;  ///< consumed by the device and by the devices and the drive that it supplies
   double received_j = 0;    ///< received from other bodies, by contact
   double given_j = 0;       ///< given to other bodies, by contact
   bool infinite = false;    ///< true: the supply never becomes empty; stored_j stays 0
-  /// Whether the device received energy in the last tick. A device that does not run, for example because its
-  /// body is disabled, keeps the value true.
+  /// Whether the device received energy in the last tick (time step). While the device does not run, for
+  /// example because its body is disabled, the value true stays, even if the device receives no energy.
   bool charging = false;
 
   /// Stored energy as a fraction of the capacity, 0 to 1: 1 if `infinite`, otherwise 0 if the capacity is 0.

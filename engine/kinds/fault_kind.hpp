@@ -10,21 +10,23 @@ namespace troupe::engine {
 
 struct BodyType;
 
-/// The effect of a fault on a body, and how often the fault occurs. A fault that is no drop-out (`drops_out`)
-/// lasts until the end of the run, or until the body dies.
+/// The effect of a fault on a body, and how often the fault occurs. A drop-out is a fault that stops the
+/// whole body, for a limited time or for good (`drops_out`). Any other fault lasts until the end of the run,
+/// or until the body dies. A tick is a time step.
 struct Impairment {
-  /// Devices that stop working: bit d for device d of the type (BodyType::devices).
+  /// Devices that stop working: bit d for the device with index d in the list of devices of the body's type
+  /// (BodyType::devices).
   std::uint32_t dead = 0;
   double speed = 1;        ///< factor on the velocity of the body's drive; above 0, at most 1
   bool drops_out = false;  ///< true: a drop-out, which stops all devices, all controllers and the drive
-  /// The rate at which the fault occurs, 1/s. The time until the fault occurs counts from FaultSpec::from_s,
-  /// the world time from which on faults may occur, or from the end of the last drop-out. This time is
-  /// exponentially distributed with the mean 1 / per_s, and rounded up to whole ticks. 0: the fault occurs
-  /// at FaultSpec::from_s.
+  /// The rate at which the fault occurs, 1/s. The time until the fault occurs is exponentially distributed
+  /// with the mean 1 / per_s, and rounded up to whole ticks (time steps). This time counts from
+  /// FaultSpec::from_s (the world time from which on the world file allows the fault) or, after a drop-out,
+  /// from the end of that drop-out. If the rate is 0, the fault occurs at FaultSpec::from_s.
   double per_s = 0;
-  /// Duration of a drop-out, s, rounded up to whole ticks; 0: it never ends. Not used by other faults. Only a
-  /// drop-out that ends can occur again, and only if per_s is above 0; any other fault occurs at most once
-  /// per body.
+  /// Duration of a drop-out, s, rounded up to whole ticks (time steps); 0: the drop-out never ends. Not used
+  /// by other faults. A drop-out that ends can occur again if per_s is above 0. Any other fault occurs at
+  /// most once per body.
   double lasts_s = 0;
 };
 
@@ -32,22 +34,24 @@ struct Impairment {
 /// index of 32 or more never fail.
 inline constexpr std::size_t k_most_fallible = 32;
 
-/// A kind of fault. It defines the effect of the fault on a body, and how often the fault occurs and how long
-/// it lasts (Impairment). The world selects the robots that may fail, and draws the random times. As long as
-/// no robot is impaired, faults take no extra computing time.
+/// A kind of fault. It defines the effect of the fault on a body, how often the fault occurs and how long it
+/// lasts (Impairment). The world selects the robots that may fail, and draws the random times. As long as no
+/// robot is impaired, faults take no extra computing time.
 struct FaultKind {
-  std::string_view name;  ///< name in files; unique in the registry
-  /// One sentence for `troupe describe`. `name` and `text` must live as long as the kind.
+  std::string_view name;  ///< name in files; unique among the fault kinds
+  /// Description in one sentence, which the command `troupe describe` prints. `name` and `text` must live as
+  /// long as the kind.
   std::string_view text;
-  FieldTable params;  ///< table of the parameters of such a fault, with their limits and defaults
-  /// Compiles the parameters for the bodies of a type. Called when a world is built or restarted, once for
-  /// each impairment of a FaultSpec and each type with bodies that may have the fault. The parameters are
-  /// within the limits of `params`. The error says why bodies of the type cannot have the fault.
+  FieldTable params;  ///< table of the parameters of a fault of this kind, with their limits and defaults
+  /// Computes the Impairment for the bodies of a type from the parameters of a fault. Called when a world is
+  /// built or restarted, once for each fault of the world file and each type with bodies that may have the
+  /// fault. The parameters are within the limits of `params`. The error says why bodies of the type cannot
+  /// have the fault.
   Result<Impairment> (*prepare)(const Record& params, const BodyType& type) = nullptr;
 };
 
-/// Makes a fault kind from a class F that has a described `struct Params` (engine/fields/description.hpp) and
-/// the hook FaultKind::prepare with its parameters:
+/// Makes a fault kind from a class F. F has a `struct Params` with a function `describe` that lists its
+/// members (engine/fields/description.hpp), and a function that FaultKind::prepare calls:
 ///
 ///     static Result<Impairment> prepare(const Params&, const BodyType&);
 ///

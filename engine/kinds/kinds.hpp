@@ -45,29 +45,43 @@ struct WorldSpec;
 /// single body. Several threads call the hooks at once, so a hook may write only to its arguments. If a hook
 /// other than DeviceKind::is_spent throws an exception during a step, World::step() throws a StepError.
 ///
-/// A body has a *row*, its index in the state tables of the world, and a *slot*, its index in the tables of
-/// its type. The state of a sensor is also called its percepts or readings.
+/// A *body* is a robot or an object of the world. All bodies of a *type* have the same rigid parts, joints,
+/// devices, drive and controllers. The state of the world is stored in tables. A body that is not *static*
+/// (fixed for the whole run) has a *row*, its index in the state tables of the world, and a *slot*, its index
+/// in the state tables of its type. A *device* is a sensor or an actuator on a part of a body; its state is
+/// also called its *percepts* or readings. A sensor only reads the world.
+///
+/// Time advances in *ticks*, steps of equal length; tick 0 is the initial state. A tick has several phases.
+/// In the phase `sense` the sensors read the state at the end of the last tick. In `actuate` the drives
+/// compute velocities and the other devices act. In `decide` the controllers compute commands, which take
+/// effect in the next tick. Then the bodies move. A device, drive or controller runs once per period and is
+/// *due* in the ticks in which it would run. A *reserve* is a list of bodies that are not yet in the world
+/// and can be born later. Several *ranks* (threads or processes) can compute one world together; each rank
+/// then has the rows of some bodies.
 
-/// A model type of Stage world files, such as `position` or `ranger`, with its defaults. The model kinds are
-/// in the registry (Registry::models), so that all loaders use the same defaults.
+/// A model type of world files of the simulator Stage, such as `position` or `ranger`, with its defaults. The
+/// model kinds are in a list that all loaders of world files use (Registry::models), so that they have the
+/// same defaults.
 struct ModelKind {
   std::string_view name;                ///< name in Stage files: "position"
-  std::string_view text;                ///< one sentence for `troupe describe`
+  std::string_view text;                ///< description in one sentence, which `troupe describe` prints
   Eigen::Vector3d size{0.4, 0.4, 1.0};  ///< default size x, y, z, m
   Color color{1, 0, 0, 1};              ///< default colour
-  /// True: a model without blocks or a bitmap is a box; false: it has no solids.
+  /// The shape of a model for which the file gives neither blocks nor a bitmap. True: a box of its size;
+  /// false: no solids.
   bool has_default_body = true;
   std::string_view device;  ///< DeviceKind::name of the device that such a model adds; empty: none
   /// Table of the parameters of that device; if `device` is empty, of the parameters of the model itself.
   FieldTable params;
 };
 
-/// The argument of the hooks `sense`, `act` and `joints_moved` of a device: rows of one body type for which
-/// the hook is called in a tick, with the data of these rows. There is at least one row. The argument `i` of
-/// the functions is an index into `rows`. engine/sensing/sensing_view.hpp has the functions of `view`.
+/// The argument of the hooks `sense`, `act` and `joints_moved` of a device kind: rows (bodies) of one type
+/// for which the hook is called in a tick, with the data of these rows. There is at least one row. The
+/// argument `i` of the functions is an index into `rows`. The class of `view`, by which a hook reads the
+/// world, is declared in engine/sensing/sensing_view.hpp.
 struct DeviceBatch {
   const SensingView& view;     ///< the world: constants, and where all bodies are
-  const std::any& data;        ///< DeviceKind::Prepared::data of the device
+  const std::any& data;        ///< the compiled parameters of the device (DeviceKind::Prepared::data)
   std::span<const Row> rows;   ///< rows of the batch; all of one type
   StateTable& state;           ///< state of the device, by slot; hooks may write only to the slots of `rows`
   const StateTable* commands;  ///< commands from controllers, by slot; null if the kind takes none
@@ -75,8 +89,8 @@ struct DeviceBatch {
   Links& links;                ///< receives the poses to which joints shall move: see move_joint()
   std::uint32_t device = 0;    ///< index of the device within the type
   std::uint32_t stream = 0;    ///< number of the device's random stream: see random()
-  /// Time from one run of the device to the next, s: its period, rounded up to whole ticks. The time since
-  /// the device last ran is longer if the device was switched off, broken or without power meanwhile.
+  /// Time from one run of the device to the next, s: its period, rounded up to whole ticks. If the device was
+  /// switched off, broken or without power meanwhile, the time since its last run is longer than this value.
   double period_s = 0;
 
   BodyId body(std::size_t i) const;       ///< id of the row's body
@@ -88,45 +102,51 @@ struct DeviceBatch {
   /// another kind and uses such a stream, the wrapped kind gets the same random numbers as without the
   /// wrapper.
   Random random(std::size_t i, std::string_view name) const;
-  /// Transform from the body frame to the world frame, including the displacement from rest of the joint
-  /// that the device is mounted on. compose(mount(i), p) is the present pose of the device, where
-  /// p is the argument `pose_body_device` of DeviceKind::prepare.
+  /// Transform from the body frame of row i to the world frame. If the device is mounted on a joint, the
+  /// transform includes the present displacement of the joint from rest. compose(mount(i), p) is the present
+  /// pose of the device in the world frame, where p is the pose of the device in the body frame with joints
+  /// at rest (the argument `pose_body_device` of DeviceKind::prepare).
   Mount mount(std::size_t i) const;
   /// Velocity that the drive of the row's body computed last, slowed by faults, body frame, m/s and rad/s; 0
-  /// if the body has no drive or its drive has no power. If the drive is due in this tick (once per period),
-  /// it has computed the velocity before the hook `act` is called.
+  /// if the body has no drive or its drive has no power. If the drive runs in this tick, it has computed the
+  /// velocity before the hook `act` is called.
   const Velocity& velocity(std::size_t i) const;
   /// Command to the drive of the row's body. The numbers have no meaning if the body has no drive.
   const Command& command(std::size_t i) const;
-  /// Whether a device of the row's body is active (a controller uses it, or the world file makes it active:
-  /// BodyType::Device::active), or World::subscribe() was called for the body. Here and below, `its_device`
-  /// is the index of the device in BodyType::devices.
+  /// Whether a device of the row's body is in use. A device is in use if a controller uses it, if the world
+  /// file makes it active (BodyType::Device::active), or if a program called World::subscribe() for the body.
+  /// Here and below, `its_device` is the index of the device in BodyType::devices.
   bool senses(std::size_t i, std::size_t its_device) const;
-  /// Whether a device of the row's body is switched on: no controller has switched it off.
+  /// Whether a device of the row's body is switched on. A device is on unless a controller has switched it
+  /// off.
   bool is_on(std::size_t i, std::size_t its_device) const;
-  /// Whether a device of the row's body runs in the ticks in which it is due. It runs if senses() and is_on()
-  /// are true, it is not broken, it has power, and its body is neither disabled nor dropped out by a fault.
+  /// Whether a device of the row's body runs in the ticks in which it is due (once per period). The device
+  /// runs if senses() and is_on() are true, no fault has broken it, it has power, and its body is neither
+  /// disabled nor stopped by a fault.
   bool runs(std::size_t i, std::size_t its_device) const;
-  /// State of another device of the same bodies, by slot. A hook may read only the slots of `rows`.
+  /// State table of another device of the same bodies, with one row per slot. A hook may read only the slots
+  /// of the bodies in `rows`.
   const StateTable& percepts(std::size_t its_device) const;
   /// Present pose of joint n relative to its rest pose, m and rad. Here and below, n counts the joints that
-  /// the device moves (DeviceKind::joints), from 0.
+  /// this device moves (DeviceKind::joints), from 0.
   const Pose& joint(std::size_t i, std::size_t n) const;
   /// Sets the goal of joint n for this tick: a pose relative to the rest pose of the joint, m and rad; the
   /// heading is not wrapped. A second call in the same tick replaces the goal. Only the hook `act` may call
   /// this. The joints of one device move together or not at all: if the motion of one joint is blocked, no
   /// joint of the device moves. If the body carries other bodies or is carried, a blocked motion also stops
-  /// joints of the bodies that move with it: see Links::resolve_joints(). Throws StepError if a number of
-  /// `to` is not finite.
+  /// joints of the bodies that move together with this body. Links::resolve_joints() has the exact rule.
+  /// Throws StepError if a number of `to` is not finite.
   void move_joint(std::size_t i, std::size_t n, const Pose& to) const;
-  /// Whether move_joint() set a goal of joint n in this tick. Only the hook `joints_moved` may call this.
+  /// Whether the hook `act` set a goal of joint n with move_joint() in this tick. Only the hook
+  /// `joints_moved` may call this.
   bool asked_joint(std::size_t i, std::size_t n) const;
   /// Whether joint n is at its goal of this tick: it moved there, or already was there. Only the hook
   /// `joints_moved` may call this.
   bool moved_joint(std::size_t i, std::size_t n) const;
-  /// Emits an effect of row i, which DeviceKind::apply applies after all bodies have moved. Only the hook
-  /// `act` may call this. Throws std::length_error if all devices of the world together emit more effects in
-  /// a tick than their kinds declare (Prepared::most_effects).
+  /// Emits an effect of row i: a record of an action of the device on another body. The hook
+  /// DeviceKind::apply applies the effect after all bodies have moved. Only the hook `act` may call this.
+  /// Throws std::length_error if all devices of the world together emit more effects in a tick than their
+  /// kinds declare (DeviceKind::Prepared::most_effects).
   ///
   /// sequence: position of this effect among the effects that the device of one body emits in a tick; each
   /// of these effects has a number of its own
@@ -136,29 +156,30 @@ struct DeviceBatch {
             const std::array<double, 4>& payload = {}) const {
     effects.emit({body(i), device, sequence, verb, target, payload});
   }
-  /// Requests the birth of the next body of a reserve at the pose `at`, m and rad, world frame. Births come
-  /// after all other effects and all deaths of the tick. DeviceKind::born receives the result, which says
-  /// whether the body was born. There is neither a birth nor a result if the requesting body died in this
-  /// tick. Only the hook `act` may call this. Errors are as for emit(): a birth counts as an effect. If no
-  /// body of the world can be born or die (World::has_lives() is false), World::step() throws
-  /// std::logic_error.
+  /// Requests the birth of the next body of a reserve (bodies that are not yet in the world) at the pose
+  /// `at`, m and rad, world frame. Births come after all other effects and all deaths of the tick. The hook
+  /// DeviceKind::born receives the result, which says whether the body was born. There is neither a birth nor
+  /// a result if the requesting body died in this tick. Only the hook `act` may call this. A birth counts as
+  /// an effect, so emit_birth() throws the exceptions of emit(). If no body of the world can be born or die
+  /// (World::has_lives() is false), World::step() throws std::logic_error.
   ///
-  /// sequence: as for emit()
+  /// sequence: position of this request among the effects of the device of one body in a tick; see emit()
   /// reserve: index into WorldSpec::reserves; must exist
   void emit_birth(std::size_t i, std::uint32_t sequence, std::uint32_t reserve, const Pose& at) const {
     effects.emit({body(i), device, sequence, k_birth, BodyId(), {at.x, at.y, at.z, at.heading}, reserve});
   }
-  /// Requests the death of the body `whose`. The kind must have set Prepared::ends_lives. The request has no
-  /// effect if the body has no row or is not in the world. Only the hook `act` may call this. `sequence` and
-  /// errors are as for emit(): a death counts as an effect.
+  /// Requests the death of the body `whose`. The kind must have set DeviceKind::Prepared::ends_lives. The
+  /// request has no effect if the body has no row (it is static) or is not in the world. Only the hook `act`
+  /// may call this. A death counts as an effect: `sequence` and the exceptions are those of emit().
   void emit_death(std::size_t i, std::uint32_t sequence, BodyId whose) const {
     effects.emit({body(i), device, sequence, k_death, whose});
   }
 };
 
 /// The argument of the hook `sense`. In addition to the data of a DeviceBatch, it has the velocities,
-/// commands and device states of all bodies at the end of the last tick. A device class (make_device_kind())
-/// that does not read these additional data may declare `sense(const DeviceBatch&)`.
+/// commands and device states of all bodies at the end of the last tick. A class from which
+/// make_device_kind() makes a kind may declare `sense(const DeviceBatch&)` if it does not read these
+/// additional data.
 struct SenseBatch : DeviceBatch {
   /// View of the same world as `view`, with the velocities, commands and device states of all bodies.
   const CommittedView& committed;
@@ -173,19 +194,23 @@ struct Transducer {
   double fov = 0;  ///< angle from the first beam to the last, rad; with a single beam, the width of that beam
 };
 
-/// The images of a camera: their size, and the indices of the percepts (Prepared::percepts) that hold them.
+/// The images of a camera: their size, and the fields of the camera's state that hold them, as indices into
+/// DeviceKind::Prepared::percepts.
 struct Camera {
   std::size_t width = 0;   ///< width of the images, pixels
   std::size_t height = 0;  ///< height of the images, pixels
   double range_far = 0;    ///< largest visible depth, m; also the depth of a pixel that shows no surface
-  /// Index of the colour percept: u8 [red green blue opacity] per pixel, row by row from the upper left.
+  /// Index of the field with the colours: per pixel four values of type u8 (red, green, blue, opacity), row
+  /// by row from the upper left.
   std::size_t color = 0;
-  std::size_t depth = 1;  ///< index of the depth percept: f32 per pixel, m along the optical axis
+  /// Index of the field with the depths: per pixel one f32, m along the optical axis.
+  std::size_t depth = 1;
 };
 
-/// Specifies which marked parts (parts with a Returns::fiducial that is not 0) a sensor detects.
+/// Specifies which parts of bodies a fiducial finder (a sensor of markers) detects. A part is marked if its
+/// value Returns::fiducial is not 0.
 struct SoughtMarks {
-  std::int32_t key = 0;       ///< the sensor detects only parts with this Returns::fiducial_key
+  std::int32_t key = 0;       ///< the sensor detects only marked parts with this Returns::fiducial_key
   bool at_any_height = true;  ///< false: only parts whose height interval contains the height of the sensor
 };
 
@@ -195,20 +220,22 @@ struct HeldFlags {
   std::uint64_t received = 0;  ///< number received from other bodies since the device came into the world
 };
 
-/// The argument of DeviceKind::draw: the device of one row.
+/// The argument of the hook DeviceKind::draw: the device of one body. Frame::mobile is the list of the bodies
+/// to be drawn.
 struct DeviceView {
   const World& world;       ///< the world, between two ticks
-  const std::any& data;     ///< DeviceKind::Prepared::data of the device
+  const std::any& data;     ///< the compiled parameters of the device (DeviceKind::Prepared::data)
   const StateTable& state;  ///< state of the device, by slot
-  std::size_t slot = 0;     ///< index of the row in `state`
+  std::size_t slot = 0;     ///< slot of the body: index of its row in `state`
   std::uint32_t body = 0;   ///< index of the device's body in Frame::mobile
-  Pose pose_world_device;   ///< present pose, including the displacement of joints
+  Pose pose_world_device;   ///< present pose, world frame, m and rad; includes the displacement of joints
 
   /// Converts a point from the device frame to the world frame, m.
   Eigen::Vector3d at(double x, double y, double z) const;
 };
 
-/// The list of a Frame to which the devices of a kind add their drawings (DeviceKind::draw).
+/// The list to which the devices of a kind add their drawings (DeviceKind::draw). The list is a member of
+/// Frame, which contains what a viewer draws of the world at one tick.
 enum class FrameLayer : std::uint8_t {
   none,    ///< not drawn
   sights,  ///< detections: Frame::sights
@@ -216,7 +243,7 @@ enum class FrameLayer : std::uint8_t {
   grips,   ///< gripper beams and held bodies: Frame::grips
 };
 
-/// The bodies that an effect of a device may change.
+/// The bodies that an effect (an action of a device on another body) may change when it is applied.
 enum class ApplyScope : std::uint8_t {
   trees,       ///< the body of the device, the target, and all bodies that move together with either of them;
                ///< the target must be within the reach of the device (DeviceKind::Prepared::reach_m)
@@ -224,10 +251,11 @@ enum class ApplyScope : std::uint8_t {
   anything,    ///< any body
 };
 
-// Names for DeviceKind::reads.
+// Names for DeviceKind::reads, which lists the data that a device reads of other bodies.
 inline constexpr std::string_view k_velocity_of_others = "velocity";  ///< velocities that drives computed
 inline constexpr std::string_view k_command_of_others = "command";    ///< commands to drives
-/// Whether devices run: CommittedView::runs(), senses(), is_on(), works() and is_supplied().
+/// Whether devices run, and why not: the results of CommittedView::runs(), senses(), is_on(), works() and
+/// is_supplied().
 inline constexpr std::string_view k_runs_of_others = "runs";
 
 /// A kind of device: a sensor, which only reads the world, or another device (gripper, light, power pack),
@@ -235,32 +263,37 @@ inline constexpr std::string_view k_runs_of_others = "runs";
 /// own.
 struct DeviceKind {
   std::string_view name;  ///< name in files: "ranger"
-  std::string_view text;  ///< one sentence for `troupe describe`
+  std::string_view text;  ///< description in one sentence, which `troupe describe` prints
   FieldTable params;      ///< table of the parameters of a device of this kind
-  /// Names of the joints that the device moves; empty if it moves none. A device that moves one joint may
-  /// leave the name of this joint empty.
+  /// Names of the joints that the device moves; the list is empty if it moves none. If the device moves only
+  /// one joint, the name of this joint may be empty.
   std::vector<std::string_view> joints;
   /// Whether the device can pick up other bodies (World::attach()).
   bool carries = false;
-  /// Whether the device is a drive. A controller commands the drive device on its own part or, if that part
-  /// has none, on the nearest part that carries its part. Only if there is no such device, it commands the
-  /// body's drive. The command struct of a drive device must be a Command (command_fields()), and the state
-  /// must begin with a Pose, the estimated pose of the device.
+  /// Whether the device is a drive device: it moves a part of the body, in the same way as a drive moves the
+  /// whole body. A controller commands the drive device on its own part. If that part has none, the
+  /// controller commands the drive device on the nearest part that carries its part. If no such part has one
+  /// either, the controller commands the body's drive. The command struct of a drive device must be a Command
+  /// (command_fields()), and the state must begin with a Pose, the estimated pose of the device.
   bool drives = false;
-  /// A solid of a device, with its joints at rest.
+  /// A solid (a rigid shape) of a device, with the joints of the device at rest.
   struct Fixture {
     Solid solid;              ///< the solid, device frame
     std::int32_t joint = -1;  ///< index of the device's joint that moves the solid; -1: none
   };
   /// The data that `sense` and `act` read of other bodies, in addition to the places of these bodies
-  /// (SensingView). Each name is one of the k_..._of_others above, `KIND` for the states of devices of a
-  /// kind, `KIND/command` for the commands to devices of a kind, or the name of a field for the states of all
-  /// devices whose first field has this name. If several ranks (threads or processes) compute a world
-  /// together, they send one another these data. Tests detect kinds that read other data with
-  /// World::hide_beyond_reach().
+  /// (SensingView). Each name is one of these:
+  /// - one of the constants k_..._of_others above;
+  /// - `KIND`: the states of the devices of a kind;
+  /// - `KIND/command`: the commands to the devices of a kind;
+  /// - the name of a field: the states of all devices whose first field has this name.
+  ///
+  /// If several ranks (threads or processes) compute a world together, they send one another these data. A
+  /// hook must read no other data of other bodies. Tests enforce this with the mode
+  /// World::hide_beyond_reach(), which overwrites all other data of other bodies.
   std::vector<std::string_view> reads;
-  /// The bodies that `apply` may change. Tests detect kinds that change other bodies with
-  /// World::hide_beyond_reach().
+  /// The bodies that `apply` may change. Tests enforce this with the mode World::hide_beyond_reach(), in
+  /// which the step throws a StepError if the hook changes another body.
   ApplyScope scope = ApplyScope::anything;
   /// Returns the solids that the device adds to its body. Null: it adds none.
   std::vector<Fixture> (*body)(const Record& params) = nullptr;
@@ -268,38 +301,42 @@ struct DeviceKind {
   struct Prepared {
     std::any data;                     ///< the argument `data` of the hooks
     std::vector<StateField> percepts;  ///< fields of the device's state table
-    std::size_t percept_bytes = 0;     ///< size of a row, bytes, if rows are structs (memory_fields); else 0
-    /// Fields of the struct with the commands from controllers (memory_fields); empty: the device takes no
-    /// commands.
+    /// Size of a row of the state table, bytes, if each row is a struct (its `percepts` are then those that
+    /// memory_fields() in engine/kinds/controller.hpp returns); otherwise 0.
+    std::size_t percept_bytes = 0;
+    /// Fields of the struct with the commands from controllers, which memory_fields() in
+    /// engine/kinds/controller.hpp returns; empty: the device takes no commands.
     std::vector<StateField> commands;
     std::size_t command_bytes = 0;  ///< size of the command struct, bytes
-    /// The reach of the device: radius of a disc around the origin of its body, m. `sense` and `act` must
-    /// not read the data of a body whose enclosing circle is outside the disc, except for bodies that move
-    /// together with the device's own body (SensingView::same_tree()). For bodies with joints, the engine
-    /// adds to the radius the larger of BodyType::joint_reach and the distance by which the present
-    /// transform of the device's joint (PublicColumns::joint_mounts) shifts the origin of the body. Tests
-    /// enforce this rule with World::hide_beyond_reach().
+    /// The reach of the device: radius of a disc around the origin of its body, m. `sense` and `act` must not
+    /// read the data of a body whose enclosing circle is outside the disc. Bodies that move together with the
+    /// device's own body, because one carries the other, are exempt (SensingView::same_tree()). If the
+    /// device's body has joints, the engine enlarges the radius by the larger of two distances. The first is
+    /// BodyType::joint_reach, the largest shift of all joints together. The second is the distance by which
+    /// the present displacement of the joint under the device (PublicColumns::joint_mounts) shifts the origin
+    /// of the body. Tests enforce the rule with the mode World::hide_beyond_reach(), which overwrites the
+    /// data of bodies outside the disc.
     double reach_m = 0;
-    /// The reach for which the cells of the spatial index are chosen, m; not set: reach_m. A device that
-    /// rarely searches far sets a smaller value, because a large one makes the cells coarse for all other
-    /// devices.
+    /// The reach for which the engine chooses the width of the cells of its spatial index, m; not set:
+    /// reach_m. A large value makes the cells coarse for all devices of the world. A device that rarely
+    /// searches as far as its reach therefore sets a smaller value.
     std::optional<double> cell_hint_m = {};
-    /// Number of rays that the device casts each time it runs. Used only for the limit of 10 million rays for
-    /// the devices of all types of a world together; each type counts once, however many bodies it has.
+    /// Number of rays that the device casts each time it runs. Used only to check a limit: the devices of all
+    /// types of a world together may cast 10 million rays. Each type counts once, however many bodies it has.
     std::size_t beams = 0;
-    /// Largest number of effects that the device of one body may emit in a tick, including the births and
-    /// deaths that it requests.
+    /// Largest number of effects that the device of one body may emit in a tick (DeviceBatch::emit()),
+    /// including the births and deaths that it requests.
     std::size_t most_effects = 0;
-    bool ends_lives = false;  ///< whether it may emit deaths: emit_death()
-    /// Power that the device draws from its supply while DeviceBatch::senses() and is_on() are true for it,
-    /// W, even if a fault has broken it.
+    bool ends_lives = false;  ///< whether the device may request deaths: DeviceBatch::emit_death()
+    /// Power that the device draws from its power supply, W. It draws this power while it is in use
+    /// (DeviceBatch::senses()) and switched on (DeviceBatch::is_on()), even if a fault has broken it.
     double watts = 0;
     /// Poses of its joints at tick 0 or at the birth of the body, relative to rest, m and rad: one for each
     /// name of DeviceKind::joints. Empty: all joints are at rest.
     std::vector<Pose> joints;
     double joint_reach_m = 0;  ///< largest horizontal shift of its joints from rest, m; turns do not count
-    /// For rangers: heading of each reading in the sensor frame, rad. Percept 0 of a ranger holds the ranges.
-    /// Empty for all other devices.
+    /// For rangers (range sensors): heading of the beam of each reading in the sensor frame, rad. Field 0 of
+    /// `percepts` of a ranger must hold the ranges. Empty for all other devices.
     std::vector<double> bearings;
     /// For rangers: the fans of beams, in the order of the readings. Each reading belongs to one fan. Empty
     /// for all other devices.
@@ -307,14 +344,15 @@ struct DeviceKind {
     std::optional<Camera> camera;      ///< for cameras: their images
     std::optional<SoughtMarks> seeks;  ///< for fiducial finders: the parts that they detect
   };
-  /// Compiles the parameters, which the caller has checked against the limits of their table. The hook must
-  /// be a pure function. If it throws, loading the world reports an error at the device in the world file.
+  /// Compiles the parameters, which the caller has checked against the limits of `DeviceKind::params`. The
+  /// hook must be a pure function. If the hook throws, building the world reports an error at the position of
+  /// the device in the world file.
   ///
   /// pose_body_device: the frame in which the parameters are given, as a pose in the body frame
   Prepared (*prepare)(const Record& params, const Pose& pose_body_device);
-  /// Called after each call of `prepare`: completes `data` from the type and from the part that carries the
-  /// device (an index into TypeSpec::parts). The error says why the type or the part does not suit the
-  /// device. Null: not needed.
+  /// Called after each call of `prepare`: completes `data` (the result of `prepare`) from the type and from
+  /// the part that carries the device. `part` is an index into TypeSpec::parts. The error says why the type
+  /// or the part does not suit the device. Null: not needed.
   Result<> (*bind_part)(std::any& data, const TypeSpec& type, std::uint32_t part) = nullptr;
   /// Called after each call of `bind_part`: completes `data` from the world. The error says why the world
   /// does not suit the device. Null: not needed.
@@ -322,8 +360,8 @@ struct DeviceKind {
   /// Called after `bind_part` and `bind_world`: returns a reach, m, that replaces Prepared::reach_m. Kinds
   /// whose reach depends on the part or the world have this hook. Null: the reach is Prepared::reach_m.
   double (*reach_m)(const std::any& data) = nullptr;
-  /// Sets the state of a row when its body's life begins, at tick 0 or at a birth. All bytes of the row are 0
-  /// before the call. Null: they stay 0.
+  /// Sets the device's state in row `slot` of `state` when the body enters the world, at tick 0 or at its
+  /// birth. All bytes of the row are 0 before the call. Null: they stay 0.
   void (*start)(const std::any& data, StateTable& state, std::size_t slot) = nullptr;
   /// Called in the phase `sense`: writes the percepts of every row of the batch. The hook must read only the
   /// state at the end of the last tick. Returns the number of rays cast. Null: the device senses nothing.
@@ -331,14 +369,15 @@ struct DeviceKind {
   /// Called in the phase `actuate`, in which the drives also run, before the controllers decide: executes the
   /// commands of the previous tick. Null: the device has no actions.
   void (*act)(const DeviceBatch& batch) = nullptr;
-  /// For drives: called in the phase `actuate` for a row while its body is disabled or stopped by a drop-out
-  /// fault, the device is broken, or its power supply is empty. Sets the velocity in the state of the device
-  /// to 0, so that the device starts from rest when it runs again. Null: the state has no velocity.
+  /// For drive devices (`drives`): sets the velocity in the state of the device to 0, so that the device
+  /// starts from rest when it runs again. Called in the phase `actuate` of each tick in which the device is
+  /// stopped: its body is disabled or stopped by a fault, a fault has broken the device, or its power supply
+  /// is empty. Null: the state has no velocity.
   void (*halt)(StateTable& state, std::size_t slot) = nullptr;
-  /// Called after bodies and joints have moved, if any device of the world called DeviceBatch::move_joint()
-  /// in this tick, for all devices of the kind that move joints and whose bodies are in the world. The hook
-  /// can then read with DeviceBatch::moved_joint() whether the joints of a device reached their goals. Null:
-  /// not needed.
+  /// Called after bodies and joints have moved, in each tick in which any device of the world called
+  /// DeviceBatch::move_joint(). The batches contain all devices of the kind that move joints and whose bodies
+  /// are in the world. The hook can read with DeviceBatch::moved_joint() whether the joints of a device
+  /// reached their goals. Null: not needed.
   void (*joints_moved)(const DeviceBatch& batch) = nullptr;
   /// Called after the bodies have moved: applies one effect that a device of this kind emitted with
   /// DeviceBatch::emit(). Effects are applied one by one, in the order of (Effect::source, device,
@@ -351,25 +390,28 @@ struct DeviceKind {
   /// world, the row of the new body may be on another rank. Null: not needed.
   void (*born)(World& world, const std::any& data, const Effect& effect, const Birth& birth) = nullptr;
 
-  /// For power supplies: returns whether the supply of a row is empty and so gives no power. The devices that
-  /// it serves then do not run. A supply serves the devices of its part and of the parts mounted on that
-  /// part, except parts with a supply of their own and the parts mounted on them. A supply of the root part
-  /// also serves the drive. The hook must not throw. Null: the device is not a power supply.
+  /// For power supplies: returns whether the supply with its state in row `slot` of `state` is empty. The
+  /// devices that an empty supply serves do not run. A supply serves the devices of its part and of the parts
+  /// mounted on that part, except parts with a supply of their own and the parts mounted on them. A supply of
+  /// the root part (part 0 of the body) also serves the drive. The hook must not throw. Null: the device is
+  /// not a power supply.
   bool (*is_spent)(const std::any& data, const StateTable& state, std::size_t slot) = nullptr;
 
   bool needs_supply = false;  ///< true: it is an error if no power supply of the body serves the device
-  /// Returns the energy account of a row. Null: the device stores no energy.
+  /// Returns the energy account of the device whose state is row `slot` of `state`. Null: the device stores
+  /// no energy.
   Energy (*energy)(const StateTable& state, std::size_t slot) = nullptr;
-  /// Returns the flags that the device of a row holds. Null: the device holds no flags.
+  /// Returns the flags that the device whose state is row `slot` of `state` holds. Null: the device holds no
+  /// flags.
   HeldFlags (*flags)(const StateTable& state, std::size_t slot) = nullptr;
 
   /// True: the device sets the colour of its part. Its state must then begin with that colour: three f32,
   /// red, green and blue, in a field named k_shown_color (engine/sensing/shown_color.hpp). Code that reads
   /// recordings finds the field by this name.
   bool shows_color = false;
-  FrameLayer layer = FrameLayer::none;  ///< layer that `draw` adds to
-  /// Draws the device of a row: adds entries to the layer `layer` of a frame. For a sensor the hook is
-  /// called only after tick 0 and while the sensor runs (World::runs()). Null if `layer` is
+  FrameLayer layer = FrameLayer::none;  ///< the list of a Frame that `draw` adds to
+  /// Draws the device of one body: adds entries to the list of `frame` that `layer` names. For a sensor the
+  /// hook is called only after tick 0 and while the sensor runs (World::runs()). Null if `layer` is
   /// FrameLayer::none.
   void (*draw)(const DeviceView& view, Frame& frame) = nullptr;
 
@@ -379,24 +421,25 @@ struct DeviceKind {
 
 /// The meaning of the numbers of a command.
 enum class ControlMode : std::uint8_t {
-  velocity,      ///< speeds, m/s and rad/s; for drives of kind `car`, `turn` is the steering angle, rad
-  acceleration,  ///< accelerations, m/s^2 and rad/s^2; for drives of kind `car`, `turn` is as in `velocity`
-  position,      ///< a goal pose, in the frame of the robot's estimated pose, m and rad
+  velocity,  ///< speeds, m/s and rad/s; for drives of kind `car`, `turn` is the steering angle, rad
+  /// accelerations, m/s^2 and rad/s^2; for drives of kind `car`, `turn` is the steering angle, rad
+  acceleration,
+  position,  ///< a goal pose, in the frame of the robot's estimated pose, m and rad
 };
 inline constexpr std::size_t k_control_modes = 3;  ///< number of values of ControlMode
 
-/// The command of a controller to its drive. Speeds and accelerations are in the body frame, goals in the
-/// frame of the estimated pose. Assigning `{x, y, turn}` commands a speed and switches all devices on,
-/// because it also resets `mode` and `off`; assigning a single member keeps the others.
+/// The command of a controller to its drive. Speeds and accelerations are in the body frame. Goals are in the
+/// frame of the robot's estimated pose. Assigning `{x, y, turn}` commands a speed and switches all devices
+/// on, because this assignment also resets `mode` and `off`. Assigning a single member keeps the others.
 struct Command {
   double x = 0;                              ///< forward, m/s or m/s^2; for a goal its x, m
   double y = 0;                              ///< left, m/s or m/s^2; for a goal its y, m
   double turn = 0;                           ///< turn, rad/s or rad/s^2; for a goal its heading, rad
   ControlMode mode = ControlMode::velocity;  ///< meaning of x, y and turn
-  std::uint32_t off = 0;  ///< devices that the controller has switched off: bits BodyType::Device::switch_bit
+  std::uint32_t off = 0;  ///< devices that controllers have switched off: their BodyType::Device::switch_bit
 };
 
-/// The members of Command as state fields.
+/// The fields of a state table with commands: one StateField for each member of Command, in their order.
 std::vector<StateField> command_fields();
 
 /// The velocity that a drive gives its body.
@@ -406,12 +449,13 @@ struct Velocity {
   double turn = 0;  ///< counter-clockwise, rad/s
 };
 
-/// The argument of DriveKind::drive: robots of one type whose drives run in this tick. All spans have one
-/// entry per robot, but `estimates` may be empty instead. There may be no robots.
+/// The argument of the hook DriveKind::drive: robots of one type whose drives run in this tick. All spans
+/// have one entry per robot, in the same order; only `estimates` may be empty instead. There may be no
+/// robots.
 struct DriveBatch {
   std::span<const Command> commands;  ///< the commands to the drives
-  /// Output: velocities in this tick. On entry, if `estimates` is not empty, the velocities that the drives
-  /// computed last; otherwise the values on entry have no meaning.
+  /// Output: the velocities that the drives produce from this tick on. If `estimates` is not empty, the
+  /// values on entry are the velocities that the drives computed last. Otherwise they have no meaning.
   std::span<Velocity> velocities;
   std::span<const Pose> estimates;  ///< estimated poses of the robots; empty if all commands are speeds
   double elapsed_s = 0;             ///< time from one run of these drives to the next, s
@@ -420,25 +464,26 @@ struct DriveBatch {
 /// A kind of drive, which computes velocities from commands.
 struct DriveKind {
   std::string_view name;  ///< name in files: "diff"
-  std::string_view text;  ///< one sentence for `troupe describe`
+  std::string_view text;  ///< description in one sentence, which `troupe describe` prints
   FieldTable params;      ///< table of the parameters of a drive of this kind
   /// Compiles the parameters to the argument `data` of the other hooks. The hook must accept all parameters
   /// within the limits of `params`, because the engine calls it even if `check` returned an error.
   std::any (*prepare)(const Record& params);
-  /// Checks that the parameters are consistent. The error says which parameters are not, and why.
+  /// Checks that the parameters are consistent. The error says which parameters are inconsistent, and why.
   Result<> (*check)(const Record& params);
   /// Computes the velocities of a batch from the commands, within the limits of the drive. If a velocity or a
   /// number of a command is not finite, World::step() throws a StepError that names the robot.
   void (*drive)(const std::any& data, const DriveBatch& batch);
   /// Returns the velocity that a robot has until its drive runs for the first time. Null: 0.
   Velocity (*start)(const std::any& data) = nullptr;
-  /// Hooks that compute settings from the parameters. The engine itself implements these settings.
+  /// Hooks that compute settings from the parameters. The engine itself, not the kind, applies these
+  /// settings.
   ///@{
   /// Returns how robots with this drive estimate their poses. The error says why the parameters are
   /// inconsistent. Null: the estimates are the true poses, world frame.
   Result<Localization> (*localization)(const Record& params) = nullptr;
-  /// Returns the number of pushable bodies that a robot can push at once. A number below 0 counts as 0, and a
-  /// number above k_most_pushed as k_most_pushed. Null: 0.
+  /// Returns the number of pushable bodies that a robot can push at once. The engine raises a number below 0
+  /// to 0, and lowers a number above k_most_pushed to k_most_pushed. Null: 0.
   std::int64_t (*pushes)(const Record& params) = nullptr;
   /// Returns the highest speed that the limits of the drive allow, m/s. Null: unknown.
   double (*top_speed)(const Record& params) = nullptr;
@@ -452,15 +497,16 @@ inline constexpr std::size_t k_most_devices_read = 16;
 class Readings {
  public:
   Readings() = default;  ///< refers to no device; the functions below must not be called
-  /// The state in row `slot` of a device's table. The table must outlive this object.
+  /// Refers to the state in row `slot` of a device's state table. The table must outlive this object.
   Readings(const StateTable& table, std::size_t slot) : table_(&table), slot_(slot) {}
-  /// The values of field f, one per column; f is an index into DeviceKind::Prepared::percepts. T must be the
-  /// C++ type of the field's element (StateField::element).
+  /// The values of field f of the state, one per column. f is an index into DeviceKind::Prepared::percepts,
+  /// the list of the fields. T must be the C++ type of the field's values (StateField::element).
   template <class T>
   std::span<const T> field(std::size_t f) const {
     return table_->cell<T>(slot_, f);
   }
-  /// The whole row as a struct. The percepts of the device's kind must be the members of this struct.
+  /// The whole state as a struct. The fields of the state (DeviceKind::Prepared::percepts) must be the
+  /// members of this struct.
   template <class State>
   const State& as() const {
     return table_->as<State>(slot_);
@@ -481,9 +527,9 @@ struct Percept {
   /// States of the sensors and other devices that the controller uses, in the order of
   /// ControllerKind::Prepared::devices.
   std::span<const Readings> devices;
-  /// Estimated pose, m and rad: that of the drive device which the controller commands (DeviceKind::drives)
-  /// or, if there is none, that of the robot. Its frame is defined by the Localization of the drive
-  /// (engine/kinds/localization.hpp).
+  /// Estimated pose, m and rad. If the controller commands a drive device (DeviceKind::drives), it is the
+  /// estimated pose of that device, as its state gives it. Otherwise it is the estimated pose of the robot,
+  /// in the frame that the Localization of the robot's drive defines (engine/kinds/localization.hpp).
   Pose estimate;
 
   /// Ranges that a ranger measured, m, one per beam. `ranger` is its index in `devices`.
@@ -493,11 +539,11 @@ struct Percept {
 /// The outputs of one robot's controller. An output that the controller does not set keeps its last value.
 struct Actions {
   Command& command;  ///< command to the drive device (DeviceKind::drives) or, if there is none, to the drive
-  /// Command structs of the chosen devices, in the order of Percept::devices; null for devices that take no
-  /// commands.
+  /// Command structs of the devices that the controller uses, in the order of Percept::devices; null for
+  /// devices that take no commands.
   std::span<std::byte* const> devices;
-  /// The bit of each chosen device in Command::off, in the order of Percept::devices. switch_device() uses
-  /// these bits.
+  /// For each device that the controller uses, in the order of Percept::devices: its bit in Command::off, by
+  /// which switch_device() switches it.
   std::span<const std::uint32_t> switches;
 
   /// Switches a device on or off, from the next tick on. A device that is off does nothing, draws no power
@@ -523,12 +569,12 @@ struct Actions {
   void accelerate(double forward, double left, double turn) {
     command = {forward, left, turn, ControlMode::acceleration};
   }
-  /// Commands a goal pose in the frame of Percept::estimate, m and rad. The robot drives to that pose and
-  /// stays there until the command is replaced.
+  /// Commands a goal pose, m and rad, in the frame of the estimated pose Percept::estimate. From the next
+  /// tick on, the robot drives to that pose and stays there, until the command is replaced.
   void go_to(double x, double y, double heading) { command = {x, y, heading, ControlMode::position}; }
 
-  /// The command to the device number `chosen` of Percept::devices. The kind of the device must take
-  /// commands, and its command struct must be DeviceCommand.
+  /// The command struct of the device with the index `chosen` in Percept::devices. The kind of the device
+  /// must take commands, and its command struct must be DeviceCommand.
   template <class DeviceCommand>
   DeviceCommand& device(std::size_t chosen) const {
     return *reinterpret_cast<DeviceCommand*>(devices[chosen]);
@@ -567,8 +613,8 @@ struct DecideBatch {
   std::array<std::uint32_t, k_most_devices_read> switches{};  ///< bits of the chosen devices in Command::off
   std::size_t devices = 0;                                    ///< number of chosen devices
   Rows memories;  ///< memory structs of the controller; without rows if its kind has no memory
-  /// Commands to the drive device that the controller commands (DeviceKind::drives). Without rows if there is
-  /// no such device: the controller then commands the body's drive through `commands`.
+  /// Commands to the drive device that the controller commands (DeviceKind::drives). There are no rows if the
+  /// controller commands no drive device. The controller then commands the body's drive through `commands`.
   Rows drive_commands = {};
   /// State of the drive device that `drive_commands` belongs to. It begins with the estimated pose of that
   /// drive. Null if there is no such device.
@@ -607,10 +653,10 @@ struct DecideBatch {
 };
 
 /// An exception of a controller, with the robot for which the controller was called. ControllerKind::decide
-/// may throw this, so that the error message names the robot. For any other exception the message names the
-/// first robot of the batch and, if there are several robots, the size of the batch.
+/// may throw a DecisionError, so that the error message of the step names the robot. For any other exception
+/// the message names the first robot of the batch and, if there are several robots, the size of the batch.
 struct DecisionError {
-  Row row;                    ///< row of the robot
+  Row row;                    ///< row of the robot in the state tables
   std::exception_ptr thrown;  ///< the controller's exception
 };
 
@@ -628,15 +674,15 @@ struct DeviceInfo {
 /// A kind of controller. A controller computes commands from the state of devices and from its memory.
 struct ControllerKind {
   std::string_view name;    ///< name in files: "wander"
-  std::string_view text;    ///< one sentence for `troupe describe`
+  std::string_view text;    ///< description in one sentence, which `troupe describe` prints
   FieldTable params;        ///< table of the parameters of a controller of this kind
   bool needs_drive = true;  ///< false: bodies without a drive may also have the controller
-  bool switches = false;    ///< whether it may call Actions::switch_device()
+  bool switches = false;    ///< whether it may switch devices on and off (Actions::switch_device())
   /// True: all robots of a type that decide in a tick are in one batch, in the order of their ids, and
   /// `decide` is called on the thread that steps the world, after all other controllers. If several ranks
   /// (threads or processes) compute the world together, `decide` is called on rank 0. The result may depend
-  /// on all robots of the batch. Controllers in other languages use this, because each of their calls is
-  /// slow.
+  /// on all robots of the batch. Controllers in other languages set this member, because each call into the
+  /// other language is slow.
   bool is_collective = false;
   /// Fields of the memory struct that the engine keeps for each robot; empty: the controller has no memory.
   std::vector<StateField> memory;
@@ -693,7 +739,7 @@ struct Registry {
   struct Preset {
     std::string_view name;                                   ///< name in files
     std::string_view kind;                                   ///< name of the controller kind
-    std::string_view text;                                   ///< one sentence for `troupe describe`
+    std::string_view text;                                   ///< one sentence that `troupe describe` prints
     std::vector<std::pair<std::string_view, Value>> params;  ///< parameters that differ from the defaults
   };
   std::vector<Preset> presets;  ///< presets; no preset has the name of a controller kind
@@ -710,9 +756,9 @@ struct Registry {
   std::function<Result<const MeasureKind*>(std::string_view name, std::string unknown)> plugged_measures;
   ///@}
 
-  /// The kind with this name in the lists above, or for devices and controllers also in a plug-in; null if
-  /// there is none. The name of a preset is not looked up in plug-ins. The pointer is valid as long as the
-  /// lists are not changed.
+  /// The kind with this name in the lists above; null if there is none. Devices and controllers are also
+  /// looked up in plug-ins, except a controller with the name of a preset. The pointer is valid as long as
+  /// the lists are not changed.
   ///@{
   const ModelKind* model(std::string_view name) const;
   const DeviceKind* device(std::string_view name) const;

@@ -14,17 +14,18 @@
 
 namespace troupe::engine {
 
-/// How the robots of one type estimate their poses. Controllers and position commands (ControlMode::position)
-/// use the estimate.
+/// How the robots of one type estimate their poses. The controllers read the estimate. Commands that give a
+/// goal pose (ControlMode::position) refer to it.
 ///
 /// With `gps`, the estimate is the true pose, in the frame `origin` if `origin` is set, otherwise in the
 /// world frame.
 ///
-/// With `odom`, the estimate comes from wheel odometry with an error. In each tick, the motion of the robot
-/// times 1 + error is added to the estimate, along the estimated heading. The estimate does not change if the
-/// motion is blocked or would end out of bounds, if the robot is carried, or if a program sets its pose. The
-/// frame of the estimate is `origin` if `origin` is set, otherwise the robot's pose at tick 0 or at its
-/// birth. The heading is wrapped into [-pi, pi].
+/// With `odom`, the estimate comes from wheel odometry with an error. In each tick (time step), the motion of
+/// the robot times 1 + error is added to the estimate, along the estimated heading. The estimate does not
+/// change in a tick in which the motion is blocked or would end out of bounds, or another body carries the
+/// robot. It does not change either if a program sets the robot's pose. The frame of the estimate is `origin`
+/// if `origin` is set. Otherwise it is the robot's pose at the start of the run (tick 0) or at its birth. The
+/// heading is wrapped into [-pi, pi].
 ///
 /// In both cases, the z of the estimate is the true height, world frame.
 struct Localization {
@@ -42,13 +43,15 @@ struct Localization {
 
   Kind kind = Kind::gps;  ///< source of the estimate
   /// Frame of the estimate, given as a pose in the world frame; the z of this pose is ignored. Not set: the
-  /// frame is the world frame with `gps`, and the robot's pose at tick 0 or at its birth with `odom`.
+  /// frame is the world frame with `gps`; with `odom`, it is the robot's pose at the start of the run (tick
+  /// 0) or at its birth.
   std::optional<Pose> origin;
-  /// Error of all robots of the type; not set: each robot has a random error of its own.
+  /// Odometry error of all robots of the type; not set: each robot has a random error of its own.
   std::optional<Error> error;
-  /// True: odometry adds the motion of a tick along the estimated heading after the turn of that tick, as in
-  /// Stage. False: odometry adds the motion along the estimated heading before the turn, as the robot really
-  /// moves. With error 0, the estimate follows the true motion only if this member is false.
+  /// True: odometry adds the motion of a tick (time step) along the estimated heading after the turn of that
+  /// tick, as in the simulator Stage. False: odometry adds the motion along the estimated heading before the
+  /// turn, as the robot really moves. With error 0, the estimate follows the true motion only if this member
+  /// is false.
   bool along_new_heading = false;
 
   /// The error of one robot's odometry: `error` if that member is set. Otherwise a random error, which is a
@@ -59,11 +62,13 @@ struct Localization {
 
 constexpr std::array<std::string_view, 2> names_of(Localization::Kind) { return {"gps", "odom"}; }
 
-/// The parameters of localization, which are part of the parameters of drives. Neither interventions of the
-/// world file nor World::set() can change them while a world runs, because the layout of the state depends on
-/// the source of the estimate.
+/// The parameters of localization, which are part of the parameters of drives; `describe` gives their
+/// meaning. No parameter can change while a world runs, neither by an intervention (a change that the world
+/// file lists) nor by World::set(). The reason is that the layout of the state depends on the source of the
+/// estimate.
 struct LocalizationParams {
-  /// The heading along which a tick's motion is added; in files "old" and "new".
+  /// The heading along which odometry adds the motion of a tick (time step). In files, the names are "old"
+  /// and "new".
   enum class Heading : std::uint8_t {
     old,      ///< the heading before the turn of the tick
     changed,  ///< the heading after the turn of the tick
@@ -101,8 +106,8 @@ struct LocalizationParams {
                                                 "Stage");
   }
 
-  /// Returns the localization that the parameters describe. It is an error if `localization_origin` has a
-  /// length other than 0 and 2, or `odom_error` a length other than 0 and 3.
+  /// Returns the localization that the parameters describe. Returns an error if `localization_origin` has a
+  /// length other than 0 and 2, or if `odom_error` has a length other than 0 and 3.
   Result<Localization> read() const;
 };
 
@@ -112,10 +117,10 @@ struct Odometry {
   double y = 0;        ///< estimated y, m, in the frame of the estimate
   double heading = 0;  ///< estimated heading, rad, in the frame of the estimate, from -pi to pi
 
-  /// Adds the true motion of one tick, multiplied by 1 + `error`, to the estimate. The motion is in the body
-  /// frame: x forward and y to the left, m, and turn, rad. It is added along the heading that
-  /// how.along_new_heading chooses; the other members of `how` are not used. The formula is in
-  /// docs/driving.md.
+  /// Adds the true motion of one tick (time step), multiplied by 1 + `error`, to the estimate. The motion is
+  /// given in the body frame: x forward and y to the left, m, and turn, counter-clockwise, rad. It is added
+  /// along the estimated heading after the turn if how.along_new_heading is true, otherwise along the heading
+  /// before the turn. The other members of `how` are not used. The formula is in docs/driving.md.
   void advance(const Localization& how, const Localization::Error& error, double x, double y, double turn);
 };
 
@@ -123,15 +128,16 @@ struct Odometry {
 /// result is that of `pose`: the z of `origin` is ignored. The heading is wrapped into [-pi, pi].
 Pose relative_to(const Pose& origin, const Pose& pose);
 
-/// The estimated poses of robots of one type.
+/// The estimated poses of the robots of one type. The row of a robot is its index in the state tables of the
+/// world; its slot is its index in the state tables of its type.
 struct Estimates {
   const Localization* how = nullptr;     ///< how the poses are estimated; null: there are no estimates
   std::span<const Pose> poses;           ///< true poses, one per row
   std::span<const Odometry> odometries;  ///< odometry estimates, one per slot; empty without odometry
 
   /// The estimated pose of a robot, m and rad, in the frame that Localization defines; all values are 0 if
-  /// `how` is null. `row` is the index of the robot in the state tables of the world, and `slot` its index
-  /// in the tables of its type.
+  /// `how` is null. `row` is the index of the robot in the state tables of the world, and `slot` is its index
+  /// in the state tables of its type.
   Pose of(Row row, std::size_t slot) const;
 };
 

@@ -15,30 +15,35 @@ namespace troupe::engine {
 
 class World;
 
-/// A measure of a run. It computes one number from the present state and from its own memory of earlier
-/// states, and never changes the world. The numbers must have the same bits for any number of threads and any
-/// tile size, like the state (docs/determinism.md).
+/// A measure of a run, such as the area that robots have covered. It computes one number from the present
+/// state of the world and from its own memory of earlier states, and never changes the world. The number must
+/// have the same bits for any number of threads and any size of the tiles of the world's spatial index, like
+/// the state (docs/determinism.md).
 class Measure {
  public:
   virtual ~Measure() = default;
-  /// Updates the memory with the present state. MeasureSet calls this once for every tick, in order. The
-  /// first call is for the state with which measuring begins. By default it does nothing.
+  /// Updates the memory of the measure with the present state. MeasureSet, the class that computes all
+  /// measures of a run, calls this function once after every tick (time step), in order. The first call is
+  /// for the state with which measuring begins. By default the function does nothing.
   virtual void see(World& world) { static_cast<void>(world); }
-  /// The value for the present state, in the unit MeasureKind::unit; NaN if the measure has no value in this
-  /// state. see() was called for this state before. This function may be called any number of times per
-  /// tick.
+  /// Returns the value for the present state, in the unit MeasureKind::unit; NaN if the measure has no value
+  /// in this state. The caller calls see() for a state before value(), and may call value() any number of
+  /// times for one state.
   virtual double value(World& world) = 0;
-  /// The memory as bytes; by default there is none. A checkpoint saves these bytes, and a run that is resumed
-  /// from the checkpoint writes the saved bytes back. The number of bytes must be the same in every call.
+  /// The memory of the measure as bytes; by default there is none. A checkpoint (a file with the whole state
+  /// of a run) contains these bytes. When a run is resumed from the checkpoint, the saved bytes are written
+  /// back to the memory. The number of bytes must be the same in every call.
   virtual std::span<std::byte> memory() { return {}; }
 };
 
-/// A kind of measure. A measure can be computed for all robots, for some of them, or for one.
+/// A kind of measure: its name, parameters and description, and a function that makes such a measure. A
+/// measure can be computed for all robots, for some of them, or for one. The values of a measure are a column
+/// of the results of a run.
 struct MeasureKind {
-  std::string_view name;        ///< name of the measure and of its column
+  std::string_view name;        ///< name of the measure and of its column in the results
   Unit unit = Unit::none;       ///< SI unit of the values; MeasureSet adds it to the name of the column
   std::string_view text;        ///< description in one line
-  std::string_view definition;  ///< exact definition, and its source
+  std::string_view definition;  ///< exact definition, and the publication that it is from
   /// The definition as a formula, in which n is the number of robots and x_i the position of robot i; may be
   /// empty.
   std::string_view formula;
@@ -46,23 +51,26 @@ struct MeasureKind {
   /// chooses it (is_usual()).
   std::string_view same_as;
   /// Whether code in another language, such as Python, computes the measure. The values of such a measure
-  /// need not have the same bits in every run. The constructor of MeasureSet reports a std::logic_error of
-  /// `make` in its diagnostics; all other exceptions of such a measure propagate unchanged.
+  /// need not have the same bits in every run. If `make` throws a std::logic_error, the constructor of
+  /// MeasureSet, which calls `make`, reports it in its diagnostics as an error of the measure. All other
+  /// exceptions of such a measure propagate unchanged.
   bool is_foreign = false;
   FieldTable params;  ///< table of the parameters of a measure of this kind
   /// Whether the measure is computed if the user chooses no measures. True if it is not an alias and all its
   /// parameters have default values.
   bool is_usual() const { return same_as.empty() && std::ranges::all_of(params.defaults(), &Value::given); }
   /// Makes a measure of the given robots, which are in order of ids; the list may be empty. A measure keeps
-  /// the ids, and asks World::row() for the row of a robot whenever it reads the data of the robot. The
-  /// caller has checked the argument `params` against the table MeasureKind::params. Throws std::length_error
-  /// if the parameters need too much memory, and std::invalid_argument if they name something that does not
-  /// exist.
+  /// the ids. Whenever it reads the data of a robot, it asks World::row() for the robot's present row (index
+  /// in the state tables), because rows can change. The caller has checked the argument `params` against the
+  /// table MeasureKind::params. Throws std::length_error if the parameters need too much memory, and
+  /// std::invalid_argument if they name something that does not exist.
   std::unique_ptr<Measure> (*make)(const World& world, const Record& params, std::vector<BodyId> robots);
 };
 
 /// Makes a measure kind from a class M, which is derived from Measure. The constructor of M takes (world,
-/// robots), or (world, params, robots) if M has a described `struct Params` (engine/fields/description.hpp).
+/// robots). If M has a `struct Params` with a function `describe` that lists its members
+/// (engine/fields/description.hpp), the constructor takes (world, params, robots). The arguments of this
+/// function become the members of MeasureKind with the same names.
 template <class M>
 MeasureKind make_measure_kind(std::string_view name, Unit unit, std::string_view text,
                               std::string_view definition, std::string_view formula = {}) {

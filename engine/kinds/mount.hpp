@@ -36,9 +36,9 @@ inline Mount compose(const Mount& a, const Mount& b) {
   return {Transform(a.transform * b.transform.position, both), a.z + b.z, a.heading + b.heading};
 }
 
-/// Returns pose_a_c from mount_a_b and pose_b_c, with the heading wrapped into [-pi, pi]. If `a` was made
-/// from a body's pose and its transform, the result has the same bits as compose(pose, transform, b) of
-/// base/pose.hpp.
+/// Returns pose_a_c (frame c relative to frame a) from mount_a_b and pose_b_c, with the heading wrapped into
+/// [-pi, pi]. If `a` was made from a body's pose and the Transform of that pose, the result has the same bits
+/// as that of compose(pose, transform, b) in base/pose.hpp, which computes the same pose.
 inline Pose compose(const Mount& a, const Pose& b) {
   const Vec2 p = a.transform * b.position();
   return {p.x(), p.y(), a.z + b.z, wrap_angle(a.heading + b.heading)};

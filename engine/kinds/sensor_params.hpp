@@ -8,9 +8,12 @@
 
 namespace troupe::engine {
 
-// Parameters of those sensors whose parameter structs the reader and the writer of Stage worlds also use.
+// Parameters of those sensors whose parameter structs the reader and the writer of world files of the
+// simulator Stage also use. The function `describe` of each struct gives the meaning, unit and limits of its
+// members.
 
-/// Parameters of a transducer of a ranger. A transducer is a fan of beams that start at one place.
+/// Parameters of a transducer of a ranger (range sensor). A transducer is a fan of beams that start at one
+/// place.
 struct TransducerParams {
   Pose pose;
   double range_min = 0;
@@ -68,7 +71,7 @@ struct TransducerParams {
   }
 };
 
-/// The parameters of a ranger.
+/// The parameters of a ranger (range sensor).
 struct RangerParams {
   std::vector<TransducerParams> transducers;
   bool intensity = false;
@@ -82,7 +85,7 @@ struct RangerParams {
   }
 };
 
-/// Parameters of a contact strip of a bumper.
+/// Parameters of one contact strip of a bumper (contact sensor).
 struct BumperStripParams {
   Pose pose;
   double length = 0;
@@ -98,7 +101,7 @@ struct BumperStripParams {
   }
 };
 
-/// The parameters of a bumper.
+/// The parameters of a bumper (contact sensor), which has one or more contact strips.
 struct BumperParams {
   std::vector<BumperStripParams> bumpers;
   double thickness = 0.02;

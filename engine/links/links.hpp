@@ -18,8 +18,10 @@ namespace troupe::engine {
 /// The joints of bodies, and the *trees* of bodies that carry one another. A tree consists of a body that is
 /// not carried, the root, and all bodies that the root carries, directly or through others. This part of
 /// World writes the components (state tables) `joint/...` and `carrier`, and the poses of carried bodies. A
-/// row is the index of a body in the state tables. If no body with a row has joints or can pick up bodies,
-/// any() is false, and functions that take a row or a joint must not be called.
+/// row is the index of a body in the state tables, and a tick is a time step. A device is equipment of a
+/// body, such as a gripper. A joint is at rest in the pose that the body type defines. If no body with a row
+/// has joints or can pick up bodies, any() is false, and functions that take a row or a joint must not be
+/// called.
 ///
 /// A body whose shape can change, because it has joints or can carry, is *composite*. For conflict
 /// resolution, the shape of a root is that of its whole tree, in the root's frame, and the shape of a carried
@@ -30,7 +32,7 @@ class Links {
   /// Whether ask() has set a goal for a joint in this tick, and what became of the motion to that goal.
   enum class Goal : std::uint8_t {
     none,     ///< ask() was not called for the joint
-    asked,    ///< the motion is not yet resolved
+    asked,    ///< ask() was called, and the motion is not yet resolved
     moved,    ///< the joint is at its goal, possibly because it already was there
     refused,  ///< the motion was blocked: the joint is at its old pose
   };
@@ -50,14 +52,16 @@ class Links {
   /// trees, from the component `carrier`. The shapes of trees that have changed must then be computed again
   /// (reshape()).
   void link_all();
-  /// Overwrites all derived data with junk: see World::forget().
+  /// Overwrites all derived data with junk. World::forget() calls this to test that the data can be computed
+  /// again from the state.
   void forget();
   /// Whether the tables of joints and carriers are consistent: all poses are finite, all carriers and the
   /// joints that hold their cargo exist, the types of all carriers can carry, and no body carries itself,
   /// directly or through others. Reads only the state tables.
   bool hold() const;
 
-  /// Whether any body with a row, unborn and dead bodies included, has joints or can pick up bodies.
+  /// Whether any body with a row has joints or can pick up bodies. Unborn bodies (not yet in the world) and
+  /// dead bodies count.
   bool any() const { return !composites_.empty(); }
   std::span<const std::uint32_t> composites() const { return composites_; }  ///< rows of composite bodies
   /// Among the bodies that the row's body carries directly, the row of the body with the lowest id; k_none if
@@ -75,19 +79,19 @@ class Links {
   /// joints of the type.
   static double farthest_shift(const BodyType& type);
 
-  /// Sets the joints of a row to Goal::none, and updates WorldState::joint_mounts from the poses of the
-  /// joints, which it does not change.
+  /// Sets the goals of a row's joints to Goal::none. Updates WorldState::joint_mounts from the poses of the
+  /// joints. Does not change the poses.
   void rest_joints(Row row);
   /// Updates the obstacle shape and the radius of a row (WorldState::shapes, radii). The root of a tree gets
   /// the shape of its whole tree, and a carried body an empty shape. A body that is unborn or dead gets an
   /// empty shape and a negative radius.
   void reshape(std::uint32_t row);
-  /// Attaches the body of the row `cargo`, at its present place, to a carrier: to the carrier's joint with
-  /// the index `joint` or, if `joint` is k_rigid, to the carrier itself. Returns false and changes nothing if
-  /// the cargo is already carried, if the cargo is the carrier itself or carries it (directly or through
-  /// others), or if the type of the carrier cannot carry bodies.
+  /// Attaches the body of the row `cargo`, at its present place, to the body of the row `carrier`: to the
+  /// carrier's joint with the index `joint` or, if `joint` is k_rigid, to the carrier itself. Returns false
+  /// and changes nothing if the cargo is already carried, if the cargo is the carrier itself or carries it
+  /// (directly or through others), or if the type of the carrier cannot carry bodies.
   bool attach(Row cargo, Row carrier, std::int32_t joint);
-  /// Detaches a body from its carrier, if it has one; its pose stays.
+  /// Detaches the body of the row `cargo` from its carrier, if it has one. Its pose does not change.
   void release(Row cargo);
 
   // ---- in a tick
@@ -112,9 +116,9 @@ class Links {
   class Border {
    public:
     virtual ~Border() = default;
-    /// Called in each round, when this rank has tested its own trees. Sends the results (is_blocked()) to the
-    /// ranks on which these trees are ghosts, receives the results for the ghosts here, and calls block() for
-    /// each ghost whose motion is blocked.
+    /// Called in each round of resolve_joints(), when this rank has tested its own trees. Sends the results
+    /// (is_blocked()) to the ranks on which these trees are ghosts, receives the results for the ghosts here,
+    /// and calls block() for each ghost whose motion is blocked.
     virtual void exchange_blocked(Links& links) = 0;
   };
   /// For a Border: whether a joint of the tree with this root moves in this round. False for carried bodies.
@@ -138,7 +142,7 @@ class Links {
   void resolve_joints(double longest_motion, Border* border);
   /// Returns whether ask() was called since the last call of this function or of derive().
   bool take_asked() { return asked_.exchange(false, std::memory_order_relaxed); }
-  void clear_goals(Row row);  ///< sets the joints of a row to Goal::none
+  void clear_goals(Row row);  ///< sets the goals of a row's joints to Goal::none
   void carry();  ///< sets the poses and outlines of all carried bodies from those of their carriers
 
  private:
@@ -154,8 +158,8 @@ class Links {
   struct TreeBody;
   /// Upper bounds on how far the joint motions of a round move any point of a tree, m.
   struct Way {
-    double total;  ///< the length of its whole path
-    double rise;   ///< the vertical part of it
+    double total;  ///< the length of the whole path of the point
+    double rise;   ///< the vertical part of that length
   };
 
   std::span<Joint> joints(Row row);

@@ -8,9 +8,9 @@
 
 namespace troupe::engine {
 
-/// An obstacle shape that is rebuilt often, from convex pieces: call begin(), then add() for each piece, then
-/// finish(). The buffer keeps its memory. After reserve(), it allocates only if a shape has more pieces, or a
-/// piece has more corners, than reserved.
+/// An obstacle shape (the shape of a body for tests of overlaps) that is rebuilt often, from convex pieces:
+/// call begin(), then add() for each piece, then finish(). The buffer keeps its memory. After reserve(), it
+/// allocates only if a shape has more pieces, or a piece has more corners, than reserved.
 class ShapeBuffer {
  public:
   /// The shape that the last finish() completed, empty before; valid until the next call of begin().

@@ -13,8 +13,9 @@
 
 namespace troupe::engine {
 
-/// A result of ControllerCheck: a field of a memory or command that a controller set to different values
-/// although its inputs were identical. Values are compared bit by bit.
+/// A result of ControllerCheck: a value of a memory or command that a controller set differently although its
+/// inputs were identical. Values are compared bit by bit. A memory or a command is a struct with one row of
+/// bytes per robot; a field is one of its members, with one column per value.
 struct ControllerFinding {
   /// The repetition that found the difference. If both repetitions of a controller's decisions differ in a
   /// field, the finding is about `again`.
@@ -23,8 +24,9 @@ struct ControllerFinding {
     again,   ///< a second decision of the same controller
     afresh,  ///< a decision of a newly made controller with the same parameters
   };
-  /// Name of the controller: its kind and its index among the controllers of the body type, such as
-  /// "wander/0". Controllers of several body types can have the same name, and then share their findings.
+  /// Name of the controller: the name of its kind (ControllerKind::name) and its index among the controllers
+  /// of the body type, such as "wander/0". Controllers of several body types can have the same name, and then
+  /// share their findings.
   std::string controller;
   /// What differs: "memory turn_left_s" for a field of the memory, "command x" for a field of the command to
   /// the drive. For a field of the command to a device, the component (state table) of these commands
@@ -32,8 +34,8 @@ struct ControllerFinding {
   /// "memory goal[1]".
   std::string field;
   Repeat repeat = Repeat::again;  ///< the repetition that found it
-  /// The lowest id of a body whose value differs. For Repeat::start: the lowest id of any body of the type,
-  /// because the call of `start` concerns no particular body.
+  /// The body with the lowest id of those whose value differs. For Repeat::start, the body with the lowest id
+  /// of the type, because the call of `start` concerns no particular body.
   BodyId body;
   StateValue first;   ///< value after the decision in the step; for Repeat::start, after the first call
   StateValue second;  ///< value after the repetition
@@ -45,9 +47,10 @@ struct ControllerFinding {
 /// "r3" (id 4) is 0x0000000b (11) when the decision is repeated, not 0x0000000a (10); 12 decisions differ`.
 std::string finding_text(const World& world, const ControllerFinding& finding);
 
-/// Finds controllers whose decisions depend on anything other than their inputs. Each decision is made three
-/// times from the same percepts (sensor readings), memory and command: once by the step of the world, and
-/// twice by repeat().
+/// Finds controllers whose decisions depend on anything other than their inputs. A kind of controller
+/// (ControllerKind) is a table of functions: `start` sets the memory of a robot at the beginning, and
+/// `decide` makes its decision in a tick (time step). Each decision is made three times from the same
+/// percepts (sensor readings), memory and command: once by the step of the world, and twice by repeat().
 ///
 ///     ControllerCheck check(world, registry);
 ///     world.step();                                           // the decisions of this step take effect
@@ -72,17 +75,19 @@ std::string finding_text(const World& world, const ControllerFinding& finding);
 ///          processor.
 /// cost     While a check exists, each decision costs copies of the robot's readings, memory and commands,
 ///          and two more decisions. Without a check there is no cost.
-/// limits   The check knows the interventions `set` that the world has when the check is constructed.
-///          World::set() must not be called while the check exists.
+/// limits   An intervention `set` changes parameters, for example of a controller, at a given time. The check
+///          knows the interventions `set` that the world has when the check is constructed. World::set(),
+///          which adds such an intervention, must not be called while the check exists.
 ///
 /// Not thread-safe: call its functions between steps only. At most one check per world at a time.
 class ControllerCheck {
  public:
   using Finding = ControllerFinding;  ///< a short name for ControllerFinding
 
-  /// Sets the callback World::on_decide() of the world, which the destructor removes again. `registry` must
-  /// be the registry of the world, or have the same kinds. World and registry must outlive the check. Throws
-  /// InputError if a type of the world does not compile with this registry.
+  /// Sets the callback of World::on_decide(), which the world calls for each decision. The destructor removes
+  /// the callback again. `registry`, the list of all kinds, must be the registry of the world, or have the
+  /// same kinds. World and registry must outlive the check. Throws InputError if a type of the world does not
+  /// compile with this registry.
   ControllerCheck(World& world, const Registry& registry);
   ~ControllerCheck();
   ControllerCheck(const ControllerCheck&) = delete;
@@ -91,7 +96,8 @@ class ControllerCheck {
   /// Calls ControllerKind::start twice for each controller that has a memory, on storage with different
   /// bytes. Returns one finding for each column of the memory that `start` leaves unset, or sets to different
   /// values in the two calls; an empty list if there is none. Omits types without bodies. Does not change the
-  /// memories of the robots. Throws a StepError if `start` throws an exception.
+  /// memories of the robots. Throws a StepError (the exception of a failed step) if `start` throws an
+  /// exception.
   std::vector<Finding> start_twice() const;
   /// Repeats each decision of the last step twice. Call this after each step: without a call, the decisions
   /// of several steps accumulate, and the findings of the next call are then wrong. Returns one finding for
@@ -115,7 +121,7 @@ class ControllerCheck {
     std::vector<std::vector<std::byte>> percepts;                       // one per chosen device
   };
   /// A table to which a controller writes, in addition to the drive commands of its robots: its memories, or
-  /// the commands to a device.
+  /// the commands to a device. The chosen devices of a controller are those that it reads or commands.
   struct Written {
     std::string what;  ///< "memory", or the name of the component that holds a device's commands
     std::vector<StateField> fields;
@@ -132,8 +138,8 @@ class ControllerCheck {
     Decisions taken;
   };
 
-  /// Updates fresh_types_ and type_specs_ to the parameters that are in force when the robots decide in the
-  /// tick with this number.
+  /// Updates the body types of the check (fresh_types_, type_specs_), which hold newly made controllers, to
+  /// the parameters that are in force when the robots decide in the tick with this number.
   void follow_settings(std::uint64_t tick);
   Watched watch(const BodyType& type, const BodyType::Controller& controller) const;
   void record(const BodyType& type, const BodyType::Controller& controller, const DecideBatch& batch);

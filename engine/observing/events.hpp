@@ -9,9 +9,10 @@
 
 namespace troupe::engine {
 
-/// The types of events, in the order in which the events of one body in one tick are listed. "Blocked" means
-/// that a body or a static solid was in the way of the robot's motion; "out of bounds" means that the motion
-/// would have ended outside the bounds of the world. In both cases the robot stays in place.
+/// The types of events, in the order in which the events of one body in one tick (time step) are listed. A
+/// robot is a body with a drive. "Blocked" means that a body or a static solid was in the way of the robot's
+/// motion; "out of bounds" means that the motion would have ended outside the bounds of the world. In both
+/// cases the robot stays in place.
 enum class EventType : std::uint8_t {
   /// the motion of the robot was blocked in the tick before, but not in this tick; also if the robot has died
   stall_ends,
@@ -24,8 +25,9 @@ enum class EventType : std::uint8_t {
   grip,          ///< the robot began to carry another body (Event::other)
   birth,         ///< the body was born, and so entered the world
   death,         ///< the body died, and so left the world
-  /// the robot was disabled, or a drop-out fault occurred, so that its devices, controllers and drive
-  /// stopped; no event if they had already stopped for one of these reasons
+  /// the robot was disabled (by an intervention of the world file or by a program), or a drop-out fault (a
+  /// random failure) occurred; in both cases its devices, controllers and drive stop. No event if they had
+  /// already stopped for one of these reasons
   fails,
   recovers,  ///< the robot is in the world, and no longer disabled or stopped by a drop-out fault
 };
@@ -48,20 +50,21 @@ struct Event {
 };
 
 /// Finds the events of a tick by comparing the state of a world after the tick with the state before. The
-/// object stores the parts of the earlier state that it needs, so watching may begin at any tick. Watch one
-/// world with each object.
+/// object stores the parts of the earlier state that it needs, so watching may begin at any tick. Each object
+/// can watch only one world.
 class EventWatch {
  public:
   /// Starts from the present state of the world: the first events are those of the next tick. The state must
-  /// be complete (World::require_whole()), which is not checked.
+  /// be complete: the last step must not have thrown an exception (World::require_whole()). The constructor
+  /// does not check this.
   explicit EventWatch(const World& world);
 
   /// Returns the events of the tick that has just ended, sorted by (Event::body, Event::type, Event::other).
   /// Changes that a program made to the world since the last call, such as disabling a robot, are included.
-  /// Call this after every step. If the tick does not follow that of the last call (or, at the first call,
-  /// that of the constructor), as after a reset, the result is empty. A body that was born and died in one
-  /// tick has both events. The result is valid until the next call. Throws std::logic_error if the last step
-  /// threw (World::require_whole()).
+  /// Call this after every step. The result is empty if the tick of the world is not one more than at the
+  /// last call (at the first call: than at construction), for example after a reset. A body that was born and
+  /// died in one tick has both events. The result is valid until the next call. Throws std::logic_error if
+  /// the last step threw (World::require_whole()).
   std::span<const Event> see(const World& world);
 
  private:

@@ -13,6 +13,11 @@ namespace troupe::engine {
 
 // The data that a viewer needs to draw a world at one tick (time step). Viewers do not read the state of the
 // world itself. A FrameScene has what is constant during a run, a Frame what changes from tick to tick.
+//
+// A body consists of parts, and a part of solids. The first part is the root part. A part can be mounted on a
+// joint, which a device moves; a joint is at rest in the pose that the body type defines. A static body does
+// not move during a run. A ranger is a sensor that measures distances along beams. Each of its transducers
+// emits one fan of beams.
 
 /// A solid to draw.
 struct FrameShape {
@@ -20,7 +25,7 @@ struct FrameShape {
   std::optional<Color> color;  ///< colour of the solid; not set: FrameBody::color
 };
 
-/// The shapes of bodies that look alike: of all bodies of a type, or of a body with moved joints or
+/// The shapes of bodies that look alike: of all bodies of a type, or of bodies with moved joints or
 /// recoloured parts.
 struct FrameType {
   std::vector<FrameShape> shapes;  ///< the solids of all parts
@@ -32,8 +37,8 @@ struct FrameType {
 
 /// A body to draw.
 struct FrameBody {
-  /// Index of its shapes. An index i below the size n of FrameScene::types refers to that list; an index
-  /// of n or more refers to Frame::types[i - n]. Static bodies only refer to FrameScene::types.
+  /// Index of the shapes of the body. An index i below the size n of FrameScene::types refers to that list;
+  /// an index of n or more refers to Frame::types[i - n]. Static bodies only refer to FrameScene::types.
   std::uint32_t type = 0;
   Pose pose_world_body;  ///< pose at this tick; for static bodies, the pose during the whole run
   Color color;           ///< colour of the shapes that have no colour of their own
@@ -41,7 +46,7 @@ struct FrameBody {
   std::uint32_t id = 0;  ///< number of the body in the world: the value of its BodyId
 };
 
-/// A fan of beams of one ranger. All beams of the fan start at the same point.
+/// A transducer of a ranger: a fan of beams that all start at the same point.
 struct FrameTransducer {
   Pose pose_body;           ///< origin and middle direction of the beams; body frame, joints at rest
   double range_max = 0;     ///< length of the beams, m
@@ -50,7 +55,7 @@ struct FrameTransducer {
   std::size_t samples = 1;  ///< number of readings of the fan
 };
 
-/// A ranger of a body type, whose readings can be drawn.
+/// A ranger of a body type, whose readings (measured distances) can be drawn.
 struct FrameRanger {
   std::uint32_t type = 0;    ///< type of the body: index into FrameScene::types
   std::size_t readings = 0;  ///< number of readings of all transducers
@@ -67,8 +72,9 @@ struct FrameScene {
   Box bounds;
   std::string title;                 ///< title of the world
   std::vector<FrameRanger> rangers;  ///< rangers that FrameScan refers to
-  double tile_m = 0;                 ///< edge of the tiles of the spatial index, m; 0: unknown
-  double cell_m = 0;                 ///< edge of the cells that tiles consist of, m; 0: unknown
+  /// Edge of the square tiles of the spatial index of bodies, m; 0: unknown.
+  double tile_m = 0;
+  double cell_m = 0;  ///< edge of the cells that tiles consist of, m; 0: unknown
   /// Box that the origins of bodies cannot leave (WorldSpec::bounds), m, world frame. Not set: the world file
   /// gives none.
   std::optional<Box> limits;
@@ -85,7 +91,8 @@ struct FrameScan {
   Pose moved;
 };
 
-/// A detection of a part of a body: a line from a sensor to the part that it detected, world frame, m.
+/// A detection by a fiducial finder (a sensor that detects marked parts of bodies): a line from the sensor to
+/// the part that it detected, world frame, m.
 struct FrameSight {
   std::uint32_t body = 0;                          ///< the body: index into Frame::mobile
   Eigen::Vector3d from = Eigen::Vector3d::Zero();  ///< position of the sensor
@@ -142,7 +149,8 @@ struct Frame {
   /// Shapes of bodies that now look different from their type. FrameBody::type refers to them. A body has an
   /// entry of its own while any of its joints is not at rest. Bodies of one type whose joints are at rest,
   /// and whose parts have colours set by devices (DeviceKind::shows_color), share an entry if each part has
-  /// the same colour in all of them. The root part does not count here: its colour is FrameBody::color.
+  /// the same colour in all of them. Colours of the root part are not compared, because FrameBody::color
+  /// stores the colour of that part.
   std::vector<FrameType> types;
 
   // The following are empty unless the viewer requests them.
@@ -159,9 +167,9 @@ struct Frame {
   std::vector<FrameSquare> covered;  ///< squares that robots have visited, sorted by x and then by y
   double covered_m = 0;              ///< edge of the squares of `covered`, m
   std::vector<std::string> names;    ///< names of bodies, one per body of `mobile`
-  /// One per body of `mobile`: energy of its first device with an energy account (DeviceKind::energy), such
-  /// as a power pack, as a fraction of the capacity, 0 to 1; 1 if the device never becomes empty; NaN: the
-  /// body has no such device.
+  /// One per body of `mobile`: energy of its first device that stores energy (DeviceKind::energy), such as a
+  /// power pack, as a fraction of the capacity, 0 to 1. 1 if the device never becomes empty. NaN if the body
+  /// has no such device.
   std::vector<double> charges;
   /// One per body of `mobile`: value of the field of the state by which the viewer colours the bodies; NaN:
   /// the body has no such value.

@@ -16,18 +16,22 @@
 
 namespace troupe::engine {
 
-/// The measures of one run. Each measure is a column of the results. Not thread-safe; the measures compute on
-/// the worker threads of the world.
+/// The measures of one run. A measure is a number that is computed from the state of the world after a tick
+/// (time step), such as the mean displacement of robots. Each measure is a column of the results. A measure
+/// may have a memory: data from earlier ticks that its value depends on. Not thread-safe; the measures
+/// compute on the worker threads of the world.
 class MeasureSet {
  public:
   /// Begins to measure with the present state. Reports these errors to `diagnostics`, at the positions of the
   /// specs in the file, and leaves out the measures that have them: unknown kinds or robots, equal or
-  /// reserved column names, and exceptions of MeasureKind::make, for example because parameters name
-  /// something unknown or need too much memory. Of the exceptions that `make` of a foreign measure
-  /// (MeasureKind::is_foreign) throws, only std::logic_error is reported; all others propagate unchanged.
+  /// reserved column names, and exceptions of MeasureKind::make, the function that makes a measure, for
+  /// example because parameters name something unknown or need too much memory. A foreign measure is computed
+  /// by code in another language, such as Python (MeasureKind::is_foreign). Of the exceptions that `make` of
+  /// a foreign measure throws, only std::logic_error is reported; all others propagate unchanged.
   ///
-  /// Then calls Measure::see() of the remaining measures. If one of these calls throws, or if the last step
-  /// of the world threw, throws the exceptions of MeasureSet::see(). World and registry must outlive the set.
+  /// Then calls Measure::see() of the remaining measures, which updates them. If one of these calls throws,
+  /// or if the last step of the world threw, throws the exceptions of MeasureSet::see(). World and registry
+  /// (the list of all kinds of measures) must outlive the set.
   /// paths: for each spec, the path of the measure in its file, such as "/measures/0", with which its errors
   /// begin; empty if the specs come from no file
   MeasureSet(World& world, const Registry& registry, std::span<const MeasureSpec> specs,
@@ -37,11 +41,12 @@ class MeasureSet {
   /// `displacement_m`, `displacement_m:leaders`, `stalls:leaders`.
   std::span<const std::string> columns() const { return columns_; }
   /// Updates the measures. Call this after every step. Does nothing if the tick and the seed of the world are
-  /// those of the last call (or of the constructor), except at tick 0. The measures begin again with the
-  /// present state at tick 0, after a change of the seed, and after a jump in time (the tick is neither that
-  /// of the last call nor the next one), as a reset or a restore makes. If a measure throws, throws a
-  /// std::runtime_error that names the tick and the measure; exceptions of foreign measures propagate
-  /// unchanged. Throws std::logic_error if the last step threw (World::require_whole()).
+  /// those of the last call (or of the constructor), except at tick 0. The measures discard their memory and
+  /// begin again with the present state in these cases: at tick 0; after a change of the seed; after a jump
+  /// in time, such as a reset or the restore of a checkpoint (the tick is neither that of the last call nor
+  /// the next one). If a measure throws, throws a std::runtime_error that names the tick and the measure;
+  /// exceptions of foreign measures propagate unchanged. Throws std::logic_error if the last step threw
+  /// (World::require_whole()).
   void see();
   /// Values for the state of the last see(), one per column, in the SI units of the columns; NaN if a
   /// measure has no value. The world must still be in that state. Exceptions are those of see().
@@ -50,7 +55,8 @@ class MeasureSet {
   /// the other columns.
   double value(std::size_t column);
 
-  /// Memory of all measures (Measure::memory()), one after another, for a checkpoint.
+  /// Memory of all measures (Measure::memory()), one after another, for a checkpoint (a file from which a run
+  /// is resumed).
   std::vector<std::byte> memory() const;
   /// Restores the result of memory(), which must come from a set with the same specs. The world must be in
   /// the state in which the memory was saved, and the constructor or see() must have been called for that
@@ -75,14 +81,14 @@ class MeasureSet {
   std::uint64_t seen_seed_ = 0;                     // seed of the world then
 };
 
-/// Returns the robots (bodies with a drive) that the name `of` stands for, in order of ids, unborn and dead
-/// robots included: all robots of the type with this name, and the robot with this name or alias. If no
-/// single robot has this name or alias, the robots of the population with this name are added, which are
-/// those whose name is `of` followed by digits. Returns all robots if `of` is empty, and no robots if there
-/// is no type, population or robot with this name.
+/// Returns the robots (bodies with a drive) that the name `of` stands for, in order of ids, including unborn
+/// robots (not yet in the world) and dead robots (no longer in the world): all robots of the type with this
+/// name, and the robot with this name or alias. If no single robot has this name or alias, the robots of the
+/// population with this name are added, which are those whose name is `of` followed by digits. Returns all
+/// robots if `of` is empty, and no robots if there is no type, population or robot with this name.
 std::vector<BodyId> robots_of(const World& world, std::string_view of);
 /// Names of all types of robots and of all populations, sorted, each once. The name of a robot's population
-/// is the name of the robot without the digits at its end.
+/// is the name of the robot without the digits at its end: "ant" for "ant7".
 std::vector<std::string> names_of_robots(const World& world);
 
 /// Returns how many of the bodies are in the world, that is, neither unborn nor dead. Every body must have a

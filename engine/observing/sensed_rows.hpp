@@ -4,10 +4,11 @@
 
 namespace troupe::engine {
 
-/// Tells which rows of a state table have values. The only rows without values are the readings of sensors
-/// that never run, because the world file does not make them active (DeviceSpec::active), no controller uses
-/// them and no program has subscribed to their body (World::senses()). The engine does not compute these
-/// readings, so their bytes mean nothing.
+/// Tells which rows of a state table have values. A state table holds one component of the state, such as the
+/// readings of a sensor, with one row per body. The only rows without values are the readings of sensors that
+/// never run, because the world file does not make them active (DeviceSpec::active), no controller uses them
+/// and no program has subscribed to their body (World::senses()). The engine does not compute these readings,
+/// so their bytes mean nothing.
 class SensedRows {
  public:
   /// table: one of World::tables() of `world`. Both must outlive the object. Throws std::logic_error if the

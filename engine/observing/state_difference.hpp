@@ -11,7 +11,9 @@
 
 namespace troupe::engine {
 
-/// One value of the state: its type and its bits.
+/// One value of the state of a world: its type and its bits. The state is a list of tables. Each table holds
+/// one component, such as the poses, with one row per body. A row has fields, and a field has one or more
+/// columns, each with one value.
 struct StateValue {
   Element element = Element::f64;  ///< type of the value
   std::uint64_t bits = 0;          ///< bits of the value, in the low bytes; the other bits are 0
@@ -29,7 +31,7 @@ using ReportValue =
     std::function<void(const StateField&, std::size_t column, const StateValue&, const StateValue&)>;
 /// Calls `report` for each value that differs between two rows, in the order of the fields. The values are
 /// compared bit by bit: -0 differs from 0, and a NaN equals a NaN with the same bits. `first` and `second`
-/// point to the first byte of each row (StateTable::row()). In both rows, each field is at its
+/// point to the first byte of each row (StateTable::row()). In both rows, each field begins at the byte
 /// StateField::offset. Bytes between the fields are ignored.
 void compare_rows(std::span<const StateField> fields, const std::byte* first, const std::byte* second,
                   const ReportValue& report);
@@ -39,7 +41,8 @@ struct ComponentDifference {
   /// Name of the component (StateTable::component()); `the list of components` if the two worlds have
   /// different numbers of tables, which is then the only difference.
   std::string component;
-  /// Hash group of the component; no meaning for `the list of components`.
+  /// Hash group (group of components that are hashed together) of the component; no meaning for `the list of
+  /// components`.
   HashGroup group = HashGroup::pose;
   /// Number of bodies whose rows differ. If it is 0, the component has different bodies or different fields
   /// in the two worlds, and the following members have no meaning.
@@ -51,11 +54,12 @@ struct ComponentDifference {
 };
 
 /// Returns the components that differ between two worlds made from one file, one entry per component. They
-/// are sorted by hash group: first sensors, then memories, then velocities and commands, then poses, so that
-/// the first entries are nearest to the cause. Empty if the states are equal. Components with equal hashes
-/// are taken as equal. Only components with different hashes are compared value by value. Rows are matched by
-/// the ids of their bodies, so their order may differ. Throws std::logic_error if the last step of a world
-/// threw (World::require_whole()).
+/// are sorted by hash group: first sensors, then memories, then velocities and commands, then poses. A
+/// difference in readings spreads to memories, then to commands, then to poses, so the first entries are
+/// nearest to the cause. Empty if the states are equal. Components with equal hashes are taken as equal. Only
+/// components with different hashes are compared value by value. Rows are matched by the ids of their bodies,
+/// so their order may differ. Throws std::logic_error if the last step of a world threw
+/// (World::require_whole()).
 std::vector<ComponentDifference> state_differences(World& first, World& second);
 
 /// The message for a difference, with the names that bodies have in `world`:

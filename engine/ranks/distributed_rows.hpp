@@ -14,14 +14,17 @@
 
 namespace troupe::engine {
 
-/// The *distributed* form of a world that several ranks compute: a rank has only its own rows and ghosts
-/// (class Halo). In each tick, the ranks exchange the data of the ghosts, and all effects.
+/// The *distributed* form of a world that several ranks (threads or processes) compute. A row is the data of
+/// one body in the state tables. A rank has only the rows that it owns and *ghosts*: copies of those rows of
+/// other ranks whose bodies may affect its own (class Halo). In each tick (time step), the ranks exchange the
+/// data of the ghosts, and all effects (actions of devices on other bodies).
 class DistributedRows final : public RankRows {
  public:
-  /// Keeps the own rows and the ghosts of `world`, whose rows must all be here. Throws std::logic_error if
-  /// why_replicated() gives a reason. The world must outlive this object.
+  /// Keeps the own rows and the ghosts of `world`, whose rows must all be here, and removes all other rows.
+  /// Throws std::logic_error if why_replicated() returns a reason why the rows cannot be distributed. The
+  /// world must outlive this object.
   ///
-  /// sharing: sharing_of(world)
+  /// sharing: the result of sharing_of(world)
   /// cut_seed, skin_m: see Halo
   DistributedRows(World& world, const ReplicaParts& parts, std::span<const Sharing> sharing, RankPost post,
                   std::optional<std::uint64_t> cut_seed, std::optional<double> skin_m);

@@ -19,7 +19,7 @@
 namespace troupe::engine {
 
 /// Returns why the rows of a world cannot be distributed among ranks (class Halo), for example `the world
-/// uses the grid ray engine`. An empty text: the rows can be distributed.
+/// uses the grid ray engine`. The text is empty if the rows can be distributed.
 std::string why_replicated(const World& world);
 
 /// How the rows of a world would be divided among ranks (class Halo).
@@ -29,75 +29,80 @@ struct HaloPlan {
     std::size_t ghosts = 0;      ///< number of its ghosts: copies of rows of other ranks
     std::size_t neighbours = 0;  ///< number of ranks that own its ghosts or have ghosts of its rows
   };
-  double coverage_m = 0;    ///< the coverage, m (class Halo)
+  double coverage_m = 0;    ///< how far from its body a row has ghosts, m (class Halo, `ghosts`)
   std::vector<Rank> ranks;  ///< one entry per rank
 };
 /// Returns how a Halo would divide the rows of a world among `ranks` ranks, with the bodies at their present
 /// positions. All rows must be in this world, and why_replicated() must return an empty text.
 ///
-/// longest_motion: longest motion of a body in a tick, m
+/// longest_motion: longest motion of a body in a tick (time step), m
 HaloPlan plan_halo(const World& world, unsigned ranks, double longest_motion);
 
 /// The *distributed* form of a world that several ranks (threads or processes) compute: each rank has only
 /// the rows (data of bodies in the state tables) that it owns, and *ghosts*, copies of those rows of other
-/// ranks whose bodies may affect the bodies of its own rows in a tick.
+/// ranks whose bodies may affect the bodies of its own rows in a tick (time step). To *distribute* the rows
+/// is to give each row to its owner and to make all ghosts again. A *tree* is a body that is not carried (its
+/// root) together with all bodies that it carries, directly or through others.
 ///
 /// owners  The plane is divided among the ranks (partition::TileOwners). A row belongs to the rank that owned
-///         the place of its body when the rows were last distributed. The *place* of a body is its position,
-///         or that of the body that carries it, directly or through others, and is not carried itself: all
-///         bodies of a tree (class Links) have one owner, and are ghosts on the same ranks.
+///         the place of its body when the rows were last distributed. The *place* of a body is the position
+///         of the root of its tree, or its own position if it is not carried. All bodies of a tree therefore
+///         have one owner, and are ghosts on the same ranks.
 /// rows    The own rows come first, then the ghosts. Sensing, devices and controllers run for own rows only.
 ///         Motions are computed for all rows: those of ghosts from the velocities that their owners send.
 /// ghosts  A row is a ghost on each rank that owns ground within the *coverage* of its body. The coverage is
-///         at least the distance at which two bodies can affect each other in this tick or in the sensing of
-///         the next one: the larger of two sums (the longest reach of a device plus the largest radius of a
-///         body; two such radii), plus twice the longest motion of a body in a tick. The radius of a tree
-///         holds for all poses of its joints, and is also the greatest distance of a carried device from the
-///         place of its body. The coverage also includes twice the distance that bodies may have moved since
-///         the rows were distributed, so that the ghosts remain valid for some ticks. When twice the sum of
-///         the longest motions of these ticks exceeds that margin (the skin), all ranks distribute the rows
-///         again. All ranks know the longest motion of the tick before any body moves, so they decide alike.
-/// guests  A body that a device acts on from any distance (ApplyScope::any_target) is, with its tree, also a
-///         ghost on the rank that owns the body of the device, until the rows are distributed again (Guest).
-/// lives   Unborn and dead bodies have no ghosts, except as guests. The row of an unborn body belongs to the
-///         rank that owns the origin of the world, and that of a dead body to the rank that owns the place
-///         where it died. A birth is a jump of an unborn body: all ranks know of it, and distribute the rows
-///         before the next sensing.
+///         the sum of two lengths. The first is the distance at which two bodies can affect each other in
+///         this tick or in the sensing of the next one: the larger of A and B, plus twice the longest motion
+///         of a body in a tick. A is the sum of the longest reach of a device, the longest shift of a device
+///         by joints, and the largest radius of a body or tree. If bodies can carry others, A contains the
+///         radius twice, because a carried device may be one radius away from the place of its body. B is
+///         twice the radius. The radius of a tree holds for all poses of its joints. The second length is a
+///         margin, the *skin*, with which the ghosts remain valid for some ticks. When twice the sum of the
+///         longest motions since the last distribution exceeds the skin, all ranks distribute the rows again.
+///         All ranks know the longest motion of the tick before any body moves, so they decide alike.
+/// guests  Some devices can act on bodies at any distance (ApplyScope::any_target). Such a target, with its
+///         tree, is also a ghost on the rank that owns the body of the device, until the rows are distributed
+///         again (Guest).
+/// lives   Unborn bodies (not yet in the world) and dead bodies have no ghosts, except as guests. The row of
+///         an unborn body belongs to the rank that owns the origin of the world, and the row of a dead body
+///         to the rank that owns the place where it died. After a birth, of which all ranks know, they
+///         distribute the rows before the next sensing.
 /// moves   Each rank resolves the motions of its own rows. A motion that depends on a ghost waits for the
 ///         outcome, which the owner sends when it is known (class RankBorder).
-/// joints  The owners of ghosts send the goals of their joints, so that every rank knows which pieces of
-///         which trees move. Each rank resolves the motions of the joints of its own rows, and the owners
-///         send the outcomes of each round (class RankBorder).
+/// joints  The owners of ghosts send the goals of their joints (the poses to which devices move them), so
+///         that every rank knows which pieces of which trees move. Each rank resolves the motions of the
+///         joints of its own rows, and the owners send the outcomes of each round (class RankBorder).
 /// cargo   If devices attach bodies to others or release them in a tick, all ranks distribute the rows at the
-///         end of the tick, unless the ghosts suffice for the new trees (class SharedEffects).
-/// pushes  A motion that may push bodies depends on all bodies in its *zone* (class Conflicts, `source`), on
-///         all movers whose zones overlap it, and on the bodies that these movers push. In a world with
-///         pushable bodies, the coverage is therefore at least three times the radius of the largest zone,
-///         plus the largest radius of a pushable body: such a body is in a zone as soon as its circle touches
-///         the zone. The owner of a mover sends its pushes together with its outcome. Not every rank with a
-///         ghost of a pushed body has ghosts of all pushers, so at the end all ranks exchange the final
-///         positions.
+///         end of the tick, unless the ghosts suffice for the new trees (suffices_for()).
+/// pushes  A motion that may push bodies depends on all bodies in its *zone* (a circle that contains
+///         everything that the motion could touch or push), on all moving bodies whose zones overlap it, and
+///         on the bodies that these moving bodies push. In a world with pushable bodies, the coverage is
+///         therefore at least three times the radius of the largest zone, plus the largest radius of a
+///         pushable body: such a body is in a zone as soon as its circle touches the zone. The owner of a
+///         moving body sends the pushes of that body together with the outcome of its motion. Not every rank
+///         with a ghost of a pushed body has ghosts of all pushers, so at the end all ranks exchange the
+///         final positions.
 ///
-/// No result depends on which rank owns a row, on the skin, or on how often rows are distributed.
+/// No result of a run depends on which rank owns a row, on the skin, or on how often rows are distributed.
 class Halo {
  public:
-  /// A tree (class Links) whose rows must be on the rank that owns the ground at a point, however far away
-  /// the tree is.
+  /// A tree whose rows must be on the rank that owns the ground at a point, however far away the tree is.
   struct Guest {
     BodyId root;  ///< root of the tree; the body itself if it neither carries others nor is carried
     Vec2 host = Vec2::Zero();  ///< the point, m, world frame
   };
-  /// How far bodies can affect one another, m. longest: longest motion of a body in the tick, m
+  /// How far bodies can affect one another. All lengths are in m. longest: longest motion of a body in the
+  /// tick, m
   struct Extent {
     double reach = 0;            ///< longest reach of a device
-    double shift = 0;            ///< longest shift of a device by joints of its body
+    double shift = 0;            ///< how far joints can move a device of their body from its rest pose
     double radius = 0;           ///< largest radius of a body or tree
     bool has_trees = false;      ///< whether bodies can carry others
     double push_reach = 0;       ///< distance at which a body can push bodies that it does not touch
     bool has_pushable = false;   ///< whether the world has pushable bodies
     double pushable_radius = 0;  ///< largest radius of a pushable body
 
-    double zone(double longest) const;  ///< upper bound on the radius of a zone (class Conflicts, `source`)
+    double zone(double longest) const;  ///< upper bound on the radius of a zone (class Halo, `pushes`)
     double of_sensing() const;  ///< distance from the place of a body at which its devices can sense bodies
     /// Distance at which bodies can affect the outcome of a motion.
     double of_motions(double longest) const;
@@ -107,17 +112,18 @@ class Halo {
   };
   static Extent extent_of(const World& world);  ///< the extent for all bodies of a world
 
-  /// All rows of `world` must be in this World, and why_replicated(world) must be empty. `world`, and
-  /// `tables` and `links`, its state tables and joints, must outlive this object. Call divide() next.
+  /// All rows of `world` must be in this World, and why_replicated(world) must return an empty text. `world`,
+  /// `tables` (its state tables) and `links` (its joints) must outlive this object. Call divide() next.
   ///
   /// sent: indices of the tables whose rows owners send in each tick (Sharing::sent)
   /// cut_seed: for tests; if set, the ranks own random ground, which is chosen again in some of the ticks
-  /// skin_m: the skin, m; not set: a multiple of the longest motion in a tick
+  /// skin_m: the skin, m; not set: 16 times the longest motion in a tick, or a random multiple if `cut_seed`
+  /// is set
   Halo(World& world, std::span<StateTable> tables, Links& links, std::vector<std::size_t> sent, RankPost post,
        std::optional<std::uint64_t> cut_seed, std::optional<double> skin_m);
 
-  /// Divides a world that is complete on all ranks: keeps only the own rows and the ghosts. Needs no
-  /// messages.
+  /// Distributes the rows of a world that is complete on all ranks: each rank keeps only its own rows and its
+  /// ghosts. Needs no messages.
   void divide();
   /// Gives each row to the rank that owns the place of its body, and makes the ghosts again. Before and after
   /// the call, the own rows are those in [0, own()).
@@ -132,43 +138,48 @@ class Halo {
   /// unit; the same on all ranks. distribute() must follow.
   void balance(std::span<const std::uint64_t> times);
   /// Called when all ranks know the longest motion of all bodies in this tick, before any body moves.
-  /// Distributes the rows if the ghosts could otherwise be too few, or if `distributes` is true. guests: see
-  /// distribute()
+  /// Distributes the rows if `distributes` is true, or if ghosts may be missing because of motions since the
+  /// last distribution or in this tick.
+  ///
+  /// longest: longest motion of a body in this tick, m
+  /// guests: see distribute()
   void prepare_motions(double longest, bool distributes, std::span<const Guest> guests);
 
   bool has_trees() const { return extent_.has_trees; }  ///< whether bodies can carry others
   /// Whether the row of a body is an own row, and the body carries others.
   bool has_cargo(BodyId body) const;
   /// For an own row whose body may have become a part of another tree since the last distribution, so that
-  /// its place has changed: whether the ghosts of all ranks suffice for the new tree. They do if
+  /// its place has changed: whether the ghosts of all ranks suffice for the new tree. The ghosts suffice if
+  /// all of these hold:
   /// - the tree would still belong to this rank if the rows were distributed now;
   /// - it is no larger than the largest tree was at a distribution (Extent::radius);
   /// - all its bodies are ghosts on the same ranks;
-  /// - these are at least the ranks whose ground is so near that the row of a body that has not changed its
-  ///   tree, at the same place, would be a ghost there.
+  /// - these ranks include all ranks whose ground is nearer to the root of the tree than the coverage, less
+  ///   the longest way that a body may have moved since the last distribution.
   bool suffices_for(Row row) const;
   /// Called after get_state() has changed the carriers of these ghosts: updates their trees.
   void link_again(std::span<const Row> ghosts);
   std::size_t own() const { return own_; }        ///< number of own rows
   double reach() const { return extent_.reach; }  ///< longest reach for which the ghosts suffice, m
   /// Whether bodies were pushed so far in the last tick that the rows must be distributed before any device
-  /// senses again. The same on all ranks.
+  /// senses again. The result is the same on all ranks.
   bool lacks_ghosts();
   /// The exchange of outcomes of motions. prepare_motions() must have been called in this tick.
   RankBorder& border() { return border_; }
-  /// A tree (class Links) whose rows go to another rank, wherever the tree is.
+  /// A tree whose rows go to another rank, wherever the tree is.
   struct Gift {
     BodyId root;        ///< root of the tree
     unsigned from = 0;  ///< the rank that owns its rows
     unsigned to = 0;    ///< the rank that owns them afterwards
   };
-  /// Called on all ranks, between the phases move and index: changes the owners of trees. A rank that gives
-  /// or gets trees then has no ghosts, so distribute() must follow.
+  /// Called on all ranks, after bodies have moved and before the spatial index is rebuilt (between the phases
+  /// move and index): changes the owners of trees. A rank that gives or gets trees then has no ghosts, so
+  /// distribute() must follow.
   ///
   /// gifts: the same on all ranks, in the order of roots
   void give(std::span<const Gift> gifts);
-  /// Appends the data that rank `to` needs before the phase move of those own rows that it has as ghosts:
-  /// their rows in the tables with Sharing::sent, and the goals of their joints.
+  /// Appends data of those own rows that rank `to` has as ghosts: the rows in the tables with Sharing::sent,
+  /// and the goals of joints. Rank `to` needs these data before bodies move.
   void put_shown(unsigned to, partition::MessageWriter& message) const;
   /// Reads what put_shown() of rank `from` has appended.
   void get_seen(unsigned from, partition::MessageReader& message);
@@ -196,7 +207,8 @@ class Halo {
   /// Removes the rows that complete() has added.
   void forget_completion();
   bool is_complete() const { return is_complete_; }  ///< whether this rank has all rows
-  /// Makes all rows of the world own rows here. A row that is elsewhere becomes a row of zeros.
+  /// Makes all rows of the world own rows of this rank. A row that only other ranks have becomes a row of
+  /// zeros.
   void own_all();
   /// Removes all rows: another rank has all of them.
   void own_none();

@@ -14,8 +14,9 @@ namespace troupe::engine {
 /// engine/ranks/replica.hpp): orders that rank 0 gives to the other ranks, their answers, and messages within
 /// a tick. The first byte of every message is its Order. An answer has the Order of the message that it
 /// answers, or Order::failed. A *row* is the data of one body in the state tables. A rank *owns* the rows of
-/// the bodies for which it senses, actuates and decides. In a distributed world (class Halo), a rank has
-/// copies of rows of other ranks, its *ghosts*.
+/// the bodies for which it senses, actuates and decides. In a distributed world (class Halo), a rank has only
+/// the rows that it owns and copies of some rows of other ranks, its *ghosts*. A tick is a time step. An
+/// effect is an action of a device on another body.
 enum class Order : std::uint8_t {
   make,        ///< make a replica of a world (troupe/rank_team.hpp); as an answer: the replica is made
   drop,        ///< destroy a replica
@@ -57,7 +58,8 @@ struct ReceivedOrder {
 /// answer, and std::logic_error if the message is shorter than a head.
 ReceivedOrder receive_order(partition::Transport& transport, unsigned from);
 
-/// How the parts of a Replica send and receive the messages of a tick.
+/// The functions with which the parts of a Replica (a rank's copy of a world) send and receive the messages
+/// of a tick.
 struct RankPost {
   unsigned rank = 0;                                     ///< number of this rank
   unsigned ranks = 1;                                    ///< number of ranks

@@ -15,13 +15,15 @@ namespace troupe::engine {
 
 class World;
 
-/// Exchanges with the other ranks of a distributed world (class Halo) what Conflicts and Links need to
-/// resolve the motions of a tick: the outcomes of motions, the pushes, the final positions of pushed bodies,
-/// and whether the motions of joints are blocked.
+/// Exchanges with the other ranks of a distributed world what Conflicts and Links need to resolve the motions
+/// of a tick (time step): the outcomes of motions, the pushes, the final positions of pushed bodies, and
+/// whether the motions of joints are blocked. Ranks are threads or processes that compute one world together.
+/// A row is the data of one body in the state tables. Each rank resolves the motions of the rows that it
+/// owns, and has *ghosts*, copies of some rows of other ranks (class Halo).
 class RankBorder final : public Conflicts::Border, public Links::Border {
  public:
-  /// The rows that this rank has in common with others. The lists have one entry per rank, and must outlive
-  /// the resolution.
+  /// The rows that this rank has in common with others. The lists have one entry per rank. They must not
+  /// change until the motions of the tick are resolved.
   struct Rows {
     std::size_t own = 0;  ///< the own rows are those in [0, own)
     /// Own rows that the rank of the entry has as ghosts, in an order that both ranks know.
@@ -33,13 +35,13 @@ class RankBorder final : public Conflicts::Border, public Links::Border {
   /// The arguments must outlive the object. has_pushable: whether the world has pushable bodies
   RankBorder(World& world, const RankPost& post, bool has_pushable);
 
-  /// Sets the rows and the limit of pushes for a tick. Must be called before the motions of the tick are
+  /// Sets the rows, and the limit of pushes, for a tick. Call this before the motions of the tick are
   /// resolved.
   ///
   /// farthest: the largest distance that a body may be pushed in this tick, m
   void begin_tick(const Rows& rows, double farthest);
-  /// Returns the largest distance that bodies were pushed in the last tick, m, and sets it to 0. The same on
-  /// all ranks.
+  /// Returns the largest distance that a body was pushed in the last tick, m, and sets the stored distance to
+  /// 0. The result is the same on all ranks.
   double take_pushed();
   std::uint64_t rounds() const { return rounds_; }  ///< number of exchanges of outcomes, in all ticks
 

@@ -26,8 +26,8 @@ class World;
 /// The data of a world that a Replica reads and writes.
 struct ReplicaParts {
   std::span<StateTable> tables;  ///< the state tables
-  Effects& effects;              ///< the effects of the tick
-  Links& links;                  ///< the joints, for the poses to which devices move them
+  Effects& effects;              ///< the effects (actions on other bodies) of the tick
+  Links& links;                  ///< the joints, and the poses to which devices move them
   std::uint64_t& beams;          ///< rays cast by all sensors since tick 0
 };
 
@@ -37,12 +37,15 @@ RowRange rows_in(const World& world, const StateTable& table, const RowRange& ro
 std::uint64_t hash_of(partition::Parallel& parallel, const StateTable& table, const RowRange& rows);
 
 /// How the rows of a world (the data of its bodies in the state tables) are divided among the ranks (threads
-/// or processes) that compute it, and therefore which data the ranks exchange. ReplicatedRows and
-/// DistributedRows implement the two forms of a world on several ranks. A Replica decides when the ranks
-/// exchange data. It sends and receives the messages whose contents the functions below write and read; the
-/// functions of a tick also exchange messages of their own (RankPost).
+/// or processes) that compute it, and therefore which data the ranks exchange. There are two forms. In a
+/// replicated world (ReplicatedRows), every rank has all rows and owns some of them. In a distributed world
+/// (DistributedRows), a rank has only the rows that it owns and copies of rows near them. Each rank has a
+/// Replica, which decides when the ranks exchange data. The Replica sends and receives the messages whose
+/// contents the functions below write and read; the functions of a tick also exchange messages of their own
+/// (RankPost).
 ///
-/// All ranks call the functions of a tick at the same points of the tick.
+/// All ranks call the functions of a tick at the same points of the tick. A tick is a time step, and its
+/// phases are listed in engine/world/phase.hpp.
 class RankRows {
  public:
   RankRows() = default;
@@ -74,16 +77,18 @@ class RankRows {
   virtual void adopt_all(partition::MessageReader message, bool is_in_tick) = 0;
 
   // ---- A tick, in the order of calls
-  /// Gives the rows to the ranks that need them. Called when a tick begins, after the callback of
-  /// World::before_tick(), and after interventions have moved, added or removed bodies. have_jumped: true if
-  /// called after interventions
+  /// Gives the rows to the ranks that need them. Called at three points of a tick: at its beginning, after
+  /// the callback of World::before_tick(), and after interventions (changes at given times) have moved, added
+  /// or removed bodies.
+  ///
+  /// have_jumped: true if called after interventions
   virtual void redistribute(bool have_jumped) = 0;
   /// Adds the candidates of the other ranks (bodies among which an intervention chooses at random) to those
   /// of this rank.
   virtual void add_candidates(std::vector<Experiment::Candidate>& candidates) = 0;
-  /// For controllers that decide on rank 0 for the robots of all ranks: appends, or reads, the present values
-  /// of the rows that `rank` owns. A distributed world has no such controllers (why_replicated()), and these
-  /// functions throw std::logic_error.
+  /// For controllers that decide on rank 0 for the robots of all ranks. put_rows_of() appends the present
+  /// values of the rows that `rank` owns, and get_rows_of() reads them. A distributed world has no such
+  /// controllers (why_replicated()), and these functions then throw std::logic_error.
   ///@{
   virtual void put_rows_of(unsigned rank, partition::MessageWriter& message) const = 0;
   virtual void get_rows_of(unsigned rank, partition::MessageReader& message) = 0;
@@ -102,14 +107,21 @@ class RankRows {
   /// times: if the ranks take unequal times, the time that each rank took for its own rows in the last ticks,
   /// one per rank, in any unit, the same on all ranks; otherwise empty
   virtual bool prepare_motions(std::span<const std::uint64_t> times) = 0;
-  /// Applies the effects of all ranks, in their order. `apply` applies one. See Replica::apply_effects().
+  /// Called after bodies have moved: applies the effects of all ranks, in their order. `apply` applies one
+  /// effect. In a replicated world, every rank applies all effects; in a distributed world, one rank applies
+  /// each effect.
   virtual void apply_effects(std::span<const Effect> effects,
                              const std::function<void(const Effect&)>& apply) = 0;
 
   // ---- Births: see the functions of Replica with these names
+  /// Whether this rank tests whether places at a point (m, world frame) are free for a newborn body.
   virtual bool tests_places_at(const Vec2& point) const = 0;
+  /// Returns the lowest value of `own` on any rank. own: the first trial whose place this rank has found
+  /// free; `trials`, the number of trials, if there is none
   virtual std::uint32_t lowest_trial(std::uint32_t own, std::uint32_t trials) = 0;
+  /// Calls work(). In a distributed world, end_attempts() throws the exception of `work` instead.
   virtual void attempt(const std::function<void()>& work) = 0;
+  /// Throws, on all ranks, the exception of the first work() of attempt() that failed on any rank.
   virtual void end_attempts() = 0;
 
   // ---- Verification (ReplicaOptions::verify)

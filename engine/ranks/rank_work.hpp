@@ -5,8 +5,9 @@
 namespace troupe::engine {
 
 /// The work that a rank (one of the threads or processes that compute a world together) has done in one tick,
-/// for the bodies whose rows in the state tables it owns (engine/ranks/replica.hpp). The times are 0 if the
-/// transport between the ranks has no clock (partition/transport.hpp).
+/// for the bodies whose rows in the state tables it owns. In each tick (time step), sensors run in the phase
+/// sense, drives and devices in the phase actuate, and controllers in the phase decide. The times are 0 if
+/// the transport between the ranks has no clock (partition/transport.hpp).
 struct RankWork {
   std::uint64_t rows = 0;  ///< number of bodies whose rows the rank owned
   double sense_s = 0;      ///< time of the phase sense, s
@@ -14,8 +15,8 @@ struct RankWork {
   double decide_s = 0;     ///< time of the phase decide, s
 };
 
-/// What a rank has counted since its replica of the world was made; the last two members count since the
-/// ranks were connected. For a mean per tick, divide a sum over the ticks by `ticks`.
+/// What a rank has counted since its replica (its copy of the world) was made; the last two members count
+/// since the ranks were connected. For a mean per tick, divide a sum over the ticks by `ticks`.
 struct RankCounts {
   std::uint64_t ticks = 0;          ///< number of ticks
   std::uint64_t own = 0;            ///< rows that the rank owned, summed over the ticks

@@ -5,8 +5,8 @@
 
 namespace troupe::engine {
 
-/// Appends a record, together with the types of its values, to a message between ranks (threads or processes
-/// that compute a world together).
+/// Appends a record (a list of values, such as the parameters of a device), together with the types of its
+/// values, to a message between ranks (threads or processes that compute a world together).
 void put_record(partition::MessageWriter& message, const Record& record);
 /// Reads a record that put_record() appended, and returns it. Throws std::logic_error if the message ends
 /// before the record does.

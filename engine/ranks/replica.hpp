@@ -33,19 +33,22 @@ class World;
 
 /// Options of a Replica. No option changes the results of a run.
 struct ReplicaOptions {
-  /// For tests. If set, rows get random owners during the run. The random numbers follow from this seed.
+  /// For tests. If set, rows get random owners (ranks that compute them) during the run. The random numbers
+  /// follow from this seed.
   std::optional<std::uint64_t> cut_seed;
   /// True: hashes() also compares the table rows that must be equal on several ranks (RankRows::sums()), and
   /// throws std::logic_error if they differ.
   bool verify = false;
-  /// True: the program may keep references to rows across steps. After the first time that the program reads
-  /// the state, rank 0 gathers all rows after each tick. After the first time that the program changes the
-  /// state, rank 0 sends the whole state to the other ranks before each tick.
+  /// True: the program may keep references to rows of rank 0 across steps. After the first time that the
+  /// program reads the state, rank 0 gathers all rows after each tick. After the first time that the program
+  /// changes the state, rank 0 sends the whole state to the other ranks before each tick.
   bool keeps_references = false;
-  /// True: the rows are distributed among the ranks (class Halo). The world must allow that
-  /// (why_replicated()). False: every rank has all rows.
+  /// True: the rows are distributed among the ranks (class Halo): each rank has only its own rows and copies
+  /// of rows near them. why_replicated() must then return an empty text. False: the world is replicated, that
+  /// is, every rank has all rows.
   bool is_distributed = false;
-  /// The skin of a distributed world, m (class Halo); not set: Halo chooses it.
+  /// The skin of a distributed world, m: a margin with which copies of rows remain sufficient for several
+  /// ticks (class Halo). Not set: Halo chooses it.
   std::optional<double> skin_m = std::nullopt;
   /// On ranks other than 0: returns how often a user has requested a checkpoint from this process, by the
   /// signal SIGUSR1. Null: never.
@@ -53,13 +56,20 @@ struct ReplicaOptions {
 };
 
 /// One of several replicas of a world, each of which belongs to one *rank*: a thread or process
-/// (docs/architecture.md). Each rank senses, actuates and decides for its own rows. In each tick, the ranks
-/// exchange the data that other ranks need for the phases move and index. How the rows are divided among the
-/// ranks, and therefore which data they exchange, depends on the form of the world: see ReplicatedRows and
-/// DistributedRows. Results do not depend on the form, the number of ranks, or which rows a rank owns.
+/// (docs/architecture.md). A row is the data of one body in the state tables. Each rank senses, actuates and
+/// decides for the rows that it owns. In each tick (time step), the ranks exchange the data that other ranks
+/// need for the phases move and index, in which bodies move and the spatial index is rebuilt. In a
+/// *replicated* world, every rank has all rows; in a *distributed* world, a rank has only its own rows and
+/// copies of rows near them. How the rows are divided among the ranks, and therefore which data they
+/// exchange, depends on the form of the world: see ReplicatedRows and DistributedRows. Results do not depend
+/// on the form, the number of ranks, or which rows a rank owns.
 ///
-/// Rank 0 leads: the program calls its World. The Replica of rank 0 orders the other ranks to do the same,
-/// and returns hashes and tables as if there were one world. The other ranks call follow() for each order.
+/// An intervention is a change of the world at a given time, a fault a random failure of a robot, and an
+/// effect an action of a device on another body. A StepError is the exception with which a step fails.
+///
+/// Rank 0 leads: the program calls the World of rank 0. The Replica of rank 0 orders the other ranks to do
+/// the same, and returns hashes and tables as if there were one world. The other ranks call follow() for each
+/// order.
 class Replica {
  public:
   /// Makes `world` a replica. All ranks construct their replicas at the same point of the program, with equal
@@ -87,9 +97,10 @@ class Replica {
   /// How often users have requested a checkpoint from the other ranks (ReplicaOptions::requests).
   std::uint64_t requests() const;
 
-  /// Obeys an order of rank 0: one from Order::step to Order::counts, or Order::failed, which is ignored.
-  /// Throws std::logic_error for any other order. A StepError of Order::step is not thrown here, because rank
-  /// 0 reports it. message: the rest of the message, after its head (begin_message())
+  /// Carries out an order of rank 0, on another rank. `order` is one from Order::step to Order::counts, or
+  /// Order::failed, which is ignored. Throws std::logic_error for any other order. If the tick fails with a
+  /// StepError, this function does not throw it, because rank 0 reports it. message: the rest of the message,
+  /// after its head (begin_message())
   void follow(Order order, partition::MessageReader message);
 
   // ---- Called by World
@@ -120,12 +131,13 @@ class Replica {
   /// world, the rank that owns the source of an effect applies it (class SharedEffects); in a replicated
   /// world, every rank applies all effects. `apply` applies one effect.
   void apply_effects(std::span<const Effect> effects, const std::function<void(const Effect&)>& apply);
-  /// For births, which every rank computes for the same requests in the same order: whether this rank tests
-  /// whether places at a point (m, world frame) are free. In a tick of a distributed world, only the rank
-  /// that owns the ground at the point does so. In a replicated world and between two ticks, every rank that
-  /// computes the birth does so.
+  /// For births, which every rank computes for the same requests in the same order. A birth tries several
+  /// places (its trials) until one is free. Returns whether this rank tests places at a point (m, world
+  /// frame). In a tick of a distributed world, only the rank that owns the ground at the point tests them. In
+  /// a replicated world and between two ticks, every rank that computes the birth tests them.
   bool tests_places_at(const Vec2& point) const;
-  /// For a birth: returns the lowest trial of all ranks. Every rank must call this for the same birth.
+  /// For a birth: returns the lowest value of `own` on any rank. Every rank must call this for the same
+  /// birth.
   ///
   /// own: the first trial whose place this rank has found free; `trials` if there is none
   /// trials: number of trials
@@ -149,18 +161,18 @@ class Replica {
   /// Returns those rows of `order` that this rank owns, in that order. Valid until the next call.
   std::span<const std::uint32_t> own_of(std::span<const std::uint32_t> order);
 
-  void gather();              ///< implements World::gather()
+  void gather();              ///< implements World::gather(): fetches missing rows to rank 0
   void gather_distributed();  ///< implements World::gather_distributed()
-  void touch();               ///< called before the program changes the state: World::touch()
-  void replace();             ///< called before the program replaces the whole state
+  void touch();               ///< called before the program changes the state
+  void replace();             ///< called before the program replaces the whole state, as restore() does
   void reset();  ///< called by World::reset(): on rank 0, orders the other ranks to reset their worlds
   /// Called by World::restart(): on rank 0, orders the other ranks to restart their worlds.
   void restart(std::uint64_t seed, std::span<const BodySpec> bodies);
   /// Called by World::set() after the change: on rank 0, orders the other ranks to make the same change.
   void set(const SettingSpec& setting);
-  /// The hashes of the state: each rank computes the hashes of its own rows, and rank 0 adds them up.
-  /// std::nullopt on ranks other than 0, and if the tables of rank 0 are complete, so that its world can
-  /// compute the hashes alone, unless ReplicaOptions::verify needs the other ranks.
+  /// Returns the hashes of the state: each rank computes the hashes of its own rows, and rank 0 adds them up.
+  /// Returns std::nullopt on ranks other than 0. Also returns std::nullopt if the tables of rank 0 are
+  /// complete, because its world can then compute the hashes alone, unless ReplicaOptions::verify is set.
   std::optional<Hashes> hashes();
 
  private:
@@ -173,7 +185,7 @@ class Replica {
   /// Thrown if another rank fails while this rank waits for its message in a tick.
   struct OtherFailed {};
 
-  /// Makes a world compute all rows itself again.
+  /// Disconnects a world from its Replica, so that the world computes all rows itself again.
   struct Leave {
     void operator()(World* world) const;
   };

@@ -12,21 +12,23 @@
 
 namespace troupe::engine {
 
-/// A division of the rows into one range per rank: rank r owns the rows from cut[r] up to, but not including,
-/// cut[r + 1].
+/// A division of the rows (indices of bodies in the state tables) into one range per rank (thread or
+/// process): rank r owns the rows from cut[r] up to, but not including, cut[r + 1].
 using Cut = std::vector<std::uint32_t>;
 /// Returns a cut with which all ranks would take about the same time, on the assumption that all rows of a
 /// rank took equally long. Returns `cut` if all times are 0. times: the time that each rank took with `cut`,
 /// one per rank, in any unit
 Cut balanced_cut(const Cut& cut, std::span<const std::uint64_t> times);
 
-/// The *replicated* form of a world that several ranks compute: every rank has all rows and computes the
-/// phases move and index for all of them. Each rank owns the rows of one range of a Cut. In each tick, it
-/// sends three things to all other ranks: those data of its rows that they may read (Sharing::sent), the
-/// effects that its devices have emitted, and the poses to which its devices move joints.
+/// The *replicated* form of a world that several ranks compute: every rank has all rows. For the rows that it
+/// owns, it runs sensors, devices and controllers. For all rows, it computes the motions and the spatial
+/// index (the phases move and index of a tick, which is a time step). Each rank owns the rows of one range of
+/// a Cut. In each tick, a rank sends three things to all other ranks: those data of its rows that they may
+/// read (Sharing::sent), the effects (actions on other bodies) that its devices have emitted, and the poses
+/// to which its devices move joints.
 class ReplicatedRows final : public RankRows {
  public:
-  /// sharing: sharing_of(world); it and the world must outlive this object
+  /// sharing: the result of sharing_of(world); this list and the world must outlive this object
   /// cut_seed: for tests; if set, each tick makes a new random cut before bodies move
   ReplicatedRows(World& world, const ReplicaParts& parts, std::span<const Sharing> sharing, RankPost post,
                  std::optional<std::uint64_t> cut_seed);

@@ -263,8 +263,8 @@ void SharedEffects::apply_in_turns(std::span<const Effect> effects,
 void SharedEffects::bring_tree(const Affected& body, unsigned to) {
   if (body.is_alone) return bring(*find(body.body), to);
   const auto root_of = [&](std::uint32_t i) { return affected_[i].root.value; };
-  for (const std::uint32_t i : std::ranges::equal_range(by_root_, body.root.value, {}, root_of))
-    bring(affected_[i], to);
+  const auto first = std::ranges::lower_bound(by_root_, body.root.value, {}, root_of);
+  for (auto i = first; i != by_root_.end() && root_of(*i) == body.root.value; ++i) bring(affected_[*i], to);
 }
 
 /// Makes `to` the rank that has the present state of a body (Affected::last). If another rank has it so far,

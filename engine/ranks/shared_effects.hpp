@@ -18,12 +18,16 @@
 
 namespace troupe::engine {
 
-/// The effects of a tick (actions of devices on other bodies) in a world whose rows are distributed among
-/// ranks (class Halo). All effects of a tick are applied in one order, and each effect sees the results of
-/// the earlier effects. The ranks therefore take turns: the rank that owns the source of an effect applies
-/// this effect. If the last change of a body in the trees (class Links) of the source and the target was made
-/// on another rank, that rank sends the state of the body first. At the end the owners get the states of
-/// their bodies, and the other ranks those of their ghosts.
+/// The effects of a tick, which is a time step, in a world whose rows are distributed among ranks. An effect
+/// is an action of a device on another body. Its source is the body of the device, and its target the other
+/// body. Ranks are threads or processes that compute a world together. A row is the data of one body in the
+/// state tables. A rank has the rows that it owns and *ghosts*, copies of rows of other ranks (class Halo). A
+/// *tree* is a body that is not carried (the root) with all bodies that it carries, directly or through
+/// others. All effects of a tick are applied in one order, and each effect sees the results of the earlier
+/// effects. The ranks therefore take turns: the rank that owns the source of an effect applies this effect.
+/// If the last change of a body in the trees of the source and the target was made on another rank, that rank
+/// sends the state of the body first. At the end the owners get the states of their bodies, and the other
+/// ranks those of their ghosts.
 ///
 /// Devices that can carry bodies (DeviceKind::carries) may attach bodies to others and release them. Such an
 /// effect needs all changes that earlier effects of the tick have made to the trees of its source and its
@@ -40,7 +44,8 @@ namespace troupe::engine {
 /// The rank that owns the source of an effect must have the row of the target. If the target is within the
 /// reach of the device, the rank has it, as own row or ghost. A device of the scope ApplyScope::any_target
 /// can act on bodies farther away. Its targets become guests of the rank (Halo::Guest): if a rank lacks the
-/// row of one, the ranks distribute the rows before any body moves.
+/// row of such a target, the ranks distribute the rows again before any body moves, and the rank then gets a
+/// copy.
 ///
 /// All ranks know all effects of the tick, and which rank owns each source and target. They therefore agree
 /// on all messages without asking. Worlds with devices that can change any bodies (ApplyScope::anything) are
@@ -51,9 +56,10 @@ class SharedEffects {
   SharedEffects(World& world, Halo& halo, Effects& effects, RankPost post)
       : world_(world), halo_(halo), effects_(effects), post_(std::move(post)) {}
 
-  /// Called after the phase decide, on all ranks: notes the effects that devices on this rank have emitted.
-  /// Throws StepError if a target is not on this rank, and therefore beyond the reach that the device
-  /// declares, unless the scope of the device is ApplyScope::any_target.
+  /// Called on all ranks after the controllers have decided (the phase decide): notes the effects that
+  /// devices on this rank have emitted. Throws StepError if this rank lacks the row of a target, unless the
+  /// scope of the device is ApplyScope::any_target. Such a target is beyond the reach that the device
+  /// declares.
   void note();
   /// Appends the noted effects.
   void put(partition::MessageWriter& message) const;
@@ -63,11 +69,12 @@ class SharedEffects {
   /// are not on the rank of their source. Returns whether there are such targets, so that the rows must be
   /// distributed.
   bool find_targets();
-  /// The targets of the effects of devices that can act from any distance. The same on all ranks; valid after
-  /// find_targets().
+  /// The targets of the effects of devices that can act from any distance. The list is the same on all ranks,
+  /// and valid after find_targets().
   std::span<const Halo::Guest> guests() const { return guests_; }
-  /// Called after find_targets() and before any body moves, when no row will change its owner before apply():
-  /// notes which rank owns each affected body. is_new: whether the rows were distributed since note()
+  /// Called after find_targets() and before any body moves: notes which rank owns each affected body. After
+  /// this call, no row may change its owner before apply(). is_new: whether the rows were distributed since
+  /// note()
   void begin(bool is_new);
   /// Applies `effects`, those of all ranks in their order, except births and deaths; `apply` applies one of
   /// them. Throws on all ranks if `apply` throws on any rank: StepError, or the exception itself on the rank

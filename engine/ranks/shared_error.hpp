@@ -10,10 +10,12 @@
 
 namespace troupe::engine {
 
-/// The error of a sequence of steps, such as the effects of a tick, that ranks carry out in turn, or each for
-/// its own rows. A rank cannot end the sequence when one of its steps throws, because the other ranks wait
-/// for its messages. Instead, the rank leaves out its steps with higher numbers, and at the end of the
-/// sequence all ranks throw the error of the first step that failed.
+/// The error of a sequence of steps that several ranks (threads or processes that compute a world together)
+/// carry out in turn, or each for its own bodies. An example: applying the effects of a tick (actions of
+/// devices on other bodies in a time step). Each step has a number. A rank cannot end the sequence when one
+/// of its steps throws, because the other ranks wait for its messages. Instead, the rank leaves out its steps
+/// with higher numbers, and at the end of the sequence all ranks throw the error of the first step that
+/// failed.
 class SharedError {
  public:
   /// Calls step(), unless a step with a lower number has failed on this rank. Catches any std::exception.

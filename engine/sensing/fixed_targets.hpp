@@ -10,7 +10,7 @@
 namespace troupe::engine {
 
 /// A spatial index of those parts of static bodies that fiducial finders detect, by the positions of the
-/// parts' origins.
+/// parts' origins. A fiducial finder is a sensor that detects marked parts of bodies.
 class FixedTargets {
  public:
   /// A part that fiducial finders detect (Returns::fiducial is not 0).
@@ -21,8 +21,8 @@ class FixedTargets {
   };
 
   FixedTargets() = default;  ///< an index without targets
-  /// Collects the targets of all bodies of the spec for which is_fixed(body) is true, at their poses at tick
-  /// 0. Does not keep references to its arguments.
+  /// Collects the targets of all bodies of `spec` (the description of a world) for which is_fixed(body) is
+  /// true, at their poses at the beginning of a run. Does not keep references to its arguments.
   FixedTargets(const WorldSpec& spec, const std::function<bool(BodyId)>& is_fixed);
 
   /// Calls visit(const Target&) for all targets whose origin lies in the box or on its edge (world frame, m),

@@ -31,10 +31,10 @@ struct SpatialLine {
 };
 
 /// Finds the walls (outlines of the static scene) and bodies that straight lines from one point, the origin,
-/// cross. A line crosses an outline if it crosses an edge of the outline between the two ends of the line,
-/// at a height within the height interval of the outline. A vertical line crosses nothing. Outlines that
-/// rangers do not see are ignored. Not thread-safe. Keep one object per thread and reuse it: its arrays keep
-/// their memory.
+/// cross. A line crosses an outline if it crosses an edge of the outline between the two ends of the line, at
+/// a height within the height interval of the outline. A vertical line crosses nothing. Outlines that rangers
+/// (distance sensors) do not see are ignored. Not thread-safe. Keep one object per thread and reuse it: its
+/// arrays keep their memory.
 class LineCrossings {
  public:
   /// A horizontal length, m, which affects only the computing time. If `longest` in find_walls() or

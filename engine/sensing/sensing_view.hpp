@@ -30,10 +30,10 @@ inline constexpr Row k_elsewhere{std::size_t{0xfffffffe}};
 
 /// The number of the present tick, and counts of certain rows, so that loops can skip work when a count is 0.
 struct TickCounts {
-  /// Number of completed ticks. Within a step, from the phase `sense` (engine/world/phase.hpp) on: number of
-  /// the tick that the step computes.
+  /// Number of completed ticks (time steps). Within a step, from the phase `sense` (engine/world/phase.hpp)
+  /// on: number of the tick that the step computes.
   std::uint64_t tick = 0;
-  std::size_t absent = 0;    ///< rows whose bodies are unborn or dead
+  std::size_t absent = 0;    ///< rows whose bodies are unborn (not yet in the world) or dead
   std::size_t impaired = 0;  ///< rows whose bodies are disabled or have a fault
   std::size_t carried = 0;   ///< rows whose bodies are carried
 };
@@ -43,14 +43,16 @@ struct TickCounts {
 /// controllers of the row's own body, read them. The state table of a device is public if another kind reads
 /// it (DeviceKind::reads), as light sensors read the state of lights.
 ///
-/// A row is the index of a body in the state tables; static bodies have none. The spans have one element per
-/// row unless stated otherwise, and stay valid until the number of rows changes (World::remove_rows(),
-/// World::add_rows()).
+/// A row is the index of a body in the state tables; static bodies, which do not move during a run, have
+/// none. A device is a sensor or other equipment of a body, and its kind is the table of functions that
+/// implements it. A joint is a movable mount for parts of a body; it is at rest in the pose that the body
+/// type defines. The spans have one element per row unless stated otherwise, and stay valid until the number
+/// of rows changes (World::remove_rows(), World::add_rows()).
 struct PublicColumns {
   // Constants.
   const WorldSpec* spec = nullptr;                    ///< the spec of the world
   const partition::StaticScene* scene = nullptr;      ///< geometry of the static bodies
-  const FixedTargets* fixed_targets = nullptr;        ///< parts of static bodies that fiducial finders detect
+  const FixedTargets* fixed_targets = nullptr;        ///< marked parts of static bodies: fixed_targets()
   const partition::GridGeometry* geometry = nullptr;  ///< cells and tiles of `index`
   std::span<const BodyType> types;                    ///< compiled types, indexed by TypeId
   std::span<const BodyId> bodies;                     ///< body of each row
@@ -73,8 +75,8 @@ struct PublicColumns {
   /// its present place, both in the body frame.
   std::span<const Mount> joint_mounts;
   /// One entry per row: the row of the body that carries the row's body, directly or through others, and is
-  /// not carried itself; the row itself if its body is not carried. Empty: no body of the world has joints or
-  /// can carry another.
+  /// not carried itself; the row itself if its body is not carried. Empty if no body of the world has joints
+  /// or can carry another.
   std::span<const std::uint32_t> roots;
   std::span<const Carried> carriers;  ///< state table `carrier`; empty: no body can carry another
   std::span<const Life> lives;        ///< state table `life`; empty: no births and deaths
@@ -82,7 +84,8 @@ struct PublicColumns {
   // What the bodies do and show: committed at the end of a tick, but written again in `actuate` or `decide`.
   std::span<const Velocity> velocities;  ///< velocities of the drives, body frame, m/s and rad/s
   std::span<const Command> commands;     ///< commands to the drives
-  /// State table `condition`: faults and disabled bodies; empty: World::has_conditions() is false.
+  /// State table `condition`: faults and disabled bodies; empty: the world can have neither
+  /// (World::has_conditions() is false).
   std::span<const Condition> conditions;
   std::span<const StateTable> tables;  ///< all state tables, with states of and commands to devices
   /// 1 if World::subscribe() was called for the body, so that all its sensors run; otherwise 0.
@@ -91,13 +94,13 @@ struct PublicColumns {
   const TickCounts* now = nullptr;  ///< the tick, and counts of rows
 };
 
-/// What a device reads of the world in the phases `sense` and `actuate` of a tick (engine/world/phase.hpp):
-/// the constants, and where all bodies are before they move in this tick. The functions only read memory.
-/// They make no virtual calls and allocate nothing.
+/// What a device reads of the world in the phases `sense` (sensors run) and `actuate` (drives and other
+/// devices run) of a tick: the constants, and where all bodies are before they move in this tick. The
+/// functions only read memory. They make no virtual calls and allocate nothing.
 ///
 /// This class does not give access to the velocities, commands and device states of other bodies, because
 /// these change during `actuate`. In `sense`, CommittedView gives access to them. For the device's own body,
-/// DeviceBatch has functions that return them.
+/// DeviceBatch, an argument of the functions of a device, has functions that return them.
 class SensingView {
  public:
   SensingView() = default;  ///< a view without a world; no function may be called
@@ -107,7 +110,7 @@ class SensingView {
   const WorldSpec& spec() const { return *columns_.spec; }            ///< the spec of the world
   std::span<const BodyType> types() const { return columns_.types; }  ///< compiled types, indexed by TypeId
   const partition::StaticScene& scene() const { return *columns_.scene; }  ///< geometry of the static bodies
-  /// Spatial index of the parts of static bodies that fiducial finders detect.
+  /// Spatial index of the parts of static bodies that fiducial finders (sensors for marked parts) detect.
   const FixedTargets& fixed_targets() const { return *columns_.fixed_targets; }
   /// Sizes of the cells and tiles of the spatial index. No result depends on them.
   const partition::GridGeometry& geometry() const { return *columns_.geometry; }
@@ -137,7 +140,7 @@ class SensingView {
   /// of completed ticks.
   std::uint64_t tick() const { return columns_.now->tick; }
   double tick_s() const { return columns_.spec->tick_s; }  ///< length of a tick, s
-  /// World time, s: tick() * tick_s(). In the phases in which devices run, it is the time at the end of the
+  /// World time, s: tick() * tick_s(). In the phases in which devices run, this is the time at the end of the
   /// present tick.
   double time_s() const { return static_cast<double>(tick()) * tick_s(); }
   /// Number of ticks that were completed when the body was born; 0 if it was present at tick 0 or is unborn.
@@ -152,7 +155,7 @@ class SensingView {
   /// Cells through which the grid ray engine traces rays (RangingEngine::grid). Null if the world uses the
   /// exact ray engine.
   const partition::RayGrid* ray_grid() const { return columns_.ray_grid; }
-  /// Whether the row's body is in the world, unborn or dead.
+  /// Whether the row's body is in the world, unborn (not yet in the world) or dead.
   Presence presence(Row row) const {
     return columns_.lives.empty() ? Presence::there
                                   : static_cast<Presence>(columns_.lives[row.index()].presence);
@@ -247,9 +250,9 @@ class SensingView {
 };
 
 /// A SensingView that also gives access to the velocities, commands and device states of all bodies. Devices
-/// receive it in the phase `sense` (SenseBatch), when these data are those of the end of the last tick.
-/// Functions that run between two phases get it from World::view(). In the phase `sense`, a device must not
-/// read the state of sensors, because other threads are writing it.
+/// receive it in the phase `sense` (SenseBatch). In that phase, the data are those of the end of the last
+/// tick, as changed by interventions. Functions that run between two phases get the view from World::view().
+/// In the phase `sense`, a device must not read the state of sensors, because other threads are writing it.
 class CommittedView : public SensingView {
  public:
   using SensingView::SensingView;

@@ -9,8 +9,10 @@
 
 namespace troupe::engine {
 
-/// An outline of any body, or a section of such an outline, in the world frame, m. It has an edge from each
-/// vertex to the next and, if it is closed, an edge from the last vertex to the first.
+/// A chain: an outline of any body, or a section of such an outline, in the world frame, m. The chain has an
+/// edge from each vertex to the next and, if it is closed, an edge from the last vertex to the first. A body
+/// consists of parts, and a part of solids, which have outlines. A ranger is a sensor that measures distances
+/// along rays.
 struct OutlineChain {
   std::span<const Vec2> vertices;  ///< vertices along the outline; valid until the next step
   bool closed = false;             ///< true: a whole closed outline; false: a section of one
@@ -56,8 +58,8 @@ void for_each_fixed_chain(const SensingView& view, const Box& box, Wanted&& want
   }
 }
 
-/// Calls visit(chain) for each outline of a row's body, including those that rangers do not see. The body
-/// must be in the world.
+/// Calls visit(chain) for each outline of a row's body, including those that rangers do not see. A row is the
+/// index of a body in the state tables. The body must be in the world.
 template <class Visit>
 void for_each_chain_of(const SensingView& view, Row row, Visit&& visit) {
   const std::span<const Vec2> vertices = view.outline(row);

@@ -15,22 +15,26 @@ struct SightLine {
   /// Length, m; surfaces at this distance or farther are not hit. At most the argument `reach` of
   /// VisibilityQuery::stand().
   double length = 0;
-  Row target;  ///< a body that the ray passes through, as in SightRay
+  /// Row of a body that the ray passes through, with the bodies that move together with it. Not valid():
+  /// there is no such body.
+  Row target;
 };
 
-/// Casts many horizontal rays from one origin. The results equal those of engine::first_met(), with
-/// SightRay::stops null, bit for bit. engine::first_met() searches the spatial index along each ray. This
-/// class looks up the bodies near the origin only once for all rays. It then tests each ray against the
-/// enclosing circles of these bodies, and intersects it with the outlines of the remaining candidates from
-/// near to far. Call stand() before all other functions. Not thread-safe. Keep one object per thread and
-/// reuse it: its arrays keep their memory.
+/// Casts many horizontal rays from one origin. The results equal, bit for bit, those of engine::first_met()
+/// for rays that every part of a body stops (SightRay::stops is null). engine::first_met() searches the
+/// spatial index along each ray. This class looks up the bodies near the origin only once for all rays. It
+/// then tests each ray against the enclosing circles of these bodies, and intersects it with the outlines of
+/// the remaining candidates from near to far. Call stand() before all other functions. Not thread-safe. Keep
+/// one object per thread and reuse it: its arrays keep their memory.
 class VisibilityQuery {
  public:
   /// Sets the origin (world frame, m) and looks up the bodies near it. Until the last ray is cast, the view
   /// must exist and the world must not change.
   ///
   /// reach: the largest ray length, m
-  /// own, z: as in SightRay; they hold for all rays
+  /// own: row of the sensor's body, which all rays pass through, together with the bodies that move with it;
+  /// not valid(): the rays pass through no body
+  /// z: height of all rays, world frame, m; not set: the rays hit surfaces at any height
   void stand(const SensingView& view, const Vec2& origin, double reach, Row own, std::optional<double> z);
 
   /// Rows (indices in the state tables) of the bodies whose enclosing circles reach into the disc with the

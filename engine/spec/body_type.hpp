@@ -19,26 +19,29 @@ struct RayOutline {
   std::uint32_t first = 0;  ///< index of its first vertex in BodyType::outline_vertices
   std::uint32_t count = 0;  ///< number of its vertices
   ZInterval z;              ///< height interval at rest, body frame, m
-  /// Intensity that rangers read (Returns::ranger); below 0: beams of rangers pass through the outline.
+  /// Intensity that rangers (range sensors) read, from Returns::ranger of the part; below 0: beams of rangers
+  /// pass through the outline.
   float ranger_return = 1;
-  std::uint32_t part = 0;  ///< part that it belongs to: index into TypeSpec::parts
-  /// Number of its solid, unique in the type. All outlines of a solid together bound one region (even-odd
-  /// rule): an outline inside another is a hole.
+  std::uint32_t part = 0;  ///< part of the body that the outline belongs to: index into TypeSpec::parts
+  /// Number of the solid that the outline belongs to, unique in the type. All outlines of a solid together
+  /// bound one region (even-odd rule): an outline inside another is a hole.
   std::uint32_t solid = 0;
   std::int32_t joint = k_rigid;  ///< joint that it is mounted on: index into BodyType::joints; k_rigid: none
 };
 
-/// A compiled TypeSpec: the data that bodies of one type share. It is constant during a run, except for
-/// parameters that an intervention changes (SettingSpec).
+/// A compiled TypeSpec (the description of a body type in the world file): the data that bodies of one type
+/// share. It is constant during a run, except for parameters that an intervention changes (SettingSpec).
 ///
 /// A *part* is a rigid piece of a body, and consists of *solids*. A *device* is a sensor or an actuator on a
-/// part. A *kind* is the implementation of a device, a drive or a controller (engine/kinds/kinds.hpp). Time
-/// advances in *ticks*, steps of equal length. "At rest" means that every joint is in its rest pose.
-/// make_body_type() leaves the indices of state tables unset; World sets them if the type has bodies.
+/// part. A *kind* is the implementation of a device, a drive or a controller: a table of functions, called
+/// hooks (engine/kinds/kinds.hpp). The registry is the list of all kinds. Time advances in *ticks*, steps of
+/// equal length. "At rest" means that every joint is in its rest pose. The state of a world is stored in
+/// state tables, one per component of the state. make_body_type() leaves the indices of state tables unset;
+/// World sets them if the type has bodies.
 struct BodyType {
   std::string name;  ///< name of the type (TypeSpec::name)
   /// Obstacle shape at rest, body frame. Empty if no part is an obstacle, and for types whose bodies are
-  /// static (runs() is false): static obstacles are part of World::scene().
+  /// static (runs() is false). The obstacles of static bodies are in World::scene(), the static scene.
   partition::ObstacleShape obstacle;
   /// For each piece of `obstacle`, the index in `joints` of the joint that it is mounted on, or k_rigid.
   /// Empty if the type has no joints.
@@ -53,11 +56,12 @@ struct BodyType {
   std::vector<RayOutline> outlines;
   std::vector<RayOutline> hidden_outlines;  ///< outlines that rangers do not see, but other sensors do
   /// Radius of the circle about the body's origin that encloses, at rest, every outline and the origins of
-  /// all parts that fiducial finders detect, m.
+  /// all parts that fiducial finders (sensors of markers) detect, m.
   double radius = 0;
-  /// Upper bound on the distance by which shifts of joints can extend `radius`, m: the sum of
-  /// DeviceKind::Prepared::joint_reach_m of all devices. Turns of joints do not count, nor do joints that are
-  /// moved by drive devices (DeviceKind::drives), because their motion is unlimited.
+  /// Upper bound on the distance by which shifts of joints can extend `radius`, m: the sum, over all devices,
+  /// of the largest shift of their joints (DeviceKind::Prepared::joint_reach_m). Turns of joints do not
+  /// count. Joints that drive devices move (DeviceKind::drives) do not count either, because they declare no
+  /// largest shift.
   double joint_reach = 0;
   std::vector<std::uint32_t> targets;  ///< indices of the parts that fiducial finders detect; ascending
 
@@ -67,22 +71,22 @@ struct BodyType {
     std::int32_t parent;    ///< index in `joints` of its parent joint, which precedes it; k_rigid: none
     Mount at_rest;          ///< frame of the joint at rest, in the body frame
     Mount to_body;          ///< inverse of `at_rest`: the body frame, in the frame of the joint at rest
-    std::size_t table = 0;  ///< state table of the poses of the joint: index into World::tables()
+    std::size_t table = 0;  ///< state table with the poses of the joint: index into World::tables()
   };
   std::vector<Joint> joints;  ///< joints of the type, in the order of TypeSpec::joints
 
   /// The drive of the type, compiled from its DriveSpec.
   struct Drive {
     const DriveKind* kind;      ///< kind of the drive; the registry owns it
-    std::any data;              ///< result of DriveKind::prepare
+    std::any data;              ///< the compiled parameters: result of DriveKind::prepare
     std::uint64_t period;       ///< ticks from one run of the drive to the next
     Localization localization;  ///< how the robots of the type estimate their poses
     /// State table of the odometry estimates: index into World::tables(). Not set: the robots have no
     /// odometry.
     std::optional<std::size_t> odometry_table = std::nullopt;
-    /// Power supply of the drive: index into `devices`. Not set: the drive always has power.
+    /// Power supply of the drive: index into BodyType::devices. Not set: the drive always has power.
     std::optional<std::size_t> supply = std::nullopt;
-    /// Largest number of pushable bodies that it can push at once, 0 to k_most_pushed.
+    /// Largest number of pushable bodies that the robot can push at once, 0 to k_most_pushed.
     std::uint8_t pushes = 0;
   };
   std::optional<Drive> drive;  ///< none: bodies of the type do not move on their own
@@ -104,18 +108,20 @@ struct BodyType {
     /// Index in `joints` of the first of the joints that it moves, which follow one another; k_rigid: it
     /// moves none.
     std::int32_t moves;
-    std::uint32_t stream;  ///< its random stream: stream_id(kind->name, name)
-    /// Power supply of the device: index into `devices`. Not set: the device always has power.
+    /// Number of its random stream: stream_id(kind->name, name), a hash of the two names.
+    std::uint32_t stream;
+    /// Power supply of the device: index into BodyType::devices. Not set: the device always has power.
     std::optional<std::size_t> supply;
     /// State table of its percepts (its readings or other state): index into World::tables().
     std::size_t table = 0;
     /// State table of its commands: index into World::tables(). Not set: the device takes no commands.
     std::optional<std::size_t> command_table;
-    /// Its bit in Command::off, by which controllers switch it off. 0: no controller can switch it. Only the
-    /// first 32 devices of a type can have a bit.
+    /// Bit of the device in Command::off, by which controllers switch the device off. 0: no controller can
+    /// switch the device. Only the first 32 devices of a type can have a bit.
     std::uint32_t switch_bit = 0;
 
-    /// Whether it measures ranges: its first percept then holds one range per beam, m, as float32.
+    /// Whether the device measures ranges. The first field of its percepts then holds one range per beam, m,
+    /// as float.
     bool is_ranger() const { return !prepared.bearings.empty(); }
   };
   std::vector<Device> devices;  ///< sensors and other devices, in the order of TypeSpec::devices
@@ -131,12 +137,15 @@ struct BodyType {
     std::any data;               ///< result of prepare_controller(): ControllerKind::Prepared::data
     /// The devices that it uses, in the order in which its kind chose them: indices into BodyType::devices.
     std::vector<std::size_t> devices;
-    /// Ticks from one decision to the next: the period of the first of `devices`. Without devices, it is that
-    /// of the drive; without a drive, that of the ControllerSpec.
+    /// Ticks from one decision to the next: the period of the first of `devices`. If the controller uses no
+    /// device, it is the period of the body's drive. If there is no drive either, it is that of the
+    /// ControllerSpec.
     std::uint64_t period;
-    /// Random stream of the controller: stream_id() of the name of its kind and of its index in the type.
+    /// Number of the controller's random stream: stream_id(), a hash, of the name of its kind and of its
+    /// index in the type.
     std::uint32_t stream;
-    /// State table of its memories: index into World::tables(). Not set: the controller has no memory.
+    /// State table of its memories (one memory per body): index into World::tables(). Not set: the controller
+    /// has no memory.
     std::optional<std::size_t> table;
     /// The drive device (DeviceKind::drives) that it commands: index into BodyType::devices. Not set: it
     /// commands the drive of the body, if there is one.
@@ -148,7 +157,7 @@ struct BodyType {
   /// and commands to its devices, and the memories of its controllers.
   double row_bytes() const;
   /// Whether bodies of the type have a row in the state tables, in which World stores what changes during a
-  /// run. They have one if they have a drive, a device or a controller, or can be gripped or pushed. All
+  /// run. Bodies have a row if they have a drive, a device or a controller, or can be gripped or pushed. All
   /// other bodies are static.
   bool runs() const { return drive || !devices.empty() || !controllers.empty() || !grip.empty() || pushable; }
   /// Whether the obstacle shape of a body can change. It can if the body has joints or can carry other
@@ -165,31 +174,33 @@ struct BodyType {
 /// params: their values, in the order of the table
 double samples_asked_for(const FieldTable& table, const Record& params);
 
-/// Compiles a device: calls the hooks prepare, bind_part, bind_world and reach_m of its kind, in this order,
-/// and leaves out those that the kind lacks. `spec` is the type that has the device. The error says what is
-/// wrong with the device, or which exception its kind threw; no exception propagates. The parameters must be
-/// within the limits of the kind's table.
+/// Compiles a device of the type `spec`. Calls the hooks (functions) prepare, bind_part, bind_world and
+/// reach_m of its kind, in this order, and skips those that the kind lacks. The hooks compile the parameters,
+/// complete the result from the part and from the world, and compute the reach of the device. The error says
+/// what is wrong with the device, or which exception its kind threw; no exception propagates. The parameters
+/// must be within the limits of the kind's table (DeviceKind::params).
 Result<DeviceKind::Prepared> prepare_device(const DeviceKind& kind, const DeviceSpec& device,
                                             const WorldSpec& world, const TypeSpec& spec);
 
-/// Compiles a controller: calls the hooks prepare and bind_world of its kind. The kind chooses among the
-/// devices on the part of the controller and on the parts mounted on that part, directly or through other
-/// parts; drive devices (DeviceKind::drives) are not offered. In the result,
-/// ControllerKind::Prepared::devices are indices into BodyType::devices. The error says what the controller
+/// Compiles a controller. Calls the hooks (functions) prepare and bind_world of its kind, which compile the
+/// parameters and complete the result from the world. The kind chooses the devices that the controller uses.
+/// It chooses among the devices on the part of the controller and on the parts mounted on that part, directly
+/// or through other parts, except drive devices (DeviceKind::drives). In the result, the list
+/// ControllerKind::Prepared::devices has indices into BodyType::devices. The error says what the controller
 /// lacks, or which exception its kind threw; no exception propagates.
 ///
 /// spec, type: the type, and the same type with compiled devices
-/// claimed: one entry for each device of the type; true: reserved by an earlier controller. The function sets
-/// the entries of the devices that this controller reserves, possibly also before an error.
+/// claimed: one entry for each device of the type; true: an earlier controller has reserved the device. The
+/// function sets the entries of the devices that this controller reserves, possibly also before an error.
 Result<ControllerKind::Prepared> prepare_controller(const ControllerKind& kind,
                                                     const ControllerSpec& controller, const WorldSpec& world,
                                                     const TypeSpec& spec, const BodyType& type,
                                                     std::vector<bool>& claimed);
 
-/// Compiles a type of a world. Reports each error, such as an unknown kind or a controller without the
-/// sensors that it needs, to `diagnostics`, at the file position that the spec gives. After an error, the
-/// result is incomplete or invalid and must not be used: call Diagnostics::throw_if_errors(). The registry
-/// must outlive the result.
+/// Compiles a body type of a world. `registry` is the list of all kinds; it must outlive the result. Reports
+/// each error, such as an unknown kind or a controller without the sensors that it needs, to `diagnostics`,
+/// at the file position that the spec gives. After an error, the result is incomplete or invalid and must not
+/// be used: the caller calls Diagnostics::throw_if_errors(), which then throws.
 BodyType make_body_type(const TypeSpec& spec, const WorldSpec& world, const Registry& registry,
                         Diagnostics& diagnostics);
 

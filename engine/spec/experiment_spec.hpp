@@ -14,8 +14,11 @@
 
 namespace troupe::engine {
 
-// The experiment of a world file (docs/experiments.md): its stop conditions, interventions and faults. Time
-// advances in ticks, steps of equal length. A measure is a number that is computed from the state of a run.
+// The experiment of a world file (docs/experiments.md): its stop conditions, interventions (changes to the
+// running world) and faults. Time advances in ticks, steps of equal length; tick 0 is the initial state. A
+// measure is a number that is computed from the state of a run. A kind is the implementation of a sort of
+// measure, fault, device, drive or controller. A population is the set of bodies NAME0, NAME1, ... . Its
+// reserve consists of unborn bodies: they are not in the world at tick 0 and can be born later.
 
 /// How a measure is compared with a number.
 enum class Comparison : std::uint8_t {
@@ -28,7 +31,8 @@ enum class Comparison : std::uint8_t {
 };
 /// The operators in files, in the order of Comparison.
 inline constexpr std::array<std::string_view, 6> k_comparisons{"<", "<=", ">", ">=", "==", "!="};
-/// Whether `a COMPARISON b` is true. If a or b is NaN it is false, also for Comparison::unequal.
+/// Returns whether `a COMPARISON b` is true. If a or b is NaN, the result is false, also for
+/// Comparison::unequal.
 bool holds(double a, Comparison comparison, double b);
 
 /// A stop condition: a comparison of a measure, such as the covered area, with a number.
@@ -37,22 +41,24 @@ struct StopSpec {
   Comparison comparison = Comparison::below;  ///< operator of `measure COMPARISON value`
   double value = 0;                           ///< right operand, in the SI unit of the measure
 };
-/// The text of a condition: the name of its measure, the operator, and the number in its shortest decimal
-/// form. For a measure without a name of its own, the kind stands in place of the name (`coverage >= 0.9`),
-/// with the group if the measure has one (`stalls:leaders > 10`).
+/// Returns the text of a condition: the name of its measure (MeasureSpec::name), the operator, and the number
+/// in its shortest decimal form. If the name is empty, the text has the name of the measure's kind instead
+/// (`coverage >= 0.9`). If the measure is also limited to a group of robots (MeasureSpec::of), the name of
+/// the group follows (`stalls:leaders > 10`).
 std::string text_of(const StopSpec& condition);
 
 /// A group of bodies: a population, all bodies of a type, or one body. If `count` or `share` is set, the
 /// group is a random selection of these bodies; if both are set, the smaller of the two numbers of bodies is
 /// selected. An intervention selects when it is applied, among the bodies that it can change: bodies that are
 /// in the world and not yet in the requested condition. A fault selects among the bodies that are present at
-/// tick 0. Static bodies do not belong to any group. Building the world reports an error for a group without
-/// bodies, unless it is a type that the world declares and whose bodies would not be static: the intervention
-/// or fault then has no effect.
+/// tick 0. Static bodies (without drive, devices and controllers, and neither grippable nor pushable) do not
+/// belong to any group. A group without bodies is an error, reported when the world is built. The exception
+/// is a group that is a type of the world whose bodies would not be static: the intervention or fault then
+/// has no effect.
 struct GroupSpec {
   /// What `name` refers to.
   enum class By : std::uint8_t {
-    population,  ///< the name of a population: NAME for all bodies named NAME0, NAME1, ...
+    population,  ///< the name of a population: NAME for the bodies NAME0, NAME1, ...
     type,        ///< the name of a body type (TypeSpec::name)
     model,       ///< the name or alias of one body
   };
@@ -66,8 +72,8 @@ struct GroupSpec {
   std::optional<double> share;
 };
 
-/// New values for some parameters of the drive, of a device or of a controller of a type. The type must have
-/// that drive, device or controller.
+/// New values for some parameters of the drive, of a device or of a controller of a body type. The type must
+/// have that drive, device or controller.
 struct SettingSpec {
   /// The owner of the parameters.
   enum class Of : std::uint8_t {
@@ -83,31 +89,30 @@ struct SettingSpec {
   Record params;
 };
 
-/// Returns a copy of `params` in which the values that setting.params gives replace the old ones. `params`
-/// must have one value per field of the same table as setting.params.
+/// Returns a copy of `params` in which the values that setting.params gives replace the old ones. Both lists
+/// must have one value per field of the same table.
 Record changed(const Record& params, const SettingSpec& setting);
 
-/// An intervention of the world file: a change of the running world, applied between two ticks. It does not
-/// affect unborn and dead bodies, except that `add` spawns unborn ones.
+/// An intervention: a change of the running world that the world file lists, applied between two ticks. It
+/// does not affect unborn and dead bodies, except that `add` spawns unborn bodies.
 struct InterventionSpec {
   /// The kind of intervention.
   enum class Action : std::uint8_t {
     remove,   ///< removes the bodies of the group from the world for good
-    add,      ///< spawns bodies of the reserve (ReserveSpec) of a population
+    add,      ///< spawns bodies of the reserve of a population (unborn bodies: ReserveSpec)
     disable,  ///< stops the devices, controllers and drives of the group's bodies
     enable,   ///< lets disabled bodies of the group run again
     /// moves one body to `pose`, even if another body is there; no effect on a carried body
     move,
     set,  ///< changes parameters of a type, for all its bodies
   };
-  /// World time, s. The intervention is applied after the first tick that ends at this time or later, in the
-  /// phase `intervene` at the beginning of the tick that follows. With 0 or less, it is applied before the
-  /// first tick.
+  /// World time, s. The intervention is applied after the first tick that ends at this time or later, at the
+  /// beginning of the tick that follows. If the time is 0 or less, it is applied before the first tick.
   double time_s = 0;
   Action action = Action::remove;  ///< kind of intervention
   GroupSpec whom;  ///< affected bodies; for `move`, one body; for `add`, a population with a reserve
-  /// World frame, m and rad. For `move`, the new pose, within the bounds of the world; it must be set. For
-  /// `add`, the pose of each new body; no further body is added once this pose is occupied.
+  /// A pose, world frame, m and rad. For `move`, the new pose of the body, within the bounds of the world; it
+  /// must be set. For `add`, the pose of each new body; no further body is added once this pose is occupied.
   std::optional<Pose> pose;
   /// For `add` without `pose`: box in which each new body gets a random free pose with z = 0, world frame, m.
   /// Not set: the box WorldSpec::bounds, which the world must then have. If a body finds no free pose in 1000
@@ -126,7 +131,7 @@ struct FaultSpec {
   double from_s = 0;  ///< world time from which on faults may occur, s
   /// One possible fault of the bodies.
   struct Impairment {
-    std::string kind;  ///< name of a fault kind of Registry::faults
+    std::string kind;  ///< name of a kind of fault (FaultKind::name)
     Record params;     ///< one value for each field of the kind's table (FaultKind::params)
   };
   std::vector<Impairment> impairments;  ///< the faults; each occurs independently of the others

@@ -13,9 +13,10 @@
 
 namespace troupe::engine {
 
-/// A body's name in eight bytes: a word of a Names table, and a number that follows the word. "r17" is word
-/// "r" and number 17. The number has at most nine digits and no leading zeros: "r007" is word "r00" and
-/// number 7. Two names of one table are equal if and only if their texts are equal.
+/// The name of a body, in eight bytes: a word of a Names table, and a number that follows the word. For
+/// example, "r17" is the word "r" and the number 17. The number has at most nine digits and no leading zeros,
+/// so "r007" is the word "r00" and the number 7. Two names of one table are equal if and only if their texts
+/// are equal.
 struct Name {
   static constexpr std::uint32_t k_no_number = ~0u;  ///< no number follows the word
   std::uint32_t word = 0;                            ///< index into Names::words(); 0 is the empty text
@@ -23,15 +24,16 @@ struct Name {
   friend bool operator==(Name, Name) = default;
 };
 
-/// The table of the words from which names are made. The names of a population normally share one word, so
-/// the texts of a million names take no memory. (A string per body was rejected: it took 32 bytes per body,
-/// and most of the loading time of a large population.)
+/// The table of the words from which names are made. The names of a population, the bodies "r0", "r1", ...,
+/// normally share one word. A million names then need memory for one text only. (A string per body was
+/// rejected: it took 32 bytes per body, and most of the loading time of a large population.)
 class Names {
  public:
   /// A table that contains only the empty word, so that Name() is the empty text.
   Names() { intern(""); }
-  /// Makes a copy of another table from its words(). Names of the other table are valid for the copy. Throws
-  /// std::invalid_argument if the list is empty, if its first word is not empty, or if a word occurs twice.
+  /// Makes a copy of another table. `words` is the result of words() of that table. Names of the other table
+  /// are valid for the copy. Throws std::invalid_argument if the list is empty, if its first word is not
+  /// empty, or if a word occurs twice.
   explicit Names(std::vector<std::string> words);
 
   /// All words in the order in which they were added; the first is empty.
@@ -65,7 +67,7 @@ struct NamedBody {
 class NameMap {
  public:
   std::size_t size() const { return size_; }  ///< number of names
-  /// Allocates memory for this number of names in total.
+  /// Allocates memory for `names` names in total, including those that the map already has.
   void reserve(std::size_t names);
   /// Gives the name to `body`, which must be valid(), unless another body has the name already. Returns the
   /// body that has the name after the call.

@@ -15,13 +15,13 @@
 
 namespace troupe::engine {
 
-/// Returns the solids of the parts of a type that are obstacles (Returns::obstacle), as a shape for overlap
-/// tests (body frame, joints at rest). The shape is empty if no part is an obstacle. Throws std::length_error
-/// if an outline is too complex for convex_pieces().
+/// Returns the solids of the parts of a body type that are obstacles (Returns::obstacle), as a shape for
+/// overlap tests (body frame, joints at rest). The shape is empty if no part is an obstacle. Throws
+/// std::length_error if an outline is too complex for convex_pieces(), which divides it into convex polygons.
 partition::ObstacleShape obstacle_shape(const TypeSpec& type);
-/// Returns the solids of the parts for which counts(part) is true, as a shape for overlap tests (body frame,
-/// joints at rest); an empty shape if there is no such part. Throws std::length_error if an outline is too
-/// complex for convex_pieces().
+/// Returns the solids of the parts of a body type for which counts(part) is true, as a shape for overlap
+/// tests (body frame, joints at rest). The shape is empty if there is no such part. Throws std::length_error
+/// if an outline is too complex for convex_pieces(), which divides it into convex polygons.
 partition::ObstacleShape shape_of(const TypeSpec& type, bool (*counts)(const PartSpec& part));
 
 /// A spatial index of placed bodies. It has several grids (levels), whose cell widths are powers of two. A
@@ -68,7 +68,8 @@ class Crowd {
   std::vector<Level> levels_;
 };
 
-/// Rule by which the bodies of a population are placed. All positions are in the world frame.
+/// Rule by which the bodies of a population (the bodies NAME0, NAME1, ... of one type) are placed. All
+/// positions are in the world frame. The static scene is the set of obstacles that never move.
 struct PlacementRule {
   /// Kinds of rules.
   enum class Kind : std::uint8_t {
@@ -81,11 +82,11 @@ struct PlacementRule {
     uniform,       ///< uniformly distributed in the region
     gaussian,      ///< normally distributed around `mean`
     poisson_disc,  ///< in the region, at least `distance_m` from all other bodies of the population
-    free_floor,    ///< on the floor that a disc as wide as the body can reach from the point `from`
+    free_floor,    ///< on the free floor that a disc as wide as the body can reach from the point `from`
   };
   Kind kind = Kind::grid;  ///< how positions are chosen
-  /// Box that must contain the bodies' origins, m. grid: box of the grid points; random displacements
-  /// (`jitter_m`) may move bodies out of it.
+  /// Box that must contain the bodies' origins, m. For `grid`, it is the box of the grid points; random
+  /// displacements (`jitter_m`) may move bodies out of it.
   Box region;
   Ring polygon;        ///< polygon that must contain the bodies' origins, m; empty: not restricted
   Box spill;           ///< grid: second box, used when all points of `region` were tried, m; empty: none
@@ -108,23 +109,25 @@ struct PlacementRule {
   std::uint32_t trials = 1000;
 };
 
-/// Number of grid points of a grid rule, in `region` and `spill` together. The result is a double, because
-/// it may exceed the range of every integer type.
+/// Number of grid points of a rule of the kind `grid`, in `region` and `spill` together. The result is a
+/// double, because it may exceed the range of every integer type.
 double grid_cells(const PlacementRule& rule);
 
-/// Number of positions that a free_floor rule tests to find the floor for bodies of a shape. The result is a
-/// double, because it may exceed the range of every integer type.
+/// Number of positions that a rule of the kind `free_floor` tests to find the floor for bodies of a shape.
+/// The result is a double, because it may exceed the range of every integer type.
 double floor_cells(const PlacementRule& rule, const partition::ObstacleShape& shape);
 
 /// Returns poses (world frame) for bodies 0, 1, ... of a population, chosen one after another. At each pose
-/// the origin of the body is within `bounds` (if given), and the body overlaps neither the static scene nor
-/// the crowd. The body is then added to the crowd, so `shape` must outlive the crowd. The function stops at
-/// the first body for which it finds no free pose: the result is then shorter than `count`. The pose of body
-/// k depends neither on `count` nor on the cells of the spatial index: its random numbers follow from (seed,
-/// population, k, trial), where `population` is the name of the population. The time is linear in the number
-/// of positions that are tried. For free_floor, the floor is computed within the region of the rule, in steps
-/// of PlacementRule::cell_m, with only the static scene as obstacles. grid_cells() and floor_cells() must be
-/// below 2^32.
+/// the origin of the body is within `bounds` (if given), and the body overlaps neither `scene` (the obstacles
+/// that never move) nor the bodies of `crowd`. The body is then added to the crowd, so `shape` must outlive
+/// the crowd. The function stops at the first body for which it finds no free pose: the result is then
+/// shorter than `count`.
+///
+/// The pose of body k depends neither on `count` nor on the cells of the spatial index: its random numbers
+/// follow from (seed, population, k, trial), where `population` is the name of the population. The time is
+/// linear in the number of positions that are tried. For a rule of the kind `free_floor`, the floor is
+/// computed within the region of the rule, in steps of PlacementRule::cell_m, with only `scene` as obstacles.
+/// grid_cells() and floor_cells() of the rule must be below 2^32.
 std::vector<Pose> place(const PlacementRule& rule, const partition::ObstacleShape& shape, std::size_t count,
                         std::uint64_t seed, std::string_view population, const std::optional<Box>& bounds,
                         const partition::StaticScene& scene, Crowd& crowd, partition::Parallel& parallel);

@@ -15,12 +15,13 @@
 
 namespace troupe::engine {
 
-/// A population: bodies NAME0, NAME1, ... of one type, which place() places by a rule.
+/// A population: bodies NAME0, NAME1, ... of one type, which place() places by a rule. Its reserve consists
+/// of further bodies, which are not in the world at tick 0 (the initial state) and can be born later.
 struct PopulationSpec {
-  std::string name;           ///< NAME of the bodies NAME0, NAME1, ...; also selects the random stream
+  std::string name;           ///< NAME of the bodies NAME0, NAME1, ...; also selects their random numbers
   TypeId type;                ///< type of the bodies: index into WorldSpec::types
   std::size_t count = 0;      ///< number of bodies at tick 0
-  std::size_t reserve = 0;    ///< further bodies that may be born later, with the next numbers: ReserveSpec
+  std::size_t reserve = 0;    ///< number of bodies that may be born later; their names have the next numbers
   Color color{1, 0, 0, 1};    ///< colour of the bodies (BodySpec::color)
   bool random_color = false;  ///< true: each body gets a random opaque colour instead of `color`
   PlacementRule rule;         ///< where the bodies are placed
@@ -29,24 +30,27 @@ struct PopulationSpec {
   Where where_place;          ///< position of `rule`, for messages
 };
 
-/// The obstacles that place() avoids: a static scene made of the solids of static bodies, and a crowd, the
-/// list of the other bodies that were placed so far.
+/// The obstacles that place() avoids: a static scene and a crowd. The static scene is made of the solids of
+/// static bodies, which never move (is_static()). The crowd is the list of the other bodies that were placed
+/// so far.
 class Occupancy {
  public:
-  /// Makes the static scene from the obstacle parts of the first `fixed` bodies of `spec`, whether or not
-  /// these bodies are static (is_static()). The crowd is empty. Both constructors keep a reference to the
-  /// types of the spec: while the object exists, the spec must exist too, and no type may be added or
+  /// Makes the static scene from the parts of the first `fixed` bodies of `spec` that are obstacles, whether
+  /// or not these bodies are static (is_static()). The crowd is empty. Both constructors keep a reference to
+  /// the types of the spec: while the object exists, the spec must also exist, and no type may be added or
   /// changed.
   Occupancy(const WorldSpec& spec, std::size_t fixed);
-  /// Makes the static scene from the obstacle parts of those bodies of the spec that are static
-  /// (is_static()), and the crowd from the other bodies. Bodies that are not in the world at tick 0 are left
-  /// out. Throws std::length_error if an outline is too complex for convex_pieces().
+  /// Makes the static scene from the static bodies of the spec (is_static()), and the crowd from the other
+  /// bodies. Only parts that are obstacles count. Bodies that are not in the world at tick 0 (the initial
+  /// state) are left out. Throws std::length_error if an outline is too complex for convex_pieces(), which
+  /// divides it into convex polygons.
   explicit Occupancy(const WorldSpec& spec);
 
   const partition::StaticScene& scene() const { return scene_; }  ///< the static solids that are obstacles
   Crowd& crowd() { return crowd_; }                               ///< the bodies that are not static
-  /// Obstacle shape of a type, computed at the first call; valid as long as this object. Throws
-  /// std::length_error if an outline is too complex for convex_pieces().
+  /// Obstacle shape of a type, computed at the first call for the type; valid as long as this object. Throws
+  /// std::length_error if an outline is too complex for convex_pieces(), which divides it into convex
+  /// polygons.
   const partition::ObstacleShape& shape(TypeId type);
 
  private:
@@ -66,20 +70,21 @@ struct PlaceOptions {
 /// Each body is placed so that it overlaps neither the static scene nor the crowd of `occupancy`, and is then
 /// added to the crowd. The poses depend only on the spec, `occupancy` and the populations, not on the number
 /// of threads. These errors are reported to `diagnostics`: too many bodies, an empty region, a rule with too
-/// many cells, a population without enough room, and a type with an outline that is too complex for
-/// convex_pieces(). After an error, some or all bodies are missing in the world.
+/// many grid points or floor cells, a population without enough room, and a type with an outline that is too
+/// complex for convex_pieces(), which divides it into convex polygons. After an error, some or all bodies are
+/// missing in the world.
 void place(std::span<const PopulationSpec> populations, WorldSpec& spec, Occupancy& occupancy,
            const PlaceOptions& options, Diagnostics& diagnostics);
-/// Appends populations like the function above, with Occupancy(spec): the obstacles are all bodies of the
-/// spec that are in the world at tick 0. If an outline of one of these bodies is too complex for
-/// convex_pieces(), reports an error without a file position.
+/// Appends populations to a world, with all bodies of the spec that are in the world at tick 0 as obstacles:
+/// calls the function above with Occupancy(spec). If an outline of one of these bodies is too complex for
+/// convex_pieces(), the function reports an error without a file position.
 void place(std::span<const PopulationSpec> populations, WorldSpec& spec, Diagnostics& diagnostics,
            const PlaceOptions& options = {});
 
 /// Draws new poses and new random colours, from another seed, for the bodies that place() has appended.
 /// Bodies of a reserve have no pose yet: only their random colours change. A population without enough room
 /// is an error, reported at PopulationSpec::where_place; the bodies of that population and of later ones
-/// then keep their poses and colours. Several threads may call this at once with the same `occupancy`.
+/// then keep their poses and colours. Several threads may call this function at once with one `occupancy`.
 ///
 /// bodies      the bodies of these populations and their reserves, in the order of place(); changed
 /// bounds      the bounds of the world (WorldSpec::bounds)

@@ -6,17 +6,18 @@
 
 namespace troupe::engine {
 
-inline constexpr double k_most_rate = 1e9;                      ///< largest WatchSpec::rate
-inline constexpr std::int64_t k_most_clock_ticks = 1000000000;  ///< largest WatchSpec::clock_ticks
+inline constexpr double k_most_rate = 1e9;                      ///< largest allowed WatchSpec::rate
+inline constexpr std::int64_t k_most_clock_ticks = 1000000000;  ///< largest allowed WatchSpec::clock_ticks
 
 /// Settings of the world file for watching a run: how fast the run advances, and whether and how often the
-/// program prints the world time. No member affects the results.
+/// program prints the world time. No member affects the results. A tick is a time step of the world.
 struct WatchSpec {
   bool clock = false;               ///< whether the world time is printed during the run
   std::uint64_t clock_ticks = 100;  ///< ticks from one printed time to the next, if `clock` is true
-  /// Speed of a run with the option `--rate world`, as a multiple of real time; 0: as fast as possible.
+  /// Speed of a run with the command-line option `--rate world`, as a multiple of real time; 0: as fast as
+  /// possible.
   double rate = 1;
-  bool paused = false;  ///< whether Stage's window starts paused; without effect in Troupe
+  bool paused = false;  ///< whether the window of the simulator Stage starts paused; no effect in Troupe
   friend bool operator==(const WatchSpec&, const WatchSpec&) = default;
 
   static constexpr void describe(Description<WatchSpec>& d) {
@@ -31,9 +32,9 @@ struct WatchSpec {
   }
 };
 
-/// The fields of WatchSpec as they appear in files: `clock`, `clock_ticks`, `rate`, `paused`.
+/// The table of the members of WatchSpec as they appear in files: `clock`, `clock_ticks`, `rate`, `paused`.
 const FieldTable& watch_fields();
-Record watch_record(const WatchSpec& watch);  ///< the members as a record of watch_fields()
-WatchSpec watch_spec(const Record& record);   ///< the settings of a record of watch_fields()
+Record watch_record(const WatchSpec& watch);  ///< returns one value per field of watch_fields()
+WatchSpec watch_spec(const Record& record);   ///< returns the settings; one value per field of watch_fields()
 
 }  // namespace troupe::engine

@@ -23,6 +23,12 @@ namespace troupe::engine {
 // The structs below are the expanded contents of a world file. They are plain data, which a loader makes from
 // a file of any format, or a program fills by hand. engine::World is built from them. Lengths are in metres,
 // angles in radians and times in seconds.
+//
+// A body is a robot or an object. All bodies of a type have the same rigid parts, joints, drive, devices
+// (sensors and actuators) and controllers. A kind is the implementation of a sort of device, drive,
+// controller or measure; the registry (struct Registry) is the list of all kinds. Time advances in ticks,
+// steps of equal length; tick 0 is the initial state. A population is the set of bodies NAME0, NAME1, ... .
+// Stage is another simulator, whose world files Troupe reads and writes.
 
 /// Largest total number of corners of outlines. The readers of world files apply this limit to all types of a
 /// world together, and World applies it to all static bodies together.
@@ -30,14 +36,17 @@ inline constexpr std::size_t k_most_vertices = 50000000;
 
 /// How a part of a body interacts with other bodies and with their sensors.
 struct Returns {
-  bool obstacle = true;       ///< whether the part takes part in collisions
-  float ranger = 1;           ///< intensity that rangers read; below 0: rays of rangers pass through the part
-  std::int32_t fiducial = 0;  ///< value that fiducial finders read; 0: they do not detect the part
+  bool obstacle = true;  ///< whether the part takes part in collisions
+  /// Intensity that rangers (range sensors) read; below 0: rays of rangers pass through the part.
+  float ranger = 1;
+  /// Value that fiducial finders (sensors of markers) read; 0: they do not detect the part.
+  std::int32_t fiducial = 0;
   std::int32_t fiducial_key = 0;  ///< only fiducial finders with the same key detect the part
   bool gripper = false;           ///< grippers detect the part and can grip its body
   bool pushable = false;          ///< robots can push the whole body: docs/pushing.md
-  /// True: blob finders report its colour. False: the part only hides other parts from them; a finder whose
-  /// parameter `use_blob_return` is false reports the part all the same.
+  /// True: blob finders (cameras that find regions of one colour) report the colour of the part. False: the
+  /// part only hides other parts from them. A finder whose parameter `use_blob_return` is false ignores this
+  /// member and reports the part.
   bool blob = true;
   friend bool operator==(const Returns&, const Returns&) = default;
 };
@@ -46,10 +55,10 @@ struct Returns {
 inline constexpr std::int32_t k_rigid = -1;
 
 /// A joint: a frame of a body type that a device of the type, such as an actuator or a gripper, moves. Parts,
-/// devices and further joints can be mounted on a joint. All their poses are given with every joint at rest.
+/// devices and further joints can be mounted on a joint. Their poses are given with every joint at rest.
 struct JointSpec {
   std::string name;  ///< name; the joint's state is the state table `joint/<name>`
-  /// Index of the joint that it is mounted on, which is lower than its own index; k_rigid: none.
+  /// Index of the joint that this joint is mounted on, lower than the index of this joint; k_rigid: none.
   std::int32_t parent = k_rigid;
   /// Frame of the joint at rest, in the body frame. Displacements of the joint are given in this frame.
   Pose pose_body_joint;
@@ -82,12 +91,12 @@ struct FittedBlocks {
 
 /// A part of a body type: a rigid piece of the body. Each model of a Stage model tree is a part.
 struct PartSpec {
-  std::string name;  ///< name within the body: "ranger:0"; empty for the root (part 0)
+  std::string name;  ///< name within the body: "ranger:0"; empty for part 0, the root of the tree of parts
   /// A second name of the part, by which programs can find it; for parts from Stage files, the name that
   /// Stage generates. Empty: none.
   std::string alias;
   std::string kind;              ///< model kind, for code that writes world files: "position", "ranger", ...
-  std::uint32_t parent = 0;      ///< index of its parent part; the root's is 0
+  std::uint32_t parent = 0;      ///< index of the part that carries it; 0 for the root itself
   std::int32_t joint = k_rigid;  ///< index of the joint that it is mounted on; k_rigid: none
   Pose pose_body_part;           ///< pose of the part's frame in the body frame
   /// Declared size x, y, z, m, which fiducial finders report (in Stage, GetGeom() returns it). Collisions and
@@ -104,13 +113,13 @@ struct PartSpec {
   Where where;                         ///< position in the file, for messages
 };
 
-/// A device that each body of a type has.
+/// A device (a sensor or an actuator) that each body of a type has.
 struct DeviceSpec {
-  /// Name of the device in its type. It is not derived from `part`: a program that fills this struct must set
-  /// it. If an earlier device of the type has the same name, the world appends a number to the name and
-  /// warns.
+  /// Name of the device in its type. A program that fills this struct must set the name, because no code
+  /// derives it from `part`. If an earlier device of the type has the same name, the world appends `#2` (or
+  /// `#3`, ...) to the name and warns.
   std::string name;
-  std::string kind;              ///< name of a kind of Registry::devices
+  std::string kind;              ///< name of a kind of device (DeviceKind::name), such as "ranger"
   std::uint32_t part = 0;        ///< index of the part that carries it
   std::int32_t joint = k_rigid;  ///< index of the joint that it is mounted on; k_rigid: none
   /// Index of the first of the joints that the device moves (DeviceKind::joints); k_rigid: it moves none.
@@ -120,13 +129,13 @@ struct DeviceSpec {
   /// are given in the device's frame.
   Pose pose_body_device;
   double period_s = 0;  ///< time from one run to the next, s; 0: it runs in every tick
-  bool active = true;   ///< true: it runs even if no controller and no program reads it
+  bool active = true;   ///< true: the device runs even if no controller and no program reads it
   Where where;          ///< position in the file, for messages
 };
 
 /// The drive of the bodies of a type.
 struct DriveSpec {
-  std::string kind;  ///< name of a kind of Registry::drives
+  std::string kind;  ///< name of a kind of drive (DriveKind::name), such as "diff"
   /// One value for each parameter of the kind (DriveKind::params); FieldTable::defaults() makes such a
   /// record.
   Record params;
@@ -136,9 +145,10 @@ struct DriveSpec {
 
 /// A controller of the bodies of a type.
 struct ControllerSpec {
-  std::string kind;  ///< name of a kind of Registry::controllers or of a plug-in
+  std::string kind;  ///< name of a kind of controller (ControllerKind::name), which may come from a plug-in
   /// Index of the part that the controller is on. The controller may use the devices of this part and of the
-  /// parts mounted on this part, directly or through further parts, except drive devices.
+  /// parts mounted on this part, directly or through further parts. It cannot use devices that are drives of
+  /// a part (DeviceKind::drives).
   std::uint32_t part = 0;
   /// One value for each parameter of the kind (ControllerKind::params); FieldTable::defaults() makes such a
   /// record.
@@ -158,8 +168,8 @@ struct TypeSpec {
   std::optional<DriveSpec> drive;  ///< drive; not set: the bodies have none
   /// Devices. A device that moves a joint comes before the devices that are mounted on the joint.
   std::vector<DeviceSpec> devices;
-  /// The controllers, in the order in which they decide in a tick. If several controllers command one drive,
-  /// the last command counts.
+  /// The controllers, in the order in which they compute their commands in a tick. If several controllers
+  /// command one drive, the last command counts.
   std::vector<ControllerSpec> controllers;
 };
 
@@ -169,16 +179,16 @@ struct BodySpec {
   TypeId type;           ///< type of the body: index into WorldSpec::types
   Pose pose_world_body;  ///< pose at tick 0, world frame
   Color color;           ///< colour of the parts that set none
-  /// Fiducial value of the body's root part. This value replaces Returns::fiducial of the type's root part,
-  /// so that robots with different fiducial values can share a type. It has no effect if it is 0, or if
-  /// Returns::fiducial is 0.
+  /// Value that fiducial finders (sensors of markers) read from the root part of this body (part 0). It
+  /// replaces Returns::fiducial of the type's root part, so that robots with different fiducial values can
+  /// share a type. It has no effect if it is 0, or if Returns::fiducial of the root part is 0.
   std::int32_t fiducial = 0;
   Where where;  ///< position in the file, for messages
 };
 
-/// A reserve: bodies of a population that are unborn at tick 0 and can be born later, in ascending order of
-/// ids (docs/lives.md). They have the ids [first, first + count) and are all of one type. Each body gets its
-/// pose when it is born.
+/// A reserve: bodies of a population that are unborn (not in the world) at tick 0 and can be born later, in
+/// ascending order of ids (docs/lives.md). They have the ids [first, first + count) and are all of one type.
+/// Each body gets its pose when it is born.
 struct ReserveSpec {
   std::string population;   ///< name of the population: "r" for the bodies "r0", "r1", ...
   BodyId first;             ///< lowest id of the reserve
@@ -192,19 +202,20 @@ struct PartName {
   std::string part;  ///< name of the part (PartSpec::name)
 };
 
-/// The recording that the world asks for (docs/recordings.md).
+/// The recording that the world file asks for: a file with selected fields of the state over time
+/// (docs/recordings.md).
 struct RecordSpec {
   /// Path of the recording, relative to the working folder. Empty: a run is recorded only if the command line
   /// names a file.
   std::string file;
   std::vector<std::string> fields;  ///< fields to record; empty: the default fields (docs/recordings.md)
-  std::optional<double> every_s;    ///< world time between two recorded ticks, s; not set: 0.1 s
+  std::optional<double> every_s;    ///< world time from one recorded tick to the next, s; not set: 0.1 s
   Where where;                      ///< position in the file, for messages
   Where where_fields;               ///< position of `fields`, for messages
 };
 
-/// A whole world, from which engine::World is built. A program that fills it by hand calls add_ground()
-/// first.
+/// A whole world, from which engine::World is built. A program that fills this struct by hand calls
+/// add_ground() first, because body 0 must be the ground.
 struct WorldSpec {
   std::string title;                   ///< title of the world, for display
   std::shared_ptr<SourceFiles> files;  ///< files that the `Where` values refer to; may be null
@@ -213,7 +224,7 @@ struct WorldSpec {
   std::optional<double> quit_time_s;   ///< world time at which a run ends by default, s; not set: none
   std::optional<RecordSpec> record;    ///< the recording that the world asks for; not set: none
   RangingEngine ranging = RangingEngine::exact;  ///< how ranges are computed: docs/sensing.md
-  double resolution_m = k_resolution_m;          ///< edge of the cells of the grid ray engine, m
+  double resolution_m = k_resolution_m;          ///< edge of the cells of RangingEngine::grid, m
   Where resolution_where;                        ///< position of `resolution_m`, for messages
   /// Box in which the origins of bodies must stay, m, world frame. A body does not make a motion that would
   /// end outside the box. If this member is not set, the box reaches from -100 km to 100 km in x and y.
@@ -222,11 +233,13 @@ struct WorldSpec {
   /// Texts of all `Name` values in `bodies` and `aliases`. A Name consists of a word of this table and,
   /// optionally, a number: "r17" is the word "r" and the number 17.
   Names names;
-  /// The bodies; BodyId is the position in this list. Body 0 is the ground: add_ground().
+  /// The bodies; BodyId is the position in this list. Body 0 is the ground, which add_ground() adds.
   std::vector<BodySpec> bodies;
   std::vector<ReserveSpec> reserves;  ///< reserves in ascending order of ids; they do not overlap
-  /// True: a program may remove and disable bodies. False: it may remove bodies only if something else makes
-  /// World::has_lives() true, and disable bodies only if something else makes World::has_conditions() true.
+  /// True: a program may remove and disable bodies during a run. False: it may remove bodies only if bodies
+  /// can also be born or die for another reason, such as a reserve (World::has_lives()). It may disable
+  /// bodies only if the world file also has interventions that disable or enable bodies, or faults
+  /// (World::has_conditions()).
   bool mortal = false;
   /// Further names of bodies; no name occurs twice. For example, a model of a Stage file with the key `name`
   /// can also be found under the name that Stage generates for it.
@@ -234,12 +247,14 @@ struct WorldSpec {
   /// Parts that have a name of their own in the world, independent of the name of their body. The key is
   /// this name: `x` for a child model with `name "/x"` in a Stage file.
   std::unordered_map<std::string, PartName> part_aliases;
-  /// Measures that a run takes, unless the options of the run choose others.
+  /// Measures (numbers computed from the state) that a run computes, unless its options choose others.
   std::vector<MeasureSpec> measures;
-  double measure_every_s = 1;    ///< world time from one measurement to the next, s; 0: every tick
-  WatchSpec watch;               ///< speed of a run, and how often the world time is reported
-  std::optional<Record> window;  ///< view of `--camera window`: worldio/window_fields.hpp
-  ExperimentSpec experiment;     ///< interventions, faults and stop conditions
+  double measure_every_s = 1;  ///< world time from one measurement to the next, s; 0: every tick
+  WatchSpec watch;             ///< speed of a run, and how often the world time is printed
+  /// Settings of the view that the command-line option `--camera window` draws: one value per field of the
+  /// table in worldio/window_fields.hpp. Not set: none.
+  std::optional<Record> window;
+  ExperimentSpec experiment;  ///< interventions, faults and stop conditions
 
   /// Type of a body.
   const TypeSpec& type(BodyId body) const { return types[bodies[body.index()].type.index()]; }
@@ -257,36 +272,35 @@ struct WorldSpec {
 /// without solids. Call this once, before any other body is added.
 void add_ground(WorldSpec& spec);
 
-/// Checks the members of a world against one another. Calls report(place in the file, message) for the
-/// inconsistencies, such as a part whose parent comes later, a body whose type does not exist, or reserves
-/// that overlap. The report need not be complete: further inconsistencies may appear when the reported ones
-/// are corrected. Each message begins with the path of the value: `types[0].parts[2].parent: ...`. This
-/// function does not check the limits of single members, which are in the tables of
-/// engine/spec/spec_description.hpp.
+/// Checks the members of a world against one another. Calls report(place in the file, message) for each
+/// inconsistency that it finds, such as a part whose parent comes later, a body whose type does not exist, or
+/// reserves that overlap. Further inconsistencies may appear when the reported ones are corrected. Each
+/// message begins with the path of the value: `types[0].parts[2].parent: ...`. This function does not check
+/// the limits of single members, which are in the tables of engine/spec/spec_description.hpp.
 void check_rules(const WorldSpec& spec, const std::function<void(Where, const std::string&)>& report);
 
-/// Appends a reserve of `count` bodies (at least 1) for each population of robots that has no reserve. Here
-/// a population is the set of all robots (bodies with a drive) named NAME followed by a number; a population
-/// whose robots are of several types is skipped. The new bodies get the numbers after the highest number of
-/// the population, except numbers that would give them the name of another body. Their poses are 0, and all
-/// their other members are copies of those of the population's first body.
+/// Appends a reserve of `count` unborn bodies (at least 1) for each population of robots that has no reserve.
+/// Here a population is the set of all robots (bodies with a drive) named NAME followed by a number. A
+/// population whose robots are of several types is skipped. The new bodies get the numbers after the highest
+/// number of the population, except numbers that would give them the name of another body. Their poses are 0.
+/// All their other members are copies of those of the population's first body.
 ///
 /// names   names of populations that may end in a digit: with `team1` in this list, `team12` is number 2 of
 ///         the population `team1`; without it, number 12 of `team`
 void add_spare(WorldSpec& spec, std::uint32_t count, std::span<const std::string> names = {});
 
-/// Value that fiducial finders read from a part of a body, including BodySpec::fiducial; 0: they do not
-/// detect the part.
+/// Returns the value that fiducial finders (sensors of markers) read from the part with index `part` of a
+/// body; 0: they do not detect the part. For the root part, BodySpec::fiducial is taken into account.
 inline std::int32_t fiducial_of(const WorldSpec& spec, BodyId body, std::uint32_t part) {
   const BodySpec& b = spec.bodies[body.index()];
   const std::int32_t of_type = spec.types[b.type.index()].parts[part].returns.fiducial;
   return part == 0 && of_type != 0 && b.fiducial != 0 ? b.fiducial : of_type;
 }
 
-/// True if the type has a drive.
+/// Whether the type has a drive.
 inline bool is_mobile(const TypeSpec& type) { return type.drive.has_value(); }
 
-/// Whether grippers can grip bodies of the type: whether it has a part with Returns::gripper and with solids.
+/// Whether grippers can grip bodies of the type: whether a part of the type has solids and Returns::gripper.
 bool can_be_gripped(const TypeSpec& type);
 
 /// Whether bodies of the type never move, because they have no drive and cannot be gripped or pushed.
@@ -296,8 +310,8 @@ bool is_static(const TypeSpec& type);
 /// 0 if there are none.
 double solids_radius(const TypeSpec& type);
 
-/// True if the part with index `below` is the part with index `part`, or is mounted on it directly or through
-/// further parts.
+/// Whether the part with index `below` is the part with index `part`, or is mounted on that part, directly or
+/// through further parts.
 bool is_below(const TypeSpec& type, std::uint32_t below, std::uint32_t part);
 
 }  // namespace troupe::engine

@@ -10,8 +10,9 @@
 #include <span>
 #include <utility>
 
-/// The loops over the rows of a world, which the phases of a tick use. A row is the index of a body in the
-/// state tables. The argument `rows` of the callbacks is a std::span<const Row>, valid during the call.
+/// The loops over the rows of a world, which the phases of a tick (time step) use. A row is the index of a
+/// body in the state tables. A drop-out fault is a random failure that stops all devices, controllers and the
+/// drive of a robot. The argument `rows` of the callbacks is a std::span<const Row>, valid during the call.
 
 namespace troupe::engine {
 
@@ -71,7 +72,8 @@ void for_neighbours(const WorldState& state, partition::Parallel& parallel,
 
 /// Calls work(rows, type) in parallel for batches of at most k_row_block rows of `range`. The rows of a batch
 /// are of one type and from one block of consecutive rows, so that memory is read sequentially. This loop is
-/// for work that does not read the neighbours of a row. Rows whose bodies are not in the world are left out.
+/// for work that does not read the neighbours of a row. Rows whose bodies are not in the world (not yet born,
+/// or dead) are left out.
 template <class Work>
 void for_blocks(const WorldState& state, partition::Parallel& parallel, RowRange range, Work&& work) {
   const std::size_t row_count = range.end - range.first;

@@ -14,12 +14,13 @@ namespace troupe::engine {
 /// Implements the test mode World::hide_beyond_reach(). Before a device runs, World calls hide_from(): the
 /// object replaces by junk the data of other bodies that the kind of the device does not declare to read, and
 /// removes bodies beyond the reach of the device from the spatial index. The object also detects effects
-/// (changes that a device makes to bodies) on bodies that the kind does not declare to change. A row is the
-/// index of a body in the state tables, and a component is one of these tables. Bodies that carry one another
-/// form a tree.
+/// (changes that a device makes to bodies) on bodies that the kind does not declare to change. A kind of
+/// device is a table of functions that implements one sort of device. The reach of a device is the distance
+/// up to which it may read or change other bodies. A row is the index of a body in the state tables, and a
+/// component is one of these tables. Bodies that carry one another form a tree.
 class Blinkers {
  public:
-  /// Copies `state`, and keeps a reference to it: `state` must outlive the object.
+  /// Copies `state`, and keeps a reference to it. `state` must outlive the object.
   explicit Blinkers(WorldState& state);
 
   /// Hides data from a device of the row's body. Two groups of bodies are hidden completely: bodies that are
@@ -33,18 +34,18 @@ class Blinkers {
   /// undone yet.
   void show_hidden(Row row, const DeviceKind& kind);
   /// Checks the effects that the device emitted while data were hidden: throws a StepError if the kind of the
-  /// device has the scope ApplyScope::trees and the target of an effect was a hidden body. Call it after
-  /// show_hidden(), before the next hide_from(). Effects without a target, and effects on static bodies, are
-  /// allowed.
+  /// device has the scope ApplyScope::trees, which allows only targets within the reach of the device, and
+  /// the target of an effect was a hidden body. Call it after show_hidden(), before the next hide_from().
+  /// Effects without a target, and effects on static bodies, are allowed.
   void check_targets(const BodyType::Device& device, std::span<const Effect> emitted) const;
 
   /// Call this before an effect is applied: copies the state, and stores which bodies are in the tree of the
-  /// source or of the target of the effect. end_effect() compares with these data.
+  /// source (the body of the device) or of the target of the effect. end_effect() compares with these data.
   void begin_effect(const Effect& effect);
   /// Throws a StepError if the effect that was applied since begin_effect() has changed the state of a body
   /// outside the trees of the source and the target of the effect. A body that was in one of these trees
-  /// before or after the effect may change. If the kind of the device has the scope ApplyScope::anything,
-  /// nothing is checked.
+  /// before or after the effect may change. If the kind of the device has the scope ApplyScope::anything, its
+  /// effects may change any body, and nothing is checked.
   void end_effect(const BodyType::Device& device, const Effect& effect);
 
  private:

@@ -37,11 +37,14 @@ std::span<const std::uint32_t> rows_within(std::span<const std::uint32_t> order,
 /// The state of a world, the constants that describe the world, what the program has set, and data that are
 /// derived from the state: the transforms, outlines, radii and shapes of bodies, and the spatial index. World
 /// owns this object. The parts of World (Links, Movement) read all members, and each part writes its own
-/// columns.
+/// columns. A component is one of the state tables, such as the poses. The *spec* is the description from
+/// which the world is made. A tick is a time step.
 ///
-/// A row is the index of a body in the state tables; static bodies have none. Every vector has one element
-/// per row unless stated otherwise. Members that a comment calls public are also part of PublicColumns: the
-/// devices of any body may read them. All other members are private to the engine.
+/// A row is the index of a body in the state tables; static bodies, which do not move during a run, have
+/// none. An unborn body is not yet in the world, and a dead body no longer is. A device is a sensor or other
+/// equipment of a body. A joint, which devices move, is *at rest* in its initial pose. Every vector has one
+/// element per row unless stated otherwise. Members that a comment calls public are also part of
+/// PublicColumns: the devices of any body may read them. All other members are private to the engine.
 struct WorldState {
   /// Indices into `tables` of the tables that every world has, named like their components.
   enum TableIndex : std::size_t {
@@ -71,11 +74,12 @@ struct WorldState {
   // Constants: made from the spec when the world is built.
   WorldSpec spec;  ///< the spec that the world was made from; constant except for what World::set() and
                    ///< World::restart() change
-  /// Compiled types, by TypeId; constant except for parameters, which interventions change.
+  /// Compiled types, by TypeId; constant except for parameters, which interventions (changes at given times)
+  /// change.
   std::vector<BodyType> types;
   partition::GridGeometry geometry;  ///< sizes of the cells and tiles of `index`
   partition::StaticScene scene;      ///< geometry of the static bodies
-  FixedTargets fixed_targets;        ///< parts of static bodies that fiducial finders detect
+  FixedTargets fixed_targets;        ///< marked parts of static bodies, which fiducial finders detect
   std::vector<Pool> pools;           ///< one per type, by TypeId; changes when rows come or leave
   /// Number of rows at the front that this world computes; the rows after them are *ghosts*, copies of rows
   /// that other ranks compute (engine/ranks/halo.hpp). All rows, if the world has no ghosts.
@@ -89,14 +93,16 @@ struct WorldState {
   /// Public: index of the row's first joint in `joint_mounts`; empty if no type has joints or can carry
   /// bodies.
   std::vector<std::uint32_t> joint_begins;
-  std::optional<std::size_t> carrier_table;  ///< index into `tables`; not set: no body can carry another
-  std::optional<std::size_t> life_table;     ///< index into `tables`; not set: no births and deaths
-  std::optional<std::size_t>
-      condition_table;  ///< index into `tables`; not set: no faults, no disabled bodies
+  /// Index of the component `carrier` in `tables`; not set: no body can carry another.
+  std::optional<std::size_t> carrier_table;
+  /// Index of the component `life` in `tables`; not set: no births and deaths.
+  std::optional<std::size_t> life_table;
+  /// Index of the component `condition` in `tables`; not set: no faults, no disabled bodies.
+  std::optional<std::size_t> condition_table;
 
   // State.
   std::vector<StateTable> tables;  ///< the state tables
-  TickCounts now;                  ///< the tick, which is state, and counts, which are derived
+  TickCounts now;  ///< number of the tick, which is state, and counts of certain rows, which are derived
 
   // Set by the program.
   std::vector<std::uint8_t> subscribed;  ///< public: 1 if World::subscribe() was called for the body
@@ -116,8 +122,8 @@ struct WorldState {
   /// carried. For a body that carries others and is not carried itself: the common shape of the body and of
   /// all bodies that it carries, directly or through others.
   std::vector<const partition::ObstacleShape*> shapes;
-  /// 1 if the grid ray engine does not draw the row's outlines. Empty unless bodies can be born or die and
-  /// the world uses that engine.
+  /// 1 if the grid ray engine, which draws outlines into a grid of cells and traces rays through it, does not
+  /// draw the row's outlines. Empty unless bodies can be born or die and the world uses that engine.
   std::vector<std::uint8_t> not_drawn;
   partition::BodyIndex index;                    ///< spatial index of the bodies in the world
   std::unique_ptr<partition::RayGrid> ray_grid;  ///< cells of the grid ray engine; null: exact engine
@@ -139,7 +145,8 @@ struct WorldState {
   const BodyType& type(BodyId body) const { return types[spec.bodies[body.index()].type.index()]; }
   /// Type of the row's body.
   const BodyType& type(Row row) const { return types[row_types[row.index()]]; }
-  /// The rows of a table with the layout Layout::rows, as structs. `table` is an index into `tables`.
+  /// The rows of a table as structs. The values of each row must be contiguous (StateTable::Layout::rows).
+  /// `table` is an index into `tables`.
   ///@{
   template <class T>
   std::span<T> as(std::size_t table) {
@@ -174,7 +181,7 @@ struct WorldState {
   Condition& condition(Row row) { return tables[*condition_table].as<Condition>(row.index()); }
   const Condition& condition(Row row) const { return tables[*condition_table].as<Condition>(row.index()); }
   ///@}
-  /// Present pose of a joint (an index into BodyType::joints) relative to its rest pose, m and rad.
+  /// Present pose of a joint relative to its rest pose, m and rad. `joint` is an index into BodyType::joints.
   ///@{
   Pose& joint_state(Row row, std::size_t joint) {
     return tables[type(row).joints[joint].table].as<Pose>(slots[row.index()]);
@@ -183,7 +190,7 @@ struct WorldState {
     return tables[type(row).joints[joint].table].as<Pose>(slots[row.index()]);
   }
   ///@}
-  /// Mounts of the joints of a row: the elements of `joint_mounts` that belong to the row.
+  /// The elements of `joint_mounts` that belong to a row, one per joint.
   ///@{
   std::span<Mount> mounts(Row row) {
     return {joint_mounts.data() + joint_begins[row.index()], type(row).joints.size()};

@@ -15,12 +15,13 @@ class World;
 /// the call ends the program (std::terminate()).
 std::string thrown_text();
 
-/// Throws a StepError in place of the exception that the calling catch block handles. The text of the
-/// StepError names the tick, the kind whose function threw, and a robot. For a DecisionError
-/// (engine/kinds/kinds.hpp), this is the robot that the DecisionError names. For any other exception, it is
-/// the robot of the first row, and the text also gives the number of rows if there are several. A StepError
-/// is rethrown unchanged, because its text already names a robot. Outside a catch block the call ends the
-/// program (std::terminate()).
+/// Throws a StepError in place of the exception that the calling catch block handles. A StepError is the
+/// exception with which a step of the world fails. Its text names the tick (time step), the kind whose
+/// function threw, and a robot. A kind is a table of functions that implements one sort of controller, device
+/// or drive. A DecisionError (engine/kinds/kinds.hpp) is an exception of a controller that contains the row
+/// of a robot: the text then names that robot. For any other exception, the text names the robot of the first
+/// row, and gives the number of rows if there are several. A StepError is rethrown unchanged, because its
+/// text already names a robot. Outside a catch block the call ends the program (std::terminate()).
 ///
 /// rows    rows (indices of bodies in the state tables) for which the function was called; empty: the text
 /// names no robot
@@ -35,8 +36,9 @@ std::string thrown_text();
 ///@}
 
 /// Returns the result of call(), which must call a function of the kind of `what` (a controller, device or
-/// drive) for the given rows. If call() throws, throw_step_error() replaces the exception by a StepError,
-/// because the exception of a plug-in does not say where it came from.
+/// drive) for the given rows. If call() throws, throw_step_error() throws a StepError in place of the
+/// exception, because the exception of a plug-in does not say for which robot and in which tick the function
+/// was called.
 template <class What, class Call>
 auto call_kind(const World& world, std::span<const Row> rows, const What& what, Call&& call) {
   try {

@@ -53,15 +53,17 @@ struct WorldOptions {
   double tile_size_m = 0;
 };
 
-/// The hashes of a state (docs/determinism.md): of all state tables together, and of each group of tables.
-/// All sums are modulo 2^64.
+/// The hashes of a state (docs/determinism.md): of all state tables together, and of each group of tables. A
+/// state table holds one component of the state, such as the poses, with one row per body. The hashes do not
+/// depend on the order of the rows. All sums are modulo 2^64.
 struct Hashes {
   std::uint64_t state = 0;                            ///< sum of the hashes of all tables
   std::array<std::uint64_t, k_hash_groups> groups{};  ///< one per HashGroup: sum of the hashes of its tables
 };
 
-/// A running world. It consists of constants made from a WorldSpec, the state tables (also called
-/// components), and the number of the tick.
+/// A running world. It consists of constants, the state tables, and the number of the tick (time step). The
+/// constants are made from a WorldSpec (the *spec*), which describes the world. Each state table holds one
+/// *component* of the state, such as the poses.
 ///
 /// S(k) is the state after k ticks, with the changes that a program has made since. S(k+1) = step(S(k))
 /// depends only on S(k), the spec with its seed, the calls of subscribe(), and the changes that the callback
@@ -69,7 +71,22 @@ struct Hashes {
 ///
 /// Every body that has a drive, a device or a controller, or that can be gripped or pushed, has a *row*, an
 /// index into the state tables. Within the rows of its type, it has a *slot*, an index into the tables of
-/// that type.
+/// that type. All other bodies are *static*: they have no row and do not move during a run, and their
+/// geometry is the static scene. A *robot* is a body with a drive.
+///
+/// kinds   A *device* is a sensor or other equipment of a body, such as a gripper. A *kind* is a table of
+///         functions (*hooks*) that implements one sort of device, drive or controller; the Registry holds
+///         all kinds. A device runs only in the ticks in which it is *due*: once per period, a number of
+///         ticks.
+/// trees   A body can carry others. A body that is not carried (the *root*) and all bodies that it carries,
+///         directly or through others, are a *tree*: they move together.
+/// lives   A *reserve* is a list of bodies that are *unborn* at tick 0: they are not in the world until they
+///         are born. A *dead* body has left the world and never comes back.
+/// change  An *effect* is an action of a device on another body. An *intervention* is a change at a given
+///         time, such as disabling robots. A *fault* is a random failure of a robot: it breaks devices, slows
+///         the robot, or drops it out, so that its devices, controllers and drive stop.
+/// ranks   Several threads or processes, the *ranks*, can compute one world together. Each of them then has a
+///         World.
 class World {
  public:
   /// Builds the world in the state S(0). Throws InputError for errors that the loader of a world file cannot
@@ -77,8 +94,8 @@ class World {
   /// `start` (a function of a device or controller kind) throws. If bodies overlap at tick 0, one warning
   /// gives the number of overlapping pairs, counted up to 10,000. If diagnostics.thorough() is true, each of
   /// the first hundred pairs gets a warning of its own instead, and one more warning gives the number of any
-  /// further pairs. Bodies that extend below the floor (z = 0) also cause a warning. The registry must
-  /// outlive the world.
+  /// further pairs. Bodies that extend below the floor (z = 0) also cause a warning. The registry, from which
+  /// the world takes its kinds, must outlive the world.
   World(WorldSpec spec, const Registry& registry, const WorldOptions& options, Diagnostics& diagnostics);
   World(WorldSpec, Registry&&, const WorldOptions&, Diagnostics&) = delete;
   World(const World&) = delete;
@@ -87,10 +104,10 @@ class World {
   // ---- the tick: engine/world/step.cpp
   /// Computes one tick: from S(k) to S(k+1). Throws StepError if a command to the drive of a robot, the
   /// velocity that the drive computes, or the pose to which a device moves a joint is not finite, or if a
-  /// function of a kind (DeviceKind, DriveKind or ControllerKind) or an OnDecide callback throws; StepError
-  /// lists further causes. Exceptions of the callbacks of on_phase() and before_tick() propagate unchanged.
-  /// After an exception the state is incomplete: see require_whole(). Apart from the first steps, a step
-  /// allocates no memory unless a kind or a callback does.
+  /// function of a kind (DeviceKind, DriveKind or ControllerKind) or an OnDecide callback throws; the
+  /// docstring of StepError lists further causes. Exceptions of the callbacks of on_phase() and before_tick()
+  /// propagate unchanged. After an exception the state is incomplete: see require_whole(). Apart from the
+  /// first steps, a step allocates no memory unless a kind or a callback does.
   void step();
   /// Throws std::logic_error if the state is incomplete: a step, or a hook of a kind during spawn(), threw,
   /// and no reset(), restart() or restore() followed. After a step that threw, some rows have the state of
@@ -110,18 +127,19 @@ class World {
   /// same results as a run of a new world whose spec has this seed and these bodies. Only the order of the
   /// rows may differ. The changes of set() are undone. Callbacks and subscriptions (subscribe()) stay. The
   /// function may be called after a step that threw. Throws StepError if a hook `start` of a device or
-  /// controller kind throws, and InputError if the grid ray engine cannot represent the new static scene.
+  /// controller kind throws, and InputError if the world uses the grid ray engine, which traces rays through
+  /// a grid of cells, and that grid cannot represent the new static scene.
   ///
   /// bodies: one BodySpec for each body of the spec, in the same order and with the same names and types. The
   /// function does not check order, names and types. Poses and colours may differ. If a static body has
-  /// another pose, the static scene is rebuilt. If any pose or colour differs, the kinds with a hook
-  /// `bind_world` are bound to the world again.
+  /// another pose, the static scene is rebuilt. If any pose or colour differs, the hooks `bind_world`, with
+  /// which kinds read the spec, are called again.
   /// registry: the registry that was passed to the constructor
   void restart(std::uint64_t seed, std::span<const BodySpec> bodies, const Registry& registry);
   /// Counts of work since tick 0. They are not part of the state.
   struct Counters {
     std::uint64_t beams = 0;            ///< rays cast by all sensors
-    std::uint64_t conflict_rounds = 0;  ///< rounds of conflict resolution, see Conflicts::rounds()
+    std::uint64_t conflict_rounds = 0;  ///< rounds in which motions were resolved: Conflicts::rounds()
   };
   Counters counters() const { return {beams_, conflict_rounds_}; }  ///< the present counts
   /// A callback that restore() calls to write a saved state into the tables. The callback must set every
@@ -163,16 +181,18 @@ class World {
     BodyId body;                   ///< body of the row
     std::vector<std::byte> bytes;  ///< the data, for add_rows() of a world with the same spec
   };
-  /// Removes the rows of bodies, and returns their data, in the order of `bodies`. location() of the bodies
-  /// is then RowLocation::elsewhere. If a body is carried or carries others, `bodies` must contain all bodies
-  /// that move together with this body (same_tree()). Counts such as robots() still include the removed
-  /// bodies. If the world cannot be distributed among ranks (why_replicated() in engine/ranks/halo.hpp), pass
-  /// the data to add_rows() before any other call. Otherwise step() may be called: the remaining bodies then
-  /// do what they would do if the removed bodies were far away, except that interventions choose at random
-  /// among the remaining bodies only. Throws std::invalid_argument if a body has no row in this world, occurs
-  /// twice, or is listed without the bodies that move together with it, and std::logic_error if several ranks
-  /// compute the world. Call this between steps. The tables and all other lists with one element per row may
-  /// move in memory, as they may in add_rows() and, if the rows are distributed among ranks, in gather().
+  /// Removes the rows of bodies from this world, for example to add them with add_rows() to another World
+  /// that was made from the same spec. Returns the data of the rows, in the order of `bodies`. location() of
+  /// the bodies is then RowLocation::elsewhere. If a body is carried or carries others, `bodies` must contain
+  /// all bodies that move together with this body (same_tree()). Counts such as robots() still include the
+  /// removed bodies. If the world cannot be distributed among ranks (why_replicated() in
+  /// engine/ranks/halo.hpp), pass the data to add_rows() before any other call. Otherwise step() may be
+  /// called. The remaining bodies then do what they would do if the removed bodies were far away. The only
+  /// exception: an intervention that chooses bodies at random chooses among the remaining bodies only. Throws
+  /// std::invalid_argument if a body has no row in this world, occurs twice, or is listed without the bodies
+  /// that move together with it, and std::logic_error if several ranks compute the world. Call this between
+  /// steps. The tables and all other lists with one element per row may move in memory, as they may in
+  /// add_rows() and, if the rows are distributed among ranks, in gather().
   std::vector<RowState> remove_rows(std::span<const BodyId> bodies);
   /// Adds rows that remove_rows() has removed, in any order. Throws std::invalid_argument if location() of a
   /// body is not RowLocation::elsewhere. Call this between steps.
@@ -192,9 +212,10 @@ class World {
   /// that are allowed between two steps. The exceptions of the callback propagate from step(). A second call
   /// of before_tick() replaces the callback. Call before_tick() between steps.
   void before_tick(std::function<void()> callback) { before_tick_ = std::move(callback); }
-  /// A callback that step() calls in place of a controller, once per batch of robots. The callback must
-  /// itself call controller.kind->decide(controller.data, batch). Several threads call it at once, so it must
-  /// be thread-safe. ControllerCheck (engine/observing/controller_check.hpp) installs such a callback.
+  /// A callback that step() calls in place of a controller, once per batch (the robots of one type that one
+  /// call of the controller handles). The callback must itself call controller.kind->decide(controller.data,
+  /// batch). Several threads call it at once, so it must be thread-safe. ControllerCheck
+  /// (engine/observing/controller_check.hpp) installs such a callback.
   using OnDecide =
       std::function<void(const BodyType& type, const BodyType::Controller& controller, const DecideBatch&)>;
   /// Replaces the OnDecide callback. With an empty callback, step() calls the controllers itself again. Call
@@ -221,7 +242,8 @@ class World {
     if (replica_ != nullptr) gather_rows();
   }
   /// Calls gather() if the rows of the world are distributed among ranks (engine/ranks/halo.hpp): rank 0 then
-  /// has all rows until the next step. Measures call this function, because they read the rows of all bodies.
+  /// has all rows until the next step. Measures (numbers computed from the state, such as a mean distance)
+  /// call this function, because they read the rows of all bodies.
   void gather_distributed() const;
   /// Called by Replica on ranks other than 0, after a program has changed the state on rank 0: replaces the
   /// state by that of rank 0. Works like restore() with the same `tick` and `fill`, but checks nothing.
@@ -229,14 +251,15 @@ class World {
   void adopt(std::uint64_t tick, const Fill& fill, bool is_in_tick);
   /// Called by Halo (engine/ranks/halo.hpp), also during a tick, before the phase `move`: removes the rows of
   /// `leaving`, which are in this world, and then adds those of `coming` after the remaining rows. A RowState
-  /// without bytes adds a row of zeros. From now on, the first `own` rows are the own rows
-  /// (WorldState::own_rows); the rows after them are copies of rows of other ranks. If own rows leave, all
-  /// copies must leave too, because rows may take the places of those that leave.
+  /// without bytes adds a row of zeros. Afterwards, the first `own` rows are the own rows, which this rank
+  /// computes (WorldState::own_rows); the rows after them are copies of rows of other ranks. If own rows
+  /// leave, all copies must leave as well: otherwise a copy could move to the place of an own row that
+  /// leaves.
   void exchange_rows(std::span<const BodyId> leaving, std::span<const RowState> coming, std::size_t own);
   /// Returns the data of a row in the form of RowState::bytes.
   std::vector<std::byte> row_bytes(Row row);
-  /// Number of bodies of each reserve that have been born, one element per element of WorldSpec::reserves.
-  /// All ranks have the same numbers.
+  /// Number of bodies of each reserve that have been born, in the order of WorldSpec::reserves. All ranks
+  /// have the same numbers.
   std::span<const std::uint32_t> births() const { return next_born_; }
   /// Replaces the numbers of births() by `births`, those of rank 0. Called after adopt() if the rows are
   /// distributed among ranks.
@@ -259,7 +282,8 @@ class World {
   const partition::RayGrid* ray_grid() const { return state_.ray_grid.get(); }
   /// Sizes of the cells and tiles of the spatial index. No result depends on them.
   const partition::GridGeometry& geometry() const { return state_.geometry; }
-  /// The worker threads of step(). Measures may use them between steps.
+  /// The worker threads of step(). Between steps, other code may use them, such as measures (numbers computed
+  /// from the state).
   partition::Parallel& parallel() { return parallel_; }
   /// Number of rows: one for each body that has a drive, a device or a controller, or that can be gripped or
   /// pushed. The constructor orders the rows by the positions of their bodies at tick 0, so that neighbours
@@ -280,9 +304,10 @@ class World {
   const BodyType& type(BodyId body) const { return state_.type(body); }  ///< type of any body, static or not
   /// Slot of a row: its position among the rows of its type, and so its index in the tables of that type.
   std::size_t slot(Row row) const { return state_.view.slot(row); }
-  /// Returns the body with this name or alias. A body with this name is preferred to a body with this alias.
-  /// Of several bodies with this name, the function returns the body with the highest id. Unborn and dead
-  /// bodies are found as well. If there is no such body, the result is not valid(). Thread-safe.
+  /// Returns the body with this name or alias (a further name of a body: WorldSpec::aliases). A body with
+  /// this name is preferred to a body with this alias. Of several bodies with this name, the function returns
+  /// the body with the highest id. Unborn and dead bodies are found as well. If there is no such body, the
+  /// result is not valid(). Thread-safe.
   BodyId find(std::string_view name) const;
 
   // ---- the state
@@ -321,9 +346,9 @@ class World {
   bool stalled(Row row) const;
   /// Whether the row's last motion would have ended outside the bounds of the world (WorldSpec::bounds).
   bool is_out_of_bounds(Row row) const;
-  /// Estimated pose of a robot, m and rad, in the frame that the Localization of its drive defines: by
-  /// default the world frame, or with odometry the frame of the robot's first pose. For a body without a
-  /// drive, the true pose in the world frame.
+  /// Estimated pose of a robot, m and rad, in the frame that the Localization of its drive (how the robot
+  /// estimates its pose) defines: by default the world frame, or with odometry the frame of the robot's first
+  /// pose. For a body without a drive, the true pose in the world frame.
   Pose estimate(Row row) const { return estimates(type(row)).of(row, slot(row)); }
   /// Estimated poses of all bodies of a type, valid as long as the world exists. For a type without a drive
   /// they are the true poses, world frame.
@@ -392,9 +417,10 @@ class World {
   /// Number of ticks that were completed when the body was born; 0 if it was present at tick 0 or is unborn.
   /// The periods of its devices, drive and controllers count from that tick.
   std::uint64_t birth_tick(Row row) const { return state_.view.birth_tick(row); }
-  /// Index in WorldSpec::reserves of a population's reserve, which consists of the bodies of the population
-  /// that are not in the world at tick 0. `population` is the name of the population ("ant"), not of a body
-  /// ("ant7"). std::nullopt if there is no such population, or if it has no reserve.
+  /// Index in WorldSpec::reserves of the reserve of a population (bodies whose names are one word with
+  /// different numbers). The reserve consists of the bodies of the population that are not in the world at
+  /// tick 0. `population` is the name of the population ("ant"), not of a body ("ant7"). std::nullopt if
+  /// there is no such population, or if it has no reserve.
   std::optional<std::size_t> reserve(std::string_view population) const;
   /// Number of bodies of a reserve (an index into WorldSpec::reserves) that are not yet born.
   std::size_t unborn(std::size_t reserve) const {
@@ -430,18 +456,19 @@ class World {
   /// between steps.
   bool set_disabled(Row row, bool disabled);
   /// Changes parameters of a type, for all its bodies, as the intervention `set` of a world file does. The
-  /// change becomes part of spec(), as an intervention at the present time, until reset() or restart(). The
-  /// error says why the parameters cannot change; the world is then unchanged. If several ranks compute the
-  /// world, all of them apply the change. `registry` must be that of the constructor. Call this between
-  /// steps, or in the callback of before_tick().
+  /// change becomes part of spec(), as an intervention at the present time, until reset() or restart(). If
+  /// the parameters cannot change, returns an error that says why, and leaves the world unchanged. If several
+  /// ranks compute the world, all of them apply the change. `registry` must be that of the constructor. Call
+  /// this between steps, or in the callback of before_tick().
   Result<> set(const SettingSpec& setting, const Registry& registry);
-  /// Number of interventions that set() has added at the end of ExperimentSpec::at since construction,
-  /// reset() or restart().
+  /// Number of calls of set() that changed parameters since construction, reset() or restart(). Each of them
+  /// has added an intervention at the end of ExperimentSpec::at.
   std::size_t settings_made() const { return experiment_.made; }
   /// The spec of a type with its present parameters, which interventions `set` and set() may have changed.
   TypeSpec present_type(TypeId type) const;
-  /// Longest reach of a device of any type with rows, m (DeviceKind::Prepared::reach_m), over all parameters
-  /// that the interventions of spec() give the device during a run.
+  /// Longest reach (distance at which a device can sense or affect bodies), m, of all devices of types with
+  /// rows: the maximum of DeviceKind::Prepared::reach_m over all parameters that the interventions of spec()
+  /// give the devices during a run.
   double longest_reach() const;
   /// Number of bodies in the world that are disabled or have a fault, such as a broken device. Bodies whose
   /// rows are elsewhere (RowLocation::elsewhere) do not count.
@@ -514,8 +541,8 @@ class World {
   }
   /// Vertices of the outlines of a row's body at their present places: see SensingView::outline().
   std::span<const Vec2> outline(Row row) const { return state_.view.outline(row); }
-  /// Hash of one table: the sum of the hashes of its rows, modulo 2^64. The hash of the state is the sum of
-  /// these over all tables.
+  /// Hash of one table: the sum of the hashes of its rows, modulo 2^64. The hash of the state (Hashes::state)
+  /// is the sum of the hashes of all tables.
   std::uint64_t hash(const StateTable& table);
   Hashes hashes();  ///< hashes of the present state; computed on the worker threads
 
@@ -526,14 +553,16 @@ class World {
   std::size_t stalled_count() const { return movement_.stalled(); }
   /// Number of robots that stalled_count() counts because their last motion would have ended out of bounds.
   std::size_t out_of_bounds_count() const { return movement_.out_of_bounds(); }
-  /// Rounds of conflict resolution since tick 0, see Conflicts::rounds().
+  /// Number of rounds in which the motions of bodies were resolved since tick 0, summed over all ticks: see
+  /// Conflicts::rounds().
   std::uint64_t conflict_rounds() const { return conflict_rounds_; }
   /// Mean straight-line distance between the present position of a robot and its origin(), over all robots in
   /// the world, m; 0 if there are none. If the rows are distributed among ranks, call gather() before.
   double mean_displacement() const;
 
   // ---- for viewers
-  /// The constant data for drawing the world. FrameScene::rangers is empty.
+  /// The constant data for drawing the world. FrameScene::rangers (the rangers whose beams can be drawn) is
+  /// empty.
   FrameScene frame_scene() const;
   /// The data for drawing that change with each tick: Frame::time_s, `tick`, `mobile` and `types`. All other
   /// members, which viewers request, are empty.
@@ -634,8 +663,9 @@ class World {
   void bind_kinds_again(const Registry& registry);
   void build_fault(std::size_t at, const Registry& registry, Diagnostics& diagnostics);
   void build_conditions();
-  /// The bodies with rows that a group names, in order of ids, before any random choice. If it names none,
-  /// reports an error at `where` and returns no bodies.
+  /// The bodies with rows that a group names, in order of ids, before any random choice. If the group names
+  /// none, the result is empty, and the function reports an error at `where`, a position in the world file.
+  /// It reports no error for a type that exists and whose bodies would have rows.
   std::vector<BodyId> bodies_of(const GroupSpec& group, Where where, Diagnostics& diagnostics) const;
   /// Computes from the tick which interventions have been applied: those whose tick is before the present
   /// one. The next step applies the interventions of the present tick.
@@ -646,8 +676,8 @@ class World {
   void intervene();
   bool carry_out(Experiment::Intervention& intervention);
   void toggle_disabled(Row row);
-  /// Chooses as many of Experiment::candidates as the group asks for: those with the lowest keys. Returns
-  /// them in order of ids.
+  /// Chooses as many of Experiment::candidates as the group asks for: those with the lowest keys, which are
+  /// random numbers. Returns them in order of ids.
   std::span<const Experiment::Candidate> choose(const GroupSpec& group);
   bool add(const Experiment::Intervention& intervention);
   Pose place_to_add(const Experiment::Intervention& intervention, std::uint32_t number,

@@ -14,14 +14,15 @@ namespace troupe::models {
 /// straight ahead, y to the left.
 struct Beam {
   std::size_t reading = 0;     ///< index of the reading of this beam in Percept::ranges()
-  std::size_t transducer = 0;  ///< index of the transducer (fan of beams) to which it belongs
+  std::size_t transducer = 0;  ///< index of the transducer (fan of beams) of the beam
   double bearing = 0;          ///< bearing, rad, counter-clockwise from straight ahead, in [-pi, pi]
   SinCos direction;            ///< cosine and sine of the bearing
   Vec2 origin = Vec2::Zero();  ///< point at which the beam starts, m
 };
 
-/// Returns the beams of the ranger `device`, in the order of its readings. If a joint carries the ranger, the
-/// joint is assumed to be at its pose in the world file. The result is empty if `device` is not a ranger.
+/// Returns the beams of the ranger `device`, in the order of its readings. If the ranger is mounted on a
+/// joint (a part that a device moves), the beams are those for the pose of the joint in the world file. The
+/// result is empty if `device` is not a ranger.
 inline std::vector<Beam> beams_of(const engine::DeviceInfo& device) {
   const engine::DeviceKind::Prepared& layout = device.prepared;
   const Transform pose_drive_sensor(device.pose);

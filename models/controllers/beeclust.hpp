@@ -4,9 +4,9 @@
 
 namespace troupe::models {
 
-/// Aggregation on bright ground. A robot senses the brightness of the ground only below itself, not the
-/// direction of brighter ground. A robot that meets another robot waits there, and it waits longer on
-/// brighter ground.
+/// Returns the definition of the controller `beeclust`: aggregation on bright ground. A robot senses the
+/// brightness of the ground only below itself, not the direction of brighter ground. A robot that meets
+/// another robot waits there, and it waits longer on brighter ground.
 ///
 /// walks     The robot drives straight on. If its ranger sees an obstacle ahead within `min_front` (m, a
 ///           parameter), the robot turns on the spot, away from the nearer side, by a random angle of 90 to

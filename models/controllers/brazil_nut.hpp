@@ -4,10 +4,10 @@
 
 namespace troupe::models {
 
-/// Segregation by the Brazil nut effect: each robot acts as a disc, whose radius is the parameter `radius`
-/// (m), and broadcasts this radius by radio. A light attracts the discs, discs repel one another, and random
-/// motion shakes them. So the robots sort themselves by size: small discs end up nearer to the light than
-/// large ones.
+/// Returns the definition of the controller `brazil_nut`: segregation by the Brazil nut effect. Each robot
+/// acts as a disc, whose radius is the parameter `radius` (m), and broadcasts this radius by radio. A light
+/// attracts the discs, discs repel one another, and random motion shakes them. So the robots sort themselves
+/// by size: small discs end up nearer to the light than large ones.
 ///
 /// aims      The robot steers along the vector a = `taxis` g + `noise` u + p in its own frame. Names in
 ///           backquotes are parameters. g is the unit vector towards the light, or 0 if the light sensor sees

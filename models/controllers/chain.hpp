@@ -4,11 +4,11 @@
 
 namespace troupe::models {
 
-/// Chains of standing robots that lead other robots from a nest to a prey. The nest and the prey also are
-/// bodies with this controller: its parameter `role` is `robot` (the default), `nest` or `prey`. The nest and
-/// the prey only broadcast, and do not move. A standing robot in a chain is a link. Links are numbered from
-/// the nest, which has the number 0: the next link after link n has the number n + 1. A link has a path if
-/// the chain leads on from this link to the prey.
+/// Returns the definition of the controller `chain`: chains of standing robots that lead other robots from a
+/// nest to a prey. The nest and the prey are also objects with this controller: its parameter `role` is
+/// `robot` (the default), `nest` or `prey`. The nest and the prey only broadcast, and do not move. A standing
+/// robot in a chain is a link. Links are numbered from the nest, which has the number 0: the next link after
+/// link n has the number n + 1. A link has a path if the chain leads on from this link to the prey.
 ///
 /// sends     The nest, the links and the prey each broadcast two bytes: their number, and 1 if they have a
 ///           path, else 0. The prey sends 255 and 1.

@@ -13,7 +13,8 @@ enum class FloorOpinion : std::uint8_t {
   white,  ///< 1: more of the floor is white
 };
 
-/// A collective decision on whether more of a coloured floor is black or white.
+/// Returns the definition of the controller `collective_perception`: a collective decision on whether more of
+/// a coloured floor is black or white.
 ///
 /// starts    Robots with even ids start with the opinion black, robots with odd ids with the opinion white.
 /// explores  The robot senses the floor for an exponentially distributed time with the mean `explore` (s, a

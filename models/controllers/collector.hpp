@@ -4,13 +4,15 @@
 
 namespace troupe::models {
 
-/// Collecting pucks: a robot searches for marked pucks, grips a puck, carries it to a sink and releases it
-/// there. If its power pack runs low during the search, it charges the pack first.
+/// Returns the definition of the controller `collector`: a robot searches for marked pucks, grips a puck,
+/// carries it to a sink and releases it there. If its power pack (battery) runs low during the search, it
+/// charges the pack first.
 ///
 /// seeks    The robot drives straight on and turns away from obstacles ahead until its fiducial finder sees a
-///          puck that is 0.8 m or more away from every sink. A puck is a model whose fiducial_return is the
-///          parameter `puck`. The robot drives up to the puck, slowly for the last half metre, and
-///          closes its gripper when the puck breaks the inner light beam of the gripper.
+///          puck that is 0.8 m or more away from every sink. A puck is a model (an object of the world file)
+///          whose fiducial_return, the number that fiducial finders read from a model, is the parameter
+///          `puck`. The robot drives up to the puck, slowly for the last half metre, and closes its gripper
+///          when the puck breaks the inner light beam of the gripper.
 /// carries  It carries the puck to within 0.5 m of the nearest sink and opens the gripper there. Sinks are
 ///          the models that are in the world from the start and whose name is the parameter `sink`, or this
 ///          name followed by digits. A world without sinks is an error. The robot looks for sinks and

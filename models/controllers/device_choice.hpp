@@ -11,7 +11,8 @@
 
 namespace troupe::models {
 
-/// Helps the choose() function of a controller to select (claim) devices of its body, one after another.
+/// Helps a controller to select (claim) the sensors and other devices of its body that it uses, one after
+/// another. The function choose() of a controller makes this selection when the world is loaded.
 class DeviceChoice {
  public:
   /// devices: the devices of the body. claimed: one entry per device, true if a controller uses the device;

@@ -10,9 +10,9 @@
 namespace troupe::models {
 
 /// Obstacle avoidance for controllers of swarms in which many robots drive to the same goal. Speeds are in
-/// m/s and rad/s, distances in m. The template parameter `Memory` is the type of the controller's memory. It
-/// must have the members avoid_updates (int32), still_updates and escape_updates (uint32), x, y (m) and
-/// heading (rad), all 0 at the start.
+/// m/s and rad/s, distances in m. The template parameter `Memory` is the type of the controller's memory, the
+/// variables that the controller keeps between calls. It must have the members avoid_updates (int32),
+/// still_updates and escape_updates (uint32), x, y (m) and heading (rad), all 0 at the start.
 struct Evasion {
   double avoid_speed = 0.05;  ///< forward speed while the robot turns away
   double avoid_turn = 0.5;    ///< absolute turn rate while the robot turns away, left or right
@@ -21,17 +21,19 @@ struct Evasion {
   double back_speed = 0.1;    ///< absolute speed while the robot backs out
   /// The robot backs out (escapes()) after more than this number of consecutive decisions (calls of the
   /// controller) in which it had a command to move but its estimated pose did not change. The number must be
-  /// larger than the number of decisions after which a command takes effect.
+  /// larger than the number of decisions after which a command takes effect: otherwise a robot would back out
+  /// before its first command has moved it.
   std::uint32_t stuck = 5;
   /// Argument `share` of the constructor of Scanner for the scanner that is passed to avoids(). With 4, the
   /// scanner looks at the middle half of the scan.
   static constexpr std::size_t window_share = 4;
 
-  /// Turns away from obstacles as the controller `wander` does, with two differences, because many robots
-  /// meet near their common goals. The scanner looks at the middle half of the scan (window_share) instead of
-  /// the middle third. A turn takes 5 to 9 decisions instead of 10 to 19. ranges: readings of the scanner's
-  /// ranger, m. command: on entry, the last command of the robot, whose turn rate is kept until the turn
-  /// ends. Returns true if it has set `command`. Returns false if the way is free; `command` is then
+  /// Makes the robot turn away from obstacles ahead: a reading below `min_front` or `stop` starts a turn away
+  /// from the nearer side, which takes 5 to 9 decisions. The controller `wander` differs in two points: it
+  /// looks at the middle third of the scan, and its turns take 10 to 19 decisions. The view is wider here and
+  /// the turns are shorter, because many robots meet near their common goals. ranges: readings of the
+  /// scanner's ranger, m. command: on entry, the last command of the robot, whose turn rate is kept until the
+  /// turn ends. Returns true if it has set `command`. Returns false if the way is free; `command` is then
   /// unchanged.
   template <class Memory>
   bool avoids(Memory& memory, const Scanner& scanner, std::span<const float> ranges, Random& random,

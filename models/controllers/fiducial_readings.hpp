@@ -14,14 +14,14 @@
 
 namespace troupe::models {
 
-/// Gives a controller access to the readings of a fiducial finder, with angles in the frame of the drive. A
-/// target is a model (a body or a part of a body) that the finder detects. The argument `seen` of the
-/// functions holds the readings of the finder. The argument `target` is the index of a target, from 0 to
-/// count() - 1, the nearest target first.
+/// Gives a controller access to the readings of a fiducial finder (a sensor that detects marked objects),
+/// with angles in the frame of the drive. A target is a model (a body or a part of a body) that the finder
+/// detects. The argument `seen` of the functions holds the readings of the finder. The argument `target` is
+/// the index of a target, from 0 to count() - 1, the nearest target first.
 class FiducialReadings {
  public:
   FiducialReadings() = default;
-  /// finder: a device that the controller chose, of kind `fiducial`.
+  /// finder: a fiducial finder (a device of the kind `fiducial`) that the controller uses.
   explicit FiducialReadings(const engine::DeviceInfo& finder) : finder_heading_(finder.pose.heading) {}
 
   /// Number of targets in the readings. More targets may be in sight than the readings have room for: the
@@ -30,8 +30,8 @@ class FiducialReadings {
     return std::min<std::size_t>(seen.field<std::uint32_t>(sensors::k_fiducial_count)[0],
                                  seen.field<std::int32_t>(sensors::k_fiducial_id).size());
   }
-  /// The fiducial_return of the target, by which it is recognised; 0 if the target is too far away to be
-  /// recognised.
+  /// The fiducial_return of the target: the number by which finders recognise it. 0 if the target is too far
+  /// away to be recognised.
   std::int32_t id(const engine::Readings& seen, std::size_t target) const {
     return seen.field<std::int32_t>(sensors::k_fiducial_id)[target];
   }
@@ -56,7 +56,7 @@ class FiducialReadings {
 
  private:
   /// Converts an angle (rad) from the frame of the finder to the frame of the drive. If the finder faces
-  /// straight ahead, it returns the angle unchanged.
+  /// straight ahead, the angle is unchanged.
   double turned(float angle) const {
     return finder_heading_ == 0 ? angle : wrap_angle(finder_heading_ + angle);
   }
@@ -67,11 +67,13 @@ class FiducialReadings {
 /// A body with a part that fiducial finders recognise by its fiducial_return.
 struct MarkedBody {
   BodyId body;  ///< id of the body
-  Vec2 at;      ///< origin of the first such part at tick 0, m, world frame
+  /// Origin of the part at the start of the run, m, world frame. If several parts have the fiducial_return,
+  /// that of the first of them.
+  Vec2 at;
 };
 
-/// The bodies that are in the world at tick 0 and have a part whose fiducial_return is `mark`, in order of
-/// ids.
+/// The bodies that are in the world at the start of the run and have a part whose fiducial_return is `mark`,
+/// in order of ids.
 inline std::vector<MarkedBody> bodies_with_mark(const engine::WorldSpec& world, std::int32_t mark) {
   std::vector<MarkedBody> marked;
   for (std::size_t b = 0; b < world.bodies.size(); ++b) {

@@ -18,13 +18,15 @@ class FloorPlan {
 
   /// A plan over this box (m, world frame; not empty and with an area above 0) with all cells free.
   explicit FloorPlan(const Box& box) : box_(box), blocked_(k_cells * k_cells, 0) {}
-  /// The raster of the solids of a body at its pose in the world file, over the bounding box of these solids
-  /// in the world frame. For a body without solids, it is a free square with edges of 1 m around the body's
-  /// origin. Throws std::length_error if a solid is too complex for convex_pieces().
+  /// The raster of the solids (shapes) of a body at its pose in the world file, over the bounding box of
+  /// these solids in the world frame. For a body without solids, it is a free square with edges of 1 m around
+  /// the body's origin. Throws std::length_error if a solid is so complex that cutting it into convex pieces
+  /// would take longer than a few seconds.
   static FloorPlan of_body(const engine::WorldSpec& world, BodyId body);
   /// The raster of the body with this name. If no body has this name, returns the raster of the first body
-  /// whose root part is a floor plan (PartSpec::floor_plan). If there is no such body either, returns a free
-  /// square with edges of 16 m around the origin of the world. Throws std::length_error as of_body() does.
+  /// that is a floor plan (PartSpec::floor_plan of its main part), such as the walls of a building. If the
+  /// world has no floor plan either, returns a free square with edges of 16 m around the origin of the world.
+  /// Throws std::length_error as of_body() does.
   static FloorPlan of_world(const engine::WorldSpec& world, std::string_view name);
 
   /// Index of the cell that contains a point (m, world frame). For a point outside the box, the index of the
@@ -46,14 +48,14 @@ inline constexpr int k_free_cost = 1;     ///< cost in find_way() of a step to a
 inline constexpr int k_blocked_cost = 9;  ///< cost in find_way() of a step to a blocked cell
 /// The cheapest path from the cell `from` to any of the goals, which are indices of cells
 /// (FloorPlan::cell()). The result lists the cells of the path, `from` and the goal included. It is empty if
-/// there are no goals. Steps lead east, north, west or south. A step costs k_free_cost, or k_blocked_cost if
-/// it leads into a blocked cell. The path is found by A* with the Manhattan distance as the heuristic. Which
-/// of several equally cheap paths is returned depends only on the arguments.
+/// there are no goals. Steps lead east, north, west or south, also into blocked cells. A step costs
+/// k_free_cost, or k_blocked_cost if it leads into a blocked cell. The path is found by A* with the Manhattan
+/// distance as the heuristic. Which of several equally cheap paths is returned depends only on the arguments.
 std::vector<int> find_way(const FloorPlan& plan, int from, std::span<const int> goals);
 
 /// A table of the cheapest path (find_way) from every cell of a plan to any of several goals. The constructor
 /// computes the whole table. Controllers make the table when the world is built, so that all robots share it
-/// and a lookup during a tick allocates nothing.
+/// and a lookup during the simulation allocates no memory.
 class WaysTo {
  public:
   /// goals: indices of cells. If there are none, next() returns its argument.
@@ -70,7 +72,8 @@ class WaysTo {
 };
 
 /// The body with this name. The name is from the world file, or was generated when the file was loaded. If
-/// several bodies have the name, returns the last of them; if no body has the name, returns an invalid id.
+/// several bodies have the name, returns the last of them; if no body has the name, returns an id for which
+/// valid() is false.
 BodyId find_body(const engine::WorldSpec& world, std::string_view name);
 
 }  // namespace troupe::models

@@ -4,8 +4,9 @@
 
 namespace troupe::models {
 
-/// Foraging in a building: a robot fetches flags (coloured tokens) from a source, one at a time, brings them
-/// to a sink, and charges its power pack at chargers. There are two controllers, as in Stage's examples:
+/// Return the definitions of the controllers `fasr` and `fasr2`: foraging in a building. A robot fetches
+/// flags (coloured tokens) from a source, one at a time, brings them to a sink, and charges its power pack
+/// (battery) at chargers. The two controllers differ in their tasks, as in Stage's examples:
 ///
 /// fasr    one source and one sink, which are models named by the parameters `source` and `sink`
 /// fasr2   up to eight tasks, each with a source and a sink: the task "red" leads from the model red_source
@@ -18,15 +19,16 @@ namespace troupe::models {
 ///          world is built (models/controllers/floor_plan.hpp). Stage's fasr has direction tables instead,
 ///          made by hand for one cave.
 /// avoids   A robot turns away from obstacles that its scanner, a ranger of more than 8 beams, sees ahead, as
-///          the controller `wander` does. If it is stuck, it backs out.
+///          the controller `wander` does: it turns on the spot or in a curve for a random number of
+///          decisions. If it is stuck, it backs out.
 /// fetches  A robot takes a flag after more than 20 consecutive decisions within 2 m of the source, and
 ///          delivers it after more than 20 consecutive decisions within 1 m of the sink.
 /// charges  If its power pack holds less than 25 % of its capacity (fasr2: 20 %), a robot goes to the nearest
-///          charger. A charger is a model that is in the world from the start and whose fiducial_return, or
-///          that of a part of the model, is 2. The robot drives to within 0.08 m of the model (or part) and
-///          stands there until its pack holds 95 %. Then it drives away backwards, for 5 s at most. A robot
-///          with a fiducial finder docks by the readings of the finder. A robot without a power pack, or in a
-///          world without chargers, never charges.
+///          charger. A charger is a model that is in the world from the start and whose fiducial_return (the
+///          number that fiducial finders read), or that of a part of the model, is 2. The robot drives to
+///          within 0.08 m of the model (or part) and stands there until its pack holds 95 %. Then it drives
+///          away backwards, for 5 s at most. A robot with a fiducial finder docks by the readings of the
+///          finder. A robot without a power pack, or in a world without chargers, never charges.
 /// zone     If there is a model `fuel_zone`, a robot with fasr2 that must charge goes there first. Then it
 ///          goes to the charger that is nearest from there.
 /// senses   fasr2 switches the fiducial finder of its robot on only while the robot goes to a charger (not to

@@ -4,9 +4,9 @@
 
 namespace troupe::models {
 
-/// Aggregation on black and white sites of the ground. Some of the robots are informed: they stop only on
-/// sites of the colour that the parameter `informed` names (black or white). The other robots (`informed` is
-/// "no") stop on sites of both colours.
+/// Returns the definition of the controller `informed_aggregation`: aggregation on black and white sites of
+/// the ground. Some of the robots are informed: they stop only on sites of the colour that the parameter
+/// `informed` names (black or white). The other robots (`informed` is "no") stop on sites of both colours.
 ///
 /// walks     A robot drives straight on. If its ranger sees an obstacle ahead within `min_front` (m, a
 ///           parameter), the robot turns on the spot, away from the nearer side, by a random angle of 90 to
@@ -19,7 +19,8 @@ namespace troupe::models {
 ///           messages that it hears from robots on sites of the same colour. It does not stop again before it
 ///           has been on ground that is neither black nor white.
 /// colours   Ground is black below a quarter of full brightness, and white above three quarters.
-/// stuck     If a walking robot does not move, it backs out (Evasion::escapes()).
+/// stuck     If a walking robot does not move, it drives in the opposite direction for a while
+///           (Evasion::escapes()).
 /// needs     a drive, a ground sensor, a radio, a ranger with more than 8 beams that sees ahead
 /// source    Firat, Ferrante, Cambier, Tuci: Self-organised aggregation in swarms of robots with informed
 ///           robots, TPNC 2018. Robots stay longer the more other robots are near, as cockroaches do: Jeanson

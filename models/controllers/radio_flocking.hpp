@@ -4,8 +4,9 @@
 
 namespace troupe::models {
 
-/// Flocking by radio: each robot broadcasts its heading, turns to the mean of the headings that it hears, and
-/// keeps the distance `distance` (m) from the robots that it hears.
+/// Returns the definition of the controller `radio_flocking`: flocking by radio. Each robot broadcasts its
+/// heading, turns to the mean of the headings that it hears, and keeps the distance `distance` (m) from the
+/// robots that it hears.
 ///
 /// aims      The robot aims along the vector a = h + `spacing_weight` p in its own frame. Names in backquotes
 ///           are parameters. h is the unit vector of the mean of its own heading and the headings that it

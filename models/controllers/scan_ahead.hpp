@@ -70,7 +70,8 @@ class Scanner {
 };
 
 /// Adds the parameter `min_front` (m) to the description of a controller that turns away from obstacles
-/// ahead. `Params` must have a member of this name.
+/// ahead. A description lists the parameters that a world file can set. `Params` must have a member of this
+/// name.
 template <class Params>
 constexpr void describe_min_front(engine::Description<Params>& d) {
   using namespace engine::facts;

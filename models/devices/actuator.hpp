@@ -6,8 +6,8 @@
 
 namespace troupe::models {
 
-/// The command of an actuator: the command holds until the controller replaces it. Without a command, the
-/// joint stands still.
+/// The command of an actuator (a motor-driven joint). The command holds until the controller replaces it.
+/// Without a command, the joint stands still.
 struct ActuatorCommand {
   /// Meaning of `goal`.
   enum Mode : std::uint8_t {
@@ -23,7 +23,7 @@ struct ActuatorCommand {
   }
 };
 
-/// State of an actuator.
+/// State of an actuator. A tick is a simulation step.
 struct ActuatorState {
   /// Position of the joint: m along the axis (linear), or rad about the vertical axis (rotational). At 0, the
   /// moved parts are where the world file places them.
@@ -42,7 +42,8 @@ struct ActuatorState {
   }
 };
 
-/// A joint that moves the parts mounted on it: along an axis (linear) or about a vertical axis (rotational).
+/// Returns the definition of the device `actuator`: a joint that moves the parts mounted on it, along an axis
+/// (linear) or about a vertical axis (rotational).
 ///
 /// parameters  type (linear or rotational), axis (x, y, z, frame of the actuator; only for linear),
 ///             min_position, max_position (m or rad), max_speed (m/s or rad/s), start_position (m or rad)
@@ -50,9 +51,9 @@ struct ActuatorState {
 /// moves       In velocity mode, the joint moves at the commanded speed, which is clamped to +-max_speed, and
 ///             stops at min_position and max_position. In position mode, the goal is clamped to these limits.
 ///             The joint moves towards the goal at max_speed and reaches the goal exactly: its last step is
-///             shorter. If a setting changes the limits so that the joint is outside them, the joint moves
-///             back to the nearer limit at max_speed, whatever its command.
-/// draws       2 W from the power pack that supplies it, even if the joint stands still
+///             shorter. If the limits are changed during the run so that the joint is outside them, the joint
+///             moves back to the nearer limit at max_speed, whatever its command.
+/// draws       2 W from the power pack (battery) that supplies the actuator, even if the joint stands still
 /// edges       An axis of length 0 means the x axis. If the moved parts would overlap a body or static
 ///             geometry, the joint does not move in this tick, and is stalled.
 engine::DeviceKind actuator_kind();

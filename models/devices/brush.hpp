@@ -8,8 +8,9 @@
 
 namespace troupe::models {
 
-/// The command of a brush: the command holds until the controller replaces it. Without a command, the brush
-/// does not paint.
+/// The command of a brush, which paints the zone (a flat coloured body on the floor) below it in each tick
+/// (simulation step). The command holds until the controller replaces it. Without a command, the brush does
+/// not paint.
 struct BrushCommand {
   std::uint8_t paints = 0;  ///< 1: paints the zone below the brush in each tick
   float red = 0;            ///< amount of red, from 0 to 1; other values are clamped, NaN to 0
@@ -38,9 +39,10 @@ struct BrushState {
   }
 };
 
-/// A brush: a device that gives the zone (a flat coloured body) below the brush the commanded colour, if the
-/// zone carries a device of kind `led`. Without such a zone, painting has no effect. If several brushes paint
-/// a zone in the same tick, the brush of the body with the highest id determines the colour of the zone.
+/// Returns the definition of the device `brush`: it gives the zone (a flat coloured body) below it the
+/// commanded colour, if the zone carries a device of the kind `led`, which holds the colour. Without such a
+/// zone, painting has no effect. If several brushes paint a zone in the same tick, the brush of the body with
+/// the highest id determines the colour of the zone.
 engine::DeviceKind brush_kind();
 
 }  // namespace troupe::models

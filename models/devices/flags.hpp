@@ -17,9 +17,9 @@ struct Flag {
 };
 inline constexpr Flag k_yellow_flag{0xffff00ff, 0.25f};  ///< a yellow flag of 0.25 m, as in Stage's examples
 
-/// The command of the device `flags`, a list of flags: one operation. Each time `request` changes, the list
-/// carries out the operation once, in the next tick. Controllers call ask(), which increases `request`; if a
-/// controller calls ask() twice in a tick, only the second operation is carried out.
+/// The command of the device `flags`, a list of flags: one operation. Each time `request` changes, the
+/// operation is carried out once, in the next tick (simulation step). Controllers call ask(), which increases
+/// `request`; if a controller calls ask() twice in a tick, only the second operation is carried out.
 struct FlagCommand {
   /// Operation on flags.
   enum Verb : std::uint8_t {
@@ -65,8 +65,9 @@ enum FlagField : std::size_t {
   k_flag_sizes,     ///< array of f32: Flag::size of each flag, m, in the same order
 };
 
-/// The device `flags`: a list of flags that a body holds. The parameter `most` is the greatest number of
-/// flags in the list. The parameter `yellow` is the number of flags (k_yellow_flag) in the list at the start.
+/// Returns the definition of the device `flags`: a list of flags that a body holds. The parameter `most` is
+/// the greatest number of flags in the list. The parameter `yellow` is the number of flags (k_yellow_flag) in
+/// the list at the start.
 ///
 /// edges  These operations have no effect: `push` to a full list, `pop` from an empty list, and `take` or
 ///        `give` in any of these cases: the list that loses the flag is empty; the list that gets the flag is

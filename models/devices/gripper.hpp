@@ -25,7 +25,8 @@ struct GripperCommand {
   }
 };
 
-/// State of a gripper: its motions and its readings.
+/// State of a gripper: its motions and its readings. A tick is a simulation step. A body "with
+/// gripper_return" has this parameter set: it can be detected and gripped.
 struct GripperState {
   /// State of the paddles.
   enum Paddles : std::uint8_t {
@@ -82,8 +83,8 @@ struct GripperState {
   }
 };
 
-/// A gripper: a base with two paddles. The paddles close on bodies with gripper_return, hold one of these
-/// bodies and lift the held body.
+/// Returns the definition of the device `gripper`: a base with two paddles. The paddles close on bodies with
+/// gripper_return, hold one of these bodies and lift the held body.
 ///
 /// parameters  size (x, y, z, m), paddle_size (x, y, z, relative to size), paddles (open or closed) and lift
 ///             (down or up) at the start, autosnatch (the gripper ignores commands: it closes while a body

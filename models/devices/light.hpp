@@ -7,7 +7,8 @@
 
 namespace troupe::models {
 
-/// The command of a light: the command holds until the controller replaces it.
+/// The command of a light, which is a device of the kind `blinkenlight` (it blinks) or `lightindicator` (it
+/// is dark by default). The command holds until the controller replaces it.
 struct LightCommand {
   /// How the light is switched.
   enum Switch : std::uint8_t {
@@ -25,19 +26,22 @@ struct LightCommand {
 
 using sensors::LightState;
 
-/// A light that blinks: in each `period`, the light is first lit for the fraction `dutycycle` of the period,
-/// and then dark. The first period begins at tick 0.
+/// Returns the definition of the device `blinkenlight`, a light that blinks: in each `period`, the light is
+/// first lit for the fraction `dutycycle` of the period, and then dark. The first period begins at the start
+/// of the run (tick 0).
 ///
 /// parameters  period (s), dutycycle (0 to 1), enabled, intensity (reading of a light sensor 1 m away)
 /// state       LightState; commands: LightCommand, whose `on` and `off` override the blinking
 /// edges       If `enabled` is false, the light is dark until a controller switches it on. With a period of
 ///             0, the light does not blink: it is lit unless the dutycycle is 0. At the instant at which the
 ///             lit part of a period ends, the light is dark.
-/// errors      The light must be inside the circle about the origin of its body that encloses the body.
+/// errors      A world is invalid if the light is outside the circle about the origin of its body that
+///             encloses the body. Light sensors search for lights only within these circles.
 engine::DeviceKind blinkenlight_kind();
 
-/// A light that is dark until a controller switches it on (parameter: intensity; state: LightState; commands:
-/// LightCommand). It must be inside the same circle as a blinkenlight.
+/// Returns the definition of the device `lightindicator`, a light that is dark until a controller switches it
+/// on (parameter: intensity; state: LightState; commands: LightCommand). As for a blinkenlight, the light
+/// must be inside the circle about the origin of its body that encloses the body.
 engine::DeviceKind lightindicator_kind();
 
 }  // namespace troupe::models

@@ -8,7 +8,9 @@
 
 namespace troupe::models {
 
-/// State of a power pack: its energy, and the energy that it has exchanged since tick 0, all in J.
+/// State of a power pack (battery): its energy, and the energy that it has exchanged since the start of the
+/// run (tick 0; a tick is a simulation step), all in J. Packs exchange energy through power contacts, which
+/// are devices that touch one another.
 struct PowerPackState {
   double stored = 0;          ///< energy that the pack holds
   double capacity = 0;        ///< greatest energy that the pack can hold
@@ -17,7 +19,7 @@ struct PowerPackState {
   double given = 0;           ///< energy given since tick 0 through power contacts
   std::uint8_t infinite = 0;  ///< 1: the pack never runs out; `stored` and `capacity` stay 0
   /// 1: the pack received energy in the last tick. If the pack does not run in a tick, for example because
-  /// its body is disabled, it keeps the value 1.
+  /// its body is disabled, `charging` keeps the value 1.
   std::uint8_t charging = 0;
 
   static constexpr void describe(engine::Description<PowerPackState>& d) {
@@ -43,8 +45,8 @@ struct PowerPackState {
   }
 };
 
-/// A power pack: an energy store on a part of a body. It supplies this part and the parts mounted on this
-/// part.
+/// Returns the definition of the device `power_pack`: an energy store on a part of a body. It supplies this
+/// part and the parts mounted on this part.
 ///
 /// draw     The power drawn in each tick is the sum of three terms: the parameter `draw`; the power of each
 ///          running sensor and device that the pack supplies (a ranger draws 0.2 W per transducer); and, if
@@ -77,10 +79,10 @@ struct PowerContactState {
   }
 };
 
-/// A power contact. Two touching contacts transfer energy between the power packs that supply them: one
-/// contact gives (its parameter `give`, in W, is above 0), and the other takes (its parameter `take`, in W,
-/// is above 0). The shape of a contact is the outline of the part that carries it, seen from above: heights
-/// make no difference.
+/// Returns the definition of the device `power_contact`. Two touching contacts transfer energy between the
+/// power packs that supply them: one contact gives (its parameter `give`, in W, is above 0), and the other
+/// takes (its parameter `take`, in W, is above 0). The shape of a contact is the outline of the part that
+/// carries it, seen from above: heights make no difference.
 ///
 /// touching  Two contacts touch if their outlines overlap or are at most k_contact_m apart, whether or not
 ///           the bodies are obstacles.
@@ -88,18 +90,18 @@ struct PowerContactState {
 ///           more than the giving pack holds, and no more than the taking pack can store. An infinite pack
 ///           gives without limit and takes nothing. Transfers happen one after another, ordered by the id of
 ///           the giving body and then that of the taking body. Each transfer uses the energies that the packs
-///           have after the transfers before it. A contact that touches more than k_most_takers taking
-///           contacts gives only to those of the bodies with the lowest ids.
+///           have after the earlier transfers. A contact that touches more than k_most_takers taking contacts
+///           gives only to those of the bodies with the lowest ids.
 /// state     PowerContactState; no commands
 /// needs     for each of the two contacts, a power pack on the part of the contact or on a part that carries
 ///           this part. Contacts of the same body, and of bodies that move together (one carries the other,
 ///           or a third body carries both), do not exchange energy
 engine::DeviceKind power_contact_kind();
 
-/// Greatest distance, m, between the outlines of two contacts that count as touching. It is the width of the
-/// grid cells with which Stage detects contact of bodies.
+/// Greatest distance, m, between the outlines of two power contacts that count as touching. It is the width
+/// of the grid cells with which Stage detects contact of bodies.
 inline constexpr double k_contact_m = 0.02;
-/// Greatest number of contacts to which one contact gives energy in a tick.
+/// Greatest number of power contacts to which one power contact gives energy in a tick (simulation step).
 inline constexpr std::size_t k_most_takers = 16;
 
 }  // namespace troupe::models

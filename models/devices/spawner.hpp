@@ -8,8 +8,9 @@
 
 namespace troupe::models {
 
-/// The command of a spawner. A controller requests n births by increasing `request` by n: n more births then
-/// become due.
+/// The command of a spawner, a device that brings new bodies (robots or objects) into the world during the
+/// run. This is called the birth of the body. A controller requests n births by increasing `request` by n: n
+/// more births then become due.
 struct SpawnerCommand {
   std::uint32_t request = 0;  ///< number of births requested so far
 
@@ -22,8 +23,8 @@ struct SpawnerCommand {
 
 /// State of a spawner.
 struct SpawnerState {
-  /// Number of flags that the spawner's body had received when the spawner last ran; 0 if the parameter
-  /// `per_flags` is 0.
+  /// Number of flags (coloured tokens, which bodies exchange) that the spawner's body had received when the
+  /// spawner last ran; 0 if the parameter `per_flags` is 0.
   std::uint64_t flags = 0;
   std::uint32_t born = 0;     ///< number of bodies spawned since the birth of the spawner's body
   std::uint32_t owed = 0;     ///< number of births that are due but have not succeeded yet
@@ -48,13 +49,14 @@ struct SpawnerState {
   }
 };
 
-/// Spawns bodies of a population from its reserve. The reserve holds the bodies of the population that are
+/// Returns the definition of the device `spawner`, which spawns bodies of a population (an entry of the world
+/// file that creates many bodies) from its reserve. The reserve holds the bodies of the population that are
 /// not in the world at the start. A spawner can model a nest, a door or a factory.
 ///
 /// when    A birth becomes due every `every` seconds of the life of the spawner's body, for each `per_flags`
 ///         flags that other bodies give to this body, and for each request of a controller (SpawnerCommand).
 ///         `every` and `per_flags` are parameters; with 0, they cause no births. A birth stays due until it
-///         succeeds. In each tick, the spawner tries at most one birth.
+///         succeeds. In each tick (simulation step), the spawner tries at most one birth.
 /// where   Bodies are born at the pose of the spawner. With `within` (m) above 0, they are born at a random
 ///         position in the circle of this radius around the spawner, with a random heading. Each try uses a
 ///         new random pose. If another body or a wall occupies the place, or if the place is outside the

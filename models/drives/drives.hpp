@@ -60,7 +60,8 @@ struct MotionParams {
   Result<> check() const;
 };
 
-/// Velocity of a robot until its drive runs for the first time.
+/// Velocity of a robot until its drive runs for the first time. A drive runs, that is, computes a new
+/// velocity, once per period.
 struct StartParams {
   double x = 0;
   double y = 0;
@@ -111,12 +112,14 @@ struct CarParams {
   }
 };
 
-/// The three kinds of drives. A drive computes a velocity v (forward, left; m/s) and a turn rate (rad/s,
+/// Return the definitions of the three kinds of drives: `diff` (differential), `omni` (omnidirectional) and
+/// `car` (front wheels steer). A drive computes a velocity v (forward, left; m/s) and a turn rate (rad/s,
 /// counter-clockwise) from a command with the members x, y and turn, and clamps both to its limits. A command
 /// that is NaN gives NaN. What the command means depends on its mode (engine::ControlMode). docs/driving.md
 /// has the details.
 ///
-/// velocity      The command is the velocity of the next tick, as in Stage. Its change is not limited.
+/// velocity      The command is the velocity of the next tick (simulation step), as in Stage. Its change is
+///               not limited.
 ///               diff  v = (x, 0), turn rate = turn
 ///               omni  v = (x, y), turn rate = turn
 ///               car   v = (x cos(turn), 0), turn rate = x sin(turn) / wheelbase: turn is the steering angle

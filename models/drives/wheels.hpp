@@ -6,10 +6,11 @@
 
 namespace troupe::models {
 
-/// State of a part that drives on its body. x, y, z and heading are the pose of the part at the start of the
-/// tick. forward, left and turn are the velocity that its drive produces in the tick, even if the motion is
-/// blocked; they are 0 while a disabled body, a fault or an empty power pack stops the drive. All members are
-/// 0 before the drive first runs.
+/// State of a part of a body that has a drive of its own and moves relative to the body. x, y, z and heading
+/// are the pose of the part at the start of the tick (simulation step). forward, left and turn are the
+/// velocity that its drive produces in the tick, even if the motion is blocked; they are 0 while the drive is
+/// stopped, because the body is disabled, or by a fault or an empty power pack (battery). All members are 0
+/// before the drive first runs.
 struct WheelsState {
   double x = 0;              ///< x of the part, m, world frame
   double y = 0;              ///< y of the part, m, world frame
@@ -34,16 +35,17 @@ struct WheelsState {
   }
 };
 
-/// A drive for one part of a body, like a `position` model inside another model of Stage. The driven part
-/// moves relative to the part on which it is mounted, and is carried along when that part moves.
+/// Returns the definition of the device `wheels`: a drive for one part of a body, like a `position` model
+/// inside another model of Stage. The driven part moves relative to the part on which it is mounted, and is
+/// carried along when that part moves.
 ///
 /// parameters  drive (diff, omni or car), and the parameters of that kind of drive, except `pushes`, the
 ///             start velocities (start_x, start_y, start_turn) and the parameters of localization
 /// state       WheelsState; commands: engine::Command, as for the drive of a body
-/// moves       The part moves as a joint does, together with the parts mounted on it. A motion is blocked if
-///             one of these parts would overlap a wall or another body. Bodies that move with the part's
-///             body (one carries the other, or a third body carries both) do not block the motion. A blocked
-///             part keeps its pose and is stalled.
+/// moves       The part and the parts mounted on it move together. A motion is blocked if one of these parts
+///             would overlap a wall or another body. Bodies that move with the part's body (one carries the
+///             other, or a third body carries both) do not block the motion. A blocked part keeps its pose
+///             and is stalled.
 /// estimate    The estimated pose of the part is its true pose in the world. The controllers of the part read
 ///             this pose, and give goals in the world frame.
 /// edges       The drive runs, and the part moves, once per period of the device, by default in each tick.

@@ -2,11 +2,12 @@
 
 #include "engine/kinds/measure_kind.hpp"
 
-/// Measures of the clusters that pushable bodies or robots form; the parameter `bodies` selects which of the
-/// two. Two bodies are in one cluster if their origins are at most `distance` (m, a parameter) apart. They
-/// are also in one cluster if a chain of bodies connects them in which neighbours are at most `distance`
-/// apart. A body without neighbours is a cluster of one. `troupe describe` prints the definitions of the
-/// measures.
+/// Definitions of measures (numbers computed from the state of the simulation) of the clusters that robots or
+/// pushable bodies (objects that robots can push) form. The parameter `bodies` of a measure selects which of
+/// the two. Two bodies are in one cluster if their origins are at most `distance` (m, a parameter) apart.
+/// They are also in one cluster if a chain of bodies connects them in which neighbours are at most `distance`
+/// apart. A body without neighbours is a cluster of one. The program `troupe describe` prints the definitions
+/// as text.
 namespace troupe::models {
 
 engine::MeasureKind clusters_measure();  ///< `clusters`: number of clusters

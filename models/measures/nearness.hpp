@@ -2,7 +2,8 @@
 
 #include "engine/kinds/measure_kind.hpp"
 
-/// Measures of the distances between robots. `troupe describe` prints their definitions.
+/// Definitions of measures (numbers computed from the state of the simulation) of the distances between
+/// robots. The program `troupe describe` prints the definitions as text.
 namespace troupe::models {
 
 /// `mean_nearest_distance`, m: mean over the robots of the distance to the nearest other robot; NaN for fewer

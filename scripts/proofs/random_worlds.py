@@ -71,6 +71,7 @@ class Generator(Parameters):
         self.tick_s = self.draws.choice(TICK_S)
         self.half = rounded(self.draws.uniform(3.5, 6))
         self.bodies = 0
+        self.places = []  # poses to which interventions move bodies
         self.world = {"troupe": 1, "seed": self.draws.randint(0, 2**63), "tick_s": self.tick_s,
                       "types": {}, "models": [], "populations": [], "at": [], "faults": [], "measures": []}
         self._spots = self._ring()
@@ -398,12 +399,17 @@ class Generator(Parameters):
         meant = {"born": ["add"], "dies": ["remove"], "disabled": ["disable"], "enabled": ["disable", "enable"], "moved": ["move"],
                  "set": ["set"]}.get(focus, [])
         wanted = meant + [self.draws.choice(actions) for _ in range(self.draws.choice((0, 1, 2, 3, 5)))]
+        if self.chance(0.3):  # several happen in one tick, some at one place
+            wanted += ["move", "add", self.draws.choice(("remove", "move", "add")), "add"]
+        moment = self.time(3)
         entries = []
         for number, action in enumerate(wanted):
             make = getattr(self, f"_at_{action}", None)
             entry = make(number < len(meant)) if make else {action: self.whom()}
             if entry:
                 time = self.time(1, self.ticks // 2) if action == "disable" else self.time(3)
+                if number >= len(wanted) - 4 and self.chance(0.7):
+                    time = moment
                 entries.append({"time_s": time, **entry})
         for entry in entries:  # enable in the second half, after disable
             if "enable" in entry:
@@ -417,6 +423,8 @@ class Generator(Parameters):
             return None
         name = "f" if meant or "f" in populations and self.chance(0.5) else self.draws.choice(populations)
         inner = rounded(self.inner)
+        if self.places and self.chance(0.5):
+            return {"add": {"population": name, "count": 1, "pose": self.draws.choice(self.places)}}
         return {"add": {"population": name, "count": self.draws.randint(1, 3), "region_m": [[-inner, -inner], [inner, inner]]}}
 
     def _at_enable(self, meant):
@@ -426,6 +434,7 @@ class Generator(Parameters):
         count = self.world["populations"][0]["count"]
         pose = {"x_m": rounded(self.draws.uniform(-self.inner, self.inner)), "y_m": rounded(self.draws.uniform(-self.inner, self.inner)),
                 "heading_deg": self.draws.choice((0, 77, -135))}
+        self.places.append(pose)
         return {"move": {"model": f"f{self.draws.randrange(count)}", "pose": pose}} if count else None
 
     def _at_set(self, meant):

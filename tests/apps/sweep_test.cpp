@@ -176,6 +176,24 @@ TEST_F(Sweep, DoesNotMixStudies) {
   EXPECT_EQ(table("out"), before);
 }
 
+// Run 0 does not read the file that has changed.
+TEST_F(Sweep, DoesNotMixStudiesOfWhichAChosenFileHasChanged) {
+  write("a.pgm", "P5 4 1 255\n" + std::string("\0\xff\xff\0", 4));
+  write("b.pgm", "P5 4 1 255\n" + std::string("\0\xff\xff\0", 4));
+  std::string world(k_world);
+  world.replace(world.find("\"bounds_m\""), 10,
+                R"("floorplans": [{"name": "walls", "bitmap": "a.pgm", "size_m": [12, 12, 1]}], "bounds_m")");
+  write("w.json", world);
+  write("study.json", R"({"troupe_study": 1, "world": "w.json", "for_s": 1,
+    "parameters": [{"set": "/floorplans/0/bitmap", "name": "image", "values": ["a.pgm", "b.pgm"]}]})");
+  const Outcome made = troupe({"sweep", "study.json", "-o", "out"});
+  ASSERT_EQ(made.code, 0) << made.err;
+  EXPECT_EQ(troupe({"sweep", "study.json", "-o", "out"}).code, 0);
+  write("b.pgm", "P5 6 1 255\n" + std::string("\0\xff\xff\xff\xff\0", 6));
+  EXPECT_THAT(troupe({"sweep", "study.json", "-o", "out"}).err,
+              HasSubstr("the folder contains runs of another study"));
+}
+
 TEST_F(Sweep, ARunThatCannotBeMadeIsARowThatSaysWhy) {
   std::string study(k_study);
   study.replace(study.find("[2, 5]"), 6, "[2, 5000]");  // there is no room for them

@@ -37,13 +37,14 @@ inline constexpr std::size_t k_most_corners = 4000000;
 /// (grey, opacity), (red, green, blue) or (red, green, blue, opacity). The channels of a PNM whose header has
 /// a largest value other than 255 are scaled to 0 to 255.
 using PixelRule = std::function<bool(std::span<const std::uint8_t> channels)>;
-/// Stage's rule: a pixel is solid if its first channel is at most 127. There must be at least one channel.
+/// The default rule, which is that of Stage, an older robot simulator whose world files Troupe reads. A pixel
+/// is solid if its first channel is at most 127. There must be at least one channel.
 bool is_dark(std::span<const std::uint8_t> channels);
 
 /// Reads a PNG, JPEG, BMP or binary PNM (P5, P6) image. `is_solid` decides which pixels are solid. If the
 /// file is missing, is not such an image, is damaged, or exceeds a limit (a file size of 2^31 - 1 bytes,
-/// k_most_pixels or k_most_corners), returns nothing and adds an error at `where`, the place of the image's
-/// name in the world file.
+/// k_most_pixels or k_most_corners), returns nothing and adds an error to `diagnostics`. `where` is the place
+/// (file and line) of the error: that of the image's name in the world file.
 std::optional<Bitmap> read_bitmap(const std::filesystem::path& file, Where where, Diagnostics& diagnostics,
                                   const PixelRule& is_solid = is_dark);
 /// Like read_bitmap(), but reads the image from `bytes`, the content of a file. `name` is the name of the
@@ -64,16 +65,17 @@ std::vector<Ring> bitmap_contours(const Bitmap& bitmap);
 /// `size` (m) in x and y and is centred on the origin.
 void fit_image(int width, int height, const Eigen::Vector3d& size, std::vector<Ring>& contours);
 
-/// Adds four walls to the solids of a floor plan. The walls are just inside the edges of a box of size `size`
-/// (m), which is centred on the origin in x and y and stands on z = 0. The walls are as tall as the box.
-/// Their thickness is the smallest of 0.01 m, size.x / 2 and size.y / 2.
+/// Adds four walls to the solids (extruded outlines) of a floor plan, a body that consists of walls. The
+/// walls are just inside the edges of a box of size `size` (m), which is centred on the origin in x and y and
+/// stands on z = 0. The walls are as tall as the box. Their thickness is the smallest of 0.01 m, size.x / 2
+/// and size.y / 2.
 void add_boundary(const Eigen::Vector3d& size, std::vector<Solid>& solids);
 
-/// Scales and shifts several solids together. Afterwards, their common bounding box in x and y, enlarged to
-/// contain `frame` (in the units of the solids), fills `size` (m) and is centred on the origin. Heights are
-/// multiplied by size.z / (z_max - z_min), where z_min and z_max are the lowest and highest points of all
-/// solids, and are not shifted. An axis along which the extent is 0 is not scaled. Does nothing if the solids
-/// have no points and `frame` is empty.
+/// Scales and shifts several solids (extruded outlines) together. Afterwards, their common bounding box in x
+/// and y, enlarged to contain `frame` (in the units of the solids), fills `size` (m) and is centred on the
+/// origin. Heights are multiplied by size.z / (z_max - z_min), where z_min and z_max are the lowest and
+/// highest points of all solids, and are not shifted. An axis along which the extent is 0 is not scaled. Does
+/// nothing if the solids have no points and `frame` is empty.
 void normalise(std::vector<Solid>& solids, const Eigen::Vector3d& size, const Box& frame = {});
 
 }  // namespace troupe::worldio

@@ -15,8 +15,8 @@
 
 namespace troupe::worldio {
 
-/// The outlines of an image of walls. If the image belongs to a ROS map, its size in m and its pose in the
-/// frame of the map are also stored.
+/// The outlines of an image of walls. If the image belongs to a ROS map (a floor plan in the format of ROS's
+/// map_server), its size in m and its pose in the frame of the map are also stored.
 struct FloorImage {
   int width = 0;   ///< width, pixels
   int height = 0;  ///< height, pixels
@@ -37,17 +37,18 @@ struct FloorImage {
   Solid solid(const Eigen::Vector3d& size) const;
 };
 
-/// Returns the solids of a floor plan in its own frame, standing on z = 0. The solids are scaled so that the
-/// bounding box of the solid pixels, or the whole image if spec.keeps_margins is set, fills `size` (m) and is
-/// centred on the origin in x and y. With spec.boundary, four walls just inside the edges of `size` are
-/// added. The solids of a ROS map are not fitted to `size`: the map determines their pose and their size in x
-/// and y, and their frame is that of the map. The function then sets size.x and size.y to the size of the
-/// map; size.z is the height of the walls.
+/// Returns the solids (extruded outlines) of a floor plan, a body that consists of walls, in its own frame.
+/// The solids stand on z = 0 and are scaled so that the bounding box of the solid pixels, or the whole image
+/// if spec.keeps_margins is set, fills `size` (m) and is centred on the origin in x and y. With
+/// spec.boundary, four walls just inside the edges of `size` are added. The solids of a ROS map are not
+/// fitted to `size`: the map determines their pose and their size in x and y, and their frame is that of the
+/// map. The function then sets size.x and size.y to the size of the map; size.z is the height of the walls.
 std::vector<Solid> floor_plan_body(const FloorImage& image, const engine::ImageSpec& spec,
                                    Eigen::Vector3d& size);
-/// Like floor_plan_body(), but for a model that is not a floor plan. As in Stage, all solids, including those
-/// of the boundary, are scaled to `size` a second time, which may change the last bits of their coordinates.
-/// The solids of a ROS map are not scaled a second time.
+/// Like floor_plan_body(), but for a body or part that is not a floor plan. All solids, including those of
+/// the boundary, are scaled to `size` a second time, which may change the last bits of their coordinates.
+/// Stage, an older robot simulator whose files Troupe reads, does the same. The solids of a ROS map are not
+/// scaled a second time.
 std::vector<Solid> image_body(const FloorImage& image, const engine::ImageSpec& spec, Eigen::Vector3d& size);
 
 /// Reads the images of one world. It reads each file only once for each value of `unknown_is_solid`.
@@ -58,9 +59,9 @@ class FloorImages {
   /// Reads an image, or a ROS map if the name of `file` ends in `.yaml` or `.yml`. `unknown_is_solid` says
   /// whether the unknown cells of a map are solid; for other images it has no effect. Returns null if the
   /// file, or the image that a map names, cannot be read or has errors. A failure adds an error at `where`,
-  /// the place of the file's name in the world file, or at a line of the YAML file. A repeated call with the
-  /// same `file` and `unknown_is_solid` adds no further error. An image without solid pixels is not an error:
-  /// its `contours` are empty. The result is valid until this object is destroyed.
+  /// the place (file and line) of the file's name in the world file, or at a line of the YAML file. A
+  /// repeated call with the same `file` and `unknown_is_solid` adds no further error. An image without solid
+  /// pixels is not an error: its `contours` are empty. The result is valid until this object is destroyed.
   const FloorImage* read(const std::filesystem::path& file, bool unknown_is_solid, Where where);
 
  private:

@@ -20,9 +20,9 @@ struct RosMap {
   enum class Mode { trinary, scale, raw };
 
   std::filesystem::path image;    ///< path of the image, joined with the folder of the YAML file
-  Where where_image;              ///< place of the value of `image` in the YAML file
+  Where where_image;              ///< place (file and line) of the value of `image` in the YAML file
   double resolution_m = 0;        ///< edge length of a cell, m
-  Where where_resolution;         ///< place of the value of `resolution` in the YAML file
+  Where where_resolution;         ///< place (file and line) of the value of `resolution` in the YAML file
   Pose pose_map_corner;           ///< `origin` of the file: pose of the image's lower left corner, map frame
   double occupied_thresh = 0.65;  ///< cells with a greater probability of occupancy are solid
   double free_thresh = 0.196;     ///< mode trinary: cells with a smaller probability of occupancy are free

@@ -20,15 +20,23 @@
 #include <utility>
 #include <vector>
 
-/// Describes the structs of a WorldDocument, which holds a JSON world (worldio/json/world_document.hpp). The
-/// function `describe()` of each struct fills a table with the keys of the struct. The reader
-/// (read_document.cpp), the writer (write_document.cpp) and the schema (world_schema.cpp) use these tables.
+/// Describes the keys of the JSON objects of a world. Each object is read into a struct of a WorldDocument,
+/// which holds the content of a JSON world (worldio/json/world_document.hpp). The function `describe()` of
+/// each struct fills a table with the keys of the struct. The reader (read_document.cpp), the writer
+/// (write_document.cpp) and the JSON schema (world_schema.cpp) use these tables.
+///
+/// A *kind* is a sort of drive, device, controller, measure or fault. The key `kind` of an object names it.
+/// Each kind has parameters, which are further keys of the object. Stage is an older robot simulator, whose
+/// model types are also kinds. A *preset* is a controller kind with other defaults, under a name of its own.
+/// The engine::Registry lists all kinds and presets; plug-ins (shared libraries) can have more kinds. An
+/// engine::Field describes a value: its name, type, unit, limits and default. An engine::FieldTable lists the
+/// fields of an object, and an engine::Record has their values.
 namespace troupe::worldio {
 
 struct DocumentTable;
 
-/// The form that a value has in a file. Each comment begins with the C++ type of the struct member that
-/// stores the value, followed by the JSON value.
+/// The form that a value has in a JSON file. Each comment begins with the C++ type of the struct member that
+/// stores the value. The JSON value follows after the colon.
 enum class Form : std::uint8_t {
   value,            ///< a type that engine::Field can describe: its JSON form follows from DocumentKey::field
   choice,           ///< an enum of one byte: a text, one of Field::choices, in the order of the enum
@@ -37,14 +45,14 @@ enum class Form : std::uint8_t {
   seed,             ///< std::uint64_t: a whole number from 0 to 2^64 - 1
   name,             ///< std::string: a text, not empty
   names,            ///< std::vector<std::string>: a list of texts, none of which is empty
-  model_kind,       ///< std::string: the name of a kind in Registry::models
+  model_kind,       ///< std::string: the name of a model type of Stage (Registry::models)
   color,            ///< Color: an X11 name, [r, g, b] or [r, g, b, a]
   color_or_random,  ///< ColorDocument: a color, or "random"
-  heading,          ///< HeadingDocument: an angle, or "random"
+  heading,          ///< HeadingDocument: an angle, or "random"; heading_field() describes the key
   points,           ///< std::vector<Vec2>: [[x, y], ...], m
   box,              ///< Box: [[x_min, y_min], [x_max, y_max]], m
   contours,         ///< std::vector<Ring>: a list of outlines, each [[x, y], ...], m
-  joint,            ///< JointName: a text or null
+  joint,            ///< JointName: the name of a joint, or null for no joint
   comparison,       ///< ComparisonDocument: a text such as `>= 0.9`
   kept,             ///< JsonNode: stored uninterpreted, because its valid keys depend on other objects
   kind,             ///< std::string: the name of one of DocumentTable::kinds
@@ -59,21 +67,23 @@ enum class Form : std::uint8_t {
 
 /// One key of a struct with a DocumentTable.
 struct DocumentKey {
-  /// Name and meaning of the key; for Form::value also unit and limits; for Form::value and Form::choice also
-  /// choices.
+  /// Name and meaning of the key. For Form::value, it also has the unit, the limits and the choices; for
+  /// Form::choice, the choices.
   engine::Field field;
-  Form form = Form::value;        ///< form of its value
-  bool required = false;          ///< true: an object without the key is an error
-  std::string_view hint = {};     ///< text after `missing "key": ` in errors; empty: see missing_hint()
-  std::string_view expects = {};  ///< if the value is a text: what follows `expected ` in errors. For
-                                  ///< Form::kept: a key that the schema requires in the object; empty: none
-  /// What an absent key means, if the default of the member does not say it, such as "the bounds of the
-  /// world".
+  Form form = Form::value;     ///< form of its value
+  bool required = false;       ///< true: an object without the key is an error
+  std::string_view hint = {};  ///< text after `missing "key": ` in errors; empty: see missing_hint()
+  /// If the value is a text: what follows `expected ` in errors. For Form::kept: the name of a key that the
+  /// schema requires in the value, which is an object; empty: none.
+  std::string_view expects = {};
+  /// Text for the documentation and the schema: what an absent key means, such as "the bounds of the world".
+  /// Empty if the default value of the member says it.
   std::string_view by_default = {};
   std::size_t least = 0;  ///< minimum number of entries of Form::names, or of points of an outline
   std::size_t most = std::numeric_limits<std::size_t>::max();  ///< maximum number of points of an outline
-  bool always = false;         ///< true: the writer also writes default values, except a z of 0 in a pose
-  bool counts_bodies = false;  ///< true: the value must also be at most LoadOptions::most_bodies
+  bool always = false;  ///< true: the writer also writes default values, except a z of 0 in a pose
+  /// True: the value is a number of bodies, and must also be at most LoadOptions::most_bodies.
+  bool counts_bodies = false;
   /// A copy of `field` with another name, set by or_named(). Used in place of `field` in an object whose kind
   /// has a parameter with the name of `field`, because parameters are keys of the same object. Not set: the
   /// key has only one name.
@@ -83,8 +93,8 @@ struct DocumentKey {
   std::uint32_t variants = ~0u;
   const DocumentTable& (*table)() = nullptr;  ///< Form::object, list and map: table of the struct
   const engine::FieldTable* block = nullptr;  ///< Form::block: the fields of the object
-  /// Returns whether a JSON object may have this key, given its other keys. A null function: every object may
-  /// have it.
+  /// Returns whether `object`, a JSON object, may have this key, given its other keys. A null function: every
+  /// object may have it.
   bool (*is_there)(const JsonNode& object) = nullptr;
   /// Returns whether objects of a kind may have the key. `kind` is DocumentKind::kind of the object, which
   /// can be null. A null function: objects of all kinds may have it.
@@ -94,7 +104,8 @@ struct DocumentKey {
   /// and `extends` (worldio/json/json_include.hpp), and `ring` (worldio/json/json_ring.hpp).
   bool is_resolved = false;
   bool is_optional = false;  ///< whether the member is a std::optional
-  bool is_float = false;     ///< true: the member is a float, written with only as many digits as it needs
+  /// True: the member is a float; the writer then writes only as many digits as a float needs.
+  bool is_float = false;
 
   // Functions that access the member, for every form except `value`; null if the key has no member. make()
   // and find() get the struct as `object`. The other functions exist only for lists and maps, and get the
@@ -170,17 +181,17 @@ struct DocumentRule {
                         ///< object
 };
 
-/// A kind that objects with a key `kind` can have: a drive kind, a device kind, ... The members refer to data
-/// of the engine::Registry: the registry must outlive this struct.
+/// A kind or preset that objects with a key `kind` can have: a drive kind, a device kind, ... The members
+/// refer to data of the engine::Registry: the registry must outlive this struct.
 struct DocumentKind {
   std::string_view name;                       ///< value of the key `kind`
   std::string_view text;                       ///< meaning of the kind
   const engine::FieldTable* params = nullptr;  ///< its parameters, which are keys of the same object
-  /// For a preset, which is a named variant of a controller kind: defaults that replace those in `params`.
-  /// For a preset, DocumentKinds::all() returns the name of the preset in `name` and that of its kind in
+  /// For a preset: pairs of a parameter and its default, which replace the defaults in `params`. For a
+  /// preset, DocumentKinds::all() returns the name of the preset in `name` and that of its kind in
   /// `preset_of`; DocumentKinds::find() returns the name of the kind in `name` and an empty `preset_of`.
   std::span<const std::pair<std::string_view, engine::Value>> presets = {};
-  std::string_view preset_of = {};
+  std::string_view preset_of = {};  ///< for a preset that all() returned: name of its kind; else empty
   const void* kind = nullptr;  ///< argument of DocumentKey::is_of: engine::DeviceKind of a device, else null
 };
 
@@ -193,7 +204,8 @@ struct DocumentKinds {
   std::vector<DocumentKind> (*all)(const engine::Registry& registry);
   /// Returns the names of all kinds and presets, sorted, for messages.
   std::vector<std::string_view> (*known)(const engine::Registry& registry);
-  /// Returns the names that no kind of a plug-in may have. Null if `page` is empty.
+  /// Returns the names that no kind of a plug-in may have, because kinds and presets of the registry have
+  /// them. Null if `page` is empty.
   std::vector<std::string_view> (*named)(const engine::Registry& registry);
   /// Returns the kind or preset of this name. Loads the plug-in if the kind is in a plug-in. If there is no
   /// kind of this name, returns an error whose text is the message for the user.
@@ -205,7 +217,7 @@ struct DocumentKinds {
   std::string_view hint = {};     ///< DocumentKey::hint of the key `kind`; empty: a list of all known kinds
 };
 
-/// A text that may be given in place of an object, such as "stalls" in place of {"kind": "stalls"}.
+/// A form of text that may be given in place of an object, such as "stalls" in place of {"kind": "stalls"}.
 struct DocumentShorthand {
   std::string_view expects;  ///< what follows `expected ` in errors
   /// Fills the default-constructed struct at `object` from the text. If the text is wrong, reports errors at
@@ -220,22 +232,25 @@ struct DocumentShorthand {
 
 /// The description of a struct: its keys, and rules for them.
 struct DocumentTable {
-  std::string_view definition;      ///< name under "definitions" in the schema; empty: each use has a copy
-  std::vector<DocumentKey> keys;    ///< in the order in which the writer writes them
-  std::vector<DocumentRule> rules;  ///< checked in this order
-  const DocumentKinds* kinds = nullptr;          ///< values of the key of Form::kind; null: no such key
+  /// Name under "definitions" in the JSON schema; empty: the schema repeats the struct at each use.
+  std::string_view definition;
+  std::vector<DocumentKey> keys;         ///< in the order in which the writer writes them
+  std::vector<DocumentRule> rules;       ///< checked in this order
+  const DocumentKinds* kinds = nullptr;  ///< the kinds that the objects can have; null: no key of Form::kind
   const DocumentShorthand* shorthand = nullptr;  ///< null: no text may be given in place of an object
   /// Name of the key, of Form::choice, whose value determines which other keys are valid, such as `rule` of a
   /// population's place. Empty if the same keys are valid in all objects.
   std::string_view variant;
   /// Checks the object after all keys are read, and reports errors. Null: no check.
   void (*check)(const void* object, const JsonCursor& at) = nullptr;
-  Placed& (*placed)(void* object) = nullptr;  ///< returns the struct as its base class Placed
-  const void* usual = nullptr;                ///< a struct whose members have their default values
-  /// Names of the structs with forgotten members. For each member, describe() must call a function that adds
-  /// a key, or DocumentKeys::no_key(). The list must be empty; a test checks this.
+  /// Returns the struct as its base class Placed, which stores the places (file and line) of the object and
+  /// its keys.
+  Placed& (*placed)(void* object) = nullptr;
+  const void* usual = nullptr;  ///< a struct whose members have their default values
+  /// Names of the structs with members that describe() forgot. For each member, describe() must call a
+  /// function that adds a key, or DocumentKeys::no_key(). The list must be empty: a test checks that.
   std::vector<std::string> incomplete;
-  /// Returns whether the writer omits the key `kind` of this object, because the reader finds its kind by
+  /// Returns whether the writer omits the key `kind` of `object`, because the reader finds its kind by
   /// DocumentKinds::implied. Null: the writer always writes the key.
   bool (*is_kind_implied)(const void* object) = nullptr;
 
@@ -251,7 +266,7 @@ std::optional<ComparisonDocument> read_comparison(const JsonCursor& at, std::str
 /// expression.
 std::string comparison_pattern();
 
-/// Returns the table of a struct. The first call fills the table with T::describe().
+/// Returns the table of a struct T of a WorldDocument. The first call fills the table with T::describe().
 template <class T>
 const DocumentTable& document_table();
 
@@ -290,7 +305,8 @@ struct AnyMember {
 
 }  // namespace detail
 
-/// Fills the table of T: one call per key, in the order in which the writer writes the keys.
+/// Fills the DocumentTable of T, a struct of a WorldDocument. T::describe() calls one function of this class
+/// per key, in the order in which the writer writes the keys.
 template <class T>
 class DocumentKeys {
  public:
@@ -359,7 +375,8 @@ class DocumentKeys {
     return key;
   }
 
-  /// Adds a key for a struct with a table. The member may be a std::optional.
+  /// Adds a key of Form::object. The member is a struct with a DocumentTable, or a std::optional of such a
+  /// struct. `text` is the meaning of the key, here and in list() and map().
   template <auto Member>
   DocumentKey& object(std::string_view name, std::string_view text = {}) {
     DocumentKey& key = other<Member>(Form::object, name, text);
@@ -368,7 +385,8 @@ class DocumentKeys {
     return key;
   }
 
-  /// Adds a key for a vector of structs with a table. The member may be a std::optional.
+  /// Adds a key of Form::list. The member is a vector of structs with a DocumentTable, or a std::optional of
+  /// such a vector.
   template <auto... Path>
   DocumentKey& list(std::string_view name, std::string_view text = {}) {
     DocumentKey& key = other<Path...>(Form::list, name, text);
@@ -385,7 +403,7 @@ class DocumentKeys {
     return key;
   }
 
-  /// Adds a key of Form::map. The member is a vector of pairs (name, struct); the struct has a table.
+  /// Adds a key of Form::map. The member is a vector of pairs (name, struct); the struct has a DocumentTable.
   template <auto Member>
   DocumentKey& map(std::string_view name, std::string_view text = {}) {
     DocumentKey& key = other<Member>(Form::map, name, text);

@@ -10,9 +10,13 @@
 #include <string>
 #include <string_view>
 
-/// Converts measures and experiments between JSON documents (worldio/json/world_document.hpp) and specs, the
-/// descriptions that the engine uses (engine/spec/world_spec.hpp). An experiment consists of stop conditions,
-/// interventions (changes of the world at given times) and faults (failures of robots).
+/// Converts measures and experiments between JSON documents and specs. A measure is a number that is computed
+/// from the state of a run, such as the covered area. An experiment consists of stop conditions (comparisons
+/// of measures with numbers), interventions (changes of the world at given times) and faults (failures of
+/// robots). A document is a struct with the content of a JSON object (worldio/json/world_document.hpp). A
+/// spec is the description that the engine uses (engine/spec/world_spec.hpp). A type describes bodies of the
+/// same construction. A kind is a sort of drive, device, controller, measure or fault, with its own
+/// parameters; the engine::Registry lists all kinds.
 namespace troupe::worldio {
 
 /// Returns the spec of the measure that a document describes. It copies the values and checks nothing.
@@ -25,8 +29,8 @@ MeasureDocument contract_measure(const engine::MeasureSpec& measure);
 /// world      path of the object that has the keys, for errors
 /// where_at   place of the key `at`, the list of interventions, for errors
 /// type_keys  for each type in spec.types, its key in the document; empty for a type without a key
-/// Reports an error for an intervention `set` of an unknown type, and for parameters that the type does not
-/// have. Names of populations and models are resolved later, when the world is built.
+/// The intervention `set` changes parameters of a type: an unknown type, and parameters that the type does
+/// not have, are errors. Names of populations and models are resolved later, when the world is built.
 void expand_experiment(const ExperimentDocument& document, const DocumentPath& world, Where where_at,
                        std::span<const std::string> type_keys, const engine::Registry& registry,
                        engine::WorldSpec& spec);
@@ -52,9 +56,9 @@ std::string parameters_json(const engine::TypeSpec& type, const engine::Registry
 
 /// Reads the keys of an experiment (`stop_when`, `at`, `faults`) from `object`, the JSON object of a stored
 /// world (worldio/json/spec_json.hpp), and adds the experiment to spec.experiment with expand_experiment().
-/// Errors are reported to the diagnostics of object.at(). Other keys of the object are neither read nor
-/// reported. The types of `spec` must be set already: `type_keys` has, for each type, the text by which the
-/// object refers to the type.
+/// Errors are reported to the diagnostics of object.at(), the path of the object. Other keys of the object
+/// are neither read nor reported. The types of `spec` must be set already: `type_keys` has, for each type,
+/// the text by which the object refers to the type.
 void read_experiment(JsonObject& object, std::span<const std::string> type_keys,
                      const engine::Registry& registry, engine::WorldSpec& spec);
 /// The inverse of read_experiment(): adds the keys of spec.experiment to `object`. Adds nothing for a world

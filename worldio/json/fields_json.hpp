@@ -11,6 +11,10 @@
 #include <string_view>
 #include <utility>
 
+/// Reads and writes parameters as keys of JSON objects. A field (engine::Field) describes one parameter: its
+/// name, type, unit, limits and default. A field table (engine::FieldTable) lists the fields of one object. A
+/// value (engine::Value) can be empty: given() is then false. A record (engine::Record) has one value for
+/// each field of a table. A cursor (JsonCursor) is a JSON value that is being read, with its path for errors.
 namespace troupe::worldio {
 
 /// Reads one field of an object and returns its value in SI units. The key of a field with a unit ends in the
@@ -34,10 +38,10 @@ FoundField find_field(JsonObject& object, const engine::Field& field);
 engine::Value read_value(const JsonCursor& at, const engine::Field& field);
 
 /// Reads all fields of a table from an object. A field that the object lacks takes its value from `presets`,
-/// which are pairs of a field name and a value, or else its default. If it has neither and is optional, the
-/// record has no value for it; if it has neither and is not optional, the missing field is an error. A field
-/// with a wrong value is an error, and also takes its preset or default. Unknown keys are not reported;
-/// JsonObject::finish() reports them.
+/// or else its default. `presets` are pairs of a field name and a value, which replace the defaults of some
+/// fields. If it has neither and is optional, the record has no value for it; if it has neither and is not
+/// optional, the missing field is an error. A field with a wrong value is an error, and also takes its preset
+/// or default. Unknown keys are not reported; JsonObject::finish() reports them.
 engine::Record read_fields(JsonObject& object, const engine::FieldTable& table,
                            std::span<const std::pair<std::string_view, engine::Value>> presets = {});
 
@@ -49,7 +53,7 @@ std::optional<Color> read_color(const JsonCursor& at);
 // written in degrees only if the degrees convert back to exactly the same radians.
 
 /// Adds a value, in SI units, to an object. The value must have the type of the field. The key is the name of
-/// the field followed by the unit, such as `fov_deg`. Adds nothing if the value is not given.
+/// the field followed by the unit, such as `fov_deg`. Adds nothing if given() is false for the value.
 void write_field(const engine::Field& field, const engine::Value& value, JsonNode::Object& object);
 
 /// Adds to an object those fields of a record whose values differ in any bit from their defaults.
@@ -69,8 +73,8 @@ bool same_bits(double a, double b);
 bool same_bits(const Pose& a, const Pose& b);
 
 /// Reads the object that is the value of `key` with read_fields(). Every key in that object that is not a
-/// field of `table` is an error. Empty if `key` is absent. If the value is not an object, reports an error
-/// and returns the defaults.
+/// field of `table` is an error. Returns nothing if `key` is absent. If the value of `key` is not an object,
+/// reports an error and returns a record of the defaults.
 std::optional<engine::Record> read_block(JsonObject& object, std::string_view key,
                                          const engine::FieldTable& table);
 

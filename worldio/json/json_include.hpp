@@ -9,24 +9,25 @@
 
 namespace troupe::worldio {
 
-/// Removes from a world the key `include`, a list of files, and adds the types of these files in front of the
-/// types of the world. An included file is a JSON object that can have the keys `types`, `include`, `troupe`
-/// and `$schema`. Its path is relative to the folder of the including file. Paths of images in it are
-/// relative to its own folder, and are changed to be relative to the folder of the world. A file that is
-/// included several times counts once. `file` is the path of the world file. Each node keeps its file and
-/// line. Reports an error for a file that cannot be read or is not a JSON object, for files that include each
-/// other in a circle, for a key that an included file must not have or whose value is wrong, and for two
-/// types with the same key. Does nothing if the world has no key `include`.
+/// Removes the key `include`, a list of files, from the JSON object of a world, and adds the types of these
+/// files in front of the types of the world. A type describes bodies of the same construction. An included
+/// file is a JSON object that can have the keys `types`, `include`, `troupe` and `$schema`. Its path is
+/// relative to the folder of the including file. Paths of images in it are relative to its own folder, and
+/// are changed to be relative to the folder of the world. A file that is included several times counts once.
+/// `file` is the path of the world file. Each node keeps its file and line. Reports an error for a file that
+/// cannot be read or is not a JSON object, for files that include each other in a circle, for a key that an
+/// included file must not have or whose value is wrong, and for two types with the same key. Does nothing if
+/// the world has no key `include`.
 void resolve_includes(JsonNode& world, const std::filesystem::path& file, Diagnostics& diagnostics);
 
-/// Replaces the key `extends` of each type of a world with the keys of the base type, which is the type that
-/// `extends` names:
+/// Replaces the key `extends` of each type in the JSON object of a world with the keys of the base type,
+/// which is the type that `extends` names:
 /// - A key that the type has itself replaces the key of the base type.
 /// - A key whose value is null removes the key that the type would inherit. The exception is `joint`, where
 ///   null means that there is no joint.
 /// - If both values of a key are objects, they are merged key by key. If both objects have a `kind` and the
-///   kinds differ, the type inherits nothing of the base object. The key `kind` of a type itself, which names
-///   a model type of Stage, has no such effect.
+///   kinds differ, the type inherits nothing of the base object. The key `kind` of the type itself has no
+///   such effect: it names a model type of Stage, an older robot simulator.
 /// - In the lists `sensors`, `devices` and `parts`, entries of the same name are merged. The other entries of
 ///   the type follow those of the base type.
 /// - A key of the type replaces an inherited key of the same quantity in another unit. `controller` replaces

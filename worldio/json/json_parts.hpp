@@ -15,7 +15,11 @@
 #include <string_view>
 #include <vector>
 
-/// Converts the shapes of body types and of their parts between JSON documents and specs (engine::PartSpec).
+/// Converts the shapes of parts between JSON documents and specs. A type describes bodies of the same
+/// construction. Its parts are rigid pieces, each with a pose in the frame of the body; part 0 is the body
+/// itself. A document is a struct with the content of a JSON object (worldio/json/world_document.hpp). A spec
+/// (engine::PartSpec) is the description that the engine uses. A block is an upright prism. A floor plan is a
+/// body that consists of walls.
 namespace troupe::worldio {
 
 /// Reads a list of points [[x, y], ...], m. If the value is not a list of pairs of numbers from -k_max_size_m
@@ -35,9 +39,10 @@ std::optional<Box> read_box(const JsonCursor& at);
 /// cross or touch other than at their common point, or if it has no area.
 Result<> check_outline(const Ring& ring);
 
-/// Returns the solids that an image gives a part, in the frame of the body. The members `image`, `size` and
-/// `pose_body_part` of `part` must be set; `solids` of `part` is not changed. If the image is a ROS map, sets
-/// x and y of the size of `part` to those of the map.
+/// Returns the solids (extruded outlines) that an image gives a part, in the frame of the body. The members
+/// `image`, `size` and `pose_body_part` of `part` must be set; `solids` of `part` is not changed. If the
+/// image is a ROS map (a floor plan in the format of ROS's map_server), sets x and y of the size of `part` to
+/// those of the map.
 std::vector<Solid> image_solids(const FloorImage& image, engine::PartSpec& part);
 
 /// The images of a world, and the folder to which paths of images in the world file are relative.
@@ -65,8 +70,8 @@ ImageDocument contract_image(const engine::ImageSpec& image, const Eigen::Vector
 
 /// Sets the shape of a part: its solids (in the frame of the body), size and image, and whether it is a floor
 /// plan. The pose of the part must be set before. `at` is the path of the part, for errors. Returns whether
-/// the document gives a shape: a size, a disc with radius and height, a list of blocks, `fit`, or an image,
-/// even if an error was reported for it.
+/// the document gives a shape: a size, a disc with radius and height, a list of blocks, `fit` (blocks that
+/// are scaled to a size), or an image, even if an error was reported for it.
 bool expand_shape(const PartDocument& document, const DocumentPath& at, ImageFolder& images,
                   engine::PartSpec& part);
 /// The inverse of expand_shape(): sets the shape in `document`. Paths of images become relative to `folder`;
@@ -74,8 +79,8 @@ bool expand_shape(const PartDocument& document, const DocumentPath& at, ImageFol
 /// the size, m, that expand_shape() would give the part.
 Eigen::Vector3d contract_shape(const engine::PartSpec& part, const std::filesystem::path* folder,
                                PartDocument& document);
-/// Sets `extent` of the document to the size of the part if this size differs in any bit from
-/// `size_expanded`, the result of contract_shape().
+/// Sets PartDocument::extent, the size that fiducial finders report, to the size of the part. Does so only if
+/// this size differs in any bit from `size_expanded`, the result of contract_shape().
 void contract_extent(const engine::PartSpec& part, const Eigen::Vector3d& size_expanded,
                      PartDocument& document);
 

@@ -47,8 +47,9 @@ class JsonCursor : public DocumentPath {
       : DocumentPath(parent, key, node.where), parent_(&parent), node_(&node) {}
   JsonCursor(const JsonCursor& parent, std::size_t index, const JsonNode& node)
       : DocumentPath(parent, index, node.where), parent_(&parent), node_(&node) {}
-  /// For a node that a WorldDocument stores as unread JSON. `parent` is the path of the enclosing value,
-  /// whose node is not known: parent() of this cursor returns null.
+  /// For a node that a WorldDocument (the struct with the content of a JSON world) stores as unread JSON.
+  /// `parent` is the path of the enclosing value, whose node is not known: parent() of this cursor returns
+  /// null.
   JsonCursor(const DocumentPath& parent, std::string_view key, const JsonNode& node)
       : DocumentPath(parent, key, node.where), node_(&node) {}
 

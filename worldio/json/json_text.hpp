@@ -35,7 +35,8 @@ inline void add_node(JsonNode::Object& object, std::string_view key, JsonNode no
 /// Returns the list [x, y, ...] of these numbers.
 JsonNode json_numbers(std::span<const double> numbers);
 
-/// Returns a value as text on one line, without a line end: `{"x_m": 1.5}`. Throws like json_text().
+/// Returns a value as text on one line, without a line end: `{"x_m": 1.5}`. Throws std::runtime_error as
+/// json_text() does.
 std::string json_line(const JsonNode& node);
 
 /// Returns the document as readable text that ends with a line end. A list or object that fits on one line of

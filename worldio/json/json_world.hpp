@@ -9,15 +9,21 @@
 #include <filesystem>
 #include <optional>
 
+/// Reads and writes JSON worlds. A type describes bodies of the same construction, and can inherit from
+/// another type with the key `extends`. A population is a group of bodies that a rule places. A WorldDocument
+/// is a struct with the content of a JSON world. A spec (engine::WorldSpec) is the description of a world
+/// from which the engine builds it. The engine::Registry lists the kinds (sorts) of drives, devices,
+/// controllers, measures and faults that a world may use. A place (Where) is a file and a line.
 namespace troupe::worldio {
 
 /// Completes the JSON nodes of a world before they are read. First it adds the types of included files, whose
 /// paths are relative to the folder of `file` (worldio/json/json_include.hpp). Then it applies the changes of
 /// the command line: the values of LoadOptions::set (`--set POINTER=VALUE`) and the numbers of bodies of
 /// LoadOptions::robots (`--robots NAME=COUNT`). Last, it merges each type with the type that it extends. A
-/// changed type therefore also changes the types that extend it. It adds the names of the extended types to
-/// LoadOptions::base_types. Reports an error for each file that cannot be included, value that cannot be set,
-/// unknown population, unknown base type, and circle of types that extend each other.
+/// changed type therefore also changes the types that extend it. It adds the names of the types that other
+/// types extend to LoadOptions::base_types, unless that is null. Reports an error for each file that cannot
+/// be included, value that cannot be set, unknown population, unknown base type, and circle of types that
+/// extend each other.
 void change_json_world(JsonNode& document, const std::filesystem::path& file, const LoadOptions& options,
                        Diagnostics& diagnostics);
 
@@ -34,11 +40,11 @@ std::optional<WorldDocument> load_json_document(const std::filesystem::path& fil
                                                 const engine::Registry& registry, const LoadOptions& options,
                                                 Diagnostics& diagnostics);
 
-/// Returns the world that a document describes. Reads the images of the document and places its bodies.
-/// `file` is the file of the document; relative paths are relative to its folder. The function uses the
-/// members `seed`, `threads`, `most_bodies` and `place_again` of `options`. Reports all errors that it finds,
-/// even if reading the document has already reported some. Places the bodies only if `diagnostics` has no
-/// errors at all.
+/// Returns the spec of the world that a document describes. Reads the images of the document and places its
+/// bodies. `file` is the file of the document; relative paths are relative to its folder. The function uses
+/// the members `seed`, `threads`, `most_bodies` and `place_again` of `options`. Reports all errors that it
+/// finds, even if reading the document has already reported some. Places the bodies only if `diagnostics` has
+/// no errors at all.
 engine::WorldSpec expand(const WorldDocument& document, const std::filesystem::path& file,
                          const engine::Registry& registry, const LoadOptions& options,
                          Diagnostics& diagnostics);
@@ -60,15 +66,15 @@ engine::WorldSpec read_json_world(const std::filesystem::path& file, const JsonN
                                   const engine::Registry& registry, const LoadOptions& options,
                                   Diagnostics& diagnostics);
 
-/// Returns the root node of a document that describes this world: if the document is the content of `file`,
-/// loading it gives a world that is equal in every bit in the sense of spec_difference(). The function loads
-/// the document to check this. If JSON cannot express the world, the function reports errors and returns
-/// nothing.
+/// Returns the root node of a JSON document that describes this world. Loading the document as the content of
+/// `file` gives a world in which spec_difference() finds no bit that differs. The function loads the document
+/// to check this. If JSON cannot express the world, the function reports errors and returns nothing.
 /// - The bodies of populations are written one by one, as entries of `models`.
 /// - An angle is written in degrees if at most nine digits of degrees convert back to the same radians.
 /// - An image is written with a path relative to the folder of `file` if it still gives the same solids;
 ///   otherwise its outlines are written.
-/// - The keys `overlaps` and `same_names` are "warn" only if reading the world back would otherwise fail.
+/// - The keys `overlaps` and `same_names` are "warn" only if reading the world back would otherwise fail,
+///   because bodies overlap or have the same name.
 /// - Each node has the place in a file (Where) that the spec has for its value.
 std::optional<JsonNode> write_json_world(const engine::WorldSpec& spec, const std::filesystem::path& file,
                                          const engine::Registry& registry, Diagnostics& diagnostics);

@@ -12,7 +12,8 @@
 #include <vector>
 
 /// A session is a file in the format JSON Lines that lists the actions that users performed on a running
-/// world (docs/live.md). An *act* is one such action: a body was moved, a command was given, ...
+/// world (docs/live.md). An *act* is one such action: a body was moved, a command was given, ... A *tick* is
+/// a simulation step.
 namespace troupe::worldio {
 
 inline constexpr int k_session_format = 1;  ///< the only version of the format
@@ -48,7 +49,7 @@ struct Session {
 /// `tick` is the number of ticks that were completed when the act was performed or the session ended. `n` is
 /// the number of the line; the first line after the header has number 1. The functions throw
 /// std::invalid_argument for text that is not UTF-8. Numbers of the act must be finite, and Act::setting must
-/// be valid JSON if the act is of kind `set`.
+/// be valid JSON if the act sets parameters (`"do": "set"`).
 ///@{
 std::string header_line(const SessionHeader& header);
 std::string act_line(std::uint64_t tick, std::uint64_t n, const engine::Act& act);

@@ -15,19 +15,22 @@ enum class Places {
   compared,
 };
 
-/// Returns the path of the first value that differs in any bit between two worlds, such as
-/// `types[3].parts[1].solids` or `bodies[7].name`. Empty if the worlds are equal. Three things are not
-/// compared: the images and blocks from which the solids of parts were made, the title if `a` has none, and
-/// the list of files. Names are compared as texts, because a name is stored as the index of a word and a
-/// number, and two worlds may have different indices for the same word.
+/// Returns the path of the first value that differs in any bit between two specs (descriptions of worlds,
+/// from which the engine builds them), such as `types[3].parts[1].solids` or `bodies[7].name`. Empty if the
+/// specs are equal. Three things are not compared: the images and blocks (upright prisms) from which the
+/// solids of parts were made, the title if `a` has none, and the list of the files that the places refer to.
+/// Names are compared as texts, because a name is stored as the index of a word and a number, and two worlds
+/// may have different indices for the same word.
 std::string spec_difference(const engine::WorldSpec& a, const engine::WorldSpec& b,
                             Places places = Places::ignored);
 
-/// Whether two parts of a type are equal in the sense of spec_difference() with Places::ignored.
+/// Whether two parts (rigid pieces of a body type) are equal in the sense of spec_difference() with
+/// Places::ignored.
 bool same_part(const engine::PartSpec& a, const engine::PartSpec& b);
 
-/// Returns all values of a type that spec_difference() compares with Places::ignored, as one byte string. Two
-/// types have equal strings if and only if all these values are equal in every bit.
+/// Returns all values of a type (the description of bodies of the same construction) that spec_difference()
+/// compares with Places::ignored, as one byte string. Two types have equal strings if and only if all these
+/// values are equal in every bit.
 std::string compared_bytes(const engine::TypeSpec& type);
 
 }  // namespace troupe::worldio

@@ -10,7 +10,11 @@
 #include <string>
 #include <string_view>
 
-// Functions for code that visits all members of a spec by its tables (engine/spec/spec_description.hpp).
+// Functions for code that visits all members of a spec (engine::WorldSpec, the description of a world that
+// the engine uses) by means of tables. A table (engine::FieldTable) lists the fields of a struct: the name,
+// type, unit, limits and default of each member. The tables of the structs of a spec are in
+// engine/spec/spec_description.hpp. A stored world (worldio/json/spec_json.hpp) is a spec as JSON, in
+// checkpoints and recordings.
 
 namespace troupe::worldio {
 
@@ -25,8 +29,7 @@ struct SpecPath {
   std::string text() const;  ///< the whole path: `types[0].parts[2].size`
 };
 
-/// Returns the key of a field in a stored world (worldio/json/spec_json.hpp): its name and its SI unit, as in
-/// "period_s".
+/// Returns the key of a field in a stored world: its name and its SI unit, as in "period_s".
 std::string key_of(const engine::Field& field);
 
 /// Whether a number, in SI units, is finite and within a field's limits.
@@ -57,9 +60,10 @@ inline const void* block_of(const engine::MemberType& type, const void* member, 
 }
 
 /// Returns the table of the parameters that a struct of a spec stores as an engine::Record, such as
-/// DeviceSpec::params. `table` describes the struct and `object` points to it. The parameters are those of
-/// the kind that the member `kind` of the struct names or, for a WorldSpec, those of the window. If the kind
-/// is unknown, or its plug-in cannot be loaded, returns an error with the reason.
+/// DeviceSpec::params. `table` describes the struct and `object` points to it. If the struct has a member
+/// `kind`, the parameters are those of the kind (sort of drive, device, controller, ...) of this name. For a
+/// WorldSpec, they are those of WorldSpec::window, the settings of the view of a run. If the kind is unknown,
+/// or its plug-in cannot be loaded, returns an error with the reason.
 Result<const engine::FieldTable*> parameters_of(const engine::FieldTable& table, const void* object,
                                                 const engine::Registry& registry);
 

@@ -14,19 +14,20 @@
 
 namespace troupe::worldio {
 
-/// How a column of the table of results summarises the values that a measure has at the measurements of a
-/// run: by the last, the mean, the smallest or the largest value.
+/// How a column of the table of results summarises the values of a measure: by the last, the mean, the
+/// smallest or the largest value in a run. A measure is a number that is computed from the state of a run,
+/// such as the covered area. It has one value for each measurement (Study::measure_every_s).
 enum class Statistic : std::uint8_t { last, mean, min, max };
 /// Returns the name of a statistic in a study: "last", "mean", "min" or "max".
 std::string_view statistic_name(Statistic statistic);
 
 /// A study (docs/sweeps.md), as `troupe sweep` reads it: one world that is run many times with different
-/// values.
+/// values. Each run fills one row of the table of results.
 struct Study {
   /// A value of the world that the study varies.
   struct Parameter {
     std::string name;     ///< name of its column in the table of results
-    std::string pointer;  ///< JSON pointer into the world, as in --set
+    std::string pointer;  ///< JSON pointer to the value in the world, as in the option --set of `troupe run`
     Where where;          ///< position in the study, for messages
   };
   /// The values of the parameters and the seed of one run.
@@ -37,14 +38,16 @@ struct Study {
 
   Where where;                  ///< the study file, for messages
   std::filesystem::path world;  ///< path of the world file, already joined with the folder of the study
-  /// World time at which each run ends at the latest, s. Empty: the quit time of the world.
+  /// Simulated time at which each run ends at the latest, s. Empty: the quit time of the world
+  /// (WorldSpec::quit_time_s).
   std::optional<double> for_s;
   std::vector<Parameter> parameters;  ///< the varied values, in the order of their columns
-  /// Measures, as parse_measure() reads them. Empty: the measures of the world.
+  /// Measures, each as text that parse_measure() reads, such as "stalls:leaders" or a JSON object. Empty: the
+  /// measures of the world.
   std::vector<std::string> measures;
   std::vector<Statistic> statistics;  ///< the statistics of each measure; load_study() sets at least one
-  double measure_every_s = 1;         ///< world time between measurements, s; 0: every tick
-  bool series = false;                ///< whether all measurements are also stored, in a separate table
+  double measure_every_s = 1;  ///< simulated time between measurements, s; 0: every tick (simulation step)
+  bool series = false;         ///< whether all measurements are also stored, in a separate table
 
   /// The values that a parameter takes, by `kind`: those of a list (`listed`), equally spaced values of an
   /// interval (`steps`), or random values from an interval: uniformly distributed (`uniform`), with a
@@ -74,17 +77,18 @@ struct Study {
   /// combinations of the values: the first parameter varies slowest and the seed fastest. With samples, each
   /// sample is run with every seed, and the seed varies fastest. The values of a sample depend only on
   /// `random_seed`, on the number of the sample, on the choice and the pointer of each parameter, and on the
-  /// number of earlier parameters with the same pointer (`/models/-`). Runs are computed on demand, because a
-  /// file of some kilobytes can define a million runs of hundreds of parameters.
+  /// number of earlier parameters with the same pointer (several parameters can append to one list with
+  /// `/models/-`). Runs are computed on demand, because a file of some kilobytes can define a million runs of
+  /// hundreds of parameters.
   Run run(std::size_t index) const;
-  /// Returns the values of the parameters in a run as arguments of --set: for each parameter, a pair of its
-  /// JSON pointer and its value. The seed is not included.
+  /// Returns the values of the parameters in a run as arguments of the option --set: for each parameter, a
+  /// pair of its JSON pointer and its value. The seed is not included.
   std::vector<std::pair<std::string, std::string>> settings(const Run& run) const;
 };
 
 /// Returns the names of the columns that measures have in the table of results: for each measure one column
 /// per statistic. For the measure `coverage`, the statistic `last` is in the column `coverage` and `mean` in
-/// `coverage_mean`. measures: names of the measures, with units (Measures::columns()).
+/// `coverage_mean`. measures: names of the measures, with their units, as Measures::columns() returns them.
 std::vector<std::string> measure_columns(const std::vector<std::string>& measures,
                                          const std::vector<Statistic>& statistics);
 
@@ -97,7 +101,7 @@ inline constexpr std::size_t k_most_runs = 1000000;  ///< greatest number of run
 
 /// Reads a study from a JSON file. Adds all errors to `diagnostics`; do not use the result if there are
 /// errors. Does not load the world, and does not check that the pointers of the parameters exist in it.
-/// `registry` has the measures that the study may use.
+/// `registry` lists the kinds (sorts) of measures that the study may use.
 Study load_study(const std::filesystem::path& file, const engine::Registry& registry,
                  Diagnostics& diagnostics);
 /// Like load_study(), but reads the study from `text`. `file` is the path of the study in messages, and the

@@ -10,8 +10,10 @@
 #include <optional>
 #include <string>
 
-/// Converts body types between JSON documents (worldio/json/world_document.hpp) and specs, the descriptions
-/// that the engine uses (engine/spec/world_spec.hpp).
+/// Converts body types between JSON documents and specs. A type describes bodies of the same construction. A
+/// document is a struct with the content of a JSON object (worldio/json/world_document.hpp). A spec is the
+/// description that the engine uses (engine/spec/world_spec.hpp). The engine::Registry lists the kinds
+/// (sorts) of drives, devices and controllers that a type may have.
 namespace troupe::worldio {
 
 /// Returns the type that a document describes. `key` is its key in the object `types`, and also its name if
@@ -23,14 +25,14 @@ engine::TypeSpec expand_type(const TypeDocument& document, const std::string& ke
 /// The inverse of expand_type(): returns the document that describes this type under `key`, without the
 /// values that expand_type() assumes by default. `color` becomes the colour of the type; if `color` is empty,
 /// the document has no colour. Paths of images become relative to `folder`; if `folder` is null, images are
-/// written as outlines. Throws std::runtime_error if the kind of a device is not registered.
+/// written as outlines. Throws std::runtime_error if the kind of a device is not in `registry`.
 TypeDocument contract_type(const engine::TypeSpec& type, const std::string& key,
                            const std::optional<Color>& color, const engine::Registry& registry,
                            const std::filesystem::path* folder);
 
-/// Whether the joint of a device of this kind moves the part that is itself the device
-/// (PartDocument::device). True for actuators. False for grippers, because only their paddles move, and for
-/// devices without a joint.
+/// A part (rigid piece of a body) can itself be a device: PartDocument::device. Returns whether the joint of
+/// a device of this kind then moves that part. True for actuators. False for grippers, because only their
+/// paddles move, and for devices without a joint.
 inline bool moves_itself(const engine::DeviceKind& kind) { return !kind.joints.empty() && !kind.body; }
 
 }  // namespace troupe::worldio

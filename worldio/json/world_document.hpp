@@ -24,11 +24,19 @@
 #include <variant>
 #include <vector>
 
-/// The content of a JSON world as plain data: types, paths of images, populations, all in SI units, with the
-/// place of each value in its file. expand() converts a document to an engine::WorldSpec; write_json_world()
-/// does the reverse. The keys, their units, limits and meanings are in world_document.cpp and in
-/// docs/world-format.md. "Required" in the comments below means that the reader reports an error if the key
-/// is missing; the member is then empty.
+/// The content of a JSON world as plain data: types, paths of images, populations, and so on. Numbers are in
+/// SI units. Each value has its place (file and line). expand() converts a document to an engine::WorldSpec,
+/// the description that the engine uses; write_json_world() does the reverse. The keys, their units, limits
+/// and meanings are in world_document.cpp and in docs/world-format.md. "Required" in the comments below means
+/// that the reader reports an error if the key is missing; the member is then empty.
+///
+/// Words of world files: A *type* describes bodies of the same construction. A *part* is a rigid piece of a
+/// body; parts form a tree, whose root is the body itself. A *device* is a sensor, or another instrument such
+/// as a gripper or a light. A *kind* is a sort of drive, device, controller, measure or fault, with
+/// parameters of its own; the engine::Registry lists all kinds. A *population* is a group of bodies that a
+/// rule places. Its *reserve* consists of bodies that are absent at the start and can enter the world (be
+/// born) later. A *fiducial finder* is a sensor that detects marked bodies and reads their numbers. A
+/// *measure* is a number that is computed from the state of a run. A *tick* is a simulation step.
 namespace troupe::worldio {
 
 /// Collects the JSON keys of T, one of the structs below: T::describe() adds one key per member. Defined in
@@ -38,29 +46,33 @@ class DocumentKeys;
 
 inline constexpr std::int64_t k_format_version = 1;      ///< the only version of the format
 inline constexpr double k_max_size_m = k_world_reach_m;  ///< maximum of sizes and absolute coordinates, m
-inline constexpr std::size_t k_most_block_points =
-    1000;  ///< most points of a block or a line of walls; the time of check_outline() grows with their square
+/// Greatest number of points of a block (BlockDocument) or of a line of walls. The time of check_outline(),
+/// which checks that an outline does not cross itself, grows with the square of this number.
+inline constexpr std::size_t k_most_block_points = 1000;
 
 /// Base of the structs that are read from JSON objects: the place (file and line) of the object, and the
-/// places of the values of its keys, for error messages. Keys that are parameters of a kind (a sort of drive,
-/// device, controller, measure or fault) have no places here.
+/// places of the values of its keys, for error messages. Keys that are parameters of a kind have no places
+/// here.
 struct Placed {
   /// A key that the object has, even if its value is wrong.
   struct Key {
-    /// Name of the key in its DocumentTable: the key without its unit if a file can choose the unit, as in
-    /// "period" for `period_s` or `period_ms`; otherwise the whole key, as in "points_m".
+    /// Name of the key in the table of keys that describe() fills (DocumentTable): the key without its unit
+    /// if a file can choose the unit, as in "period" for `period_s` or `period_ms`; otherwise the whole key,
+    /// as in "points_m".
     std::string_view name;
     Where where;  ///< place of the value
   };
-  Where where;            ///< where the object begins in its file
-  std::vector<Key> keys;  ///< the keys that the object has, in the order in which describe() adds them
+  Where where;  ///< where the object begins in its file
+  /// The keys that the object has, in the order in which describe() adds their descriptions.
+  std::vector<Key> keys;
 
   bool says(std::string_view key) const;  ///< whether `keys` has a Key of this name
   /// The place of a key's value; that of the object if `keys` has no Key of this name.
   Where where_of(std::string_view key) const;
 };
 
-/// The value of a key `joint`: the name of a joint, or null for no joint.
+/// The value of a key `joint`: the name of a joint, or null for no joint. A joint is a frame of a body that a
+/// device, such as an actuator, moves.
 struct JointName {
   std::optional<std::string> name;  ///< name of the joint; empty: no joint
 };
@@ -100,7 +112,8 @@ struct DiscDocument : Placed {
   static void describe(DocumentKeys<DiscDocument>& d);  ///< adds the keys of this struct to `d`
 };
 
-/// An image, or a ROS map, that gives a body its shape.
+/// An image, or a ROS map (a floor plan in the format of ROS's map_server), that gives a body or part its
+/// shape.
 struct ImageDocument {
   /// The region of an image that is scaled to `size`.
   enum class Margins : std::uint8_t {
@@ -115,7 +128,7 @@ struct ImageDocument {
   std::string bitmap;  ///< path, relative to the folder of the world file; empty: no image
   /// Size [x, y, z] to which the image is scaled, m. Empty for a map, which has a size of its own.
   std::optional<Eigen::Vector3d> size;
-  std::optional<double> height;     ///< height of the walls of a map or of walls along a line, m; empty: 1
+  std::optional<double> height;     ///< height of the walls of a map or of walls along a line, m; empty: 1 m
   Unknown unknown = Unknown::free;  ///< how unknown cells of a map are treated
   Margins margins = Margins::trim;  ///< the region of the image that is scaled to `size`
   bool boundary = false;  ///< true: adds four walls just inside the edges of the scaled image or map
@@ -126,16 +139,17 @@ struct DeviceDocument : Placed {
   /// Name of the device. Empty: made from the kind, as in "ranger:0"; for the `device` of a part, the name of
   /// the part.
   std::string name;
-  std::string kind;              ///< name of a kind in Registry::devices
-  bool is_kind_implied = false;  ///< true: the writer omits `kind`, because the `kind` of the part implies it
+  std::string kind;  ///< name of a kind in Registry::devices
+  /// True: the writer omits `kind`, because PartDocument::kind of the part that is the device implies it.
+  bool is_kind_implied = false;
   /// Pose in the frame of the body or, with `on`, of the device that `on` names. Empty: at the origin of this
   /// frame; for the `device` of a part, the pose of the part.
   std::optional<Pose> pose;
   std::optional<JointName> joint;  ///< joint that moves the device; empty: the joint that moves its part
-  bool active = true;              ///< false: the device runs only while a controller or a program reads it
-  double period = 0;               ///< time between two updates, s; 0: every tick
-  engine::Record params;           ///< one value per parameter of the kind (DeviceKind::params)
-  std::string on;                  ///< name of the device on which this one is mounted; empty: none
+  bool active = true;     ///< false: the device runs only while a controller or a user program reads it
+  double period = 0;      ///< time between two updates, s; 0: every tick
+  engine::Record params;  ///< one value per parameter of the kind (DeviceKind::params)
+  std::string on;         ///< name of the device on which this one is mounted; empty: none
   // The members below describe the body of an entry of `devices` that has a joint. Other devices have no
   // body. The size and blocks of grippers follow from their parameters.
   std::optional<Color> color;           ///< colour of the device; empty: that of the robot's body
@@ -144,11 +158,11 @@ struct DeviceDocument : Placed {
   std::vector<BlockDocument> blocks;    ///< solids in addition to the box
   static void describe(DocumentKeys<DeviceDocument>& d);  ///< adds the keys of this struct to `d`
 };
-/// An entry of `sensors`.
+/// An entry of the list `sensors` of a type or part.
 struct SensorDocument : DeviceDocument {
   static void describe(DocumentKeys<SensorDocument>& d);  ///< adds the keys of this struct to `d`
 };
-/// The `device` of a part: the part itself is this device.
+/// The value of the key `device` of a part: the part itself is this device.
 struct OwnDeviceDocument : DeviceDocument {
   static void describe(DocumentKeys<OwnDeviceDocument>& d);  ///< adds the keys of this struct to `d`
 };
@@ -164,19 +178,21 @@ struct DriveDocument : Placed {
 /// A controller of a type or part.
 struct ControllerDocument : Placed {
   std::string kind;  ///< name of a kind in Registry::controllers
-  /// Time between two calls, s; 0: every tick. It has no effect if the controller uses a sensor or another
-  /// device, or if the type has a drive.
+  /// Time between two calls of the controller, s; 0: every tick. It has no effect if the controller uses a
+  /// sensor or another device, or if the type has a drive.
   double period = 0;
   engine::Record params;  ///< one value per parameter of the kind (ControllerKind::params)
   static void describe(DocumentKeys<ControllerDocument>& d);  ///< adds the keys of this struct to `d`
 };
 
-/// A part (a piece of a body, with a pose in the frame of the body), or the root of a type's tree of parts.
+/// A part (a rigid piece of a body, with a pose in the frame of the body), or the body itself, which is the
+/// root of the tree of parts of its type.
 struct PartDocument : Placed {
   std::string name;   ///< name of the part or type; empty for a type that is named like its key
   std::string alias;  ///< another name, by which programs can also find the part; empty: none
-  std::string kind;   ///< name in Registry::models, the model types of Stage; empty: "position" for a type
-                      ///< with a drive, else "model"
+  /// Name in Registry::models, the model types of Stage (an older robot simulator, whose files Troupe reads
+  /// and writes). Empty: "position" for a type with a drive, else "model".
+  std::string kind;
   std::optional<Pose> pose;        ///< pose in the frame of the body; empty: at the origin of the body
   std::optional<JointName> joint;  ///< joint that moves the part; empty: that of the enclosing part
   /// The image that gives the part its shape. If image.bitmap is empty, there is no image, and only
@@ -189,7 +205,8 @@ struct PartDocument : Placed {
   std::optional<DiscDocument> disc;  ///< a cylinder about the origin of the part, in addition to the blocks
   std::optional<std::vector<BlockDocument>> blocks;  ///< upright prisms
   std::optional<bool> floor_plan;  ///< whether the shape is that of walls; empty: true if it is an image
-  /// Size that fiducial finders report and controllers read, m; empty: that of the shape.
+  /// Size that fiducial finders report for the part and that controllers read, m; empty: the size of the
+  /// shape.
   std::optional<Eigen::Vector3d> extent;
   std::optional<Color> color;                    ///< colour of the part; empty: that of the body
   engine::Returns returns;                       ///< how other bodies collide with the part and sense it
@@ -202,7 +219,8 @@ struct PartDocument : Placed {
   static void describe(DocumentKeys<PartDocument>& d);  ///< adds the keys of this struct to `d`
 };
 
-/// A type: the properties that bodies of the same construction share.
+/// A type: the properties that bodies of the same construction share. The members of PartDocument describe
+/// the body itself.
 struct TypeDocument : PartDocument {
   std::optional<DriveDocument> drive;  ///< drive; empty: the bodies do not move by themselves
   std::optional<std::vector<std::string>> device_order;  ///< names of all devices, in the order in which
@@ -210,7 +228,8 @@ struct TypeDocument : PartDocument {
   static void describe(DocumentKeys<TypeDocument>& d);   ///< adds the keys of this struct to `d`
 };
 
-/// Walls, given as an image or as lines: a body with a type of its own.
+/// A floor plan: a body that consists of walls, with a type of its own. The walls are given as an image or as
+/// a line.
 struct FloorplanDocument : Placed {
   std::string name;     ///< name of the body and of its type
   ImageDocument image;  ///< image of the walls; without a bitmap, only its height is used
@@ -223,8 +242,8 @@ struct FloorplanDocument : Placed {
   static void describe(DocumentKeys<FloorplanDocument>& d);  ///< adds the keys of this struct to `d`
 };
 
-/// A rectangular arena about the origin of the world: it extends the bounds of the world and, unless `walls`
-/// is false, has a body `arena` that consists of the four walls.
+/// A rectangular arena about the origin of the world: it extends the bounds of the world (the box in which
+/// bodies must stay) and, unless `walls` is false, has a body `arena` that consists of the four walls.
 struct ArenaDocument : Placed {
   std::optional<std::array<double, 2>> size;  ///< free floor along x and y, m; required
   bool walls = true;                          ///< false: no walls, only bounds
@@ -236,13 +255,15 @@ struct ArenaDocument : Placed {
 
 /// A single body.
 struct ModelDocument : Placed {
-  std::string name;        ///< name of the body; unique, unless WorldDocument::same_names allows repetitions
-  std::string alias;       ///< another name, by which programs can also find the body; empty: none
-  std::string type;        ///< a key of WorldDocument::types
-  std::string reserve_of;  ///< population to whose reserve the body belongs; empty: exists from the start
-  Pose pose;               ///< pose in the world frame
-  std::optional<Color> color;                   ///< colour of the body; empty: that of its type
-  std::optional<std::int32_t> fiducial_return;  ///< number that fiducial finders read; empty: the type's
+  std::string name;   ///< name of the body; unique, unless WorldDocument::same_names allows repetitions
+  std::string alias;  ///< another name, by which programs can also find the body; empty: none
+  std::string type;   ///< a key of WorldDocument::types
+  /// Name of the population to whose reserve the body belongs; empty: the body exists from the start.
+  std::string reserve_of;
+  Pose pose;                   ///< pose in the world frame
+  std::optional<Color> color;  ///< colour of the body; empty: that of its type
+  /// Number that fiducial finders read from the body; empty: that of its type.
+  std::optional<std::int32_t> fiducial_return;
   /// Names of parts of this body that programs can look up without the body's name.
   std::vector<std::string> global_parts;
   static void describe(DocumentKeys<ModelDocument>& d);  ///< adds the keys of this struct to `d`
@@ -328,7 +349,8 @@ struct GroupDocument : Placed {
   std::optional<std::string> type;        ///< a key of WorldDocument::types
   std::optional<std::string> model;       ///< the name of one body
   std::optional<std::int64_t> count;      ///< number of bodies to select at random, or all if there are fewer
-  std::optional<double> share;            ///< fraction of the bodies to select at random, 0 to 1
+  /// Fraction of the bodies to select at random, 0 to 1; rounded to a whole number of bodies, halves up.
+  std::optional<double> share;
   static void describe(DocumentKeys<GroupDocument>& d);  ///< adds the keys of this struct to `d`
 };
 
@@ -371,7 +393,7 @@ struct InterventionDocument : Placed {
   static void describe(DocumentKeys<InterventionDocument>& d);  ///< adds the keys of this struct to `d`
 };
 
-/// Faults, which are failures during the run, of the bodies of a group.
+/// Faults (failures during the run) that the bodies of a group may have.
 struct FaultDocument : GroupDocument {
   /// A kind of fault that each body of the group may have, with its parameters.
   struct Impairment {
@@ -385,9 +407,9 @@ struct FaultDocument : GroupDocument {
 
 /// Stop conditions, interventions and faults.
 struct ExperimentDocument : Placed {
-  std::vector<ConditionDocument> stop_when;                   ///< the run ends when any of these holds
-  std::vector<InterventionDocument> at;                       ///< interventions, in any order
-  std::vector<FaultDocument> faults;                          ///< faults of bodies that exist at the start
+  std::vector<ConditionDocument> stop_when;  ///< the run ends when any of these conditions holds
+  std::vector<InterventionDocument> at;      ///< interventions, in any order
+  std::vector<FaultDocument> faults;         ///< faults, which only bodies that exist at the start can have
   static void describe(DocumentKeys<ExperimentDocument>& d);  ///< adds the keys of this struct to `d`
 };
 
@@ -398,12 +420,13 @@ struct RecordDocument : Placed {
   /// Path of the recording that `troupe run` writes, relative to the working folder, which it must not leave.
   /// Empty: a run records only if `--record` names a file.
   std::string file;
-  std::optional<double> every;      ///< simulated time between two recorded states, s, above 0; empty: 0.1
-  std::vector<std::string> fields;  ///< names of fields of the state to record; empty: only the poses
+  std::optional<double> every;  ///< simulated time between two recorded states, s, above 0; empty: 0.1
+  /// Names of fields of the state, such as "pose" or "eye.ranges", to record; empty: only the poses.
+  std::vector<std::string> fields;
   static void describe(DocumentKeys<RecordDocument>& d);  ///< adds the keys of this struct to `d`
 };
 
-/// Properties of the ground, which is body 0 of every world.
+/// Properties of the ground, a body without a shape that is body 0 of every world.
 struct GroundDocument : Placed {
   std::string alias;                                      ///< another name of the ground; required
   static void describe(DocumentKeys<GroundDocument>& d);  ///< adds the keys of this struct to `d`
@@ -412,27 +435,34 @@ struct GroundDocument : Placed {
 /// A whole world.
 struct WorldDocument : Placed {
   /// Whether bodies that overlap at the start, or that have the same name, are an error or a warning.
-  /// expand() reports all of these, except warnings about overlaps, which the constructor of World reports.
+  /// expand(), which makes the spec of the document, reports all of these, except warnings about overlaps,
+  /// which the constructor of engine::World reports.
   enum class Check : std::uint8_t {
     error,  ///< an overlap or a repeated name is an error
     warn,   ///< an overlap or a repeated name is a warning
   };
   std::shared_ptr<SourceFiles> files;  ///< the files to which the places (Where) refer; null: none
-  std::string schema;                  ///< value of the key `$schema`, for editors
+  std::string schema;                  ///< value of the key `$schema`, which names a JSON schema for editors
   std::string title;                   ///< title; empty: the file's name without its ending
   std::uint64_t seed = 1;              ///< seed of all random numbers
   double tick = 0.1;                   ///< length of a tick (one simulation step), s
   std::optional<double> quit_time;     ///< simulated time at which a run ends, s; empty: no end
   double measure_every = 1;            ///< simulated time between measurements, s; 0: every tick
   engine::RangingEngine ranging = engine::RangingEngine::exact;  ///< method of computing ranges
-  double resolution = engine::k_resolution_m;  ///< edge length of the cells of RangingEngine::grid, m
-  /// Where robots may be, m; empty: the bounding box of the floor plans and the arena.
+  /// Edge length of the cells, m; used only with RangingEngine::grid.
+  double resolution = engine::k_resolution_m;
+  /// Box in which the origins of bodies must stay, m; empty: the bounding box of the floor plans and the
+  /// arena.
   std::optional<Box> bounds;
   std::optional<GroundDocument> ground;  ///< properties of the ground
   std::optional<RecordDocument> record;  ///< what a run records
-  std::optional<engine::Record> watch;   ///< speed and printed time of a run: engine::watch_fields()
-  std::optional<engine::Record> window;  ///< settings of the view of `--camera window`: window_fields()
-  bool mortal = false;  ///< true: programs may remove and disable bodies, even if nothing in the world does
+  /// How fast a run is and whether it prints the time, one value for each field of engine::watch_fields().
+  std::optional<engine::Record> watch;
+  /// Settings of the view of `--camera window`, one value for each field of window_fields().
+  std::optional<engine::Record> window;
+  /// True: programs may remove and disable bodies in any case. False: only if the world itself can do so, for
+  /// example by its faults.
+  bool mortal = false;
   Check overlaps = Check::error;              ///< how a model that overlaps a body at the start is treated
   Check same_names = Check::error;            ///< how bodies with the same name are treated
   std::vector<FloorplanDocument> floorplans;  ///< walls, as images or lines

@@ -15,12 +15,15 @@
 
 namespace troupe::worldio {
 
-/// The arguments `kind` and `layout` of write_sealed() (worldio/results/sealed_file.hpp) for checkpoints: the
-/// kind of file, and the version of its layout. A checkpoint is everything that is needed to continue a run,
-/// in one HDF5 file with a hash that detects damage. The groups and datasets of the file are:
+/// The arguments `kind` (kind of file) and `layout` (version of the layout) that checkpoints pass to
+/// write_sealed() (worldio/results/sealed_file.hpp), which writes a file with a hash. A checkpoint is
+/// everything that is needed to continue a run, in one HDF5 file with a hash that detects damage. The state
+/// of a world consists of tables, the components, such as `pose`; a component has one row for each body that
+/// has these data. A tick is a simulation step. The groups and datasets of the file are:
 ///
-/// `/meta`        attributes: layout, tick, time_s, state_hash, counts such as beams and stalled, and the
-///                FileHeader given by the caller
+/// `/meta`        attributes: layout, tick, time_s, state_hash, counts such as beams (rays that all sensors
+///                cast) and stalled (robots whose last motion was blocked), and the FileHeader given by the
+///                caller
 /// `/world`       the spec (description of the world) as JSON (worldio/json/spec_json.hpp), without its
 ///                bodies and aliases
 /// `/bodies`      the bodies of the spec, one column per field
@@ -33,17 +36,19 @@ namespace troupe::worldio {
 inline constexpr std::string_view k_checkpoint_kind = "checkpoint";
 inline constexpr unsigned k_checkpoint_layout = 1;
 
-/// What observers, such as measures, remember of earlier ticks. The key is the name of an observer. The bytes
-/// are in a format that only this observer reads, and they are not part of the state of the world. A
-/// checkpoint does not store an entry without bytes.
+/// What observers remember of earlier ticks. An observer reads the state of a world and does not change it.
+/// Measures, which compute a number such as the covered area, are observers. The key is the name of an
+/// observer. The bytes are in a format that only this observer reads, and they are not part of the state of
+/// the world. A checkpoint does not store an entry without bytes.
 using Memories = std::map<std::string, std::vector<std::byte>>;
 
 /// What a result file says about the run that wrote it, as keys and values: version, world, seed, effective
 /// options.
 using FileHeader = std::vector<std::pair<std::string, std::string>>;
 
-/// Saves the present state of `world`. `header` is added to /meta; if a key is repeated, the last value is
-/// stored. No key of `header` may be the name of another attribute of /meta, such as "tick". Throws
+/// Saves the present state of `world` as a checkpoint. `registry` has the kinds (sorts) of drives, devices
+/// and controllers of the world. `header` is added to /meta; if a key is repeated, the last value is stored.
+/// No key of `header` may be the name of another attribute of /meta, such as "tick". Throws
 /// std::runtime_error, with the name of the file, if the file cannot be written or if the world cannot be
 /// stored. An existing checkpoint of this name is then unchanged.
 void write_checkpoint(const std::filesystem::path& file, engine::World& world,
@@ -58,7 +63,7 @@ class Checkpoint {
   explicit Checkpoint(const std::filesystem::path& file);
 
   const std::filesystem::path& file() const { return file_; }
-  /// The tick after which the state was saved.
+  /// The number of ticks that were completed when the state was saved.
   std::uint64_t tick() const { return tick_; }
   double time_s() const { return time_s_; }
   std::uint64_t state_hash() const { return state_hash_; }
@@ -67,19 +72,20 @@ class Checkpoint {
   /// Returns the text of one key of header(); empty if there is no such key.
   std::string header(const std::string& key) const;
 
-  /// Returns the spec of the world of the run, with `changes` applied. A change is a JSON pointer into the
-  /// stored spec and a new value as JSON text, like an option --set of `troupe resume`; k_changeable
-  /// (worldio/json/spec_json.hpp) lists the allowed pointers. Errors in the spec or in the changes are added
-  /// to `diagnostics`; do not use the result if there are errors.
+  /// Returns the spec (description of the world, from which the engine builds it), with `changes` applied. A
+  /// change is a JSON pointer into the stored spec and a new value as JSON text, like an option --set of
+  /// `troupe resume`; k_changeable (worldio/json/spec_json.hpp) lists the allowed pointers. Errors in the
+  /// spec or in the changes are added to `diagnostics`; do not use the result if there are errors.
   engine::WorldSpec spec(const engine::Registry& registry,
                          std::span<const std::pair<std::string, std::string>> changes,
                          Diagnostics& diagnostics) const;
   /// Returns the bytes that observers remembered when the state was saved; empty if the file has none.
   Memories memories() const;
   /// Sets the state of `world`, which must have been built from spec(), to that of the checkpoint. Throws
-  /// InputError if the tables of the world differ from those in the file, or if the restored state does not
-  /// have the hash that is stored in the file. The world is then in its initial state. Also throws InputError
-  /// if /bodies/subscribed is wrong; the state of the world is then unchanged.
+  /// InputError if the tables of the world (their names, fields or bodies) differ from those in the file, or
+  /// if the restored state does not have the hash that is stored in the file. The world is then in its
+  /// initial state. Also throws InputError if /bodies/subscribed is wrong; the state of the world is then
+  /// unchanged.
   void restore(engine::World& world) const;
 
  private:

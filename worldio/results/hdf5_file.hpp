@@ -249,8 +249,8 @@ class Hdf5File : public Hdf5Group {
   static Hdf5File opened(const std::filesystem::path& file, unsigned flags);
 };
 
-/// Whether the program was built with HDF5 (TROUPE_HDF5). Without it, creating or opening a file throws an
-/// error that says so.
+/// Whether the program was built with the HDF5 library (the build option TROUPE_HDF5). Without it, creating
+/// or opening a file throws an error that says so.
 bool has_hdf5();
 
 /// Returns a name as one step of a path in an HDF5 file. The characters "/", "%" and NUL become "%2F", "%25"

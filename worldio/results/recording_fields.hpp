@@ -13,15 +13,18 @@
 
 namespace troupe::worldio {
 
-/// A component of the state as a recording stores it, such as /state/pose or /sensors/minibot/eye. Each row
-/// belongs to a body. The bodies are in the order of their ids, whatever the order of the rows in memory: a
-/// component in /state has a row for each of recorded_bodies(), and one in /sensors for each body of its
-/// type. In memory, a component of /state may consist of several tables: the memory of a controller, for
-/// example, has a table for each type with this controller. `sources` lists these tables. If a field has
-/// different numbers of columns in these tables, as the messages of radios may have, the component has the
-/// largest of these numbers.
+/// A component of the state as a recording stores it. The state of a world consists of components: tables
+/// with one row per body and one or more fields. A recording has one group for each recorded component, such
+/// as /state/pose or /sensors/minibot/eye, and one array for each of its fields. A frame is the state at one
+/// recorded time. Each row belongs to a body. The bodies are in the order of their ids, whatever the order of
+/// the rows in memory: a component in /state has a row for each of recorded_bodies(). A component in /sensors
+/// has a row for each body of one type; a type describes bodies of the same construction. In memory, a
+/// component of /state may consist of several tables: the memory of a controller, for example, has a table
+/// for each type with this controller. `sources` lists these tables. The columns of a field are its values in
+/// one row. If a field has different numbers of columns in these tables, as the messages of radios may have,
+/// the recorded field has the largest of these numbers.
 struct RecordedComponent {
-  std::vector<std::string> path;  ///< steps from the root: {"state", "pose"}
+  std::vector<std::string> path;  ///< names of the groups from the root of the file: {"state", "pose"}
   std::string name;               ///< name of the component in the state: "pose", "ranger/eye"
   /// Frame of the values: "world", "body", "sensor", "joint" (the frame of the joint at rest) or "carrier"
   /// (the frame of the body that carries the body of the row). Empty: the values have no frame.
@@ -30,12 +33,13 @@ struct RecordedComponent {
   /// For each row, 1 if its body has the component, else 0; empty: all bodies have it.
   std::vector<std::uint8_t> has;
   std::vector<engine::StateField> fields;  ///< the recorded fields of the component
-  std::vector<std::size_t> columns;        ///< for each field, its index in the fields of the tables
+  /// For each entry of `fields`, its index among the fields of the source tables.
+  std::vector<std::size_t> columns;
   /// One table of the state from which the component is copied.
   struct Source {
     std::size_t table;  ///< index into World::tables()
-    /// For each body of the world, by BodyId, its row in the recorded component, from 0. The entries for
-    /// bodies that are not in the table have no meaning.
+    /// For each body of the world, by BodyId (the number of the body), its row in the recorded component,
+    /// from 0. The entries for bodies that are not in the table have no meaning.
     std::shared_ptr<const std::vector<std::uint32_t>> recorded;
     /// The sensor whose readings the table stores; null for other tables.
     const engine::BodyType::Device* sensor = nullptr;
@@ -51,19 +55,19 @@ struct RecordedComponent {
 /// bodies.
 std::vector<BodyId> recorded_bodies(const engine::World& world);
 
-/// Returns the name that each type has in a recording, by TypeId. A name is one step of a path. If several
-/// types have the same name, the second is called "NAME~2".
+/// Returns the name that each type has in a recording, by TypeId (the number of the type). The name is that
+/// of an HDF5 group, so it has no "/". If several types have the same name, the second is called "NAME~2".
 std::vector<std::string> recorded_type_names(const engine::World& world);
 
 /// Returns the names that messages list as known for `--record-fields` in this world, each once: "all",
-/// components that every robot has (pose), fields of devices (ranges), kinds of controllers and devices
-/// (wander, ranger), single controllers (wander/0) and names of devices (eye). `--record-fields` also accepts
-/// names of components (ranger/eye) and COMPONENT.FIELD (eye.ranges).
+/// components that every robot has (pose), fields of devices (ranges), kinds (sorts) of controllers and
+/// devices (wander, ranger), single controllers (wander/0) and names of devices (eye). `--record-fields` also
+/// accepts names of components (ranger/eye) and COMPONENT.FIELD (eye.ranges).
 std::vector<std::string> recordable_names(const engine::World& world);
 
-/// Returns the name that --record-fields and --color-by accept for a device, or for one of its fields, if
-/// `name` is its path in a recording: "eye.ranges" for "sensors/minibot/eye/ranges", "minibot/eye/ranges" or
-/// "sensors/minibot/eye.ranges". Empty for all other names.
+/// If `name` is the path of a device or of one of its fields in a recording, returns the name that
+/// --record-fields and --color-by accept instead: "eye.ranges" for "sensors/minibot/eye/ranges",
+/// "minibot/eye/ranges" or "sensors/minibot/eye.ranges". The result is empty for all other names.
 std::optional<std::string> name_for_path(const engine::World& world, std::string_view name);
 
 /// Returns the message about a name in a spelling that is not accepted, although its meaning is clear:
@@ -93,8 +97,8 @@ std::byte absent(const engine::StateField& field);
 /// for each of component.fields; its size must be component.bytes(). Rows of bodies that lack the component
 /// are not written, nor are the last columns of a row that has fewer columns than the component. Rows of
 /// bodies that are not in the world at present are filled with absent(), except in the component `life`,
-/// which itself says that a body is absent. Rows of sensors that do not run because they are inactive and not
-/// read (World::senses()) are also filled with absent().
+/// which itself says that a body is absent. A sensor that is inactive and that no controller or program reads
+/// does not run: World::senses() is false, and its row is also filled with absent().
 void gather(const engine::World& world, const RecordedComponent& component,
             std::span<const std::span<std::byte>> fields);
 

@@ -15,9 +15,11 @@
 
 namespace troupe::worldio {
 
-/// Reads a recording (docs/recordings.md) frame by frame. The recording may be closed, still being written,
-/// or cut off because its writer was killed. On failure, all functions throw Hdf5Error with the name of the
-/// file.
+/// Reads a recording (docs/recordings.md) frame by frame. A recording is an HDF5 file. A frame is the state
+/// of the world at a recorded tick (simulation step). The state consists of components, such as "pose" or the
+/// readings of a sensor. A component has one row per body and one or more fields, each of which is an array.
+/// The recording may be closed, still being written, or cut off because its writer was killed. On failure,
+/// all functions throw Hdf5Error with the name of the file.
 class RecordingReader {
  public:
   /// Opens a recording and reads everything except the values of the arrays. Frames that a running writer
@@ -35,18 +37,21 @@ class RecordingReader {
   const std::map<std::string, std::string>& meta() const { return meta_; }
   /// The number of ticks from one frame to the next.
   std::uint64_t every_ticks() const { return every_ticks_; }
-  /// Reads /world: the spec of the world as JSON, from spec_to_json().
+  /// Reads /world: the spec of the world (the description from which the engine built it) as JSON, from
+  /// spec_to_json().
   std::string world_json() const { return hdf5_.read_text("world"); }
 
-  /// The recorded bodies, one for each row of /state, in the order of their ids. ids() are their BodyIds,
-  /// types() the names of their types in the recording, and names() their names.
+  /// The recorded bodies, one for each row of /state, in the order of their ids. ids() are their BodyIds
+  /// (numbers in the world), types() the names of their types in the recording, and names() their names. A
+  /// type describes bodies of the same construction.
   std::span<const std::uint32_t> ids() const { return ids_; }
   std::span<const std::string> types() const { return types_; }
   std::span<const std::string> names() const { return names_; }
 
   /// All bodies of the world as it was loaded, walls included. Each column has one entry per body, by BodyId.
   struct Scene {
-    /// The two members of engine::Name; `word` is an index into the list `words` of /world.
+    /// The name of the body, as the two members of engine::Name: "r17" is the word "r" and the number 17.
+    /// `word` is an index into the list `words` of /world.
     std::vector<std::uint32_t> word, number;
     std::vector<std::uint32_t> type;  ///< index into the types of /world
     std::vector<double> pose;         ///< x, y, z (m) and heading (rad), world frame
@@ -66,12 +71,13 @@ class RecordingReader {
   struct Array {
     std::string component;     ///< name of its component, such as "pose" or "sensors/minibot/ranger:0"
     engine::StateField field;  ///< name, element type, number of columns, unit and meaning
-    std::string frame;         ///< coordinate frame of the values, as in RecordedComponent::frame
+    std::string frame;  ///< coordinate frame of the values, such as "world", "body" or "sensor"; empty: none
     std::vector<std::uint32_t> bodies;  ///< for each row, the index of its body in ids()
     Hdf5Dataset dataset;                ///< the values: frames x rows x columns
     std::size_t row_bytes() const { return field.columns * engine::element_size(field.element); }
   };
-  /// All arrays, in the order in which a tick computes them: sensors, memories, velocities, poses.
+  /// All arrays, in the order in which a tick computes them: sensors, memories of controllers, velocities,
+  /// poses.
   std::span<const Array> arrays() const { return arrays_; }
   /// Returns, for each row of an array, 1 if the body of the row has Array::component, else 0. The row of a
   /// body without this component holds NaN in all frames, or 0 if the array has integers.
@@ -102,9 +108,11 @@ class RecordingReader {
   std::optional<Hdf5Dataset> alive_;
 };
 
-/// Whether a name selects the component of an array. In addition to the names that engine::selects() accepts,
-/// KIND/NAME and TYPE/NAME select a device: `led/lamp` and `minibot/lamp` select `sensors/minibot/lamp`.
-/// Recordings do not store kinds, so KIND may be any word that is not the name of another type.
+/// Whether a name selects the component of an array. engine::selects() accepts the name of the component, the
+/// part of this name before the first slash, and the name that the world file gives the device or joint. In
+/// addition, KIND/NAME and TYPE/NAME select a device: `led/lamp` and `minibot/lamp` select
+/// `sensors/minibot/lamp`. Recordings do not store kinds, so KIND may be any word that is not the name of
+/// another type.
 bool selects(std::string_view name, const RecordingReader::Array& array, const RecordingReader& recording);
 /// Converts a name of a component or field from the spelling of earlier versions, which had the path of a
 /// sensor or a slash before the field. Returns "eye.ranges" for "sensors/minibot/eye.ranges" and
@@ -113,7 +121,8 @@ bool selects(std::string_view name, const RecordingReader::Array& array, const R
 /// recording.
 std::optional<std::string> present_name(std::string_view name, const RecordingReader& recording);
 /// Returns the name under which user interfaces show a component: `lamp (minibot)` for
-/// `sensors/minibot/lamp`, and engine::given_name() for components of /state.
+/// `sensors/minibot/lamp`, and for components of /state the name that engine::given_name() returns: `arm` for
+/// `joint/arm`, `pose` for `pose`.
 std::string shown_name(std::string_view component);
 
 }  // namespace troupe::worldio

@@ -17,25 +17,27 @@ namespace troupe::worldio {
 
 /// The version of the layout that docs/recordings.md describes.
 inline constexpr std::int64_t k_recording_layout = 1;
-/// The value of /frames/tick where no tick was written: a frame is complete once its tick has another value.
+/// The value of /frames/tick where no tick (number of a simulation step) was written: a frame is complete
+/// once its tick has another value.
 inline constexpr std::uint64_t k_no_tick = ~std::uint64_t{0};
 
 /// The header of a recording, in addition to what the world itself provides.
 struct RecordingHead {
   std::vector<std::pair<std::string, std::string>>
-      meta;                         ///< attributes of /meta, as keys and values: version, world, seed, ...
-  std::string world_json;           ///< the content of /world: the spec of the world as JSON
+      meta;  ///< attributes of /meta, as keys and values: version, world, seed, ...
+  /// The content of /world: the spec of the world (the description from which the engine builds it) as JSON.
+  std::string world_json;
   std::uint64_t every_ticks = 1;    ///< number of ticks from one frame to the next, at least 1
   std::vector<std::string> fields;  ///< names of the recorded fields, as the user gave them
 };
 
-/// Writes a recording (docs/recordings.md) frame by frame, in the SWMR mode of HDF5 (single writer, multiple
-/// readers): other programs can read the file in the meantime, and flushed data survives if the process is
-/// killed.
+/// Writes a recording (docs/recordings.md) frame by frame; a frame is the state of the world at a recorded
+/// tick (simulation step). The class writes in the SWMR mode of HDF5 (single writer, multiple readers): other
+/// programs can read the file in the meantime, and flushed data survives if the process is killed.
 ///
-/// Frames are gathered in memory and written in batches. A chunk of an array holds the frames of one batch
-/// or, if a batch is one large frame, a part of this frame. The state of a batch is flushed before its ticks
-/// are written, so a frame whose tick can be read is complete.
+/// Frames are gathered in memory and written in batches. HDF5 stores an array in chunks. A chunk holds the
+/// frames of one batch or, if a batch is one large frame, a part of this frame. The state of a batch is
+/// flushed before its ticks are written, so a frame whose tick can be read is complete.
 ///
 /// With `in_background`, a thread of the writer writes a batch while the caller gathers the next one. The
 /// caller waits only if batches come faster than they can be written. The bytes of the file do not depend on
@@ -46,15 +48,16 @@ struct RecordingHead {
 /// nothing. The writer marks the file as closed; if that also fails, `troupe repair` can close it.
 class RecordingWriter {
  public:
-  /// Creates a file without frames, replacing an existing file of the same name. `components` are the arrays
-  /// to record, from recorded_components(). After an error, the file does not exist.
+  /// Creates a file without frames, replacing an existing file of the same name. `components` are the tables
+  /// of the state to record, from recorded_components(). After an error, the file does not exist.
   RecordingWriter(const std::filesystem::path& file, const engine::World& world,
                   std::vector<RecordedComponent> components, const RecordingHead& head,
                   bool in_background = false);
   /// Continues an existing recording of the same world at tick world.tick(): removes the frames of later
   /// ticks, and record() then appends new ones. Throws if the recording has other bodies or fields than the
-  /// world, or if it lacks the last frame that was due before this tick. A recording that was cut off is
-  /// repaired first, which can also throw std::runtime_error: see repair_recording().
+  /// world, or if it lacks the last frame that was due before this tick, because a gap would remain. A
+  /// recording that was cut off is repaired first, which can also throw std::runtime_error: see
+  /// repair_recording().
   RecordingWriter(const std::filesystem::path& file, const engine::World& world, bool in_background = false);
   RecordingWriter(const RecordingWriter&) = delete;
   RecordingWriter& operator=(const RecordingWriter&) = delete;

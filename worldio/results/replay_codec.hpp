@@ -7,14 +7,15 @@
 #include <string>
 #include <string_view>
 
-/// The encoding of numbers in a replay page (docs/replay.md); apps/replay_page/src/series.js decodes it.
+/// The encoding of numbers in a replay page, an HTML file that shows a recording (docs/replay.md);
+/// apps/replay_page/src/series.js decodes it.
 namespace troupe::worldio {
 
 /// The value that means "no value" in a series. A series is one number of a body, such as its x, in
 /// consecutive frames. It has no value in frames in which the body is absent or the number is not finite.
 inline constexpr std::int32_t k_absent = std::numeric_limits<std::int32_t>::min();
 /// The largest absolute value in a series. With this limit, every number that append_series() stores fits in
-/// 31 bits, with either value of Expected.
+/// 31 bits, for both ways of prediction (Expected).
 inline constexpr std::int32_t k_most_in_series = 130000000;
 
 /// How a value of a series is predicted from the values before it. Only the difference from the prediction,

@@ -10,9 +10,11 @@ namespace troupe::worldio {
 
 /// The options of replay_data().
 struct ReplayOptions {
-  /// Maximum size of ReplayData::bytes. Frames are omitted until the data fit.
+  /// Maximum size of ReplayData::bytes, bytes. Frames are omitted until the data fit.
   std::size_t most_bytes = 18000000;
-  std::vector<std::string> fields;  ///< entries as for plan_replay(); empty: all recorded fields
+  /// Names of the fields or components to show, as for plan_replay(), such as "stall" or "ranges"; empty: all
+  /// recorded fields.
+  std::vector<std::string> fields;
 };
 
 /// A recording as data for a replay page, an HTML file that shows it: rounded, compressed, and with fewer

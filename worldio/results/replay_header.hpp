@@ -18,19 +18,22 @@ inline constexpr int k_replay_turn =
 inline constexpr double k_replay_shape_m = 0.0001;  ///< resolution of outlines, m
 
 /// The sizes of the compressed blocks of a page, an HTML file that shows a recording. A block holds
-/// consecutive frames. It consists of one stream of bytes for the poses and one stream for each field.
+/// consecutive frames (recorded states of the world). It consists of one stream of bytes for the poses and
+/// one stream for each field.
 struct ReplayBlocks {
   std::size_t frames = 0;                       ///< number of frames per block; the last block may have fewer
   std::vector<std::vector<std::size_t>> bytes;  ///< for each block, the size of each of its streams
 };
 
 /// Returns the header of a page as JSON text: shapes, names, colours, the times of the frames, descriptions
-/// of the fields, and the sizes of the blocks (docs/replay.md). `plan` is the result of plan_replay() for
-/// this recording. `frames` are the indices of the recorded frames that the page has, in ascending order.
+/// of the fields, and the sizes of the blocks (docs/replay.md). `plan`, the result of plan_replay() for this
+/// recording, says what the page shows. `frames` are the indices of the recorded frames that the page has, in
+/// ascending order.
 std::string replay_header(const RecordingReader& recording, const ReplayPlan& plan,
                           std::span<const std::size_t> frames, const ReplayBlocks& blocks);
 
-/// A part whose colour is set by devices, on all robots of one type. These robots are consecutive on a page.
+/// A part (rigid piece of a body) whose colour is set by devices such as lights, on all robots of one type
+/// (robots of the same construction). These robots are consecutive on a page.
 struct ShownPart {
   std::size_t first = 0;   ///< index of the first of these robots in the order of the page
   std::size_t count = 0;   ///< number of these robots
@@ -39,15 +42,18 @@ struct ShownPart {
 
 /// The data that a page needs before it can show a running world.
 struct LivePage {
-  /// Like replay_header(), without the keys that only recordings have. `pose.has_z` is true, because users,
-  /// interventions and controllers can change the height of any robot.
+  /// Header as from replay_header(), without the keys that only recordings have. Its key `pose.has_z` is
+  /// true, so the page expects the height of each robot in every frame, because users, interventions and
+  /// controllers can change the height of any robot.
   std::string header;
-  std::vector<std::uint32_t> order;  ///< BodyId of each robot of the page, sorted by type, then by id
+  /// BodyId (number in the world) of each robot of the page, sorted by type, then by BodyId.
+  std::vector<std::uint32_t> order;
   /// All parts in the lists `shown_parts` of `header`, sorted by the first robot and then by the part.
   std::vector<ShownPart> shown_parts;
 };
-/// Returns the data for a page that shows this world while it runs. `registry` must have the kinds of the
-/// world. Throws std::runtime_error if JSON cannot represent the world (spec_to_json()).
+/// Returns the data for a page that shows this world while it runs. `registry` must have the kinds (sorts) of
+/// drives, devices and controllers of the world. Throws std::runtime_error if JSON cannot represent the
+/// world, for example because a number is not finite.
 LivePage live_page(const engine::World& world, const engine::Registry& registry);
 
 }  // namespace troupe::worldio

@@ -14,7 +14,9 @@
 namespace troupe::worldio {
 
 /// Consecutive rows of a page: first, ..., first + count - 1. A page is an HTML file that shows a recording
-/// (docs/replay.md). It has one row for each body in RecordingReader::ids().
+/// (docs/replay.md). It has one row for each recorded body (RecordingReader::ids()). An array of a recording
+/// has the values of one field of the state, such as the readings of a sensor, for all frames (recorded
+/// times). Fields belong to components, such as "pose".
 struct ReplayRun {
   std::uint32_t first = 0;
   std::uint32_t count = 0;
@@ -31,7 +33,7 @@ struct ReplayField {
   double min = 0;
   double max = 0;           ///< largest finite number in all frames, not rounded
   double step = 1;          ///< difference of neighbouring rounded values
-  std::uint32_t steps = 0;  ///< the largest k (see above)
+  std::uint32_t steps = 0;  ///< largest value of k in min + k * step
 };
 
 /// What a page shows of a recording, and in which order.

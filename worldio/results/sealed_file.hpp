@@ -28,12 +28,13 @@ inline constexpr std::size_t k_seal_bytes = 512;
 void write_sealed(const std::filesystem::path& file, std::string_view kind, unsigned layout,
                   std::span<const std::byte> bytes);
 
-/// Reads the whole file and checks its head and hash. Throws InputError if the file does not exist, is
-/// another kind of file, has another layout, was cut off or is damaged. The message states which of these is
-/// the case.
+/// Reads the whole file and checks its head and hash. `kind` and `layout` are those that the file must have,
+/// as in write_sealed(). Throws InputError if the file does not exist, is another kind of file, has another
+/// layout, was cut off or is damaged. The message states which of these is the case.
 void check_seal(const std::filesystem::path& file, std::string_view kind, unsigned layout);
 
-/// Whether the first line of a file is that of a sealed file of this kind. False if the file cannot be read.
+/// Whether the first line of a file is that of a sealed file of this kind, such as "checkpoint". False if the
+/// file cannot be read.
 bool has_seal(const std::filesystem::path& file, std::string_view kind);
 
 }  // namespace troupe::worldio

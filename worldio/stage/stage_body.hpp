@@ -13,13 +13,16 @@
 #include <optional>
 #include <vector>
 
+/// Reads the shapes of models in `.world` files, the world files of Stage. Stage is an older robot simulator.
+/// A model is a body or a part of a body. A block is an upright prism. A solid (Solid) is an extruded
+/// outline.
 namespace troupe::worldio {
 
 /// The solids of a Stage model, in the frame of the model, and their source.
 struct StageBody {
-  std::vector<Solid> solids;               ///< the solids, scaled; empty: the model has no body
+  std::vector<Solid> solids;               ///< the solids, scaled, m; empty: the model has no shape
   std::optional<engine::ImageSpec> image;  ///< the image, if all solids come from one image
-  /// The unscaled blocks, or the unscaled default box, if the model has no other solids; else empty.
+  /// The blocks before scaling, or the default box before scaling, if all solids come from these; else empty.
   std::vector<Solid> blocks;
 };
 
@@ -35,10 +38,11 @@ class StageBodies {
         images_(diagnostics) {}
 
   /// Returns the body of a model in the frame of the model, before the property `origin` is applied. The body
-  /// is scaled along each axis to `size`, m, and centred in x and y; z is not shifted. `blocks` are the block
-  /// children of the model, with their macros applied. A ROS map is not scaled: it keeps its own pose and its
-  /// own extent in x and y, and the function stores this extent in `size`. Errors in the properties are
-  /// reported; the parts of the body that have errors are then missing.
+  /// is scaled along each axis to `size`, m, and centred in x and y; z is not shifted. `kind` has the
+  /// defaults of the type of the model, such as its default box. `blocks` are the blocks in the model, with
+  /// their macros applied. A ROS map (an image in the format of ROS's map_server) is not scaled: it keeps its
+  /// own pose and its own extent in x and y, and the function stores this extent in `size`. Errors in the
+  /// properties are reported; the parts of the body that have errors are then missing.
   StageBody make(const StageModel& model, const engine::ModelKind& kind, Eigen::Vector3d& size,
                  const std::vector<StageModel>& blocks);
 

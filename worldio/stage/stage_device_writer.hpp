@@ -6,19 +6,21 @@
 
 #include <string>
 
-/// Functions that write devices, drives and controllers as properties of Stage models, for a file whose units
-/// are metres and radians. These functions are the inverse of StageKinds (worldio/stage/stage_kinds.hpp),
-/// which reads these properties. A parameter for which Stage has no property is omitted;
-/// check_stage_round_trip() reports it later.
+/// Functions that write devices, drives and controllers as properties of models in a `.world` file of Stage,
+/// an older robot simulator. The units of the file are metres and radians. A position model is a robot, or a
+/// part with wheels of its own. A spec is the description that the engine uses. These functions are the
+/// inverse of StageKinds (worldio/stage/stage_kinds.hpp), which reads these properties. A parameter for which
+/// Stage has no property is omitted; check_stage_round_trip(), which reads the written file again, reports it
+/// later.
 namespace troupe::worldio {
 
 /// Writes the properties of a device into the model that is open in `text`.
 void write_stage_device(const engine::DeviceSpec& device, const engine::DeviceKind& kind, StageText& text);
 /// Writes the properties of a drive into the position model that is open in `text`.
 void write_stage_drive(const engine::DriveSpec& drive, const engine::DriveKind& kind, StageText& text);
-/// Writes the drive of a position model that is inside another model. In a spec, this drive is a device of
+/// Writes the drive of a position model that is inside another model. In a spec, such a drive is a device of
 /// kind "wheels". `period_s` is the period, s, of the controllers of the position model. Writes nothing if
-/// the kind of the drive is not registered.
+/// the kind of the drive is not in `registry`.
 void write_stage_wheels(const engine::DeviceSpec& wheels, double period_s, const engine::Registry& registry,
                         StageText& text);
 /// Returns the value of `ctrl` for a controller, such as `script law=wave`: its name, and the parameters that

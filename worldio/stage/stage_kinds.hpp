@@ -12,22 +12,25 @@
 
 namespace troupe::worldio {
 
-/// Converts the properties of Stage models to Troupe's devices, drives and controllers. A property of a drive
-/// is ignored if the kind of the drive has no parameter for it. If a property is wrong, the functions report
-/// an error; those that return a std::optional then return an empty one. The caller must set the name, the
-/// part, the joint and the pose of a returned device, and the part of a returned controller.
+/// Converts the properties of models in the `.world` files of Stage, an older robot simulator, to Troupe's
+/// devices, drives and controllers. A position model is a robot, or a part with wheels of its own. A kind is
+/// a sort of device, drive or controller, with its own parameters; `registry` lists all kinds. A property of
+/// a drive is ignored if the kind of the drive has no parameter for it. If a property is wrong, the functions
+/// report an error; those that return a std::optional then return an empty one. The caller must set the name,
+/// the part, the joint and the pose of a returned device, and the part of a returned controller.
 class StageKinds {
  public:
   StageKinds(const StageDocument& document, const engine::Registry& registry, StageValues& values)
       : document_(document), registry_(registry), values_(values) {}
 
-  /// Returns the time between two updates of a model (`update_interval`), s; 0: every tick. The time is 0.1 s
-  /// if the model does not have the property, or if its value is not a number. A number beyond the limits is
-  /// reported as an error, but is returned.
+  /// Returns the time between two updates of a model (`update_interval`), s; 0: every tick (simulation step).
+  /// The time is 0.1 s if the model does not have the property, or if its value is not a number. A number
+  /// beyond the limits is reported as an error, but is still returned.
   double period_s(const StageModel& model);
 
-  /// Reads a ranger and its `sensor` children. A laser or sonar without such children is its own sensor; for
-  /// any other ranger without them, the function warns and returns nothing.
+  /// Reads a ranger and its `sensor` children. A model of the older types `laser` and `sonar` without such
+  /// children is its own sensor. For any other ranger without `sensor` children, the function warns and
+  /// returns nothing.
   std::optional<engine::DeviceSpec> ranger(const StageModel& model, const std::vector<StageModel>& sensors);
   /// Reads a model that is a device of this kind, which must be neither a ranger (see ranger()) nor a gripper
   /// (see gripper()).
@@ -35,9 +38,11 @@ class StageKinds {
   /// Like device(), for a gripper. `size` is the size of its model, m.
   std::optional<engine::DeviceSpec> gripper(const StageModel& model, const engine::DeviceKind& kind,
                                             const Eigen::Vector3d& size);
-  /// Reads the drive of a position model; "diff" if the model does not have the property `drive`.
+  /// Reads the drive of a position model. The kind of the drive is "diff" if the model does not have the
+  /// property `drive`.
   std::optional<engine::DriveSpec> drive(const StageModel& model);
-  /// Reads the drive of a position model inside another model, as a device of kind "wheels", which is `kind`.
+  /// Reads the drive of a position model inside another model, as a device. `kind` is the device kind
+  /// "wheels".
   std::optional<engine::DeviceSpec> wheels(const StageModel& model, const engine::DeviceKind& kind);
   /// Reads the property `ctrl`, one or more strings "name arguments". Arguments are in SI units and in the
   /// order of the parameters of the controller, or are written as parameter=value, where the name of the

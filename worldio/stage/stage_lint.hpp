@@ -11,12 +11,13 @@
 
 namespace troupe::worldio {
 
-/// Warns of every property of a world file that Troupe does not know, or that never has an effect, so that
-/// nothing is dropped silently. It looks each property up in the table of all properties (stage_rows()). It
-/// also warns of models that are devices in Stage but only bodies in Troupe. As in Stage, macros that no
-/// model uses are not checked. With thorough diagnostics (`troupe lint`), each place is reported separately.
-/// In this mode, StageLint also warns of every property that the same entity sets again, that another
-/// property of the model overrides, or that has no effect because of the type of the model.
+/// Warns of every property of a `.world` file of Stage (an older robot simulator) that Troupe does not know,
+/// or that never has an effect, so that nothing is dropped silently. It looks each property up in the table
+/// of all properties (stage_rows()). It also warns of models that are devices in Stage but only bodies in
+/// Troupe. As in Stage, macros that no model uses are not checked. With thorough diagnostics
+/// (Diagnostics::thorough(), used by `troupe lint`), each place is reported separately. In this mode,
+/// StageLint also warns of every property that the same entity sets again, that another property of the model
+/// overrides, or that has no effect because of the type of the model.
 class StageLint {
  public:
   StageLint(const StageDocument& document, StageMacros& macros, StageValues& values)

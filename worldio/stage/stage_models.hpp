@@ -11,9 +11,11 @@
 
 namespace troupe::worldio {
 
-/// An entity (a model, block, sensor or window of a world file) with its macros applied. It consists of
-/// layers: the bodies of its macros and its own body. The properties of a later layer override those of
-/// earlier layers, and the children of a later layer are added to those of earlier layers.
+/// An entity (a model, block, sensor or window of a `.world` file of Stage, an older robot simulator) with
+/// its macros applied. A file defines a macro with `define NAME BASE (...)`, where BASE is a type or another
+/// macro. A StageModel consists of layers: the bodies of the macros and the body of the entity itself. The
+/// properties of a later layer override those of earlier layers, and the children of a later layer are added
+/// to those of earlier layers.
 struct StageModel {
   struct Child {
     const StageEntity* entity;  ///< the child, whose macros are not applied yet
@@ -21,7 +23,8 @@ struct StageModel {
   };
 
   /// The type at the end of the chain of macros: the name of one of engine::Registry::models, such as
-  /// "position" or "ranger", or one of the words "block", "sensor" and "window", which are not in that list.
+  /// "position" (a robot) or "ranger" (a distance sensor), or one of the words "block", "sensor" and
+  /// "window", which are not in that list.
   std::string_view type;
   /// An older name of the type, if the file uses one: "laser" or "sonar" for a ranger, "wifi" for a radio.
   /// Else empty. A laser or sonar that contains no sensor is its own sensor.
@@ -43,9 +46,9 @@ class StageMacros {
  public:
   StageMacros(const StageDocument& document, const engine::Registry& registry, StageValues& values);
 
-  /// Adds a macro: `item` must be a `define`. The first definition of a name is used; a later one is ignored
-  /// with a warning. There is no warning if both definitions are the same line of a file that is included
-  /// twice.
+  /// Adds a macro: `item` must be a `define`. If a name is defined several times, the first definition is
+  /// used, and a later one is ignored with a warning. There is no warning if both definitions are the same
+  /// line of a file that is included twice.
   void define(const StageItem& item);
   /// Applies the macros of an entity: follows the chain of their bases, then replaces an older name of a
   /// type, such as "laser", by the present name. Does not apply the macros of the children. If the chain of

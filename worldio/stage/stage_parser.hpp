@@ -12,8 +12,8 @@
 
 namespace troupe::worldio {
 
-// The syntax of Stage's world files: tokens, properties, entities and macros. Their meaning is not checked
-// here.
+// The syntax of the `.world` files of Stage, an older robot simulator: tokens, properties, entities and
+// macros. Their meaning is not checked here.
 
 /// A token of a world file. The lexer inserts the tokens of an included file in place of the `include`, so
 /// each token has its own file and line.
@@ -50,11 +50,13 @@ struct StageEntity {
   Run children;            ///< entries of StageDocument::all_children
 };
 
-/// A macro or an entity at the top level of a file: `define word base body`, or `word body`.
+/// A macro or an entity at the top level of a file. A macro is written `define word base body`, an entity
+/// `word body`, where `body` is the part in parentheses.
 struct StageItem {
   bool is_define = false;  ///< true: a macro; false: an entity
-  std::uint32_t base = 0;  ///< base of a macro; index into StageDocument::tokens
-  StageEntity entity;      ///< the entity; for a macro, `word` and `body` of the `define`
+  /// The type or macro from which a macro inherits; index into StageDocument::tokens.
+  std::uint32_t base = 0;
+  StageEntity entity;  ///< the entity; for a macro, `word` and `body` of the `define`
 };
 
 /// A parsed world file, with the files that it includes. To save memory (a world has about a dozen tokens per
@@ -79,7 +81,8 @@ struct StageDocument {
   std::vector<StageProperty> world;  ///< properties at the top level, in order
   std::vector<StageItem> items;      ///< defines and entities, in order
   /// The folder to which relative paths in the document are relative. It is the folder of the world file or,
-  /// once included files were found through the search path, the folder of the last of these files.
+  /// if included files were found only through the search path (see parse_stage()), the folder of the last of
+  /// these files.
   std::filesystem::path base_directory;
   /// False if parentheses do not match, or if parsing stopped early: then it is unknown which property
   /// belongs to which entity.

@@ -9,9 +9,10 @@
 
 namespace troupe::worldio {
 
-/// Turns the energy properties of Stage models (joules, watts, give_watts, ...) into Troupe's devices: a
-/// power pack on each part that stores energy, and a power contact on each part that gives or takes energy.
-/// The caller must read and finish one type before it reads the next.
+/// Turns the energy properties (joules, watts, give_watts, ...) of models in the `.world` files of Stage, an
+/// older robot simulator, into Troupe's devices: a power pack on each part that stores energy, and a power
+/// contact on each part that gives or takes energy. A model becomes a part (rigid piece) of a body type; part
+/// 0 is the body itself. The caller must read and finish one type before it reads the next.
 class StagePower {
  public:
   StagePower(const StageDocument& document, const engine::Registry& registry, StageValues& values)
@@ -24,10 +25,10 @@ class StagePower {
   /// Must be called after read() of the last part of a type. Adds the constant power (`watts`) of each part
   /// to the draw of the power pack that supplies the part: its own pack, or that of the nearest enclosing
   /// part with a pack. A part that no pack supplies draws nothing. A part that does not run draws nothing
-  /// either: a part runs if Draw::runs is set, or if it has a device and the type has a controller. If the
-  /// type has a drive, the pack that supplies part 0 gets the mass of the body as its parameter `mass`. The
-  /// parameter `idle` of this pack becomes 1 W if the drive always runs or the type has a controller, else 0.
-  /// Removes power contacts without a pack, with a warning.
+  /// either. A part runs if its model has `alwayson 1` or a controller (Draw::runs), or if the part has a
+  /// device and the type has a controller. If the type has a drive, the pack that supplies part 0 gets the
+  /// mass of the body as its parameter `mass`. The parameter `idle` of this pack becomes 1 W if the drive
+  /// always runs or the type has a controller, else 0. Removes power contacts without a pack, with a warning.
   void finish(engine::TypeSpec& type);
 
  private:

@@ -7,7 +7,7 @@
 
 namespace troupe::worldio {
 
-/// How Troupe treats a property of Stage's world files.
+/// How Troupe treats a property of the `.world` files of Stage, an older robot simulator.
 enum class StageSupport {
   honoured,       ///< read; the property means the same as in Stage 4.3, or Troupe added it
   fixed,          ///< honoured, but not exactly as in Stage 4.3: the note says how it differs
@@ -17,7 +17,8 @@ enum class StageSupport {
   obsolete,       ///< accepted and ignored, as by Stage 4.3
 };
 
-/// A property that entities of one type can have, and how Troupe treats it.
+/// A property that entities of one type can have, and how Troupe treats it. An entity is a model, block,
+/// sensor or window of a file, or the world itself.
 struct StageRow {
   std::string_view type;  ///< "world", "block", "sensor", "window" or a model type; "model": every model type
   std::string_view name;  ///< name of the property; a number in brackets is written [k], as in `point[k]`
@@ -50,7 +51,7 @@ std::vector<std::string_view> stage_property_names(std::string_view type);
 /// included.
 std::string stage_properties_text(std::string_view model);
 
-/// Returns all rows as a Markdown table, which docs/stage-worlds.md contains.
+/// Returns all properties of stage_rows() as a Markdown table, which docs/stage-worlds.md contains.
 std::string stage_property_table();
 
 }  // namespace troupe::worldio

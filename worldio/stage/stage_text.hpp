@@ -30,13 +30,13 @@ double solved(double value, double guess, Read read) {
   return guess;
 }
 
-/// Returns the pose of c in frame b, for which compose(pose_a_b, result) == pose_a_c. The equation holds to
-/// the last bit if the function finds such numbers near the rounded result; otherwise it holds up to
-/// rounding.
+/// Returns the pose of a frame c in a frame b: the pose for which compose(pose_a_b, result) == pose_a_c. The
+/// arguments are the poses of b and c in a frame a. The equation holds to the last bit if the function finds
+/// such numbers near the rounded result; otherwise it holds up to rounding.
 Pose relative_pose(const Pose& pose_a_b, const Pose& pose_a_c);
 
-/// Builds the text of a world in Stage's syntax. Numbers have the fewest digits that read back as the same
-/// double, and no exponent: Stage's syntax has none.
+/// Builds the text of a world in the syntax of Stage, an older robot simulator. Numbers have the fewest
+/// digits that read back as the same double, and no exponent: Stage's syntax has none.
 class StageText {
  public:
   explicit StageText(Diagnostics& diagnostics) : diagnostics_(diagnostics) {}

@@ -12,19 +12,23 @@
 #include <string>
 #include <vector>
 
+/// Writes body types as macros of a `.world` file, the world file of Stage. Stage is an older robot
+/// simulator. A type describes bodies of the same construction. Its parts are rigid pieces, and form a tree;
+/// the root part (part 0) is the body itself.
 namespace troupe::worldio {
 
 /// The arguments of write_stage_type() that are the same for all types of a world. The struct holds
 /// references to objects that must outlive it.
 struct StagePlaces {
   const std::filesystem::path& folder;  ///< folder of the .world file
-  const engine::Registry& registry;     ///< the kinds of the world
+  const engine::Registry& registry;     ///< the kinds (sorts) of drives, devices and controllers
   FloorImages& images;                  ///< reads the images of bodies again, to compare them with the solids
   Diagnostics& diagnostics;             ///< receives an error for each value that Stage cannot express
 };
 
-/// Returns, for each part of a type, whether the part must be omitted from the file, because a controller
-/// adds it each time the file is read (worldio/stage/stage_demos.hpp). `seed` is that of the world.
+/// Returns, for each part of a type, whether the part must be omitted from the file, because a controller of
+/// the type adds the part each time the file is read (worldio/stage/stage_demos.hpp). `seed` is that of the
+/// world.
 std::vector<bool> added_parts(const engine::TypeSpec& type, std::uint64_t seed,
                               const engine::Registry& registry);
 
@@ -38,7 +42,9 @@ struct StageMacro {
 };
 
 /// Writes a type as a macro. The body of the macro is the root part of the type. The macro contains a model
-/// for each other part, and a model for each device that is mounted on a part but is not the part itself.
+/// for each other part, and a model for each device that is mounted on a part. A part that is itself a
+/// device, such as a ranger, is only one model. Power packs, power contacts and flags become properties of
+/// the model of their part.
 void write_stage_type(const engine::TypeSpec& type, const StageMacro& macro, const StagePlaces& places,
                       StageText& text);
 

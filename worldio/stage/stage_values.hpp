@@ -17,10 +17,11 @@
 
 namespace troupe::worldio {
 
-/// Reads the values of properties. If a value is wrong, the function that reads it reports an error and
-/// returns an empty optional. A message is reported once per place in a file, even if many instances of a
-/// macro share that place. Poses and sizes are returned in m and rad; number(), integer(), tuple() and
-/// column() return numbers as in the file, without conversion.
+/// Reads the values of properties of a `.world` file, the world file of Stage (an older robot simulator). If
+/// a value is wrong, the function that reads it reports an error and returns an empty optional. A message is
+/// reported once per place in a file, even if many instances of a macro share that place. Poses and sizes are
+/// returned in m and rad; number(), integer(), tuple() and column() return numbers as in the file, without
+/// conversion.
 class StageValues {
  public:
   StageValues(const StageDocument& document, Diagnostics& diagnostics)
@@ -29,7 +30,8 @@ class StageValues {
   /// Sets the units of the file: the factors that convert its lengths to metres and its angles to radians.
   /// Before the call, lengths are in metres and angles in degrees.
   void set_units(double length, double angle) { length_ = length, angle_ = angle; }
-  void set_wraps_headings(bool wraps) { wraps_headings_ = wraps; }  ///< see pose_in_device(); default: true
+  /// Sets whether pose_in_device() wraps headings into [-pi, pi]. It does so by default.
+  void set_wraps_headings(bool wraps) { wraps_headings_ = wraps; }
   double length_unit() const { return length_; }
   double angle_unit() const { return angle_; }
 
@@ -62,7 +64,8 @@ class StageValues {
   std::optional<std::vector<double>> tuple(const StageProperty& property, std::size_t least, std::size_t most,
                                            std::string_view layout);
 
-  /// Whether a number is within the limits of a field. If not, reports an error.
+  /// Whether a number is within the limits of a field (the description of a parameter). If not, reports an
+  /// error.
   /// si       the number in SI units
   /// written  the number as the file gives it
   bool is_within(const StageProperty& property, const engine::Field& field, double si, double written);
@@ -72,8 +75,8 @@ class StageValues {
   /// Reads a pose [x y z heading], or the older form [x y heading]. The heading is wrapped into [-pi, pi].
   /// Coordinates must be from -100 km to 100 km.
   std::optional<Pose> pose(const StageProperty& property);
-  /// Like pose(), for the pose of a transducer or a bumper in the frame of its device. After
-  /// set_wraps_headings(false), its heading is not wrapped.
+  /// Like pose(), for the pose of a transducer (fan of beams of a ranger) or a bumper in the frame of its
+  /// device. After set_wraps_headings(false), the heading is not wrapped.
   std::optional<Pose> pose_in_device(const StageProperty& property);
   /// Reads a size [x y z], or the older form [x y], which takes the default height, m. Each extent must be
   /// from 0 to 200 km; the caller checks whether 0 is allowed.
