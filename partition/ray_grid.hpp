@@ -40,7 +40,7 @@ namespace troupe::partition {
 struct MovingOutline {
   std::uint32_t body = 0;   ///< index into `poses` of redraw(); rays of this body ignore the outline
   std::uint32_t first = 0;  ///< the outline is vertices [first, first + count) of RayGrid::redraw()
-  std::uint32_t count = 0;  ///< number of vertices, at least one
+  std::uint32_t count = 0;  ///< number of vertices; 0: the outline is not drawn
   ZInterval z;              ///< heights, body frame, m
   float ranger_return = 1;  ///< intensity that a ray reads; negative: the outline is not drawn
 };

@@ -83,8 +83,9 @@ TEST_F(Conformance14, WordWithoutValueAtTheEnd) {
 
 TEST_F(Conformance14, NamelessBody) {
   load("model(\n ( size [1 1 1] ) )");
-  EXPECT_THAT(messages(), ElementsAre("w.world:2: error: a ( is allowed only after a model type or the name "
-                                      "of a macro"));
+  EXPECT_THAT(messages(),
+              ElementsAre("w.world:2: error: a ( is allowed only directly after a word, such as a "
+                          "model type or the name of a macro"));
 }
 
 TEST_F(Conformance14, ErrorsInAnIncludedFileNameIt) {

@@ -111,8 +111,8 @@ void RecordingReader::find_arrays(const Hdf5Group& group, const std::string& com
     }
     if (extent.size() != 3 || extent[1] != bodies.size())
       dataset.fail(
-          fmt::format("has the shape [{0}], but must have the shape [frames x {1} x values], where {1} is "
-                      "the number of bodies: the file is damaged",
+          fmt::format("has the shape [{0}], but must have the shape [frames x {1} x values], because "
+                      "its group has data of {1} bodies: the file is damaged",
                       fmt::join(extent, " x "), bodies.size()));
     Array array;
     array.component = component;

@@ -355,7 +355,8 @@ class Parser {
     switch (token.kind) {
       case TokenKind::word: break;
       case TokenKind::open: {
-        errors_.add(token.where(), "a ( is allowed only after a model type or the name of a macro");
+        errors_.add(token.where(),
+                    "a ( is allowed only directly after a word, such as a model type or the name of a macro");
         entity.word = position();
         ++at_;
         StageEntity dropped{.word = entity.word};
