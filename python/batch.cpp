@@ -416,11 +416,13 @@ void bind_batch(py::module_& module) {
             b->work([&](BatchEnv& batch) { batch.reset(marks, seeds); });
           },
           py::arg("which") = py::none(), py::arg("seeds") = py::tuple(),
-          "Begins an episode in some copies. which: one bool per copy; None: all copies. seeds: one seed per "
-          "copy. A copy without\na seed (None, or an empty list) begins its next episode, whose seed is "
-          "derived from the last seed that reset() got for\nthis copy (or, if the copy never got one, from "
-          "the seed of the world plus the index of the copy). Raises RuntimeError\nif `which` leaves out a "
-          "copy that has not begun an episode.")
+          "Begins an episode in some copies. which: one bool per copy; None: all copies. seeds: one seed or "
+          "None "
+          "per copy; an\nempty list: None for all copies. A copy with None begins its next episode. The seed "
+          "of "
+          "that episode is derived from the\nnumber of the episode and from the last seed that reset() got "
+          "for this copy (or, if the copy never got one, from the\nseed of the world plus the index of the "
+          "copy). Raises RuntimeError if `which` leaves out a copy that has not begun an\nepisode.")
       .def(
           "step",
           [](const BatchHolder& b, const Marks& begins) {

@@ -70,7 +70,7 @@ struct PublicColumns {
   std::span<const Pose> poses;                   ///< pose of each row, world frame
   std::span<const Transform> transforms;         ///< `poses` as transforms
   std::span<const Vec2> outlines;                ///< vertices of the outlines of all rows, world frame, m
-  std::span<const double> radii;                 ///< bounding radius about the origin, m; negative: absent
+  std::span<const double> radii;  ///< radius about a body's origin, m; negative: unborn or dead
   /// For all joints of all rows: transform of a point on the joint from its place with all joints at rest to
   /// its present place, both in the body frame.
   std::span<const Mount> joint_mounts;
@@ -114,8 +114,9 @@ class SensingView {
   const FixedTargets& fixed_targets() const { return *columns_.fixed_targets; }
   /// Sizes of the cells and tiles of the spatial index. No result depends on them.
   const partition::GridGeometry& geometry() const { return *columns_.geometry; }
-  /// Number of rows: one for each body that has a drive, a device or a controller, or that can be gripped or
-  /// pushed.
+  /// Number of rows in this world. Each body that has a drive, a device or a controller, or that can be
+  /// gripped or pushed, has a row. If several ranks (threads or processes) compute the world, some rows may
+  /// be on other ranks; they do not count.
   std::size_t rows() const { return columns_.bodies.size(); }
   BodyId body(Row row) const { return columns_.bodies[row.index()]; }  ///< body of a row
   /// Where the row of a body of the world is.

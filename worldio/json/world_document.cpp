@@ -732,7 +732,8 @@ void PartDocument::describe(DocumentKeys<PartDocument>& d) {
        "name of the part; programs find the part by the name BODY.NAME, where BODY is the name of its body",
        "the part's name")
       .require("the part's name");
-  d.other<&PartDocument::alias>(Form::name, "alias", "another name, by which programs can find the part",
+  d.other<&PartDocument::alias>(Form::name, "alias",
+                                "another name of the part; programs also find it by BODY.ALIAS",
                                 "another name of the part");
   d.other<&PartDocument::kind>(Form::model_kind, "kind", "model type of Stage that corresponds to the part")
       .or_default("\"model\"");
