@@ -46,9 +46,9 @@ class RankDeal {
   /// A rank that makes its runs must call tell_that_it_works() at intervals of at most this time, so that the
   /// other ranks do not give up waiting for it.
   std::chrono::duration<double> interval() const { return interval_; }
-  /// Tells the ranks that wait for this rank: this rank is at work. Their wait of at most `limit_s` then
+  /// Tells the ranks that wait for this rank that it is still at work. Their wait of at most `limit_s` then
   /// starts again. While rank 0 waits in gather(), it passes such a message of one rank on to all other
-  /// ranks. Does nothing with one rank.
+  /// ranks, so that none of them gives up waiting for rank 0. Does nothing with one rank.
   void tell_that_it_works() const;
   /// On rank 0: sends a message to all other ranks, whose shared() returns this message. Call it at most
   /// once.

@@ -119,7 +119,8 @@ class RankRows {
   /// Returns the lowest value of `own` on any rank. own: the first trial whose place this rank has found
   /// free; `trials`, the number of trials, if there is none
   virtual std::uint32_t lowest_trial(std::uint32_t own, std::uint32_t trials) = 0;
-  /// Calls work(). In a distributed world, end_attempts() throws the exception of `work` instead.
+  /// Calls work(). If work() throws: in a replicated world, attempt() passes the exception on to its caller;
+  /// in a distributed world, attempt() keeps the exception, and end_attempts() throws it.
   virtual void attempt(const std::function<void()>& work) = 0;
   /// Throws, on all ranks, the exception of the first work() of attempt() that failed on any rank.
   virtual void end_attempts() = 0;

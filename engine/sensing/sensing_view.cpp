@@ -8,9 +8,9 @@ namespace troupe::engine {
 
 void SensingView::throw_elsewhere(BodyId body) const {
   throw std::logic_error(
-      fmt::format("internal error: the row of \"{}\" was read, but another rank has it; unless a plug-in "
-                  "caused this, it is "
-                  "no error of your input: please report it",
+      fmt::format("internal error: the data of \"{}\" was read on a rank that does not have it. If a plug-in "
+                  "read it, the plug-in has an error: it may read only bodies that its device can reach. "
+                  "Otherwise your input is not the cause: please report this",
                   spec().name(body)));
 }
 

@@ -171,8 +171,8 @@ def _check_decide(cls: Any, instance: Any, file: str, line: int) -> None:
 
 
 class ResultError(TypeError):
-    """Raised if a function of a script returns a wrong result. lineno: the line of the function; 0 if it is not
-    known."""
+    """Raised if a measure of a script returns a result that is not a number. lineno: the line at which the function
+    of the measure begins; 0 if it is not known."""
 
     lineno = 0
 

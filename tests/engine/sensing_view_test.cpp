@@ -26,10 +26,11 @@ TEST(SensingView, TheRowOfABodyIsHereOrElsewhereOrThereIsNone) {
     static_cast<void>(view.row(BodyId(2)));
     ADD_FAILURE() << "the row of a body elsewhere was returned";
   } catch (const std::logic_error& error) {
-    EXPECT_STREQ(
-        error.what(),
-        "internal error: the row of \"far\" was read, but another rank has it; unless a plug-in caused "
-        "this, it is no error of your input: please report it");
+    EXPECT_STREQ(error.what(),
+                 "internal error: the data of \"far\" was read on a rank that does not have it. If a plug-in "
+                 "read it, the plug-in has an error: it may read only bodies that its device can reach. "
+                 "Otherwise your "
+                 "input is not the cause: please report this");
   }
 }
 

@@ -98,7 +98,7 @@ constexpr auto k_rows = std::to_array<StageRow>({
      "speed in m/s"},
     {"model", "watts", fixed,
      "power that the model draws while it runs, W, whatever the length of a tick; no effect for model types "
-     "whose power follows from what they do: position, ranger (0.2 W per sensor), blobfinder (2 W), bumper "
+     "whose power Troupe itself determines: position, ranger (0.2 W per sensor), blobfinder (2 W), bumper "
      "(0.1 W), actuator (2 W), camera (100 W)"},
     {"model", "joules", fixed,
      "gives the model a power pack with this capacity, J, which is full at the start; below 0: the pack "

@@ -12,7 +12,7 @@ enum class StageSupport {
   honoured,       ///< read; the property means the same as in Stage 4.3, or Troupe added it
   fixed,          ///< honoured, but not exactly as in Stage 4.3: the note says how it differs
   no_effect,      ///< accepted and ignored: the note says why
-  window_camera,  ///< accepted; it affects only Stage's window and pictures with `--camera window`
+  window_camera,  ///< accepted; it affects only Stage's window, and Troupe's pictures with `--camera window`
   window_only,    ///< accepted; it affects only Stage's window
   obsolete,       ///< accepted and ignored, as by Stage 4.3
 };
