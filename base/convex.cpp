@@ -409,8 +409,11 @@ std::vector<ConvexPrism> convex_pieces(const Solid& solid) {
   for (const Direction& direction : {Direction{0, 1}, Direction{1, 1}}) {
     const double width = smallest_width(outlines);
     if (width >= k_thin_m) break;
-    std::vector<Ring> others = cut(contours, direction);
-    if (smallest_width(others) > width) outlines = std::move(others);
+    try {
+      std::vector<Ring> others = cut(contours, direction);
+      if (!others.empty() && smallest_width(others) > width) outlines = std::move(others);
+    } catch (const std::length_error&) {  // too intricate only in this direction
+    }
   }
   for (Ring& outline : outlines) prisms.push_back({std::move(outline), solid.z});
   return prisms;

@@ -191,21 +191,32 @@ std::string contents_of(const Simulation& simulation) {
   return fmt::format("{}\n{:016x}\n", spec.dump(), simulation.state_hash());
 }
 
-/// The contents of the worlds with each listed value of a parameter that may be the name of a file, such as
-/// an image of a floor plan: the file is not part of the study, and other runs do not read it.
-std::string contents_of_choices(const Study& study, const SweepOptions& options) {
-  std::string text;
+/// Whether a JSON value is or contains the path of a file, relative to the folder of the world.
+bool names_file(const nlohmann::json& value, const fs::path& world) {
+  if (value.is_string()) {
+    std::error_code ignored;
+    return fs::is_regular_file(world.parent_path() / value.get<std::string>(), ignored);
+  }
+  return std::ranges::any_of(
+      value, [&](const auto& element) { return value.is_structured() && names_file(element, world); });
+}
+
+/// A hash of the worlds with each listed value of a parameter that names a file, such as the image of a floor
+/// plan: the file is not part of the study, and run 0 may not read it.
+std::string hash_of_choices(const Study& study, const SweepOptions& options) {
+  std::string hashes;
   for (std::size_t p = 0; p < study.choices.size(); ++p)
     for (const std::string& value : study.choices[p].values) {
-      if (value.find('"') == value.npos) continue;
+      if (!names_file(nlohmann::json::parse(value), study.world)) continue;
       Study::Run run = study.run(0);
       run.values[p] = value;
       try {
-        text += contents_of(Simulation(study.world, options_of(study, run, options)));
-      } catch (const InputError&) {  // no run, or only one with other values of other parameters, has it
+        hashes += hex(hash_text(contents_of(Simulation(study.world, options_of(study, run, options)))));
+      } catch (const InputError&) {
+        hashes += value;  // only other runs, or none, can have this value
       }
     }
-  return text;
+  return hashes;
 }
 
 /// Returns a text that identifies the study, and the names of the columns of its measures. The text is a hash
@@ -219,9 +230,8 @@ std::pair<std::string, std::vector<std::string>> identify(const Study& study, co
   end_of(study, simulation);
   if (shows_warnings)
     for (const std::string& warning : simulation.warnings()) fmt::print(stderr, "{}\n", warning);
-  std::string text =
-      fmt::format("{}\n{}{}{}", worldio::read_file(options.study).value_or(""), contents_of(simulation),
-                  contents_of_choices(study, options), version_line());
+  std::string text = fmt::format("{}\n{}{}{}", worldio::read_file(options.study).value_or(""),
+                                 contents_of(simulation), hash_of_choices(study, options), version_line());
   for (const auto& script : options.scripts) text += fmt::format("\n{:016x}", script->contents);
   return {hex(hash_text(text)), {measures.columns().begin(), measures.columns().end()}};
 }

@@ -93,7 +93,7 @@ void Links::build() {
   resize_with_room(samples_, composites_.size());
   resize_with_room(lifts_, composites_.size());
   resize_with_room(refused_, composites_.size());
-  near_.resize((composites_.size() + k_trees_per_task - 1) / k_trees_per_task);
+  near_.resize(std::max(near_.size(), (composites_.size() + k_trees_per_task - 1) / k_trees_per_task));
   for (std::vector<std::uint32_t>& list : near_) list.reserve(k_room_near);
 
   // Reserves memory now, so that no memory is allocated when a body is gripped, unless that body carries

@@ -399,8 +399,8 @@ class Generator(Parameters):
         meant = {"born": ["add"], "dies": ["remove"], "disabled": ["disable"], "enabled": ["disable", "enable"], "moved": ["move"],
                  "set": ["set"]}.get(focus, [])
         wanted = meant + [self.draws.choice(actions) for _ in range(self.draws.choice((0, 1, 2, 3, 5)))]
-        if self.chance(0.3):  # several happen in one tick, some at one place
-            wanted += ["move", "add", self.draws.choice(("remove", "move", "add")), "add"]
+        together = ["move", "add", self.draws.choice(("remove", "move", "add")), "add"] if self.chance(0.3) else []
+        wanted += together  # most of them happen in one tick, some at one place
         moment = self.time(3)
         entries = []
         for number, action in enumerate(wanted):
@@ -408,7 +408,7 @@ class Generator(Parameters):
             entry = make(number < len(meant)) if make else {action: self.whom()}
             if entry:
                 time = self.time(1, self.ticks // 2) if action == "disable" else self.time(3)
-                if number >= len(wanted) - 4 and self.chance(0.7):
+                if number >= len(wanted) - len(together) and self.chance(0.7):
                     time = moment
                 entries.append({"time_s": time, **entry})
         for entry in entries:  # enable in the second half, after disable

@@ -10,8 +10,8 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
-#include <chrono>
 #include <cmath>
+#include <ctime>
 #include <vector>
 
 namespace troupe::engine {
@@ -411,10 +411,10 @@ TEST(Links, CarsFarFromTheirBodiesMoveQuickly) {
   add_car(scene[type], {0, 0, 0.3, 0}, 300, {test::leg(9, 300)});
   for (int i = 0; i < 5; ++i) scene.body(fmt::format("b{}", i), type, {0, 2.0 * i, 0, 0});
   World world = scene.world({1, 0});
-  const auto start = std::chrono::steady_clock::now();
+  const std::clock_t start = std::clock();
   for (int t = 0; t < 3; ++t) world.step();
   if (!test::k_slow_build) {
-    EXPECT_LT(std::chrono::steady_clock::now() - start, std::chrono::seconds(3));
+    EXPECT_LT(std::clock() - start, 3 * CLOCKS_PER_SEC);  // processor time
   }
   EXPECT_NEAR(world.joint_state(world.row(BodyId(5)), 0).x, 60, 1e-9);
 }

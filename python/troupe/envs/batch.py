@@ -44,7 +44,7 @@ class Batch:
         if not task.teams:
             raise ValueError(f"{type(task).__name__} has no teams: set its member `teams` to a list of Teams")
         self.teams = [dataclasses.replace(team) for team in task.teams]
-        if robot is not None:
+        if robot:
             if len(self.teams) != 1:
                 raise ValueError(
                     f"robot={robot!r} needs a task with one team, but {type(task).__name__} has {len(self.teams)}: "
