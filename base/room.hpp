@@ -40,6 +40,7 @@ void resize_with_room(std::vector<T>& list, std::size_t size, const T& value = T
 
 /// Returns freed memory to the operating system, as far as the C library can. Without this call, the process
 /// may keep the pages of freed lists. Call it after much memory was freed that will not be needed again.
+/// Thread-safe.
 void release_freed_memory();
 
 }  // namespace troupe
