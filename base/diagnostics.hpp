@@ -132,8 +132,9 @@ class Diagnostics {
   /// message with that of the last part in the chain of bases of the found part. Returns the index in kin_ of
   /// the found part; empty if the message names no part in kin_.
   std::optional<std::size_t> to_common_base(std::string& message) const;
-  /// Whether an earlier finding reports the same error or warning in inherited content; the new finding must
-  /// then be dropped. Replaces the message of the earlier finding with `message` where inherits() says so.
+  /// Returns whether an earlier finding already reports the same error or warning, because both are about
+  /// content that one part of the input inherits from another. The caller must then drop the new finding. May
+  /// replace the message of the earlier finding with `message`; the comment of inherits() says when.
   bool is_inherited(Severity severity, Where where, const std::string& message);
 
   bool thorough_;

@@ -17,16 +17,17 @@ enum CameraField : std::size_t {
 
 /// Returns the implementation of the sensor `camera`, which renders colour and depth of its field of view
 /// without a graphics library. Words such as range_near are parameters of the camera.
-/// sees    A picture shows walls and bodies as extruded blocks with tops and undersides, and the floor at
-///         z = 0. It does not show the camera's own robot, nor bodies that move with this robot (one carries
-///         the other, or a third body carries both). There is no light or shadow: each body has its own
-///         colour. Surfaces nearer than range_near are not drawn; beyond range_far the picture shows sky.
+/// sees    A picture shows walls and bodies as extruded blocks (solids) with tops and undersides, and the
+///         floor at z = 0. It does not show the camera's own robot, nor bodies that move with this robot (one
+///         carries the other, or a third body carries both). There is no light or shadow: each body has its
+///         own colour. Surfaces nearer than range_near are not drawn; beyond range_far the picture shows sky.
 /// pixels  The camera is a pinhole camera: each pixel shows the colour along one ray through its middle.
 /// ties    Of two surfaces at the same depth, the surface of the body with the lower id is drawn; within one
-///         body, the surface of the solid with the lower number. A body at the depth of the floor hides the
-///         floor.
-/// cost    A level camera tests an edge only for the columns that the edge spans, a tilted camera for every
-///         pixel.
+///         body, the surface of the block that comes first in the body type. A body at the depth of the floor
+///         hides the floor.
+/// cost    A level camera tests an edge of a block only in the columns of pixels that the edge spans, a
+/// tilted
+///         camera in every pixel.
 /// source  Stage's camera model, which needs a window; its `pitch` is called `tilt` here.
 engine::DeviceKind camera_kind();
 

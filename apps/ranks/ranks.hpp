@@ -71,8 +71,10 @@ class RankDeal {
 };
 
 /// Calls run() on every process that a launcher has started, and returns the result of this process. Errors
-/// are handled as in on_ranks(). threads: RankDeal::threads(), or 0 for the number of processors that the
-/// launcher or the system gives this process. limit_s: the longest time that a rank waits for another, s
+/// are handled as in on_ranks().
+/// threads: number of runs that each process makes at the same time (RankDeal::threads() then returns it);
+///          0: the number of processors that the launcher or the system gives this process
+/// limit_s: the longest time that a rank waits for another, s
 ExitCode on_each_rank(unsigned threads, double limit_s, const std::function<ExitCode(RankDeal& deal)>& run);
 
 /// For commands that run in one process only: returns true if a launcher started several processes, so that

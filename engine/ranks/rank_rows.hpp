@@ -94,9 +94,10 @@ class RankRows {
   virtual void get_rows_of(unsigned rank, partition::MessageReader& message) = 0;
   ///@}
   using Messages = std::vector<std::shared_ptr<const partition::Message>>;
-  /// Returns one message per rank with the data that this rank has written in the phases sense, actuate and
-  /// decide, and that the other rank reads. The message of this rank itself is not used. Each message begins
-  /// with a copy of `head`. Throws StepError if this rank cannot compute the tick.
+  /// Returns a list with one message for each rank. The message for a rank contains those data that this rank
+  /// has written in the phases sense, actuate and decide, and that the receiving rank reads. The list also
+  /// has an element for this rank itself, which is not used. Each message begins with a copy of `head`.
+  /// Throws StepError if this rank cannot compute the tick.
   virtual Messages written(const partition::MessageWriter& head) = 0;
   /// Reads the message that rank `from` has written for this rank. `message` begins after the head, which was
   /// read before.

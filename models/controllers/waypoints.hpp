@@ -14,10 +14,10 @@ namespace troupe::models {
 /// m and 1e-6 rad of the goal; `near` does not apply. Such goals need a drive of kind `omni`. If the goal has
 /// a time, the robot arrives at the end of the tick (simulation step) in which this time is reached. A
 /// command acts one tick after the controller has given it, so the robot first moves in the second tick. If
-/// the drive runs only once per period of several ticks, a command acts one period later, and the robot
-/// arrives at the end of the last period that ends in time. An obstacle in its way blocks the robot, as it
-/// blocks robots with other controllers. Once the way is free again, the robot moves as fast as its drive can
-/// until it is on time. It skips no goal.
+/// the drive runs only once per period of several ticks, a command acts one period after the controller has
+/// given it, and the robot arrives at the end of the last period that ends at or before the time of the goal.
+/// An obstacle in its way blocks the robot, as it blocks robots with other controllers. Once the way is free
+/// again, the robot moves as fast as its drive can until it is on time. It skips no goal.
 engine::ControllerKind waypoints_controller();
 
 }  // namespace troupe::models

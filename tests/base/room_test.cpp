@@ -40,8 +40,8 @@ TEST(Room, ResizingShrinksAndFills) {
   EXPECT_EQ(list, (std::vector{1, 1, 5, 5}));
 }
 
-// In builds with sanitizers, the calls below are the first that reach the allocator of glibc, which must not be
-// initialized by two threads at the same time: glibc would abort the process when these threads end.
+// In builds with sanitizers, the calls below are the first that reach the allocator of glibc, which must not
+// be initialized by two threads at the same time: glibc would abort the process when these threads end.
 TEST(Room, ThreadsMayReleaseMemoryAtTheSameTime) {
   constexpr std::size_t k_threads = 8;
   std::barrier together(k_threads);

@@ -371,9 +371,9 @@ position( name "n" pose [0 5 0 0]
   other_seed.set = {{"/seed", "8"}};
   convert(convert(write("one.world", "model( ctrl \"dynamic 2\" )\n"), "one.json"), "other.world",
           other_seed);
-  EXPECT_THAT(found, ElementsAre(HasSubstr("controller \"dynamic\": it adds random parts to its model when "
-                                           "the file is read; with the seed of this world, these parts "
-                                           "differ from the parts of the type")));
+  EXPECT_THAT(found, ElementsAre(HasSubstr("controller \"dynamic\": the random parts that it has added to "
+                                           "its model; with the seed of this world, it would add other "
+                                           "parts when the written file is read")));
 }
 
 TEST_F(ConvertTest, NumbersOfMarkedBodiesAreKept) {

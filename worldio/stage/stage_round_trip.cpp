@@ -275,8 +275,8 @@ void RoundTrip::check_bodies() {
       if (stage_addition(controller.kind))
         return lacks(
             controller.where,
-            fmt::format("controller \"{}\": it adds random parts to its model when the file is read; with "
-                        "the seed of this world, these parts differ from the parts of the type",
+            fmt::format("controller \"{}\": the random parts that it has added to its model; with the seed "
+                        "of this world, it would add other parts when the written file is read",
                         controller.kind));
     return lacks(
         type_.parts.front().where,
