@@ -8,12 +8,13 @@
 namespace troupe::partition {
 namespace {
 
-constexpr std::size_t k_least_part = 512;  // least rows that a task counts
-constexpr std::size_t k_most_parts = 64;
-constexpr std::size_t k_sorted = 1024;    // least rows that a task sorts into cells
-constexpr std::size_t k_empty = 32;       // an empty tile takes as long to sort as this many rows
-constexpr std::size_t k_summed = 256;     // tiles that a task sums up
-constexpr std::size_t k_read_beyond = 3;  // circles that unpack() may read beyond the end
+constexpr std::size_t k_least_part = 256;      // least rows that a task counts
+constexpr std::size_t k_most_parts = 64;       // each part has a counter for each tile
+constexpr std::size_t k_parts_per_thread = 4;  // for even loads of the threads
+constexpr std::size_t k_sorted = 512;          // least rows that a task sorts into cells
+constexpr std::size_t k_empty = 32;            // an empty tile takes as long to sort as this many rows
+constexpr std::size_t k_summed = 2048;         // tiles that a task sums up; fewer are not worth a thread
+constexpr std::size_t k_read_beyond = 3;       // circles that unpack() may read beyond the end
 
 /// Visits the cells of a tile block by block. Calls visit(index of the first cell, index one past the last)
 /// for each row of cells of each block; see GridGeometry::in_tile() for the index.
@@ -159,7 +160,8 @@ void BodyIndex::rebuild(std::span<const Transform> places, std::span<const doubl
   // far more tiles than rows.
   if (directory_.size() > 16 + 4 * rows) directory_.clear();
 
-  parts_.resize(std::clamp<std::size_t>(rows / k_least_part, 1, k_most_parts));
+  parts_.resize(std::clamp<std::size_t>(rows / k_least_part, 1,
+                                        std::min(k_most_parts, k_parts_per_thread * parallel.threads())));
   for (std::size_t p = 0; p < parts_.size(); ++p) {
     parts_[p].next.reserve(reserved_);
     parts_[p].new_tiles.reserve(16);

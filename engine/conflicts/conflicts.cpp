@@ -14,6 +14,11 @@ namespace troupe::engine {
 namespace {
 
 constexpr std::size_t k_batch = 128;  // rows per task
+// Rows per task in loops that compute little per row.
+constexpr std::size_t k_large_batch = 512;
+// Rows per task in the rounds after the first. In these rounds few rows are left, and a row in which bodies
+// are pushed can take some ten microseconds: with larger tasks, most threads would have none.
+constexpr std::size_t k_waiting_batch = 16;
 
 }  // namespace
 
@@ -69,13 +74,13 @@ void Conflicts::resolve(const Crowd& crowd, const partition::StaticScene& scene,
     parallel.for_each((count + batch - 1) / batch,
                       [&](std::size_t b) { work(b * batch, std::min(count, (b + 1) * batch)); });
   };
-  for_each(rows, 16 * k_batch,
+  for_each(rows, k_large_batch,
            [&](std::size_t first, std::size_t last) { resolver.bound_motions(first, last); });
   resolver.finish_bounds();
   const std::span<const std::uint32_t> order =
       border ? border->begin(crowd.motions, index.order()) : index.order();
   if (crowd.pushables.any()) {
-    for_each(rows, 16 * k_batch,
+    for_each(rows, k_large_batch,
              [&](std::size_t first, std::size_t last) { resolver.bound_zones(first, last); });
     const std::span<const std::uint32_t> all = index.order();  // ghosts too, for widen_zone()
     for_each(all.size(), k_batch, [&](std::size_t first, std::size_t last) {
@@ -98,16 +103,20 @@ void Conflicts::resolve(const Crowd& crowd, const partition::StaticScene& scene,
     finish_with(*border, resolver, parallel);
     border->exchange_places(*this);
   } else {
-    while (const std::size_t waiting = resolver.next_round()) {
-      for_each(waiting, 4 * k_batch, [&](std::size_t first, std::size_t last) {
-        for (std::size_t i = first; i < last; ++i) resolver.resolve_waiting(waiting_[i]);
-      });
-      std::swap(waiting_, still_waiting_);
-    }
+    while (const std::size_t waiting = resolver.next_round()) resolve_waiting(waiting, resolver, parallel);
   }
   rounds_ = resolver.round() - base_ - 1;
   for (const Push& push : pushes())
     longest_ = std::max(longest_, (push.position - crowd.transforms[push.row].position).norm());
+}
+
+/// Computes a round after the first, in which `waiting` rows wait.
+void Conflicts::resolve_waiting(std::size_t waiting, Resolver& resolver, partition::Parallel& parallel) {
+  parallel.for_each((waiting + k_waiting_batch - 1) / k_waiting_batch, [&](std::size_t b) {
+    for (std::size_t i = b * k_waiting_batch; i < std::min(waiting, (b + 1) * k_waiting_batch); ++i)
+      resolver.resolve_waiting(waiting_[i]);
+  });
+  std::swap(waiting_, still_waiting_);
 }
 
 /// Computes the rounds after the first if there are ghosts. A row that depends on a ghost waits until the
@@ -120,12 +129,7 @@ void Conflicts::finish_with(Border& border, Resolver& resolver, partition::Paral
   while (waiting > 0 || has_ghosts_left) {
     const std::size_t before = waiting;
     if (waiting > 0) {
-      constexpr std::size_t k_task = 4 * k_batch;
-      parallel.for_each((waiting + k_task - 1) / k_task, [&](std::size_t b) {
-        for (std::size_t i = b * k_task; i < std::min(waiting, (b + 1) * k_task); ++i)
-          resolver.resolve_waiting(waiting_[i]);
-      });
-      std::swap(waiting_, still_waiting_);
+      resolve_waiting(waiting, resolver, parallel);
       waiting = resolver.next_round();
     }
     if (waiting > 0 && waiting < before) continue;

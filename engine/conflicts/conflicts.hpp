@@ -241,6 +241,7 @@ class Conflicts {
   static constexpr std::size_t k_max_far = 64;
 
   void reserve(std::size_t rows, std::size_t most_pushes, const Pushables& pushables);
+  void resolve_waiting(std::size_t waiting, Resolver& resolver, partition::Parallel& parallel);
   void finish_with(Border& border, Resolver& resolver, partition::Parallel& parallel);
 
   // One per row. The count of rounds continues from tick to tick, so entries of earlier ticks need not be
