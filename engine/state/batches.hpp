@@ -19,6 +19,9 @@ namespace troupe::engine {
 // A task (one call in a parallel loop) has many rows, so that it is worth waking a thread.
 inline constexpr std::size_t k_near_batch = 64;  ///< most rows per task of for_neighbours()
 inline constexpr std::size_t k_row_block = 256;  ///< most rows per task of for_blocks()
+/// Tasks per thread of for_neighbours(), if there are enough rows. With fewer tasks, threads would wait for
+/// the thread that got the longest tasks.
+inline constexpr std::size_t k_near_tasks_per_thread = 4;
 
 /// Sorts `rows`, of which there are at most k_row_block, by body type. Then calls work(rows, type) once for
 /// each type that occurs, with all rows of that type and the BodyType, in ascending order of the index of the
@@ -56,10 +59,14 @@ void for_types(const WorldState& state, std::span<Row> rows, Work&& work) {
 ///
 /// order: the rows, in an order in which neighbours in the world follow one another (BodyIndex::order(),
 /// which lists only bodies in the world); if it is empty, there is no call
+/// least: number of rows whose work is worth waking a thread, at least 1. If there are few rows for the
+/// number of threads, batches have fewer than k_near_batch rows, but not fewer than `least`
 template <class Work>
 void for_neighbours(const WorldState& state, partition::Parallel& parallel,
-                    std::span<const std::uint32_t> order, Work&& work) {
-  const std::size_t batches = (order.size() + k_near_batch - 1) / k_near_batch;
+                    std::span<const std::uint32_t> order, std::size_t least, Work&& work) {
+  std::size_t batches = (order.size() + k_near_batch - 1) / k_near_batch;
+  if (parallel.threads() > 1)
+    batches = std::max(batches, std::min(order.size() / least, k_near_tasks_per_thread * parallel.threads()));
   parallel.for_each(batches, [&](std::size_t b) {
     // Batches of nearly equal size: a short last one would not be worth waking a thread.
     const std::size_t first = order.size() * b / batches;

@@ -119,11 +119,22 @@ void World::for_seeing(std::span<const Row> rows, const BodyType& type, const Bo
 /// The rows that this world senses, actuates and decides for.
 RowRange World::own_rows() const { return replica_ ? replica_->own() : RowRange{0, rows()}; }
 
+/// The number of rows for which sensing takes so long that it is worth waking a thread, estimated from the
+/// rays that the rows have cast since tick 0. rows: number of rows that sense
+std::size_t World::least_sensing_batch(std::size_t rows) const {
+  constexpr double k_beams = 256;  // takes some 20 us
+  const double beams_per_row =
+      static_cast<double>(beams_) / (static_cast<double>(state_.now.tick) * static_cast<double>(rows));
+  return beams_per_row * k_near_batch > k_beams ? 1 + static_cast<std::size_t>(k_beams / beams_per_row)
+                                                : k_near_batch;
+}
+
 void World::sense() {
   std::atomic<std::uint64_t> beams = 0;
   const std::span<const std::uint32_t> order =
       replica_ ? replica_->own_of(state_.index.order()) : state_.index.order();
-  for_neighbours(state_, parallel_, order, [&](std::span<const Row> rows, const BodyType& type) {
+  const std::size_t least = least_sensing_batch(order.size());
+  for_neighbours(state_, parallel_, order, least, [&](std::span<const Row> rows, const BodyType& type) {
     for (const BodyType::Device& device : type.devices) {
       if (!device.kind->sense) continue;
       for_running(state_, rows, device, [&](std::span<const Row> running) {

@@ -617,6 +617,7 @@ class World {
   void report_overlaps(Diagnostics& diagnostics);
 
   void make_tick();
+  std::size_t least_sensing_batch(std::size_t rows) const;
   void sense();
   void actuate();
   void decide();
