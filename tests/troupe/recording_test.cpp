@@ -332,12 +332,15 @@ TEST_F(RecordingTest, InTheBackgroundTheFileHasTheSameBytes) {
     recording.close();
     return bytes;
   };
-  EXPECT_EQ(record("background.h5", 0, 900, true), 0u) << "the stepping thread wrote";
+  // Less than the poses of a frame. The undefined-behaviour sanitizer writes 16 bytes to a pipe now and then,
+  // to find out whether an address is readable.
+  constexpr std::uint64_t k_frame_bytes = 8 * 32;
+  EXPECT_LT(record("background.h5", 0, 900, true), k_frame_bytes) << "the stepping thread wrote";
   const std::uint64_t bytes = record("here.h5", 0, 900, false);
-  EXPECT_TRUE(bytes > 900 * 8 * 32 || !bytes_written_here()) << "does not count what is written";
+  EXPECT_TRUE(bytes > 900 * k_frame_bytes || !bytes_written_here()) << "does not count what is written";
   EXPECT_EQ(content(folder_ / "background.h5"), content(folder_ / "here.h5"));
 
-  EXPECT_EQ(record("background.h5", 700, 1500, true), 0u) << "the stepping thread wrote";
+  EXPECT_LT(record("background.h5", 700, 1500, true), k_frame_bytes) << "the stepping thread wrote";
   record("here.h5", 700, 1500, false);
   EXPECT_EQ(content(folder_ / "background.h5"), content(folder_ / "here.h5"));
 }
