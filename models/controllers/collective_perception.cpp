@@ -158,7 +158,7 @@ struct CollectivePerception {
     }
     // The robot's own opinion counts as one message. Another robot may be heard once in each tick.
     std::array<std::uint32_t, 2> votes = memory.votes;
-    ++votes[memory.opinion];
+    ++votes[memory.opinion != 0];
     if (votes[0] != votes[1]) memory.opinion = votes[1] > votes[0];
   }
 

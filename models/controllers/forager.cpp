@@ -200,6 +200,10 @@ void Forager::operator()(Memory& memory, const engine::Percept& percept, Random&
     memory.started = 1;
     memory.task = random.below(static_cast<std::uint32_t>(tasks.size()));
   }
+  // A memory from a checkpoint may have any values.
+  if (!pack || chargers.empty()) memory.mode = working;
+  if (memory.mode == to_zone && !has_zone) memory.mode = refuelling;
+  if (memory.charger >= chargers.size()) memory.charger = 0;
   if (memory.mode == working && pack && !chargers.empty() &&
       percept.devices[*pack].as<PowerPackState>().proportion_remaining() < low) {
     memory.mode = has_zone ? to_zone : refuelling;

@@ -1,0 +1,86 @@
+// A checkpoint that was changed on purpose can give the memories of controllers any values. A run with such
+// memories may go on or throw, but must not read or write outside of its data. Builds with sanitizers would
+// report that.
+
+#include "engine/world/world.hpp"
+#include "tests/engine/conflict_crowds.hpp"
+#include "tests/support/scenes.hpp"
+#include "tests/support/slow_build.hpp"
+#include "troupe/troupe.hpp"
+
+#include <gtest/gtest.h>
+
+#include <cstdint>
+#include <exception>
+#include <set>
+#include <span>
+#include <type_traits>
+
+namespace troupe {
+namespace {
+
+using engine::Element;
+using engine::StateTable;
+
+constexpr int k_tries = test::k_slow_build ? 2 : 6;
+constexpr int k_ticks = 5;
+
+template <class T>
+void fill(std::span<T> values, oracle::Draw& draw) {
+  for (T& value : values) {
+    if constexpr (std::is_floating_point_v<T>)
+      value = static_cast<T>(draw.chance(0.5) ? draw.real(-2, 2) : draw.real(-1e18, 1e18));
+    else
+      value = static_cast<T>(draw.chance(0.7) ? draw.below(9) : draw.below(~0u));
+  }
+}
+
+void fill(StateTable& table, std::size_t row, std::size_t field, oracle::Draw& draw) {
+  switch (table.fields()[field].element) {
+    case Element::f64: return fill(table.cell<double>(row, field), draw);
+    case Element::f32: return fill(table.cell<float>(row, field), draw);
+    case Element::i64: return fill(table.cell<std::int64_t>(row, field), draw);
+    case Element::i32: return fill(table.cell<std::int32_t>(row, field), draw);
+    case Element::u64: return fill(table.cell<std::uint64_t>(row, field), draw);
+    case Element::u32: return fill(table.cell<std::uint32_t>(row, field), draw);
+    case Element::u8: return fill(table.cell<std::uint8_t>(row, field), draw);
+  }
+}
+
+class JunkMemory : public ::testing::TestWithParam<scenes::Run> {};
+
+TEST_P(JunkMemory, IsNoIndexIntoOtherData) {
+  const scenes::Run& run = GetParam();
+  SimulationOptions options;
+  options.threads = 1;
+  if (run.robots) options.robots = {{"", *run.robots}};
+  Simulation simulation(run.file(), options);
+  std::set<std::size_t> memories;
+  for (const engine::BodyType& type : simulation.world().types())
+    for (const engine::BodyType::Controller& controller : type.controllers)
+      if (controller.table) memories.insert(*controller.table);
+  if (memories.empty()) GTEST_SKIP() << "no controller of this world has a memory";
+  const std::span<const StateTable> tables = simulation.world().tables();
+  for (int i = 0; i < k_tries; ++i) {
+    oracle::Draw draw(static_cast<std::uint64_t>(i + 1));
+    simulation.reset();
+    for (int tick = 0; tick < k_ticks; ++tick) simulation.step();
+    for (const std::size_t memory : memories) {
+      auto& table = const_cast<StateTable&>(tables[memory]);
+      for (std::size_t row = 0; row < table.rows(); ++row)
+        for (std::size_t field = 0; field < table.fields().size(); ++field)
+          if (draw.chance(0.8)) fill(table, row, field, draw);
+    }
+    try {
+      for (int tick = 0; tick < k_ticks; ++tick) simulation.step();
+    } catch (const std::exception&) {  // for example for a speed that is not finite
+    }
+  }
+}
+
+INSTANTIATE_TEST_SUITE_P(Worlds, JunkMemory,
+                         ::testing::ValuesIn(scenes::runs_of(test::k_slow_build ? "same_bits_slow" : "same_bits")),
+                         [](const auto& run) { return run.param.name(); });
+
+}  // namespace
+}  // namespace troupe
