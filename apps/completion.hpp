@@ -20,9 +20,10 @@ inline constexpr std::array<std::string_view, 3> k_shells{"bash", "zsh", "fish"}
 
 /// Returns a completion script. The script completes commands, options, and the values of options whose
 /// placeholder lists words of lower-case letters, digits and hyphens ("exact|grid"). It offers file names for
-/// values whose placeholder contains FILE or DIR, and for positional arguments that `arguments` does not
-/// list, but nothing for other values. shell: one of k_shells; commands: the result of command_table();
-/// arguments: maps the name of a command to the allowed values of its positional argument.
+/// values whose placeholder contains FILE or DIR. It also offers file names for the positional arguments of
+/// commands that `arguments` does not list. For other values it offers nothing. shell: one of k_shells;
+/// commands: the result of command_table(); arguments: maps the name of a command to the allowed values of
+/// its positional argument.
 std::string completion(std::string_view shell, const std::vector<Command>& commands,
                        const std::map<std::string, std::vector<std::string>>& arguments);
 

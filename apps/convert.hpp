@@ -26,12 +26,12 @@ struct ConvertOptions {
 /// Adds the options of `convert`; parsing fills `options`, which must outlive `command`.
 void add_convert_options(CLI::App& command, ConvertOptions& options);
 
-/// `troupe convert`: reads a world in one of the two formats, Stage's and JSON, writes it in the format of
-/// the output, which may be the same, and prints one line with the numbers of models and types. A JSON output
-/// of a JSON world lists each body of a population (an entry that creates many bodies by a rule) instead of
-/// the rule. Throws InputError if the world cannot be loaded or cannot be expressed in the format of the
-/// output. If the output exists (without `force`) or cannot be written, prints an error and returns
-/// k_bad_input.
+/// `troupe convert`: reads a world, writes it to another file, and prints one line with the numbers of models
+/// and types. Each of the two files is in one of two formats, Stage's or JSON; both may have the same format.
+/// A JSON output of a JSON world lists each body of a population (an entry that creates many bodies by a
+/// rule) instead of the rule. Throws InputError if the world cannot be loaded or cannot be expressed in the
+/// format of the output. If the output exists (without `force`) or cannot be written, prints an error and
+/// returns k_bad_input.
 ExitCode convert(const ConvertOptions& options);
 
 }  // namespace troupe::apps

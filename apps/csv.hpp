@@ -41,7 +41,8 @@ class CsvFile {
   void end_line();  ///< ends the current line
 
   /// Writes the finished lines to the file. Call it only after end_line(), not within a line. tick: the
-  /// current tick of the run, for before() and for the error. Throws std::runtime_error if writing fails.
+  /// current tick of the run; before() compares its argument with this tick, and an error names it. Throws
+  /// std::runtime_error if writing fails.
   void flush(std::uint64_t tick);
   /// Returns length and hash of the lines that were flushed before the tick `tick`. This tick must not be
   /// earlier than the tick of the last flush.

@@ -45,11 +45,13 @@ double seconds_from_zero(const char* option, const std::string& text);
 /// CLI::ValidationError for other texts. what: name of the time in the error, such as "a real time".
 double positive_seconds(const char* option, const std::string& text, std::string_view what);
 
-/// Convert the text of an option value: thread_count() for --threads (1 to
-/// partition::Parallel::k_most_threads), tile_size_m() for --tile-size (edge length of the squares by which
-/// robots are divided into tasks, m, above 0), and rank_count() for --ranks (number of groups of threads that
-/// divide the world, 1 to k_most_ranks). These values have the same form in every command. Throw
+/// Convert the text of an option value to a number. These values have the same form in every command. Throw
 /// CLI::ValidationError for other values.
+///
+/// thread_count  --threads: number of worker threads, 1 to partition::Parallel::k_most_threads
+/// tile_size_m   --tile-size: edge length, m, above 0, of the squares of the world by which robots are
+///               grouped into tasks for the worker threads
+/// rank_count    --ranks: number of groups of threads among which the robots are divided, 1 to k_most_ranks
 unsigned thread_count(std::string_view text);
 double tile_size_m(std::string_view text);
 unsigned rank_count(std::string_view text);
@@ -72,7 +74,7 @@ struct WorldOptions {
   bool is_checkpoint = false;   ///< `world` is a checkpoint
   SimulationOptions simulation;
   std::optional<double> for_s;  ///< --for: end in world time, s
-  bool gives_ranks = false;     ///< whether --ranks is given: an error under mpirun (each process is a rank)
+  bool gives_ranks = false;     ///< whether --ranks is given, which is an error under mpirun
   double rank_limit_s = 600;    ///< --rank-limit: longest wait for another rank, wall time, s
 };
 /// Adds the positional argument WORLD and the options of add_run_settings(). Parsing fills `options`, which
@@ -90,22 +92,23 @@ void add_set_option(CLI::App& app, const char* help, std::vector<std::pair<std::
 /// Returns the end of the run in world time (simulated time), s: the value of --for, or else the quit time
 /// that the world file gives. Throws InputError if neither is given.
 double end_of(const WorldOptions& options, const Simulation& simulation);
-/// Adds --simd. Parsing this option selects the instruction set for range finding of the whole process, and
-/// throws CLI::ValidationError for a set that cannot be used.
+/// Adds --simd. Parsing this option selects the SIMD instruction set with which the whole process computes
+/// ranges. It throws CLI::ValidationError for a set that cannot be used.
 void add_simd_option(CLI::App& app);
-/// Selects the instruction set for range finding that the environment variable TROUPE_SIMD names. Does
-/// nothing if the variable is not set or empty. Throws InputError if the name is unknown or the processor
-/// lacks the set.
+/// Selects the SIMD instruction set with which the process computes ranges: the set that the environment
+/// variable TROUPE_SIMD names. Does nothing if the variable is not set or empty. Throws InputError if the
+/// name is unknown or the processor lacks the set.
 void obey_simd_variable();
-/// Adds --rank-seed (for tests: messages between ranks, the processes or groups of threads that compute a
-/// world together, are delayed, and robots are given to other ranks, at random), which sets
-/// SimulationOptions::rank_seed.
+/// Adds --rank-seed, an option for tests, which sets SimulationOptions::rank_seed. Ranks are the processes,
+/// or groups of threads, that compute a world together. With this seed, messages between ranks are delayed at
+/// random, and robots are given to random other ranks.
 void add_rank_seed_option(CLI::App& app, WorldOptions& options);
-/// Adds --distribute (each rank, a process or group of threads, has only its own robots and those near them,
-/// instead of a copy of the whole world), which sets SimulationOptions::distribute.
+/// Adds --distribute, which sets SimulationOptions::distribute. Each rank (a process, or a group of threads,
+/// that computes a part of the world) then has only its own robots and those near them, instead of a copy of
+/// the whole world.
 void add_distribute_option(CLI::App& app, WorldOptions& options);
-/// Adds --rank-limit (longest wait for another rank, a process or group of threads that computes a part of
-/// the world), which sets `limit_s`, wall time, s; `limit_s` must outlive `app`.
+/// Adds --rank-limit, which sets `limit_s`: the longest wait for another rank, wall time, s. A rank is a
+/// process, or a group of threads, that computes a part of the world. `limit_s` must outlive `app`.
 void add_rank_limit_option(CLI::App& app, double& limit_s);
 /// Adds --plugin-path, which appends folders to search for plug-ins (shared libraries with models or
 /// controllers) to `path`; `path` must outlive `app`.
@@ -113,8 +116,9 @@ void add_plugin_path_option(CLI::App& app, std::vector<std::filesystem::path>& p
 /// Returns the folders in which plug-ins are searched, in this order: those in `given`, those in the
 /// environment variable TROUPE_PLUGIN_PATH, and those in STAGEPATH, where users of Stage keep their plug-ins.
 std::vector<std::filesystem::path> plugin_path(std::vector<std::filesystem::path> given);
-/// Returns the options with the folders that environment variables list: search_path also contains the
-/// folders of STAGEPATH, as in Stage, and the member plugin_path is the result of the function plugin_path().
+/// Returns the options with the folders from environment variables added. The folders of STAGEPATH are added
+/// to the member search_path, as in Stage. The member plugin_path is replaced by the result of calling the
+/// function plugin_path() with it.
 SimulationOptions with_environment(SimulationOptions options);
 
 }  // namespace troupe::apps

@@ -39,8 +39,8 @@ class PerThread {
   const std::deque<T>& all() const { return all_; }  ///< all objects, ordered by first call of own()
 
  private:
-  /// Returns the object of a thread; creates it if there is none. A thread that uses two sets in turn, as in
-  /// a run of two worlds, must get the same object again.
+  /// Returns the object of a thread; creates it if there is none. A thread that uses two PerThread objects in
+  /// turn, as in a run of two worlds, must get the same object again.
   T& find_or_make(std::thread::id thread) {
     const auto found = std::ranges::find(owners_, thread);
     if (found != owners_.end()) return all_[static_cast<std::size_t>(found - owners_.begin())];

@@ -11,10 +11,10 @@ namespace CLI {  // NOLINT(readability-identifier-naming): the library's own
 class App;
 }  // namespace CLI
 
-/// The option --controller, which names a Python script with controllers (functions that decide what the
-/// robots do). The program does not link Python. If the option is given, the program replaces itself by the
-/// Python package with the same arguments. The package `troupe` contains the same commands; it calls
-/// set_script_reader() before run_command_line().
+/// The option --controller, which names a Python script with controllers (classes that decide what the robots
+/// do). The program does not link Python. If the option is given, the program replaces itself by a Python
+/// interpreter, which runs the Python package `troupe` with the same arguments. The package contains the same
+/// commands, and calls set_script_reader() before run_command_line().
 namespace troupe::apps {
 
 /// A function that reads the Python script `file` and returns the script. Throws if the script has errors.

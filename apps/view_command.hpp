@@ -14,8 +14,8 @@ namespace troupe::apps {
 struct ViewOptions : WorldOptions {
   std::uint16_t port = 0;          ///< TCP port to listen on; 0: any free port
   std::string bind;                ///< IP address to listen on; empty: the loopback addresses
-  std::vector<std::string> hosts;  ///< host names of proxies; requests may have them in the header `Host`
-  double rate = 1;                 ///< limit of the speed, times real time; 0: no limit
+  std::vector<std::string> hosts;  ///< host names of proxies, accepted in the HTTP header `Host`
+  double rate = 1;                 ///< limit of the speed, in multiples of real time; 0: none
   /// Folder for the session file (the actions of the users), checkpoints and recordings; empty: the working
   /// folder.
   std::filesystem::path folder;

@@ -9,7 +9,7 @@ namespace troupe {
 /// Returns the number of elements for which a list should have memory. size: the number of elements for which
 /// the list needs memory; room: the number for which it has memory. The result is `room`, unless `room` is
 /// less than `size`, or more than about one and a half times `size`. In these two cases the result is `size`
-/// and 3 % spare elements, so that a list whose size varies slightly keeps its memory. If `room` is 0, the
+/// plus 3 % spare elements, so that a list whose size varies slightly keeps its memory. If `room` is 0, the
 /// result is exactly `size`.
 inline std::size_t room_for(std::size_t size, std::size_t room) {
   constexpr std::size_t k_small = 8;  // elements that are not worth freeing

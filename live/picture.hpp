@@ -27,8 +27,8 @@ struct Picture {
   std::vector<std::int32_t> poses;
   /// Red, green and blue, each from 0 to 255: first of each robot, and then of each part whose colour is set
   /// by a device. The parts are in the order of worldio::LivePage::shown_parts. An entry of shown_parts
-  /// stands for the same part of several robots; these robots are in the order of the page. Empty if take()
-  /// was called without `has_colors`.
+  /// stands for one part of a type of robots; it has one colour per robot of this type, in the order of the
+  /// page. Empty if take() was called without `has_colors`.
   std::vector<std::uint8_t> colors;
   /// For each client that colours robots by a value, by the number of the client: one byte per robot, from 1
   /// for the lowest value to 255 for the highest, 0 for no value (take_shades(), live/watched.hpp).

@@ -45,13 +45,15 @@ class View {
     /// connection is not encrypted.
     std::string bind;
     std::vector<std::string> hosts;  ///< names of proxies through which browsers reach the page
-    double rate = 1;                 ///< greatest speed, in multiples of real time; 0: no limit
+    /// Limit of the speed at the start, in multiples of real time; 0: no limit. Viewers with full control can
+    /// change it.
+    double rate = 1;
     /// Folder for the session file, and for the recordings and checkpoints that viewers request. It must
     /// exist; empty: the current folder.
     std::filesystem::path folder;
-    /// The function returns true to end run(), and to end the wait of a step while the run is paused. It is
-    /// called at least every 50 ms while the view waits, on the thread that steps. Null: the same as a
-    /// function that returns false.
+    /// A function by which the program ends run(): run() returns once the function returns true. A step that
+    /// waits because the run is paused then also stops waiting. The function is called at least every 50 ms
+    /// while the view waits, on the thread that steps. Null: the same as a function that returns false.
     std::function<bool()> is_over;
     /// Called with one line of text when the server refuses a request or a message (once for each reason),
     /// and when a recording ends early. May be called on the thread of the server. Null: such texts are

@@ -19,17 +19,19 @@ namespace troupe::live {
 
 /// Returns the state of a body as JSON: name, whether it is in the world (`alive`), pose, the fields of all
 /// its components (state tables), the ranges of its rangers, and the commands to its devices. Each component
-/// has the members component (its name in the state), name (the name that the world file gives the device,
-/// engine::given_name()), runs (false for a sensor that does not run, whose values are NaN) and fields. At
-/// most the first 2048 columns of a field are listed. Commands are listed only if the body is alive, and only
-/// their fields of at most 4 columns. Static geometry, such as a wall, has no row in the state tables: the
-/// result then has only the name, the member `alive` with the value true, and an empty list of components.
-/// Throws std::out_of_range if there is no body with this id.
+/// has the members `component`, `name`, `runs` and `fields`. `component` is its name in the state, such as
+/// `ranger/ir`, and `name` the name that the world file gives the device (`ir`, see engine::given_name()).
+/// `runs` is false for a sensor that does not run; its values are then NaN. At most the first 2048 columns of
+/// a field are listed. Commands are listed only if the body is alive, and only their fields of at most 4
+/// columns. Static geometry, such as a wall, has no row in the state tables: the result then has only the
+/// name, the member `alive` with the value true, and an empty list of components. Throws std::out_of_range if
+/// there is no body with this id.
 nlohmann::ordered_json inspection(Simulation& simulation, BodyId id);
 
 /// A value of the state by which a viewer colours robots.
 struct ColorValue {
-  /// Name of a component (a state table), or only its kind or the name of its device (engine::selects()).
+  /// Name of a component (a state table), such as `ranger/ir`. Its kind alone (`ranger`) or the name of its
+  /// device alone (`ir`) also selects it.
   std::string component;
   std::string field;                    ///< name of a field of the component
   std::optional<std::uint32_t> column;  ///< column of the field; not set: the minimum of all columns
@@ -58,9 +60,9 @@ void take_shades(const engine::World& world, std::span<const std::uint32_t> plac
 std::vector<std::string_view> layers_of(const engine::World& world);
 /// Returns the lines of some layers as JSON: {layer: [x, y, z, x, y, z, ...]}, two points per line, world
 /// frame, m, rounded to 1 mm; at most 20,000 lines per layer. A line of `radio` goes from a sender to a robot
-/// that heard its message in the last tick in which the radio of this robot was due. A radio that does not
-/// run (engine::World::runs()), such as that of a disabled robot, has no lines. An unknown layer gets an
-/// empty list.
+/// that heard its message in the last tick in which the radio of this robot ran (a radio need not run in
+/// every tick). A radio that does not run (engine::World::runs()), such as that of a disabled robot, has no
+/// lines. An unknown layer gets an empty list.
 nlohmann::ordered_json lines_of(const engine::World& world, std::span<const std::string> layers);
 
 }  // namespace troupe::live

@@ -23,10 +23,11 @@ struct BodyCircle {
 };
 
 /// Makes a BodyCircle that encloses the circle with this radius about this position (m, world frame). `row`
-/// is stored in the result. Rounding a coordinate c to float moves it by at most 2^-24 |c|, or 2^-150 if c is
-/// smaller than the normal floats. Rounding therefore moves the centre by at most 2^-24 (|x| + |y|) + 2^-149.
-/// The radius is increased by slightly more, and then multiplied by 1 + 2^-22 because it is rounded itself.
-/// The increase is 12 micrometres at x = y = 100 m and 12 millimetres at x = y = 100 km.
+/// is stored in the result. Rounding a coordinate c to float moves it by at most 2^-24 |c|, or by at most
+/// 2^-150 if |c| is below the smallest normal float. Rounding therefore moves the centre by at most 2^-24
+/// (|x| + |y|) + 2^-149. The radius is increased by slightly more than this distance, and then multiplied by
+/// 1 + 2^-22 because the radius is rounded to float, too. The increase is 12 micrometres at x = y = 100 m and
+/// 12 millimetres at x = y = 100 km.
 inline BodyCircle enclosing_circle(const Vec2& position, double radius, std::uint32_t row) {
   const double shift = 0x1p-24 * (std::abs(position.x()) + std::abs(position.y())) + 0x1p-120;
   return {static_cast<float>(position.x()), static_cast<float>(position.y()),
@@ -43,9 +44,9 @@ inline constexpr double k_not_there = -1;
 /// share no counter; in the second, each task sorts whole tiles. Both sorts are stable: they keep the order
 /// of the rows without comparing them.
 ///
-/// A body not wider than a cell is listed only in the cell of its origin, and queries are expanded by the
-/// largest radius of such bodies. A wider body, called a wide body below, is listed in every cell that the
-/// bounding square of its circle touches, so that one truck does not expand every query.
+/// A body not wider than a cell is listed only in the cell of its origin. The box of a query is therefore
+/// expanded by the largest radius of such bodies. A wider body, called a wide body below, is listed in every
+/// cell that the bounding square of its circle touches, so that one truck does not expand every query.
 ///
 /// A row with a negative radius (k_not_there) is not in the index. Before the first rebuild(), the index is
 /// empty.
@@ -65,18 +66,18 @@ class BodyIndex {
   /// Queries read both arrays, so the caller must keep them valid and unchanged until the next rebuild().
   void rebuild(std::span<const Transform> places, std::span<const double> radii, Parallel& parallel);
 
-  /// Calls visit(span of circles) for runs: consecutive entries of the index, from neighbouring cells. The
-  /// runs contain every body whose circle may touch the box (metres, world frame), and some that do not touch
-  /// it. A wide body may be visited several times, in one run or in several; every other body is visited
-  /// once.
+  /// Calls visit(span of circles) once per run. A run is a sequence of consecutive entries of the index, from
+  /// neighbouring cells. Together the runs contain every body whose circle may touch the box (metres, world
+  /// frame), and some that do not touch it. A wide body may be visited several times, in one run or in
+  /// several; every other body is visited once.
   template <class Visit>
   void for_each_run(const Box& box, Visit&& visit) const {
     const Box reach = box.expanded(small_radius_);
     for_each_run(geometry_.cell(reach.min), geometry_.cell(reach.max), visit);
   }
-  /// Calls visit(span of circles) for the bodies in the cells from cell_low to cell_high, both included.
-  /// Bodies of other cells that only reach into these cells are omitted: a body that is not wide reaches at
-  /// most largest_small_radius() beyond the cell of its origin.
+  /// Calls visit(span of circles) for the bodies in the cells from cell_low to cell_high, both included. A
+  /// body that is not wide belongs only to the cell of its origin. It is omitted if this cell is outside the
+  /// range, although its circle may reach into the range, by at most largest_small_radius().
   template <class Visit>
   void for_each_run(Cell cell_low, Cell cell_high, Visit&& visit) const {
     partition::for_each_run(geometry_, directory_, cell_low, cell_high,
@@ -129,9 +130,9 @@ class BodyIndex {
   bool is_there(std::uint32_t row) const { return radii_[row] >= 0; }
   bool is_wide(std::uint32_t row) const { return radii_[row] > 0.5 * geometry_.cell_m; }
   Cell home_cell(std::uint32_t row) const { return geometry_.cell(places_[row].position); }
-  /// A wide body has an entry in each cell that it touches. Returns whether entry i, which belongs to such a
-  /// body, is the one in the lowest of those cells that are within the query. for_each_near() visits the body
-  /// only for this entry, and thus once.
+  /// Returns whether for_each_near() must visit a wide body at its entry i. A wide body has one entry in each
+  /// cell that it touches. Only one of them counts, so that the body is visited once: the entry in the lower
+  /// left of those cells that are within the query.
   bool first_meeting(std::uint32_t row, Cell query_low, Cell run_cell, const std::uint32_t* begin,
                      std::size_t first, std::size_t last, std::uint32_t i) const;
 

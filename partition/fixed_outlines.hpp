@@ -33,9 +33,10 @@ class FixedOutlines {
   /// The grid of the circles' centres.
   const GridGeometry& geometry() const { return geometry_; }
 
-  /// Calls visit(span of circles) for all circles with centres in the cells from low to high, both included:
-  /// one call for the circles of each row of cells within a tile. The member `row` of a circle is the number
-  /// of its piece. A piece may have several circles.
+  /// Calls visit(span of circles) for all circles with centres in the cells from low to high, both included.
+  /// Each call passes the circles of the cells of one row within one tile (a square of cells, see
+  /// GridGeometry). The member `row` of a circle is the number of its piece. A piece may have several
+  /// circles.
   template <class Visit>
   void for_each_run(Cell low, Cell high, Visit&& visit) const {
     partition::for_each_run(geometry_, directory_, low, high,

@@ -30,8 +30,8 @@ class Mailboxes {
   /// The transport of a rank, which must be below the number of ranks; valid while this object lives.
   Transport& of(unsigned rank);
   /// Tells all ranks that a rank has failed. Calls of Transport::receive() that wait for a message, and later
-  /// calls that find no message, then throw RankError with this text. Messages sent earlier are still
-  /// received. Only the text of the first call counts. Thread-safe.
+  /// calls that find no message, then throw RankError with the text `reason`. Messages sent earlier are still
+  /// received. If several calls are made, the reason of the first one is used. Thread-safe.
   void close(const std::string& reason);
 
  private:

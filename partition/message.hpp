@@ -28,7 +28,7 @@ class MessageWriter {
     static_assert(std::is_trivially_copyable_v<T>);
     put_bytes(std::as_bytes(std::span(&value, 1)));
   }
-  /// Appends bytes without their number; the reader must know the number.
+  /// Appends bytes, but not how many they are; the reader must know how many to read.
   void put_bytes(std::span<const std::byte> bytes) {
     message_.insert(message_.end(), bytes.begin(), bytes.end());
   }

@@ -19,8 +19,8 @@ class MpiTransport : public Transport {
   /// Loads the module and initialises MPI. module: path of the shared library. Throws std::runtime_error if
   /// the module cannot be loaded, belongs to another version of Troupe, or cannot initialise MPI.
   explicit MpiTransport(const std::filesystem::path& module);
-  /// Does not finalise MPI; only finish() does. A process that has failed must be able to end without waiting
-  /// for the other processes.
+  /// Does not finalise MPI; only finish() does. Finalising may wait for the other processes, and a process
+  /// that has failed must be able to end without them.
   ~MpiTransport() override;
 
   unsigned rank() const override;

@@ -18,7 +18,7 @@ namespace troupe::partition {
 struct CircleArrays {
   std::vector<float> x;            ///< x of the centres
   std::vector<float> y;            ///< y of the centres
-  std::vector<float> radius;       ///< radius; minus infinity: only padding, which no beam hits
+  std::vector<float> radius;       ///< radius; minus infinity: a padding entry, which no beam hits
   std::vector<std::uint32_t> row;  ///< row of a body in the state tables, or number of an outline piece
 
   /// Ensures that the arrays have room for this many circles; keeps the contents.
@@ -41,10 +41,10 @@ struct CircleArrays {
 
 /// The circles that reach into the disc within which a sensor looks: those that enclose bodies, and those
 /// that enclose pieces (short chains of edges) of static outlines. The sensor can detect no other body or
-/// piece. This class is for searches in a few directions: by fiducial finders, light sensors and range
-/// sensors with wide beams, and for the walls between two radios. Range sensors with thin beams use
-/// NearbyOutlines instead, which shares one search among all rangers in a block of cells. Not thread-safe.
-/// Keep one object per thread and reuse it: its arrays keep their memory.
+/// piece. This class is for searches in a few directions: those of fiducial finders, light sensors and range
+/// sensors with wide beams, and searches for the walls between two radios. Range sensors with thin beams use
+/// NearbyOutlines instead, which shares one search among all range sensors in a block of cells. Not
+/// thread-safe. Keep one object per thread and reuse it: its arrays keep their memory.
 class NearCircles {
  public:
   /// Begins an empty list for a disc. centre: the centre of the disc, world frame, m. reach: its radius, m.
@@ -88,7 +88,7 @@ class NearCircles {
 
  private:
   void add(std::span<const BodyCircle> run, std::uint32_t mark);
-  /// Begins a search that has met none of the first `rows` rows.
+  /// Begins a new search for bodies, in which none of the rows 0 to `rows` - 1 has been met yet.
   void forget_met(std::size_t rows);
 
   CircleArrays circles_;

@@ -21,12 +21,13 @@ using CircleRun = std::span<const BodyCircle>;
 /// copied.
 void unpack(std::span<const CircleRun> runs, std::uint32_t mark, std::size_t size, CircleArrays& out);
 
-/// Finds the outlines that the rays of the sensors in one block (a square of up to 4 x 4 cells of the spatial
-/// index, GridGeometry::block_bits()) may hit: outlines of bodies, and pieces (short chains of edges) of
-/// static outlines. Gives the circles that enclose these outlines. The circles are divided into bands by
-/// their distance from the block; band 0 is the nearest. A wide body (wider than a cell) may be in several
-/// bands, and several times in one band. A band is gathered on first use and then serves all sensors in the
-/// block. In a crowd most sensors need only the first band.
+/// Finds the outlines that the rays of the sensors in one block may hit, and gives the circles that enclose
+/// these outlines. A block is a square of up to 4 x 4 cells of the spatial index
+/// (GridGeometry::block_bits()). The outlines are those of bodies, and pieces (short chains of edges) of
+/// static outlines. The circles are divided into bands by their distance from the block; band 0 is the
+/// nearest. A wide body (wider than a cell) may be in several bands, and several times in one band. A band is
+/// gathered on first use and then serves all sensors in the block. In a crowd most sensors need only the
+/// first band.
 class NearbyOutlines {
  public:
   /// In circles(), the member `row` is the index of a body in the state tables or, with this bit set, the
@@ -54,8 +55,8 @@ class NearbyOutlines {
     std::size_t begin;  ///< index of its first circle in circles()
     std::size_t end;    ///< index one past its last circle
   };
-  /// The range of a band, which must be below bands(). Gathers this band and all earlier ones on first use.
-  /// set_block_of() must have been called since begin().
+  /// Returns the range of the band with this number, which must be below bands(). Gathers this band and all
+  /// earlier ones on first use. set_block_of() must have been called since begin().
   Band band(std::size_t band) {
     while (ends_.size() <= band) gather(ends_.size());
     return {band == 0 ? 0 : ends_[band - 1], ends_[band]};

@@ -38,12 +38,12 @@ inline constexpr double k_rounding_m = 1e-9;
 /// Makes a shape from the convex pieces of a body's obstacle solids (convex_pieces()), body frame, m.
 ObstacleShape make_obstacle_shape(std::span<const ConvexPrism> pieces);
 
-/// Returns the shape with every edge of every piece moved inwards by `depth`, m; heights stay. A body that
-/// penetrates the shape by at most `depth` does not overlap the result. Edges of a piece narrower than twice
-/// `depth` would cross over, so `depth` should be less than half of ObstacleShape::thinnest.
+/// Returns the shape with every edge of every piece moved inwards by `depth`, m; heights do not change. A
+/// body that penetrates the shape by at most `depth` does not overlap the result. Edges of a piece narrower
+/// than twice `depth` would cross over, so `depth` should be less than half of ObstacleShape::thinnest.
 ObstacleShape inset(const ObstacleShape& shape, double depth);
 /// Writes one piece with its edges moved inwards by `depth`, m, to `out`, which must be another object. The
-/// outline of `out` keeps its memory.
+/// memory of the outline of `out` is reused.
 void inset(const ConvexPrism& piece, double depth, ConvexPrism& out);
 
 /// True if the two shapes share area at a common height. Shapes that only touch do not overlap. The pieces

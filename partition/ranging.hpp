@@ -24,16 +24,17 @@ namespace troupe::partition {
 /// range, 1 over the distance along the beam, is (d x e) / A, with the edge vector e = b - a and A = (a - o)
 /// x (b - o); it is negative if the edge is behind the origin.
 ///
-/// e and a x b are computed in double and then rounded to float. In exact arithmetic, c_a - c_b would also
-/// give d x e, and the rounded ends would also give a x b. In floats, these two expressions would lose all
+/// e and a x b are computed in double and then rounded to float. In exact arithmetic, d x e equals c_a - c_b,
+/// and a x b could be computed from the rounded ends a and b. In floats, both expressions would lose all
 /// digits for an edge that is short compared to its distance (0.3 mm of error for an edge of 5 mm at 5 m).
 ///
 /// For three sorts of edges this formula would divide rounding errors by rounding errors: edges hit at a
 /// grazing angle (|d x e| < 2^-8 (|ex| + |ey|)), edges that look tiny from the origin, and edges that pass
 /// very near the origin. Edges of the last two sorts have |A| <= 2^-20 m^2, where m is the sum of the
-/// magnitudes of the coordinates of a, b and o. For such an edge the sides of the vertices are decided as
-/// above, so that no beam passes between edges. The range is computed in double and clamped to the distances
-/// that the edge can have. A beam that starts on an edge hits the edge, whatever the direction of the beam.
+/// magnitudes of the coordinates of a, b and o. For all three sorts, the sides of the vertices are decided as
+/// above, so that no beam passes between edges, but the range is computed in double and clamped to the
+/// distances that the edge can have. A beam that starts on an edge hits the edge, whatever the direction of
+/// the beam.
 ///
 /// units  metres; inverse ranges in 1/m
 
@@ -85,11 +86,10 @@ struct RayEdge {
 };
 
 /// A margin, as a fraction of a distance. Tests that discard distant edges treat each beam as longer by this
-/// margin, because rounding may make the computed range to an edge smaller than the distance from the beam's
-/// origin to the nearest point of the edge. At the smallest angle that is not grazing (k_grazing), the range
-/// is too small by at most 2^-14 of this distance plus 2^-14 of the distance between the beam's origin and
-/// the reference point of the fan. If the second distance does not exceed the first, the margin is at least
-/// twice this error.
+/// margin, because rounding may make the computed range to an edge smaller than r, the distance from the
+/// beam's origin to the nearest point of the edge. Let s be the distance between the beam's origin and the
+/// reference point of the fan. At the smallest angle that is not grazing (k_grazing), the range is too small
+/// by at most 2^-14 (r + s). If s <= r, the margin is at least twice this error.
 constexpr double k_range_slack = 1.0 / 4096;
 
 /// A second margin, metres, which the tests that use k_range_slack add to the first margin. It covers the
@@ -136,8 +136,8 @@ inline BeamSet all_beams(const Fan& fan) {
 }
 
 /// A buffer of outlines to project on a fan, world frame, metres. The buffer stores chains of vertices, so
-/// that the work per vertex is done once for both edges at the vertex. Vertices are numbered through all
-/// chains. Edge j runs from vertex j to vertex j + 1; the last vertex of a chain begins no edge.
+/// that the work per vertex is done once for both edges at the vertex. Vertices are numbered consecutively
+/// over all chains. Edge j runs from vertex j to vertex j + 1; the last vertex of a chain begins no edge.
 class EdgeBlock {
  public:
   static constexpr std::size_t k_capacity = 128;  ///< largest number of vertices
@@ -160,7 +160,7 @@ class EdgeBlock {
   /// Adds a chain of `edges` edges that have the same enclosing circle: from `first` to rest[0], from there
   /// to rest[1], and so on. The chain is divided into pieces of at most k_piece edges. `edges` must be from 1
   /// to room().
-  /// rest: copied in multiples of k_piece vertices, so that k_piece - 1 vertices beyond the chain must be
+  /// rest: copied in groups of k_piece vertices; k_piece - 1 vertices beyond the chain must therefore be
   ///       readable
   /// met_by: the beams that may hit one of the edges
   void add(const Vec2& first, const Vec2* rest, std::size_t edges, float ranger_return, BeamSet met_by) {
@@ -208,12 +208,13 @@ void turn(const Rotation& rotation, const double* x, const double* y, std::size_
 /// which the origins of the beams are relative.
 /// inverse  array of fan.padded() entries
 /// returns  null if it is not needed, else an array of fan.padded() entries: whenever inverse[i] is raised,
-///          returns[i] is set to the ranger_return of the edge; of two edges at one range, to the larger one
+///          returns[i] is set to the ranger_return of the edge. Of two edges at the same range, the larger
+///          ranger_return is used
 void project(const EdgeBlock& edges, const Vec2& reference, const Fan& fan, float* inverse, float* returns);
 
 /// Writes to limits[i] the distance up to which beam i can still hit an edge, metres: the smaller of its
-/// range so far, 1 / inverse[i], and of range_max[i], plus the margins k_range_slack and k_cull_slack.
-/// Returns the largest of these distances. All three arrays have fan.padded() entries.
+/// range so far (1 / inverse[i]) and range_max[i], plus the margins k_range_slack and k_cull_slack. Returns
+/// the largest of these distances. All three arrays have fan.padded() entries.
 float limits_of(const Fan& fan, const float* inverse, const float* range_max, float* limits);
 
 /// Computes the readings in metres: ranges[i] is set to range_of(inverse[i], range_max[i]). `ranges` has
@@ -250,8 +251,9 @@ std::size_t may_meet(const CircleArrays& circles, std::size_t begin, std::size_t
 /// reference point, metres.
 float inverse_range(const RayEdge& edge, float dx, float dy, float ox, float oy);
 
-/// Converts an inverse range, 1/m, to a range, metres. The result is exactly range_max unless inverse > 1 /
-/// range_max, and is never above range_max; 0 for an infinite inverse range. range_max: metres, above 0.
+/// Converts an inverse range, 1/m, to a range, metres. If inverse <= 1 / range_max, or if `inverse` is NaN,
+/// the result is exactly range_max. Otherwise the result is 1 / inverse, but at most range_max; 0 if
+/// `inverse` is infinite. range_max: metres, above 0.
 inline float range_of(float inverse, float range_max) {
   if (!(inverse > 1.0f / range_max)) return range_max;
   const float range = 1.0f / inverse;

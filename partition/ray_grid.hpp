@@ -27,8 +27,8 @@ namespace troupe::partition {
 ///
 /// An edge is drawn as a staircase of cells, by Cohen's integer line (Graphics Gems IV, 1994): each cell
 /// shares a side with the previous one. The staircase begins in the cell of the edge's start and stops before
-/// the cell of its end, which the next edge draws. An outline within one cell draws that cell. The inside of
-/// an outline is not drawn.
+/// the cell of its end, which the next edge draws. An outline that lies within one cell is drawn as that
+/// cell. The inside of an outline is not drawn.
 ///
 /// A ray moves as in Stage. In squares of 32 x 32 cells in which anything is drawn, the ray follows the same
 /// kind of staircase as an edge; it jumps over empty squares. The ray ends in the first cell that has a
@@ -69,8 +69,8 @@ class RayGrid {
   /// bodies, grouped by body; outlines without vertices or with a negative ranger_return are dropped.
   /// vertices: the vertices of all outlines, including dropped ones, world frame, metres. resolution_m: edge
   /// of a cell, metres, above 0. Throws std::length_error if the cells would take more than k_most_bytes (the
-  /// message suggests a resolution that fits), or if a solid that rangers see is more than 2^29 cells from
-  /// the origin.
+  /// message suggests a resolution that fits), or if a solid that range sensors see is more than 2^29 cells
+  /// from the origin.
   RayGrid(std::span<const FixedSolid> solids, std::vector<MovingOutline> outlines,
           std::span<const Vec2> vertices, double resolution_m);
   static constexpr std::size_t k_most_bytes = std::size_t{2} << 30;  ///< limit on the memory of the cells

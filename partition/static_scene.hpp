@@ -29,8 +29,9 @@ struct FixedSolid {
 class EdgeGrid {
  public:
   EdgeGrid() = default;
-  /// Indexes the edges. geometry: the grid of the cells. It affects only the speed: for_each_run() visits
-  /// every edge that crosses its box, and with larger cells more edges that are only near the box.
+  /// Indexes the edges. geometry: the grid of the cells. The grid affects only the speed. for_each_run()
+  /// visits every edge that crosses its box; the larger the cells, the more edges it visits that are only
+  /// near the box.
   EdgeGrid(std::span<const FixedEdge> edges, const GridGeometry& geometry);
 
   /// Calls visit(span of edges) for the edges in the cells that the box (metres, world frame) touches. An
@@ -102,7 +103,7 @@ class StaticScene {
 
   /// The distance from a point (metres, world frame) to the nearest edge of an obstacle, metres, or `most` if
   /// there is no edge within the distance `most`. Heights are ignored. For a point inside an obstacle, the
-  /// result is also the distance to the nearest edge, without a sign.
+  /// result is also the distance to the nearest edge, as a positive number.
   double clearance(const Vec2& point, double most) const;
   /// True if the shape shares area with the obstacle solids()[solid] at a common height.
   bool overlaps_solid(std::size_t solid, const PlacedShape& shape) const;

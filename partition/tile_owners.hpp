@@ -15,7 +15,7 @@ namespace troupe::partition {
 /// Divides the plane among ranks (the threads or processes that compute one world together). The plane is
 /// divided into square tiles, and the tiles are numbered along a Hilbert curve, so that tiles with near
 /// numbers are near in space. The number of a tile is called its key. Each rank owns the tiles of one range
-/// of keys. The list of the keys at which the ranges begin is called the cut.
+/// of keys. The list of the keys at which the ranges begin, without that of rank 0, is called the cut.
 class TileOwners {
  public:
   using Key = std::uint64_t;  ///< number of a tile along the Hilbert curve

@@ -23,7 +23,7 @@ struct Scene {
   std::size_t robots = 0;
   double skip_s = 0;  ///< simulated time before the measurement starts, s
   double for_s = 60;  ///< simulated time whose wall time is measured, s
-  bool grid = false;  ///< trace rays through the cells of a grid, as the paper on Stage does
+  bool grid = false;  ///< trace rays through the cells of a grid, as Stage does (Vaughan, 2008)
 };
 
 /// A scene, and the way in which it is simulated. Each run is a row of a table, except in the table `simd`,
@@ -31,7 +31,9 @@ struct Scene {
 struct Run {
   Scene scene;
   unsigned threads = 1;
-  bool frames = false;  ///< draw a picture every 0.1 s of wall time, as in the paper's runs with graphics
+  /// Draw pictures, at most one per 0.1 s of wall time, as in the runs with graphics of the paper on Stage
+  /// (Vaughan, 2008).
+  bool frames = false;
   Watch watch = Watch::nothing;
   /// Instruction set of the kernels (vectorised loops); empty: the first that the option --simd names.
   std::string simd = {};

@@ -16,8 +16,8 @@ namespace troupe::perf {
 /// values are omitted, and host names are never included.
 std::vector<std::pair<std::string, std::string>> describe_machine();
 
-/// Speeds of other simulators: simulated time divided by wall time. The keys are the column of the tables,
-/// such as `paper`, and the name of the scene.
+/// Speeds of other simulators: simulated time divided by wall time. The first key is the column in which the
+/// tables show the speeds, such as `paper`; the second key is the name of the scene (simulated world).
 using Reference = std::map<std::string, std::map<std::string, double>>;
 /// Reads a file with the format of perf/paper_reference.json. Throws std::runtime_error if it cannot be read.
 Reference read_reference(const std::filesystem::path& file);
@@ -26,7 +26,7 @@ Reference read_reference(const std::filesystem::path& file);
 struct Report {
   std::vector<std::pair<std::string, std::string>> machine;  ///< as describe_machine() returns it
   std::size_t repeat = 0;                                    ///< repetitions of each row
-  bool quick = false;                                        ///< whether robots and times were reduced
+  bool quick = false;                                        ///< true: only few robots and short times
   std::vector<Table> tables;
   std::vector<CaseTiming> cases;
   std::vector<ChildTiming> children;
@@ -41,17 +41,17 @@ struct Sheet {
   std::vector<std::vector<std::string>> rows;
 };
 
-/// The speed-up of a row on several threads.
+/// The speed-up of a row (a measured run of a scene) on several threads.
 struct Scaling {
   const Timing* timing;  ///< the measurements of the row on several threads
   double speedup;        ///< wall time on one thread divided by wall time on several
-  double probe;          ///< speed-up of probe_s() on the same number of threads: the limit of the machine
+  double probe;          ///< `speedup` of the computation of probe_s(): the limit of the machine
 };
 /// The speed-ups of all rows that were measured on one thread and on several, except those of the tables
 /// `clusters`, `watching`, `grid` and `simd`.
 std::vector<Scaling> scalings(const Report& report);
 
-/// All tables of a report that have rows. The comparison with the goals is left out if `report.quick`.
+/// All tables of a report that have rows. The comparison with the goals is left out if report.quick is true.
 std::vector<Sheet> sheets(const Report& report, const Reference& reference);
 
 /// A table as text with aligned columns.
@@ -65,10 +65,10 @@ std::string json(const Report& report);
 /// or the whole file if it has no such lines. Throws std::runtime_error if the file cannot be written.
 void write_between_marks(const std::filesystem::path& file, const std::string& text);
 
-/// Compares the hashes of a report with those in `book`. If `record`, stores them in `book` instead; the
-/// caller then calls HashBook::save(). Returns one line of text for each wrong or unknown hash, and for each
-/// row whose repetitions ended with different hashes. With `record`, a hash is wrong if an earlier row of the
-/// same scene (simulated world) and tick (simulation step) has a different one.
+/// Compares the hashes of a report with those in `book`. If `record` is true, stores them in `book` instead;
+/// the caller then calls HashBook::save(). Returns one line of text for each wrong or unknown hash, and for
+/// each row whose repetitions ended with different hashes. If `record` is true, a hash is wrong if an earlier
+/// row of the same scene (simulated world) and tick (simulation step) has a different one.
 std::vector<std::string> check_hashes(const Report& report, HashBook& book, bool record);
 
 }  // namespace troupe::perf

@@ -22,7 +22,7 @@ struct Timing {
   double tick_s = 0;            ///< length of a tick, s
   std::uint64_t ticks = 0;      ///< measured ticks in each repetition
   std::uint64_t hash_tick = 0;  ///< the tick at which `hash` is computed: the end of the first repetition
-  std::uint64_t hash = 0;       ///< hash of the whole state, ranges included, in the first repetition
+  std::uint64_t hash = 0;       ///< hash of the whole state, range readings included, in the first repetition
   bool repeatable = true;       ///< false if another repetition had a different hash at hash_tick
   std::vector<double> wall_s;   ///< wall time of each repetition, s
   double beams_per_tick = 0;
@@ -37,9 +37,9 @@ struct Timing {
   double times_real_time(double seconds) const;
 };
 
-/// Runs a fixed computation on each of this number of threads in parallel and returns the wall time, s. The
-/// computation uses only registers, so that the threads share nothing. The result shows how the machine
-/// itself scales: ideally n threads take the same time as one.
+/// Runs the same computation on `threads` threads in parallel, the calling thread included, and returns the
+/// wall time, s. The computation uses only registers, so that the threads share nothing. The result shows how
+/// the machine itself scales: ideally n threads take the same time as one.
 double probe_s(unsigned threads);
 
 /// Measurements of a case.
@@ -50,10 +50,10 @@ struct CaseTiming {
   std::map<unsigned, std::vector<double>> probe_s;
 };
 
-/// Measures a case `repeat` times. The repetitions of a scene with `skip_s` are consecutive pieces of one
-/// simulation; those of other scenes each start at tick 0. progress: called before each measurement with a
-/// text that names the measurement. Throws InputError if a world cannot be loaded, and std::runtime_error if
-/// pictures cannot be drawn.
+/// Measures a case `repeat` times. The repetitions of a scene with skip_s above 0 are consecutive pieces of
+/// one simulation; those of other scenes each start at tick 0. progress: called before each measurement with
+/// a text that names the measurement. Throws InputError if a world cannot be loaded, and std::runtime_error
+/// if pictures cannot be drawn.
 CaseTiming time_case(const Case& one, std::size_t repeat, const engine::Registry& registry,
                      const std::function<void(const std::string&)>& progress);
 

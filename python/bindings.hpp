@@ -22,14 +22,14 @@ namespace troupe::python {
 namespace py = pybind11;
 
 /// Releases the interpreter's lock (GIL) while an object of this class exists. After the interpreter has
-/// begun to exit, other threads, which are daemon threads then, block in the constructor or the destructor
-/// until the process ends.
+/// begun to exit, threads other than the exiting one block in the constructor or the destructor until the
+/// process ends. These are daemon threads, because Python waits for threads of other kinds before it exits.
 ///
-/// Python 3.13 and earlier call pthread_exit() in a daemon thread that requests the lock after the exit. This
-/// unwinds the stack of the thread: the destructor of pybind11's gil_scoped_release then aborts the process,
-/// and other destructors would release Python objects without the lock. A thread that has not requested the
-/// lock yet would step or load a world while the process destroys its static objects. The exit therefore
-/// waits until the thread has finished its tick or loaded its world.
+/// Python 3.13 and earlier call pthread_exit() in a daemon thread that requests the lock after the exit has
+/// begun. This unwinds the stack of the thread: the destructor of pybind11's gil_scoped_release then aborts
+/// the process, and other destructors would release Python objects without the lock. A thread that has not
+/// requested the lock yet would step or load a world while the process destroys its static objects. The exit
+/// therefore waits until the thread has finished its tick or loaded its world.
 class Unlocked {
  public:
   Unlocked();

@@ -56,18 +56,21 @@ const engine::StateField& command_field(std::span<const engine::StateField> fiel
                                         std::string_view whose);
 
 /// Converts a Python value to an array of the shape (robots, columns) with the element type of a field of a
-/// command. Throws ValueError if the shape does not fit, or if the element type is an integer type that
-/// cannot represent one of the numbers.
+/// command. A single number sets all elements, and a single row sets the rows of all robots; any other value
+/// must have one row per robot. Throws ValueError if the shape does not fit, or if the element type is an
+/// integer type that cannot represent one of the numbers.
 py::array rows_for(const engine::StateField& field, const py::handle& value, py::ssize_t robots);
 
 /// Returns the command that makes the radios named `device` send `message`, as a dict from names of fields to
-/// values. message: a `bytes`, or an array with one row per robot. fields: all fields of the command of these
-/// radios.
+/// values. message: a Python `bytes` object, which all robots send, or an array with one row per robot.
+/// fields: all fields of the command of these radios.
 py::dict message_command(std::span<const engine::StateField> fields, const std::string& device,
                          const py::object& message, py::ssize_t robots);
-/// Converts the fields count, length and payload of the readings of radios to the result of Swarm.heard(),
-/// with messages of the NumPy type `type`. Throws ValueError, whose text names the radios by `device`, if an
-/// element of this type has no bytes, or more bytes than the payload of a message.
+/// Converts the fields count, length and payload of the readings of radios to the result of Swarm.heard().
+/// This is a pair of arrays with one row per robot: the messages as elements of the NumPy type `type`, and
+/// bools, True where there is a message of exactly the size of this type. Throws ValueError, whose text names
+/// the radios by `device`, if an element of this type has no bytes, or more bytes than the payload of a
+/// message.
 py::tuple messages_of(const py::object& type, const std::string& device, const py::array& count,
                       const py::array& length, const py::array& payload);
 

@@ -118,10 +118,10 @@ struct Picture {
 ///         pixels are squares of that size, and wider bodies up to 10 pixels are boxes without outlines and
 ///         marks. Outlines of stalled robots are red. In pictures whose smaller side has more than 900
 ///         pixels, all these widths grow in proportion.
-/// errors  draw() throws std::runtime_error if OSMesa, which is loaded on first use, is missing (the message
-///         names the package to install); if a side of the picture is below 1 pixel or larger than the driver
-///         allows (the message names the limit); if OpenGL reports an error, such as too little memory; or if
-///         View::region is not finite or has no area.
+/// errors  draw() loads the OpenGL library OSMesa on first use. It throws std::runtime_error if OSMesa is
+///         missing (the message names the package to install), if a side of the picture is below 1 pixel or
+///         larger than the driver allows (the message names the limit), if OpenGL reports an error, such as
+///         too little memory, or if View::region is not finite or has no area.
 /// output  Equal input gives equal bytes on one machine. The floating-point environment of the caller is
 ///         restored.
 /// threads A painter may be used on any thread, but only by one thread at a time.

@@ -25,9 +25,9 @@ struct RoundLength {
   std::string text() const;
 };
 
-/// The lines of the floor grid of a map (a view from above), one stroke wide (rounded to whole pixels), in
-/// pixels right of and above the picture's centre. The distance between lines is a RoundLength that is at
-/// least 48 strokes long in the picture.
+/// The lines of the floor grid of a map (a view from above). Positions are in pixels right of and above the
+/// picture's centre. The lines are one stroke wide, rounded to whole pixels. The distance between lines is a
+/// RoundLength that is at least 48 strokes long in the picture.
 Mesh floor_grid(const Framing& framing, Rgba color);
 /// Selects the scale bar and the texts along the picture's lower edge.
 struct Furniture {

@@ -4,8 +4,8 @@
 
 namespace troupe::render {
 
-/// What body_mesh() draws in addition to the faces. A type is a list of solid shapes that bodies which look
-/// alike share (engine::FrameType).
+/// What body_mesh() draws in addition to the faces. A type (engine::FrameType) is a list of solid shapes;
+/// bodies that look alike have the same type.
 struct MeshStyle {
   float edge = 0;  ///< width of the outline of each contour, pixels; 0: no outline
   float halo = 0;  ///< width of a white line drawn under the outline, pixels; 0: no line

@@ -7,16 +7,17 @@
 
 namespace troupe::render {
 
-/// An engine::FrameScene has the data to draw that are constant during a run, an engine::Frame those that
-/// change. Returns the floor grid of a view that is not from above: lines on the floor, `pitch` metres apart,
-/// at multiples of `pitch`. The grid covers FrameScene::bounds (if these are empty, 10 m x 10 m about
+/// Returns the floor grid of a view that is not from above: lines on the floor, `pitch` metres apart, at
+/// multiples of `pitch`. The grid covers scene.bounds (if these are empty, 10 m x 10 m about
 /// Projection::origin()), but only up to 60 lines from Projection::origin() in each direction. If no part of
-/// the bounds is that near, the grid extends 5 lines from Projection::origin() in each direction.
+/// the bounds is that near, the grid extends 5 lines from Projection::origin() in each direction. scene: the
+/// data to draw that are constant during a run; in the functions below, `frame` has those that change.
 SolidLayer solid_grid(const engine::FrameScene& scene, const Projection& projection, double pitch,
                       Rgba color);
-/// The distance between grid lines for this view, m: a length of 1, 2 or 5 times a power of ten (RoundLength)
-/// that is at least 48 strokes long in the picture (a stroke is the unit of line widths, Framing::stroke) at
-/// Projection::floor_center(). If that point is behind the viewer, the distance is 2 m.
+/// The distance between grid lines for this view, m: 1, 2 or 5 times a power of ten (RoundLength). At
+/// Projection::floor_center(), this distance is at least 48 strokes long in the picture. (A stroke is the
+/// unit of line widths, Framing::stroke.) If Projection::floor_center() is behind the viewer, the distance is
+/// 2 m.
 double grid_pitch(const Projection& projection);
 
 /// Appends layers (meshes with their positions) with those overlays on the floor that `shown` selects:
@@ -41,7 +42,7 @@ void add_ties(std::vector<AnyLayer>& layers, const engine::Frame& frame, const P
 
 /// The lettering that `view.layers` selects for the picture: names, energy bars, legends, the simulated time,
 /// and the scale bar or, in a view that is not from above and has a grid, the distance between grid lines. A
-/// small picture (Framing::has_furniture()) has only names and energy bars.
+/// picture for which Framing::has_furniture() is false, because it is small, has only names and energy bars.
 Writing written(const engine::FrameScene& scene, const engine::Frame& frame, const Projection& projection,
                 const Framing& framing, const View& view);
 

@@ -49,8 +49,8 @@ void add_flat_mobile(std::vector<AnyLayer>& layers, const SceneMeshes& meshes, c
 /// Adds the layers of a view that is not from above: shadows, static bodies and mobile bodies, in the order
 /// in which they must be drawn. The overlays `on_floor` are drawn over the shadows and below the bodies. The
 /// overlays `in_air` are hidden by static bodies but never hide mobile bodies, because a hundred overlapping
-/// scans would cover the robots below. colors: one colour per body of Frame::mobile; if empty, bodies have
-/// their own colours.
+/// range scans would cover the robots below. colors: one colour per body of Frame::mobile; if empty, bodies
+/// have their own colours.
 void add_solids(std::vector<AnyLayer>& layers, const SceneMeshes& meshes, const engine::Frame& frame,
                 std::span<const Rgba> colors, const Projection& projection, const Layers& shown,
                 const Theme& theme, std::vector<AnyLayer> on_floor, std::vector<AnyLayer> in_air);

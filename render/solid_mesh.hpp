@@ -6,8 +6,8 @@
 
 namespace troupe::render {
 
-/// What prism_mesh() draws in addition to the faces. A type is a list of solid shapes that bodies which look
-/// alike share (engine::FrameType).
+/// What prism_mesh() draws in addition to the faces. A type (engine::FrameType) is a list of solid shapes;
+/// bodies that look alike have the same type.
 struct SolidStyle {
   float edge = 0;          ///< width of the lines along edges, pixels; 0: no lines
   float halo = 0;          ///< width of a white line drawn under each line of width `edge`, pixels; 0: none

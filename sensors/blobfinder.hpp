@@ -11,7 +11,7 @@ namespace troupe::sensors {
 /// parameters of the sensor. Blobs are listed from right to left, and entries after the last blob are 0.
 /// Columns and rows count from 0 at the upper left corner of the image.
 enum BlobField : std::size_t {
-  k_blob_count,   ///< u32: blobs of the colours in `colors` (empty: of all colours); may exceed `most_blobs`
+  k_blob_count,   ///< u32: number of blobs with a colour in `colors` (empty: any); may exceed `most_blobs`
   k_blob_left,    ///< i32 per blob: leftmost column
   k_blob_right,   ///< i32 per blob: rightmost column, inclusive
   k_blob_top,     ///< i32 per blob: top row

@@ -25,9 +25,8 @@ enum CameraField : std::size_t {
 /// ties    Of two surfaces at the same depth, the surface of the body with the lower id is drawn; within one
 ///         body, the surface of the block that comes first in the body type. A body at the depth of the floor
 ///         hides the floor.
-/// cost    A level camera tests an edge of a block only in the columns of pixels that the edge spans, a
-/// tilted
-///         camera in every pixel.
+/// cost    A level camera tests an edge of a block only in the columns of pixels that the edge spans. A
+///         tilted camera tests the edge in every pixel.
 /// source  Stage's camera model, which needs a window; its `pitch` is called `tilt` here.
 engine::DeviceKind camera_kind();
 

@@ -30,12 +30,12 @@ enum FiducialField : std::size_t {
 ///         fiducial_key, and its origin must be nearer than range_max and within fov. With apply_range_min,
 ///         the origin must also be at least range_min away. The model must be in sight: a ray from the finder
 ///         towards the model's origin, at the height of the finder, must meet the model first. Walls, all
-///         other bodies, and the other parts of the model's body stop this ray, even if rangers do not see
-///         them.
+///         other bodies, and the other parts of the model's body stop this ray, even if range sensors do not
+///         see them.
 /// z       With the parameter ignore_zloc, the finder also finds a model that the ray passes above or below,
 ///         if the ray meets no other surface that is nearer than the model's origin.
-/// edges   A model whose origin is at exactly range_max is not found; a model at exactly fov/2 is found. A
-///         model whose origin is at the position of the finder has the bearing 0.
+/// edges   A model whose origin is at exactly range_max is not found; a model whose origin is at a bearing of
+///         exactly fov/2 is found. A model whose origin is at the position of the finder has the bearing 0.
 /// source  Stage's fiducial model. There, with ignore_zloc, a body behind a target may hide the target; here
 ///         it does not.
 engine::DeviceKind fiducial_kind();

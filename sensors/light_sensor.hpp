@@ -22,10 +22,10 @@ enum LightSensorField : std::size_t {
 ///        between the direction and the line to the light.
 /// sight  A light is in sight if it is lit, its horizontal distance is at most range_max (a parameter, m),
 ///        and nothing hides it. Lights on the sensor's own body, and on bodies that move with this body (one
-///        carries the other, or a third body carries both), are ignored. With `occlusion`, a light is hidden
-///        by any body or wall that the horizontal line from the sensor towards the light meets at the height
-///        of the sensor. The sensor's body, the body of the light, and bodies that move with one of these two
-///        bodies, never hide the light.
+///        carries the other, or a third body carries both), are ignored. With the parameter `occlusion`, a
+///        light is hidden by any body or wall that the horizontal line from the sensor towards the light
+///        meets at the height of the sensor. The sensor's body, the body of the light, and bodies that move
+///        with one of these two bodies, never hide the light.
 /// order  Sums are computed in the order of body ids, then of the devices of a body, in double precision.
 /// edges  A light straight above or below the sensor, or at the same place, adds nothing to any direction,
 ///        but counts as a light in sight.

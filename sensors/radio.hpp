@@ -151,8 +151,8 @@ class RadioPort {
 ///           strength is at least the listener's `sensitivity_dBm`. Nothing hides the sender. The sender's
 ///           body is neither the listener's body nor a body that moves with it (one carries the other, or a
 ///           third body carries both).
-/// hides     An outline hides the sender if rangers detect the outline (ranger_return >= 0) and the straight
-///           line between the two radios crosses the outline at a height within its z interval. The
+/// hides     An outline hides the sender if range sensors detect the outline (ranger_return >= 0) and the
+///           straight line between the two radios crosses the outline at a height within its z interval. The
 ///           listener's `walls` says whether static geometry hides senders, its `bodies` whether other bodies
 ///           do. The bodies of the two radios, and bodies that move with one of these two, never hide the
 ///           sender. An outline that the line only touches hides the sender if the outline is to the right of

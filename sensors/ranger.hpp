@@ -24,15 +24,15 @@ namespace troupe::sensors {
 ///         both).
 /// ties    Of two surfaces at one distance, the larger intensity is reported.
 /// source  In worlds with the grid engine, rays walk through the cells of a grid (partition/ray_grid.hpp). In
-///         all other worlds, the exact engine projects the edges of outlines on the beams by inverse depth
-///         (partition/ranging.hpp).
+///         all other worlds, the exact engine computes the inverse of the distance at which each beam hits
+///         the edges of outlines (partition/ranging.hpp).
 engine::DeviceKind ranger_kind();
 
 struct RangerBeams;
 
-/// The data and functions of a ranger, from which ranger_kind() makes a device kind, which is a table of
-/// functions that the engine calls (engine/kinds/device_kind.hpp). Kinds that extend the ranger include its
-/// Params in their own parameters.
+/// The data and functions of a ranger. ranger_kind() makes a device kind from them: a table of functions that
+/// the engine calls (engine/kinds/device_kind.hpp). Kinds that extend the ranger include its Params in their
+/// own parameters.
 struct Ranger {
   using Params = engine::RangerParams;  ///< the parameters of a ranger in a world file
 
@@ -45,8 +45,8 @@ struct Ranger {
   /// `data` of the result holds a Ranger.
   static engine::DeviceKind::Prepared prepare(const Params& params, const Pose& pose_body_sensor);
   /// Returns `limits`. The engine calls this function while it loads a world and reports the error. Kinds
-  /// that extend the ranger must call it in their own bind_part(). Otherwise, a range_min above range_max
-  /// would raise readings above range_max, the reading of a beam that hits nothing.
+  /// that extend the ranger must call it in their own bind_part(). Without this check, a range_min above
+  /// range_max would raise readings to more than range_max, which is the reading of a beam that hits nothing.
   Result<> bind_part(const engine::TypeSpec&, std::uint32_t) const { return limits; }
   /// Computes the readings of the ranger for every body of the batch (the bodies that one task of a parallel
   /// loop handles), and writes them to batch.state. Returns the number of rays cast.

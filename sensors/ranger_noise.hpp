@@ -31,8 +31,8 @@ class NoisyHeadings {
 /// Applies the noise of readings, the lower limits and the beam widths of transducers (RangerBeams::extras)
 /// to the readings of a batch whose beams have been cast. A transducer is a fan of beams of a ranger (range
 /// sensor). First, each reading of a beam with a width becomes the distance to the nearest surface within
-/// this width, about the heading with angular noise along which the beam was cast. Then noise is added, and
-/// last, readings below the lower limit are raised to the limit.
+/// this width. The width is centred on the heading along which the beam was cast, angular noise included.
+/// Then noise is added, and last, readings below the lower limit are raised to the limit.
 ///
 /// With noise, a reading r below range_max becomes r + r * noise_proportional * u + noise_stddev * n +
 /// r * noise_relative * m, clamped to [0, range_max]; u is uniform in [-1, 1), and n and m are standard

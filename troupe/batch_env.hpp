@@ -67,8 +67,8 @@ struct BatchArraySpec {
   bool raw = false;
 };
 
-/// An action: one number that the policy sets for each robot in each step, and the command of the robot that
-/// this number controls. The number -1 commands `low`, 1 commands `high`, and numbers in between are
+/// An action: a number that the policy sets for each robot in each step. It controls one component of a
+/// command of the robot. The number -1 commands `low`, 1 commands `high`, and numbers in between are
 /// interpolated linearly. Numbers outside this range are clipped to it. If at least one action of a team
 /// commands the drive, the components of the drive's command that no action controls are 0.
 struct BatchAction {
@@ -88,7 +88,8 @@ struct BatchAction {
 struct BatchColumn {
   std::string array;       ///< name of an array of the team; empty: `measure` is used
   std::size_t column = 0;  ///< index of the column in the array, from 0
-  std::string measure;     ///< name of the column of a measure of BatchSpec::measures (Measures::find())
+  /// Name of a column of BatchEnv::measures(), with or without its unit: "displacement_m" or "displacement".
+  std::string measure;
 };
 
 /// A term of the reward. The reward of a robot in a step is the sum of all terms, plus BatchEnd::reward of
@@ -104,8 +105,8 @@ struct BatchReward {
 };
 
 /// A condition that finishes a robot, that is, ends its episode: a number is below (or above) a threshold. A
-/// condition on a measure finishes all robots of the team that are in the world of the copy. If the number is
-/// NaN, the condition does not hold.
+/// condition that tests a measure finishes all robots of the team in its copy of the world, except robots
+/// that are not in the world (removed or not yet born). If the number is NaN, the condition does not hold.
 struct BatchEnd {
   BatchColumn of;         ///< the number that is tested
   double below = 0;       ///< the threshold; unless `is_above`, the condition holds if the number is less
@@ -129,8 +130,10 @@ struct BatchTeam {
 /// The options of a BatchEnv. Its constructor checks them.
 struct BatchSpec {
   std::size_t copies = 1;  ///< number of copies of the world, 1 to 1,000,000
-  unsigned threads = 0;    ///< number of threads, as in SimulationOptions; changes no result
-  std::size_t ticks = 1;   ///< number of ticks (time steps of the simulation) per step, 1 or more
+  /// Number of threads that step the copies, at most 1,024. 0: one per processor that the process may use.
+  /// The number changes no result.
+  unsigned threads = 0;
+  std::size_t ticks = 1;  ///< number of ticks (time steps of the simulation) per step, 1 or more
   /// World time after which an episode is truncated, s: above 0 and at most 1e12, rounded up to whole ticks.
   /// The time counts from the end of the first tick of the episode, in which the policies give no commands,
   /// and is tested after each step.
@@ -159,12 +162,12 @@ struct BatchSpec {
 /// robots   the policies drive the robots of teams: these robots do not run their controllers of the world
 ///          file, and all their sensors run. Other robots run their controllers
 /// end      a robot is finished when one of the ends of its team holds or when it dies, that is, leaves the
-///          world for good; its death itself gives no reward. Then its reward is 0, its actions are
-///          ignored, its drive is commanded to stop (if an action of the team commands the drive), and its
-///          devices keep their last commands. A program may finish further robots by writing 1 to
-///          terminated() between two steps
-/// over     a copy is over when its episode reaches `seconds`, or when no robot of its teams is both in the
-///          world and unfinished (over() has the exact rule). If a condition of the world's `stop_when`
+///          world for good; its death itself gives no reward. In the steps after a robot has finished, its
+///          reward is 0, its actions are ignored, its drive is commanded to stop (if an action of the team
+///          commands the drive), and its devices keep their last commands. A program may finish further
+///          robots by writing 1 to terminated() between two steps
+/// over     a copy is over when its episode reaches `seconds`, or when all robots of its teams that are in
+///          the world are finished (over() has the exact rule). If a condition of the world's `stop_when`
 ///          holds, all robots of the teams are finished, and so the copy is over. step() begins the next
 ///          episode of a copy only if the caller requests it
 /// begin    each episode begins with one tick in which the policies give no commands, so that sensors have
@@ -222,9 +225,9 @@ class BatchEnv {
   std::span<const std::uint8_t> alive(std::size_t team) const;
   /// One per copy: 1 if the episode has reached BatchSpec::seconds, else 0.
   std::span<const std::uint8_t> truncated() const;
-  /// One per copy: 1 if the copy is over, else 0. A copy is over if its episode is truncated, or if at least
-  /// one robot of its teams, in the world or not, is finished and no robot of its teams that is in the world
-  /// is unfinished. Each call takes into account what the caller has written to terminated().
+  /// One per copy: 1 if the copy is over, else 0. A copy is over if its episode is truncated. It is also over
+  /// if at least one robot of its teams is finished (in the world or not) and all robots of its teams that
+  /// are in the world are finished. Each call takes into account what the caller has written to terminated().
   std::span<const std::uint8_t> over();
   /// Names of the columns of measures(), with their units, as Measures::columns() returns them; empty if
   /// BatchSpec::measures is empty.

@@ -12,16 +12,16 @@ namespace troupe {
 
 /// Finds a value of the state by name: COMPONENT.FIELD or COMPONENT.FIELD.COLUMN, such as `velocity.x` or
 /// `ranger/ir.ranges.3`. A component is a table of the state with named fields. COMPONENT may be shortened to
-/// the part before the slash (the kind of controller or device) or, for a device, to the part after it (the
-/// name of the device): `wander.turn_left_s` is a field of the component `wander/0`, the memory of a
-/// controller, and `ir.ranges.3` is the same as `ranger/ir.ranges.3`, a range of the range sensor `ir`. If
-/// there is no such value, the error lists the known values; if only the column does not exist, the error
-/// states the columns of the field. If the value belongs to a sensor that runs on no robot, ChosenValue::text
-/// says so.
+/// the part before its slash, the kind of controller or device: `wander.turn_left_s` is a field of the
+/// component `wander/0`, the memory of a controller. For a device, COMPONENT may also be shortened to the
+/// part after the slash, the name of the device: `ir.ranges.3` is the same as `ranger/ir.ranges.3`, a range
+/// of the range sensor `ir`. If there is no such value, the error lists the known values; if only the column
+/// does not exist, the error states the columns of the field. If the value belongs to a sensor that runs on
+/// no robot, ChosenValue::text says so.
 Result<ChosenValue> find_value(const engine::World& world, const std::string& name);
-/// Returns one number per body of Frame::mobile, the list of bodies in a frame that are in the world and not
-/// static: the chosen value of the body, or NaN if the body does not have this value or its sensor does not
-/// run.
+/// Returns one number per body of Frame::mobile, the list of the bodies that are in the world and not static.
+/// The number is the chosen value of the body, or NaN if the body does not have this value or its sensor does
+/// not run.
 std::vector<double> values_of(const engine::World& world, const ChosenValue& value,
                               const engine::Frame& frame);
 

@@ -12,9 +12,9 @@ namespace troupe {
 
 /// Past positions of bodies, for the picture layer `trails`, which draws the path of each body as a line. The
 /// positions come from frames: a frame is the data that a viewer needs to draw the world at one tick (time
-/// step). A position is stored every k_seconds / 50 seconds, rounded up to whole ticks. Of the last 50
-/// positions, those of the last k_seconds are kept. Pass frames to see() in the order of their ticks; a frame
-/// with an earlier tick than the last stored frame clears the history.
+/// step). A position is stored every k_seconds / 50 seconds, rounded up to whole ticks. At most 50 positions
+/// per body are kept, and none that is older than k_seconds. Pass frames to see() in the order of their
+/// ticks; a frame with an earlier tick than the last stored frame clears the history.
 class Trails {
  public:
   /// Largest age of the positions of a trail, s, before rounding up to whole ticks.

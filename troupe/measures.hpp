@@ -26,13 +26,13 @@ class Simulation;
 /// outlive this object. Not thread-safe.
 class Measures {
  public:
-  /// wanted: one text per measure: the name of a measure ("stalls"); the name of a measure, a colon and the
-  /// robots for which it is computed ("stalls:leaders"), given as the name of a type of bodies, of a
-  /// population (an entry of the world file that creates many robots) or of a robot; or a JSON object as in a
-  /// world file (`{"kind": "coverage", "cell_m": 0.5}`). An empty list means the measures of the world file,
-  /// or, if it has none, all measures that need no parameters, except those that are a second name (alias) of
-  /// another measure. Throws InputError, whose text lists all errors: unknown measures, parameters and
-  /// robots, and two measures with the same column name.
+  /// wanted: one text per measure. The text is the name of a measure ("stalls"), or the name, a colon and the
+  /// robots for which the measure is computed ("stalls:leaders"). These robots are given as the name of a
+  /// type of bodies, of a population (an entry of the world file that creates many robots) or of a robot. The
+  /// text may also be a JSON object as in a world file (`{"kind": "coverage", "cell_m": 0.5}`). An empty list
+  /// means the measures of the world file, or, if it has none, all measures that need no parameters, except
+  /// those that are a second name (alias) of another measure. Throws InputError, whose text lists all errors:
+  /// unknown measures, parameters and robots, and two measures with the same column name.
   explicit Measures(Simulation& simulation, const std::vector<std::string>& wanted = {});
   ~Measures();
   Measures(Measures&&) noexcept;             ///< a moved-from object may only be destroyed or assigned to

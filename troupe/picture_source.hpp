@@ -22,12 +22,13 @@ struct ChosenValue {
 };
 
 /// The data that a caller requests from a PictureSource, in addition to the poses of bodies. The data are
-/// members of engine::Frame, the data that a viewer needs to draw a world at one tick (time step).
+/// members of the struct engine::Frame, which contains what a viewer needs to draw the world at one tick
+/// (time step).
 struct FrameWishes {
   bool scans = false;                ///< readings of range sensors: Frame::scans and Frame::ranges
   bool sights = false;               ///< lines to detected markers: Frame::sights
   bool blobs = false;                ///< detected regions of one colour: Frame::blobs
-  bool grips = false;                ///< light beams and held bodies of grippers: Frame::grips
+  bool grips = false;                ///< light beams of grippers, lines to held bodies: Frame::grips
   bool links = false;                ///< lines to carried bodies: Frame::links
   bool charges = false;              ///< charges of energy stores: Frame::charges
   bool names = false;                ///< names of bodies: Frame::names

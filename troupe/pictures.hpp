@@ -26,9 +26,10 @@ struct PictureOptions {
   /// world file.
   int height = 0;
   /// `top`: looks straight down at the whole world, as a map. `fit`: straight down at the region that
-  /// contains the robots. `perspective`: the whole world from an oblique angle, with bodies as solids.
-  /// `follow:all`: perspective view of the region that contains the robots. `follow:NAME`: perspective view
-  /// centred on the body NAME. `window`: the view that the entry `window` of the world file describes.
+  /// contains the robots. `perspective`: the whole world from an oblique angle, with bodies drawn in three
+  /// dimensions. `follow:all`: perspective view of the region that contains the robots. `follow:NAME`:
+  /// perspective view centred on the body NAME. `window`: the view that the entry `window` of the world file
+  /// describes.
   std::string camera = "top";
   /// Point at the centre of the picture, m, in the world frame. Not given: the camera chooses it.
   std::optional<std::array<double, 2>> center_m;
@@ -109,8 +110,9 @@ class Pictures {
   /// data collected before are discarded.
   void see(const Simulation& simulation);
   void see(const PictureSource& source);  ///< collects the data for `trails` and `coverage` from `source`
-  /// Discards the data that see() collected for the layers `trails` and `coverage`, and the position and
-  /// region that the camera keeps after the followed robots have left the world.
+  /// Discards the data that see() collected for the layers `trails` and `coverage`. Also discards the last
+  /// position and region of a camera that follows robots, which the camera would keep while no followed robot
+  /// is in the world.
   void forget();
   /// The length of the simulated time before a picture, s, in which see() must be called after every step.
   /// Layers such as `trails` show what happened in this time. 0: no layer needs see(); infinity: see() must

@@ -29,9 +29,10 @@
 ///     TROUPE_CONTROLLER("dancer", Dancer)
 ///
 /// The class may also have a description (`static constexpr std::string_view text`), parameters (`struct
-/// Params`, engine/fields/description.hpp), and the functions of engine/kinds/controller.hpp: `choose`, and a
-/// batch form that decides for many robots in one call. The library links the CMake target troupe::plugin.
-/// Its file is called dancer.so, because Troupe looks for the kind "dancer" in a file of this name.
+/// Params`, engine/fields/description.hpp), and the functions that engine/kinds/controller.hpp documents:
+/// `choose`, which selects the devices that the controller uses, and an operator() that decides for a batch
+/// of many robots in one call. The library links the CMake target troupe::plugin. Its file is called
+/// dancer.so, because Troupe looks for the kind "dancer" in a file of this name.
 ///
 /// A sensor or another device is a function that returns a DeviceKind (docs/extending.md). make_device_kind()
 /// makes one from a class (engine/kinds/device_kind.hpp); a function can also fill the members itself:

@@ -42,7 +42,8 @@ namespace troupe::plugin {
 /// changed but the version has not.
 inline constexpr std::uint32_t k_interface = 12;
 
-/// Build settings that change the layout of types or the bits of results although all headers are equal.
+/// Build settings that change the layout of types or the bits of results even if plug-in and program include
+/// the same headers.
 inline constexpr const char* k_build = TROUPE_PLUGIN_STANDARD_LIBRARY
     ", " TROUPE_PLUGIN_EIGEN ", EIGEN_MAX_ALIGN_BYTES=" TROUPE_PLUGIN_TEXT(EIGEN_MAX_ALIGN_BYTES);
 
@@ -60,9 +61,10 @@ struct Library {
   /// that was given to the macro TROUPE_CONTROLLER, TROUPE_DEVICE or TROUPE_MEASURE.
   void (*list)(std::vector<engine::ControllerKind>& controllers, std::vector<engine::DeviceKind>& devices,
                std::vector<engine::MeasureKind>& measures);
-  /// Points to the hash of the bytes of the library file, which is 0 until the loader writes it at the first
-  /// load. The hash is stored in the library because a process loads a library only once, even if several
-  /// simulations request it.
+  /// Points to the hash of the bytes of the library file. The hash is 0 until the loader writes it at the
+  /// first load. A process loads a library only once, so further simulations get the library that is already
+  /// loaded. If its stored hash differs from the hash of the file, the file was rebuilt in the meantime, and
+  /// the loader rejects it.
   std::atomic<std::uint64_t>* contents;
 };
 

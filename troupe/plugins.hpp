@@ -33,8 +33,8 @@ class Plugins {
   };
 
   /// path: the folders to search, in this order. registry: the kinds that the program already has. A plug-in
-  /// cannot be used if worlds would refer to one of its controllers by the name of a controller in
-  /// `registry`; the same holds for devices and for measures.
+  /// cannot be used if the name of one of its controllers in worlds ("dancer", "swarm:leader") is also the
+  /// name of a controller in `registry`. The same holds for devices and for measures.
   Plugins(std::vector<std::filesystem::path> path, const engine::Registry& registry);
   ~Plugins();
   Plugins(const Plugins&) = delete;

@@ -44,10 +44,12 @@ class RankProcesses {
   ///
   /// registry: the kinds of sensors, drives, controllers and so on that the world was made with
   /// plugins: the plug-ins (shared libraries with further kinds) that the world uses
-  /// options: options of all replicas; if their number of threads is 0, each process uses its own threads()
+  /// options: options of all replicas; if their number of threads is 0, each process uses the number of
+  /// threads that was given to the constructor of its RankProcesses
   /// seed: for tests; if set, robots move to random ranks during the run, and the seed determines the ranks
-  /// distribute: whether each rank has only the state of its own robots and of robots near them. Only worlds
-  /// for which engine::why_replicated() returns an empty text can be distributed in this way
+  /// distribute: whether each rank has only the state of its own robots and of robots near them. Must be
+  /// false for a world that cannot be distributed in this way; for such a world, engine::why_replicated()
+  /// returns a text with the reason
   std::unique_ptr<RankGroup> add(engine::World& world, const engine::Registry& registry,
                                  const Plugins& plugins, const engine::WorldOptions& options,
                                  std::optional<std::uint64_t> seed, bool distribute);

@@ -21,7 +21,9 @@ struct RankOptions {
   unsigned ranks = 1;  ///< number of ranks, from 1 to k_most_ranks (1,024)
   /// For tests: if set, messages between ranks arrive late and shuffled, and robots move to random ranks.
   std::optional<std::uint64_t> seed;
-  /// Returns the present time, s, from any fixed origin; called on the threads of all ranks. Null: no clock.
+  /// A clock with which the ranks measure how long their work takes. It returns the present time, s, from any
+  /// fixed origin. It is called on the threads of all ranks, with the number of the calling rank. Null: no
+  /// clock.
   std::function<double(unsigned rank)> clock;
   bool distribute = false;  ///< true: each rank has only the state of its own robots and of robots near them
 };

@@ -54,7 +54,8 @@ class RecordedRun : public PictureSource {
   std::optional<std::uint32_t> find_body(std::string_view name) const override;
   /// Finds a value by name among the recorded fields. Names in the form of earlier versions of Troupe are
   /// also found if they have a dot before the field, as in `sensors/minibot/eye.ranges`. If such a name has a
-  /// slash there, as in `sensors/minibot/eye/ranges`, the error states the present name.
+  /// slash before the field, as in `sensors/minibot/eye/ranges`, it is not found, and the error states the
+  /// present name.
   Result<ChosenValue> find_value(const std::string& name) const override;
   /// Returns the present name of a value if `name` is its name in earlier versions of Troupe, such as
   /// `eye.ranges.3` for `sensors/minibot/eye.ranges.3`. Empty for all other names.

@@ -72,8 +72,8 @@ class Recording {
   /// after a step that threw, until Simulation::reset().
   void observe(const Simulation& simulation);
   /// Writes the frames that are still in memory to the file: other processes can then read them, and they are
-  /// not lost if this process dies. Full batches of frames are written without a call. Call it if the
-  /// recording interval is long, or before saving a checkpoint.
+  /// not lost if this process dies. Full batches of frames are written without a call of flush(). Call it if
+  /// the recording interval is long, or before saving a checkpoint.
   void flush();
   /// Starts to write the frames that are still in memory, as flush() does. With the option `in_background`,
   /// start_flush() returns before the frames are written. Without the option, it returns after they are

@@ -15,10 +15,10 @@
 namespace troupe {
 
 /// Controllers (code that commands robots) and measures (numbers computed from the state) that a program has
-/// read from a script, such as a Python file. A simulation uses them like those of a plug-in, a shared
-/// library, with the name of the script: `my.py` with a class `Wander` gives the controller `my:Wander`, and
-/// with a class `my` the controller `my`. A checkpoint (a file with the whole state of a run) stores the name
-/// and the hash of the script. To resume the run, the script must be given again.
+/// read from a script, such as a Python file. A simulation uses them as if they came from a plug-in (a shared
+/// library) that has the name of the script: `my.py` with a class `Wander` gives the controller `my:Wander`,
+/// and with a class `my` the controller `my`. A checkpoint (a file with the whole state of a run) stores the
+/// name and the hash of the script. To resume the run, the script must be given again.
 struct Script {
   /// A controller of the script, and the robots that get it.
   struct Controller {

@@ -52,17 +52,17 @@ class SessionLog {
 class SessionReplay {
  public:
   /// Reads a session file. Throws InputError, `cave.session.jsonl:1: error: ...`, if the file is not a
-  /// session or does not match the simulation: if the version of Troupe, an option that affects results, or
-  /// the state hash (a hash of the whole state of the world) at the first tick of the session differs, or if
-  /// the simulation has not reached that tick. The simulation may be past that tick if it was resumed from a
-  /// checkpoint of the session; its state then already contains the acts of earlier ticks, which are skipped.
-  /// The state hash is not compared in this case.
+  /// session or does not match the simulation. They do not match if the version of Troupe or an option that
+  /// affects results differs, if the simulation has not reached the first tick of the session, or if its
+  /// state hash (a hash of the whole state of the world) at that tick differs. A simulation that was resumed
+  /// from a checkpoint of the session may be past the first tick. Its state then already contains the acts of
+  /// earlier ticks: the constructor skips these acts and does not compare the state hash.
   SessionReplay(const std::filesystem::path& file, const Simulation& simulation);
   ~SessionReplay();
   SessionReplay(const SessionReplay&) = delete;
   SessionReplay& operator=(const SessionReplay&) = delete;
 
-  /// Applies the acts of the current tick of the simulation, and nothing if the session has none for this
+  /// Applies the acts of the current tick of the simulation; does nothing if the session has none for this
   /// tick. Must be called in every tick: the acts of a tick without a call, and all later acts, are never
   /// applied. Throws InputError, with file and line, if an act is impossible.
   void act(Simulation& simulation);

@@ -59,7 +59,8 @@ inline constexpr unsigned k_most_ranks = 1024;  // = partition::k_most_ranks
 
 /// How a world is loaded and run. The class Simulation explains the terms that this file uses. Only the
 /// options `seed`, `ranging`, `robots`, `set`, `scripts` and `spare` change the simulated results;
-/// `search_path` and `plugin_path` decide which files are found, and `mortal` only allows further calls.
+/// `search_path` and `plugin_path` decide which files are found, and `mortal` only allows calls of
+/// Simulation::remove(), disable() and enable().
 struct SimulationOptions {
   /// Number of worker threads, at most 1,024; a larger number throws std::invalid_argument. 0: one thread per
   /// processor that the affinity mask and the control groups of the process allow.
@@ -73,8 +74,8 @@ struct SimulationOptions {
   std::optional<RangingEngine> ranging;
   /// New sizes of populations (groups of bodies of one type that a world file creates with one entry): pairs
   /// of the name of a population and its new number of robots. An empty name means the only population of the
-  /// world. Loading the world throws InputError if no population has a given name, and for an empty name if
-  /// the world has several populations or none.
+  /// world. Loading the world throws InputError if there is no population of one of these names, or if a name
+  /// is empty and the world does not have exactly one population.
   std::vector<std::pair<std::string, std::size_t>> robots;
   /// Values of the world file to replace: pairs of a JSON pointer (a path in the file, RFC 6901) and a JSON
   /// value, such as {"/populations/0/count", "500"}.
@@ -120,9 +121,9 @@ struct SimulationOptions {
   std::shared_ptr<RankProcesses> processes;
   /// True: each rank stores only the state of its own robots and of robots near them (docs/cluster.md). This
   /// process then has the state of all other robots only after a call of engine::World::gather(), which
-  /// fetches the state from the other ranks. Without effect if one rank computes the world, and for worlds
-  /// that cannot be distributed in this way, for which RankStatistics::why_replicated states the reason. Only
-  /// the program `troupe` sets this option.
+  /// fetches the state from the other ranks. The option has no effect if one rank computes the world. It also
+  /// has no effect if the world cannot be distributed in this way; RankStatistics::why_replicated then states
+  /// the reason. Only the program `troupe` sets this option.
   bool distribute = false;
 };
 
@@ -132,10 +133,10 @@ struct ResumeOptions {
   /// Number of worker threads, as in SimulationOptions.
   unsigned threads = 0;
   double tile_size_m = 0;  ///< edge length of the tiles, m, as in SimulationOptions
-  /// Values of the world to replace: pairs of a JSON pointer into the dataset /world of the checkpoint and a
-  /// JSON value, such as {"/types/1/drive/params/velocity_max_x_mps", "0.5"}. Only values that do not change
-  /// the layout of the state can be replaced; docs/checkpoints.md lists them. The resumed run then differs
-  /// from the original.
+  /// Values of the world to replace. The checkpoint is an HDF5 file, and its dataset /world stores the world
+  /// as JSON. Each pair consists of a JSON pointer (RFC 6901) into this JSON text and a new JSON value, such
+  /// as {"/types/1/drive/params/velocity_max_x_mps", "0.5"}. Only values that do not change the layout of the
+  /// state can be replaced; docs/checkpoints.md lists them. The resumed run then differs from the original.
   std::vector<std::pair<std::string, std::string>> set;
   /// Accepts a checkpoint that another version of Troupe wrote. The results may then differ, in their last
   /// bits or more, from those of that version.
@@ -173,8 +174,9 @@ struct Statistics {
   std::size_t held_at_bounds = 0;  ///< robots whose last motion would have left the bounds of the world
   /// Mean straight-line distance of the robots from their positions at tick 0 or at birth, m.
   double mean_displacement_m = 0;
-  /// Rounds in which conflicting motions (motions after which bodies would overlap) were resolved, since
-  /// tick 0.
+  /// Number of rounds in which conflicts between motions were resolved since tick 0. Motions conflict if
+  /// bodies would overlap after them. A tick needs more than one round if the motion of a body depends on the
+  /// outcome of another motion.
   std::uint64_t conflict_rounds = 0;
   std::size_t state_bytes = 0;  ///< memory of all state tables, which hold the state of the bodies, bytes
 };
@@ -189,8 +191,8 @@ struct RankStatistics {
   std::uint64_t bytes = 0;     ///< total length of these messages, bytes
   /// Time that rank 0 has waited, s; 0 if neither `rank_clock` nor `processes` of the options is set.
   double waited_s = 0;
-  /// How often robots moved to other ranks because the slowest rank took more than 1.1 times the mean time of
-  /// all ranks.
+  /// Number of times that robots were moved to other ranks because the slowest rank took more than 1.1 times
+  /// the mean time of all ranks.
   std::uint64_t rebalanced = 0;
   /// Number of signals SIGUSR1, which request a checkpoint, that the processes of other ranks have received.
   std::uint64_t requests = 0;
@@ -199,7 +201,8 @@ struct RankStatistics {
   bool is_distributed = false;
   /// Why the world is not distributed although SimulationOptions::distribute is true; else empty.
   std::string why_replicated;
-  /// If the world is distributed: how often its robots were divided among the ranks during the run.
+  /// If the world is distributed: number of times that its robots were divided among the ranks again during
+  /// the run.
   std::uint64_t distributions = 0;
 };
 
@@ -346,8 +349,8 @@ class Model {
     const engine::StateField* field = nullptr;  ///< description of the field; lives as long as the simulation
     std::span<const std::byte> bytes;           ///< all values of the field
   };
-  /// Returns one field of a device as bytes. Parameters and errors are as in readings(), except that there is
-  /// no type T that could be wrong.
+  /// Returns one field of a device as bytes. The parameters are those of readings(). Throws std::out_of_range
+  /// and std::logic_error as readings() does.
   Reading reading(std::string_view field, std::string_view device = {}) const;
   /// The fields of a device that readings() can return, with their names, element types, numbers of values
   /// and units. Throws std::out_of_range, with the known names, if there is no such device.
@@ -368,7 +371,7 @@ class Model {
   /// The command of a device as bytes, for callers that know its fields only at run time.
   struct Asked {
     std::span<const engine::StateField> fields;  ///< fields of the command, with their offsets in `bytes`
-    std::span<std::byte> bytes;                  ///< the command, as the command struct of the kind of device
+    std::span<std::byte> bytes;                  ///< the command, in the layout of its command struct
   };
   /// Returns the command of the device of this name, which a program may write between two steps. The bytes
   /// stay valid while the simulation lives; what is written before the birth of the body has no effect, as in
@@ -383,8 +386,9 @@ class Model {
   /// State of a power pack (the energy store of a body): its charge, and the energy that it dissipated,
   /// received and gave since tick 0, J (docs/energy.md).
   using Energy = engine::Energy;
-  /// Energy of the power pack that supplies this model: a pack on this part, or else on the nearest of the
-  /// parts on which this part is mounted, up to the body itself. Empty if there is no such pack.
+  /// Energy of the power pack that supplies this model. This is the pack on this part. If the part has none,
+  /// it is the pack on the part that this part is mounted on, and so on up to the body itself. Empty if none
+  /// of them has a pack.
   std::optional<Energy> energy() const;
   /// Number of flags (coloured tokens that bodies exchange, docs/energy.md) that the first device of the kind
   /// `flags` on this part holds; 0 if the part has no such device. Devices on other parts of the body do not
@@ -400,9 +404,9 @@ class Model {
   std::span<const std::byte> cell(std::string_view field, std::string_view device,
                                   engine::Element element) const;
   std::byte* asked(std::string_view device, std::size_t bytes, std::span<const engine::StateField> fields);
-  /// Marks a robot as visited. Swarm::for_each() calls a function of its caller for each robot of the swarm.
-  /// During each call, it keeps an object of this class for that robot on the thread of the call. While the
-  /// object exists, functions on this thread that would change other robots throw std::logic_error.
+  /// Protects the other robots while Swarm::for_each() calls the function of its caller for one robot. During
+  /// each such call, for_each() keeps an object of this class on the thread of the call. While the object
+  /// exists, functions on this thread that would change another robot throw std::logic_error.
   class Visit {
    public:
     explicit Visit(const Model& robot);
@@ -436,7 +440,7 @@ class Model {
 /// kind          an implementation of a drive, device, controller, measure or fault, such as the sensor
 ///               `ranger`; a registry lists the kinds that a world can use
 /// population    an entry of the world file that creates many bodies of one type, placed by a rule. Its
-///               reserve are bodies that are not in the world at tick 0 and can be born later
+///               reserve consists of bodies that are not in the world at tick 0 and can be born later
 /// tick          a time step of constant length, tick_s(); tick 0 is the state after loading
 /// intervention  a change of the world at a given time, which the world file lists under the key `at`
 /// fault         a failure of a robot, such as a dead sensor, which the world file describes
@@ -473,11 +477,11 @@ class Simulation {
   /// Makes a world from a document, with the kinds in `registry`.
   Simulation(const worldio::WorldDocument& world, const std::filesystem::path& name,
              const SimulationOptions& options, engine::Registry registry);
-  /// Makes a world from a spec, the description that the engine uses internally (engine/spec/world_spec.hpp),
-  /// which a program or a loader filled. Throws InputError, whose text lists all invalid values, each with
-  /// its path in the spec and, if the spec states them, with file and line: `types[0].parts[2].size: must be
-  /// ..., found nan`. The options `robots`, `set` and `search_path` apply to world files only: throws
-  /// std::invalid_argument if one of them is given.
+  /// Makes a world from a spec, the description that the engine uses internally (engine/spec/world_spec.hpp).
+  /// A program fills the spec itself, or a function that reads a world file does. Throws InputError, whose
+  /// text lists all invalid values, each with its path in the spec and, if the spec states them, with file
+  /// and line: `types[0].parts[2].size: must be ..., found nan`. The options `robots`, `set` and
+  /// `search_path` apply to world files only: throws std::invalid_argument if one of them is given.
   explicit Simulation(engine::WorldSpec world, const SimulationOptions& options = {});
   /// Makes a world from a spec, with the kinds in `registry`.
   Simulation(engine::WorldSpec world, const SimulationOptions& options, engine::Registry registry);
@@ -506,9 +510,9 @@ class Simulation {
   const std::vector<std::string>& warnings() const;
   /// The options that the simulation uses (world, seed, number of threads, ...), as pairs of key and value,
   /// for logs. They include the values of SimulationOptions::set, with keys such as `set
-  /// /populations/0/count`. All keys differ: of several values for one pointer, only the last is listed.
-  /// Values that are appended to a list, with a pointer that ends in `/-`, are all listed, with numbers as in
-  /// `set /models/- #2`.
+  /// /populations/0/count`. All keys differ: if `set` has several values for one JSON pointer, only the last
+  /// is listed. A pointer that ends in `/-` appends a value to a list. Such values are all listed, with
+  /// numbers in their keys, as in `set /models/- #2`.
   std::vector<std::pair<std::string, std::string>> effective_options() const;
 
   /// The condition in the world's list `stop_when` that ended the run, such as `coverage >= 0.9`
@@ -524,12 +528,12 @@ class Simulation {
   /// throw std::logic_error, also those of models, swarms and observers of this simulation.
   void step();
   /// Steps until `seconds` more of world time have passed, rounded up to whole ticks, or until a stop
-  /// condition ends the run (stopped()). If `seconds` exceeds a whole number of ticks by at most 1e-9 of
-  /// `seconds` or of a tick, as rounding errors do, the excess adds no tick. Makes no step if a stop
-  /// condition already holds. Throws std::invalid_argument if `seconds` is negative, NaN or more than 1e12.
+  /// condition ends the run (stopped()). An excess over a whole number of ticks counts as a rounding error
+  /// and adds no tick if it is at most 1e-9 of `seconds` or 1e-9 of a tick. Makes no step if a stop condition
+  /// already holds. Throws std::invalid_argument if `seconds` is negative, NaN or more than 1e12.
   void run_for(double seconds);
-  /// Steps until the callback `done`, which is called after each step, returns true; then returns true.
-  /// Returns false if `at_most_s` seconds of world time pass first, or if a stop condition ends the run first
+  /// Makes steps, and calls `done` after each step. Returns true as soon as `done` returns true. Returns
+  /// false if `at_most_s` seconds of world time pass first, or if a stop condition ends the run first
   /// (stopped()). If a stop condition already holds, makes no step and returns false. Throws
   /// std::invalid_argument if `at_most_s` is negative, NaN or more than 1e12.
   bool run_until(const std::function<bool(const Simulation&)>& done, double at_most_s);
@@ -542,10 +546,10 @@ class Simulation {
   void on_tick(std::function<void(Simulation&)> callback);
   /// Sets the callback that is called in every step at the end of the phase intervene, after the events of
   /// the world file (the list `at`, and faults). tick() is then still the number of the previous tick. The
-  /// callback may do everything that a program may do between two steps, and may call act(), but must not
-  /// call step() or reset(), which is not checked. If it throws, step() passes the exception on, and the
-  /// state is then incomplete, as described at step(). A second call replaces the callback; a null callback
-  /// removes it.
+  /// callback may do everything that a program may do between two steps, and may call act(). It must not call
+  /// step() or reset(); Troupe does not check this. If the callback throws, step() passes the exception on,
+  /// and the state is then incomplete, as described at step(). A second call replaces the callback; a null
+  /// callback removes it.
   void before_tick(std::function<void(Simulation&)> callback);
   /// Applies an act to the running world: a change that a user or a program requests, such as moving,
   /// removing or steering a robot (docs/live.md). Call it between two steps, or in the callback of
@@ -585,7 +589,7 @@ class Simulation {
   /// Sets a callback that provides data of the program for the checkpoint, such as the state of an observer.
   /// Each save() calls `memory` and stores the returned bytes under `name`; after resume(), saved_memory()
   /// returns them. A null callback removes the callback of this name. Throws std::invalid_argument for the
-  /// name `holds` and for names that begin with `stop_when`: checkpoints store data of Troupe under them.
+  /// name `holds` and for names that begin with `stop_when`: Troupe stores data of its own under these names.
   void on_save(const std::string& name, std::function<std::vector<std::byte>()> memory);
   /// The bytes that save() stored under `name` in the checkpoint that the run was resumed from (see
   /// on_save()); std::nullopt if there are none or the run was not resumed.
@@ -705,8 +709,8 @@ class Simulation {
   /// std::runtime_error if the file cannot be written. Does nothing if no recording is running.
   void stop_recording();
 
-  /// Returns a 64-bit hash of the whole state: the sum that Hashes::state describes. Simulations with equal
-  /// states have equal hashes (docs/determinism.md).
+  /// Returns a 64-bit hash of the whole state, the member `state` of hashes(). Simulations with equal states
+  /// have equal hashes (docs/determinism.md).
   std::uint64_t state_hash() const;
   /// The hash of the state, and the hashes of four groups of the components (tables) of which the state
   /// consists.
@@ -736,8 +740,9 @@ class Simulation {
   /// the ranks; empty with one rank. The times are 0 if neither SimulationOptions::rank_clock nor
   /// SimulationOptions::processes is set. Valid until the next step.
   std::span<const RankWork> rank_work() const;
-  /// What each rank has counted so far, in the order of the ranks; empty with one rank. This process asks the
-  /// other ranks. Must not be called during a step.
+  /// Returns what each rank has counted so far (its own bodies, its copies of bodies of other ranks,
+  /// messages), in the order of the ranks; empty with one rank. The function gets the numbers of the other
+  /// ranks by messages. It must not be called during a step.
   std::vector<RankCounts> rank_counts();
   /// Sets a callback, for example to measure the time of phases. It is called with the phase when a phase of
   /// a tick begins, and with std::nullopt when the tick ends, on the thread that calls step(). A second call
@@ -764,8 +769,8 @@ class Simulation {
 
   /// Draws the world from above into a PNG file, or into an SVG or PDF file if the name ends in .svg or .pdf.
   /// width, height: size in pixels; 0 or less: the default size. Throws std::runtime_error if the library
-  /// OSMesa is missing (cairo for PDF), if the build has no renderer, if the file cannot be written, or if it
-  /// is a file that the simulation was read from (world, image, plug-in, ...).
+  /// OSMesa (for PDF: cairo) is missing, if the build has no renderer, if the file cannot be written, or if
+  /// it is a file that the simulation was read from (world, image, plug-in, ...).
   void snapshot(const std::filesystem::path& png, int width = 1280, int height = 720) const;
   /// Draws the world into a file with the camera, size and layers of `options` (troupe/pictures.hpp); the
   /// ending of the name selects the format, as in the other snapshot(). Throws std::runtime_error as the

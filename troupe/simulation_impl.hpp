@@ -41,13 +41,14 @@ struct Simulation::Impl {
   std::filesystem::path file;       ///< path of the world file
   double tile_size_m = 0;           ///< SimulationOptions::tile_size_m: edge of the tiles of the world, m
   worldio::PlaceAgain place_again;  ///< places bodies for another seed; empty if no pose depends on seeds
-  /// Changes to the world, as pairs of key and value for effective_options(): the values of the option `set`
-  /// (if a run was resumed with a value, the key contains the tick), and the option `spare`. All keys differ.
+  /// Changes to the world, as pairs of key and value for effective_options(): the values of the option `set`,
+  /// and the option `spare`. For a value of ResumeOptions::set, the key contains the tick of the checkpoint.
+  /// All keys differ.
   std::vector<std::pair<std::string, std::string>> changes;
   /// Tick of the checkpoint that the run was resumed from; std::nullopt if it was not resumed.
   std::optional<std::uint64_t> resumed_at;
-  /// The data that callbacks of on_save() and Troupe stored, by name, in the checkpoint that the run was
-  /// resumed from.
+  /// The data that the checkpoint contains by name, if the run was resumed from one: those that callbacks of
+  /// on_save() returned, and data of Troupe.
   worldio::Memories memories;
   /// The callbacks of on_save(), by name.
   std::map<std::string, std::function<std::vector<std::byte>()>> on_save;

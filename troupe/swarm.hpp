@@ -139,7 +139,8 @@ class Swarm {
   void go_to(std::span<const Pose> goals, std::span<const std::uint8_t> where = {});
   /// Sets the field `field` of the command of each robot's device named `device`; the other fields of the
   /// command keep their values. The command applies from the next step on. values: robots x columns,
-  /// row-major, of the type of the field (see command_fields()). Throws as commands() does for `out`.
+  /// row-major, of the type of the field (see command_fields()). Throws as commands() does, with `values` in
+  /// place of `out`.
   void set_commands(std::span<const std::byte> values, std::string_view field, std::string_view device,
                     std::span<const std::uint8_t> where = {});
   /// Places each robot at a pose in the world frame, m and rad, as Model::set_pose() does, but rebuilds the

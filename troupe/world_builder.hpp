@@ -148,9 +148,9 @@ class WorldBuilder {
     std::vector<Setting> sensors_, devices_;
   };
 
-  /// name: used in place of a file name: errors begin with the name, its stem is the title of the world, and
-  /// relative paths of bitmaps are resolved from its folder. `.json` is appended if the name has another
-  /// ending.
+  /// name: a name that is used in place of a file name. Errors begin with the name, its stem is the title of
+  /// the world, and relative paths of bitmaps are resolved from its folder. `.json` is appended if the name
+  /// has another ending.
   explicit WorldBuilder(std::filesystem::path name = "world.json");
 
   /// Sets a key of the top level of the world file, in place of an earlier value: "seed", "tick_s",
@@ -174,9 +174,9 @@ class WorldBuilder {
   /// Throws std::invalid_argument if the points are equal or a number is not finite.
   WorldBuilder& wall(const Vec2& from, const Vec2& to, double thickness = 0.1, double height = 0.5);
   /// Adds the walls of a floor plan: the dark pixels of the image file `bitmap`. The bounding box of these
-  /// pixels, or the whole image with {"margins", "keep"} in `more`, is scaled to x by y metres. height:
-  /// height of the walls, m. more: further keys that a floor plan has in the world file, such as "pose", the
-  /// pose of the centre of the image (by default the origin of the world).
+  /// pixels is scaled to x by y metres. If `more` contains {"margins", "keep"}, the whole image is scaled
+  /// instead. height: height of the walls, m. more: further keys that a floor plan has in the world file,
+  /// such as "pose", the pose of the centre of the image (by default the origin of the world).
   WorldBuilder& floorplan(std::string_view name, const std::filesystem::path& bitmap, double x, double y,
                           double height = 0.5, const Settings& more = {});
 

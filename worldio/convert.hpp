@@ -34,8 +34,9 @@ struct ConvertedWorld {
 ///
 /// options: the options with which `from` is loaded.
 ///
-/// loaded: a function that is called with the world of `from` before the conversion. `loaded` may be empty,
-/// and is not called if this world has errors. convert_world() does not catch exceptions of `loaded`.
+/// loaded: a function that is called with the world of `from` before the conversion. `loaded` may be empty.
+/// It is not called if loading `from` reports errors. convert_world() does not catch exceptions that `loaded`
+/// throws.
 ConvertedWorld convert_world(const std::filesystem::path& from, const std::filesystem::path& to,
                              const engine::Registry& registry, const LoadOptions& options,
                              Diagnostics& diagnostics,

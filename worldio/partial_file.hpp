@@ -15,7 +15,7 @@ namespace troupe::worldio {
 /// the temporary name also contains the process id, and the partial file of a killed writer remains.
 ///
 /// The constructor, write(), sync() and commit() throw std::system_error on failure; the error has the
-/// reason, but no path. If NAME exists, it must be a regular file; otherwise the constructor throws.
+/// reason, but no path. The constructor also throws if NAME exists and is not a regular file.
 class PartialFile {
  public:
   /// Creates an empty partial file for the final name `file`. `ending`, such as ".mp4", is appended to the

@@ -23,7 +23,8 @@ void add_diff_options(CLI::App& command, DiffOptions& options);
 
 /// `troupe diff`: compares two hash logs (text files with a hash of the state after each simulation step) or
 /// two recordings up to the first step that differs, and prints the result on standard output. Returns
-/// k_finished for the same bits, k_failed for a difference, and k_bad_input after printing an error.
+/// k_finished if all compared data are equal bit for bit, k_failed if there is a difference, and k_bad_input
+/// after printing an error.
 ExitCode diff(const DiffOptions& options);
 
 }  // namespace troupe::apps

@@ -12,10 +12,10 @@ namespace troupe::apps {
 
 /// Writes camera images into a folder: for each running camera, at each tick (simulation step) above 0 that
 /// is a multiple of `every_ticks`, one PNG with the colours (`r0.eye-000012.300s-color.png`: body, camera,
-/// simulated time) and one with the depths (`...-depth.png`; docs/sensing.md). A camera runs if it is set
-/// active, if a controller reads it or if the program subscribed to its body. The bytes of a file depend only
-/// on the readings of the camera, its name and the tick. No image is written for a camera that has no reading
-/// yet, or whose robot is not in the world (unborn or dead).
+/// simulated time) and one with the depths (`...-depth.png`; docs/sensing.md). A camera runs if the world
+/// file sets it active, if a controller reads it, or after a call of Simulation::subscribe() for its body.
+/// The bytes of a file depend only on the readings of the camera, its name and the tick. No image is written
+/// for a camera that has no reading yet, or whose robot is not in the world (unborn or dead).
 class CameraPictures : public Observer {
  public:
   /// Creates the folder if it does not exist; its parent folder must exist. every_ticks: interval of the

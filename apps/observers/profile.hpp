@@ -27,23 +27,24 @@ inline constexpr std::string_view k_profile_mark = "{\"displayTimeUnit\":\"ms\",
 struct ProfileLimits {
   std::uint64_t first_tick = 1;                 ///< first tick in the profile
   std::uint64_t last_tick = ~std::uint64_t{0};  ///< last tick in the profile
-  /// Largest number of tasks in the file, about 100 bytes each. A tick with more tasks than may still be
-  /// written is written without its tasks.
+  /// Largest number of tasks in the file, about 100 bytes each. If a tick has more tasks than fit into the
+  /// rest of this number, the tick is written without its tasks.
   std::size_t most_tasks = 1'000'000;
   /// Largest number of ticks in the file, about 1 kB each. Later ticks are omitted.
   std::size_t most_ticks = 20'000;
 };
 
-/// Writes the timing of a run in the Trace Event Format, which the trace viewers of browsers read: one track
-/// with the ticks (simulation steps) and their phases, such as sense and move, one track per worker thread
-/// with its tasks (batches of robots), one track per rank (a process, or a group of threads, that computes
-/// some of the robots) if there are several ranks, and counters of memory and robots.
+/// Writes the timing of a run in the Trace Event Format, which the trace viewers of browsers read. One track
+/// shows the ticks (simulation steps) and their phases, such as sense and move. For each worker thread, a
+/// track shows its tasks (batches of robots). Ranks are processes, or groups of threads, that each compute
+/// some of the robots; with several ranks, there is also a track for each rank. Counters show memory and
+/// robots.
 ///
 /// file    the file is complete JSON after each tick: it can be read during the run, and after the program
 ///         was killed
-/// tasks   the argument of a task is its index in its parallel loop; in the sense phase, tasks are batches of
-///         neighbouring robots, in the order of the tiles (squares of the world). A phase may run several
-///         parallel loops
+/// tasks   the argument `task` of a task is its index in its parallel loop; in the sense phase, tasks are
+///         batches of neighbouring robots, in the order of the tiles (squares of the world). A phase may run
+///         several parallel loops
 /// ranks   in each tick, the track of a rank shows the times that the rank spent in the phases sense, actuate
 ///         and decide for its own robots. The phase sense is drawn at the time at which it began on rank 0,
 ///         because the clocks of processes differ

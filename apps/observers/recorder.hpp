@@ -20,13 +20,13 @@ std::filesystem::path recording_file(const RunOptions& options, const Simulation
 class Recorder;
 /// Opens the recording of a run (recording_file()). Returns null if the run is not recorded. If the
 /// simulation was resumed from a checkpoint (saved state of a run), an existing recording is continued,
-/// unless --force was given. Before anything is written, throws InputError for an invalid file or invalid
-/// fields, and if an interval or fields are given for a run that is not recorded.
+/// unless --force was given. Throws InputError, before anything is written, if the file or the fields are
+/// invalid, or if an interval or fields are given for a run that is not recorded.
 std::unique_ptr<Recorder> make_recorder(const RunOptions& options, const Simulation& simulation);
 
-/// Writes the recording of a run: an HDF5 file with one frame, the chosen fields of the state, per recorded
-/// tick (simulation step). Starts to flush the frames to the disk every 2 s of wall time, so that readers of
-/// the growing file see recent frames and a killed run loses few frames.
+/// Writes the recording of a run: an HDF5 file with one frame per recorded tick (simulation step). A frame
+/// contains the chosen fields of the state. The recorder starts to flush the frames to the disk every 2 s of
+/// wall time, so that readers of the growing file see recent frames and a killed run loses few frames.
 class Recorder : public Observer {
  public:
   explicit Recorder(Recording recording) : recording_(std::move(recording)) {}

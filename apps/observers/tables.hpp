@@ -16,8 +16,8 @@ namespace troupe::apps {
 
 /// Writes the table of --measures: the tick (number of the simulation step), the time and the values of the
 /// measures (numbers computed from the state), with the columns `tick,time_s,coverage,...`. The table has one
-/// line for every tick that is a multiple of `every`, so that a resumed run writes the same lines as an
-/// uninterrupted run.
+/// line for every tick that is a multiple of `every`, counted from the start of the simulation. So a resumed
+/// run writes the same lines as an uninterrupted run.
 class MeasuresTable : public Observer {
  public:
   /// Creates the table. If the simulation was resumed from a checkpoint (saved state of a run), an existing

@@ -16,7 +16,7 @@ namespace troupe::apps {
 /// Options of `troupe render`.
 struct RenderOptions : WorldOptions {
   PictureFiles pictures;  ///< pictures of the file `world`, which is a world, a checkpoint or a recording
-  std::vector<std::string> given;  ///< given options that not every type of input allows; for the error
+  std::vector<std::string> given;  ///< the given options that only some input types allow; for errors
 };
 
 /// Adds the options of `render`; parsing fills `options`, which must outlive `command`.

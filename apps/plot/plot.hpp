@@ -15,7 +15,7 @@ namespace troupe::apps {
 struct PlotOptions {
   std::filesystem::path folder;  ///< folder with the results of a sweep
   std::string measure;           ///< name of the measure
-  std::string by;                ///< names of parameters that distinguish the lines of the plot, with commas
+  std::string by;                ///< parameters whose values distinguish the lines of the plot: "A,B"
   std::string title;             ///< title above the plot
   std::filesystem::path out;     ///< picture to write
 };
@@ -23,8 +23,9 @@ struct PlotOptions {
 /// Adds the options of `plot`; parsing fills `options`, which must outlive `command`.
 void add_plot_options(CLI::App& command, PlotOptions& options);
 /// `troupe plot`: plots a measure of a sweep. Replaces the process by Python (the interpreter that the
-/// environment variable TROUPE_PYTHON names, else python3), which runs the embedded script. If Python cannot
-/// be started, prints an error and returns k_failed; otherwise does not return.
+/// environment variable TROUPE_PYTHON names, else python3), which runs the script plot.py that is embedded in
+/// this program. If Python cannot be started, prints an error and returns k_failed; otherwise does not
+/// return.
 ExitCode plot(const PlotOptions& options);
 
 }  // namespace troupe::apps

@@ -16,10 +16,10 @@ namespace troupe::apps {
 /// processes are called ranks and numbered from 0. Rank 0 calls run() with options that refer to the other
 /// processes (SimulationOptions::processes). The other processes only compute their parts of the worlds that
 /// rank 0 loads. Without a launcher, or with a single process, calls run(options.simulation) and passes its
-/// exceptions on. Otherwise returns the result of run() on rank 0, and k_finished on the other ranks; for an
-/// InputError, which concerns all processes, rank 0 prints it and the function returns k_bad_input. After any
-/// other exception, this process prints the error and ends without returning, because other processes may
-/// wait for it.
+/// exceptions on. Otherwise returns the result of run() on rank 0, and k_finished on the other ranks. If an
+/// InputError is thrown, rank 0 prints it and the function returns k_bad_input. If run() throws the
+/// InputError, the function returns k_bad_input only on rank 0. After any other exception, this process
+/// prints the error and ends without returning, because other processes may wait for it.
 ExitCode on_ranks(const WorldOptions& options,
                   const std::function<ExitCode(const SimulationOptions& simulation)>& run);
 

@@ -9,12 +9,12 @@
 
 namespace troupe::apps {
 
-/// What a run would need (--dry-run): its length in ticks (simulation steps), its memory, and how its bodies
-/// would be divided among the ranks, which are processes, or groups of threads, that compute the world
-/// together. A row is the entry of a body in the state tables. The region of a rank is the part of the world
-/// whose bodies the rank computes; the rows of these bodies are its own rows. A ghost is a copy of a row of
-/// another rank. The neighbours of a rank are the ranks that own its ghosts or have ghosts of its own rows
-/// (engine/ranks/halo.hpp).
+/// What a run would need, for the option --dry-run: its length in ticks (simulation steps), its memory, and
+/// how its bodies would be divided among the ranks, which are processes, or groups of threads, that compute
+/// the world together. A row is the entry of a body in the state tables. The region of a rank is the part of
+/// the world whose bodies the rank computes; the rows of these bodies are its own rows. A ghost is a copy of
+/// a row of another rank. The neighbours of a rank are the ranks that own its ghosts or have ghosts of its
+/// own rows (engine/ranks/halo.hpp).
 struct DryRun {
   std::string world;              ///< name of the world file
   std::size_t robots = 0;         ///< robots in the world
@@ -25,7 +25,7 @@ struct DryRun {
   std::uint64_t state_bytes = 0;  ///< memory of the state tables of the whole world
   unsigned ranks = 1;             ///< number of ranks that would compute the world
   bool is_distributed = false;    ///< each rank would have only its own rows and ghosts
-  std::string why_replicated;     ///< why not distributed (RankStatistics::why_replicated); or empty
+  std::string why_replicated;     ///< why the world would not be distributed (RankStatistics); or empty
   double longest_motion_m = 0;    ///< motion in one tick at the highest speed limit of any drive, m
   double coverage_m = 0;          ///< a rank has ghosts of bodies up to this distance from its region, m
   /// Numbers of own rows, ghosts and neighbours per rank: the mean over the ranks, and the largest. If the

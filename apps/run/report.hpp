@@ -64,8 +64,9 @@ struct Report {
   /// Mean and largest value, over the ranks, of the member `count` of `rank_counts` divided by the number of
   /// ticks.
   PerRank per_rank(std::uint64_t RankCounts::*count) const;
-  /// Number of ghosts (copies that a rank has of bodies of other ranks), summed over all ranks, divided by
-  /// the number of bodies that the ranks compute themselves, both averaged over the ticks.
+  /// Mean number of ghosts per own body. A ghost is a copy that a rank has of a body of another rank; an own
+  /// body of a rank is a body that the rank computes itself. The result is the number of ghosts of all ranks
+  /// divided by the number of own bodies of all ranks, both averaged over the ticks.
   double ghosts_per_own() const;
 
   double observe_s() const;  ///< part of wall_s that was spent in observers, s

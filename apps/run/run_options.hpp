@@ -36,8 +36,8 @@ struct RunOptions : WorldOptions {
   bool across_plugins = false;   ///< resume although plug-ins were rebuilt since the checkpoint
 
   bool dry_run = false;  ///< --dry-run: load the world, print what the run would need, and end
-  /// True (--rank-balance time): of the ranks (processes, or groups of threads, that compute the world
-  /// together), those that take longer pass robots to faster ranks. False: --rank-balance off
+  /// Whether slower ranks pass robots to faster ranks (--rank-balance time) or not (--rank-balance off).
+  /// Ranks are processes, or groups of threads, that compute the world together.
   bool balances_ranks = true;
   bool json = false;   ///< print the summary as JSON
   bool quiet = false;  ///< print neither progress, warnings nor the summary as text

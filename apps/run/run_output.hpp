@@ -40,9 +40,9 @@ class RunOutput {
   /// OutputError if the output finds another error, such as a checkpoint (saved state of a run) that exists
   /// already. Creates nothing.
   virtual std::vector<std::filesystem::path> files(const RunOptions& options) const = 0;
-  /// For a kind of output whose file a world can name: if the command line names no file, takes the name from
-  /// the loaded world, if the world gives one. The default does nothing. Throws InputError if that name is
-  /// not allowed.
+  /// Takes the name of the output's file from the loaded world, if the world names a file and the command
+  /// line does not. Throws InputError if that name is not allowed. The default implementation does nothing;
+  /// it is for kinds of output whose file a world cannot name.
   virtual void take_name_from_world(RunOptions& /*options*/, const Simulation& /*simulation*/) const {}
   /// Checks the output before any file is opened, so that errors in drawing, measuring or writing are
   /// reported before the run. Returns a function that opens the files; null if there is nothing to open.

@@ -46,8 +46,9 @@ class WorldRun {
   /// Opens the outputs. is_over: a function that returns true if the run was asked to stop; waiting because
   /// of RunOptions::rate then ends early.
   void open_outputs(std::function<bool()> is_over);
-  /// Shows the run in browsers and prints the addresses on standard error. is_over: as for open_outputs();
-  /// when this function returns true, a run that a user has paused also ends.
+  /// Shows the run in browsers and prints the addresses on standard error. is_over: a function that returns
+  /// true if the run was asked to stop. It is also called while a user has paused the run; if it then returns
+  /// true, the run ends.
   void open_view(const std::function<bool()>& is_over);
   /// Whether the run prints lines with the simulated time (--clock); a progress bar would interfere with
   /// them.

@@ -57,7 +57,7 @@ class SweepJournal {
 };
 
 /// Returns the results in all journals of a folder, which must exist. If a run failed and a later call of
-/// `troupe sweep` finished it, the result has its outcome but not its error. An incomplete last line of a
+/// `troupe sweep` finished it, only its outcome is returned, not its error. An incomplete last line of a
 /// journal is ignored. study: the text that identifies the study, as for SweepJournal. Throws OutputError if
 /// a journal stores another text or has a damaged line.
 SweepResults read_journals(const std::filesystem::path& folder, std::string_view study);

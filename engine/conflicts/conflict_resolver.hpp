@@ -14,8 +14,9 @@
 #include <utility>
 
 /// The resolution of conflicts between the motions that bodies propose for one tick (time step), for
-/// conflicts.cpp and pushing.cpp. A row is the index of a body in the state tables. A row stands also for its
-/// body. Bodies take turns in the order of a random priority. A mover is a body whose motion is tested.
+/// conflicts.cpp and pushing.cpp. A row is the index of a body in the state tables. The comments also use
+/// "row" for the body of the row. Bodies take turns in the order of a random priority. A mover is a body
+/// whose motion is tested.
 
 namespace troupe::engine {
 
@@ -40,8 +41,8 @@ std::atomic_ref<T> atomic(T& value) {
 }
 
 /// Atomically sets `most`, which holds the bits of a double, to the maximum of that double and `value`. Both
-/// must be non-negative, because only then the bit patterns have the order of the values. value_of() returns
-/// the double.
+/// must be non-negative, because the bit patterns of negative numbers do not have the order of the values.
+/// value_of() returns the double.
 inline void raise_to(std::atomic<std::uint64_t>& most, double value) {
   const auto bits = std::bit_cast<std::uint64_t>(value);
   std::uint64_t known = most.load(std::memory_order_relaxed);
@@ -126,9 +127,9 @@ inline std::pair<std::size_t, std::size_t> samples_near(Mover& mover, const Vec2
 }
 
 /// The resolution of the motions of one tick. All threads share one object. Conflicts::resolve() calls
-/// bound_motions() for all rows, finish_bounds() once, propose_and_check() for each row in the spatial index,
-/// and then next_round() and, for each waiting row, resolve_waiting(), until no row waits. Several threads
-/// may at the same time call the functions that take rows, for different rows.
+/// bound_motions() for all rows, finish_bounds() once, and propose_and_check() for each row in the spatial
+/// index. It then repeats these calls until no row waits: next_round(), and resolve_waiting() for each
+/// waiting row. Several threads may at the same time call the functions that take rows, for different rows.
 class Conflicts::Resolver {
  public:
   Resolver(Conflicts& conflicts, const Crowd& crowd, const partition::StaticScene& scene,
@@ -141,8 +142,8 @@ class Conflicts::Resolver {
         mixture_(mix(crowd.seed, crowd.tick)) {}
 
   /// Called before the first round, for the rows [first, last): finds the longest motion, and lists the far
-  /// motions (k_far_m). The length of the longest motion that is not on the list determines how far to search
-  /// for neighbours.
+  /// motions, which are longer than k_far_m. The length of the longest motion that is not on the list
+  /// determines how far to search for neighbours.
   void bound_motions(std::size_t first, std::size_t last) {
     double longest2 = 0;
     for (std::size_t row = first; row < last; ++row) {
@@ -403,10 +404,10 @@ class Conflicts::Resolver {
     return motion.moves && length2_of(row) > k_far_m * k_far_m && !leaves_world(motion);
   }
 
-  /// Whether another body blocks the mover for certain. A body of higher priority that proposes a motion may
-  /// block the mover at only one of its two poses, the old or the new one: the outcome for the mover then
-  /// depends on that body. For each such body, depends(row, blocks_at_new_pose) is called; it must return
-  /// true if that body is already known to block the mover.
+  /// Whether another body blocks the mover for certain. A body of higher priority that proposes a motion has
+  /// two possible poses, the old and the new one. If it would block the mover at only one of them, the
+  /// outcome for the mover depends on that body. For each such body, depends(row, blocks_at_new_pose) is
+  /// called. The call must return true if that body is already known to block the mover.
   template <class Depends>
   bool blocked_by_others(Mover& mover, Depends&& depends) const {
     const Box mine = swept(mover.row, mover.shape.radius + partition::k_rounding_m);
@@ -427,18 +428,18 @@ class Conflicts::Resolver {
     return blocked;
   }
 
-  /// Returns false only if no piece of the mover comes near any piece of another shape, placed at `at`,
-  /// during the whole motion. This saves exact tests: most bodies near a shape of many pieces are not near
-  /// any single piece.
+  /// `shape` is the shape of another body, at the transform `at`. Returns false only if, during the whole
+  /// motion, no piece (convex prism) of the mover comes near any piece of `shape`. This saves exact tests:
+  /// most bodies near a shape of many pieces are not near any single piece.
   bool parts_come_near(const Mover& mover, const ObstacleShape& shape, const Transform& at) const {
     if (mover.shape.pieces.size() == 1 && shape.pieces.size() == 1) return true;
     return partition::pieces_in_reach(mover.shape, crowd_.transforms[mover.row], shape, at,
                                       mover.displacement() + partition::k_rounding_m);
   }
 
-  /// Whether the row `other`, at height z (m) and transform `at`, blocks the motion of the mover: it overlaps
-  /// the mover at a sample, and the case of bodies that overlap at the old pose and move apart (class
-  /// Conflicts, `rule`) does not apply.
+  /// Whether the row `other`, at height z (m) and transform `at`, blocks the motion of the mover. The motion
+  /// is blocked if the row overlaps the mover at a sample, unless the two already overlap at the mover's old
+  /// pose and the motion moves them apart (class Conflicts, `rule`).
   bool blocks(Mover& mover, std::uint32_t other, double z, const Transform& at) const {
     const ObstacleShape& shape = *crowd_.shapes[other];
     const bool first = crowd_.ids[mover.row] < crowd_.ids[other];

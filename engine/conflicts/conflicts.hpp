@@ -48,7 +48,8 @@ struct Pushables {
 };
 
 /// Decides which bodies move in a tick, and which bodies they push. The static scene is the geometry of the
-/// bodies that do not move during a run. Parts of two bodies can only overlap if they have heights in common.
+/// bodies that do not move during a run; it consists of solids, which are extruded polygons. Parts of two
+/// bodies can only overlap if they have heights in common.
 ///
 /// rule    Bodies take turns in the order of priority. The body whose turn it is (the mover) takes its
 ///         proposed pose if its motion to that pose is free of the static scene and of every other body. The
@@ -56,9 +57,9 @@ struct Pushables {
 ///         their old poses. If the motion is blocked, the mover stays at its old pose. The priority is a
 ///         hash, mix(seed, tick, id): the body with the lowest hash has the first turn, and ties are broken
 ///         by id. Bodies that only touch do not block each other. A body that overlaps the mover at the
-///         mover's old pose never blocks a motion that increases the distance between their origins. A static
-///         solid that the mover already overlaps does not block the motion, unless that overlap may be due to
-///         rounding (StaticScene::blocks()).
+///         mover's old pose never blocks a motion that increases the distance between their origins. A solid
+///         of the static scene that the mover already overlaps does not block the motion, unless that overlap
+///         may be due to rounding (StaticScene::blocks()).
 /// samples A motion is tested at n = ceil(displacement / (width of the mover's thinnest part / 4)) equally
 ///         spaced poses, but not at more than a million. The last pose is Motion::to. The displacement is an
 ///         upper bound on the motion of any vertex: |translation| + radius * |turn|. Between two consecutive
@@ -86,17 +87,19 @@ struct Pushables {
 ///         algorithms can be fast, PPoPP 2012. A body depends on those moving bodies of higher priority that
 ///         would block it at only one of their two poses, the old or the new one. Nearly all bodies depend on
 ///         no other body and are resolved at once. The remaining bodies are resolved in rounds that need no
-///         geometry, except for bodies with very many dependencies. A body that may push has a zone: a circle
-///         that contains everything that it could touch or move. It is resolved after all bodies of higher
-///         priority whose zones overlap its zone.
-/// memory  Grows with the number of rows. resolve() allocates only when the number of rows has changed by
-///         more than a little (base/room.hpp), or the sum of push limits (Pushables::limits) is larger than
-///         ever before, or when a pusher has more than 512 bodies in its zone.
+///         geometric tests, except for bodies with very many dependencies. A body that may push has a zone: a
+///         circle that contains everything that it could touch or move. It is resolved after all bodies of
+///         higher priority whose zones overlap its zone.
+/// memory  Grows with the number of rows. resolve() allocates only in these cases: the number of rows has
+///         become larger than the memory, or less than about two thirds of it (base/room.hpp); the sum of
+///         push limits (Pushables::limits) is larger than ever before; a pusher has more than 512 bodies in
+///         its zone.
 class Conflicts {
  public:
   static constexpr int k_push_passes = 16;  ///< largest number of passes: see `pushing`, above
 
-  /// The bodies of a tick. All spans have one entry per row, except those of `pushables`, which may be empty.
+  /// The bodies whose motions are resolved in a tick. All spans have one entry per row, except those of
+  /// `pushables`, which may be empty.
   struct Crowd {
     std::span<const Pose> poses;            ///< old poses, world frame
     std::span<const Transform> transforms;  ///< the old poses as transforms, bit for bit Transform(pose)
@@ -124,7 +127,7 @@ class Conflicts {
   enum class Outcome : std::uint8_t {
     stands,         ///< the body proposed no motion; it may have been pushed (pushes())
     moved,          ///< the body is at its proposed pose
-    blocked,        ///< the body stays at its old pose, because a body or a static solid is in its way
+    blocked,        ///< the body stays at its old pose, because another body is in its way, mobile or static
     out_of_bounds,  ///< the body stays at its old pose, because the motion would end outside Crowd::bounds
   };
 
@@ -141,14 +144,16 @@ class Conflicts {
     virtual std::span<const std::uint32_t> begin(std::span<const Motion> motions,
                                                  std::span<const std::uint32_t> order) = 0;
     /// Called each time when this rank can resolve no further row until it knows more outcomes of ghosts, and
-    /// finally when it has resolved all its rows. Sends outcome() and pushes_by() of its rows to the ranks
-    /// that have ghosts of them, and passes what it receives about ghosts to receive(). Pushes of the same
-    /// body must be received in the order of the rounds (round_of()) in which they were made. Returns false
-    /// if the outcomes of all ghosts are known and those of all own rows were sent.
+    /// finally when it has resolved all its rows. Sends outcome() and pushes_by() of the own rows to the
+    /// ranks that have ghosts of them. Passes the outcomes and pushes of ghosts that it receives to
+    /// receive(). Pushes of the same body must be received in the order of the rounds (round_of()) in which
+    /// they were made. Returns false if the outcomes of all ghosts are known and those of all own rows were
+    /// sent.
     virtual bool exchange(Conflicts& conflicts) = 0;
-    /// Called last. Sends all other ranks the final position of each body that was pushed last by a row of
-    /// this rank. Passes the final positions that it receives, of bodies that have a row here, to
-    /// receive_place(): this rank may have no ghost of the body that pushed them last.
+    /// Called last. If the last push of a body was made by a row of this rank, sends the final position of
+    /// the body to all other ranks. Passes the final positions that it receives to receive_place(), for
+    /// bodies that have a row here. This is needed because this rank may have no ghost of the body that made
+    /// the last push.
     virtual void exchange_places(Conflicts& conflicts) = 0;
   };
 
@@ -160,8 +165,8 @@ class Conflicts {
   /// border: the connection to the other ranks, if `crowd` has ghosts
   void resolve(const Crowd& crowd, const partition::StaticScene& scene, const partition::BodyIndex& index,
                partition::Parallel& parallel, Border* border = nullptr);
-  /// Stores the outcome of the motion of a ghost, and the pushes that it made of bodies that have a row here.
-  /// Border::exchange() calls this for each outcome that it receives.
+  /// Stores the outcome of the motion of a ghost. `pushes` are the pushes that the ghost made of bodies that
+  /// have a row here. Border::exchange() calls this for each outcome that it receives.
   void receive(std::uint32_t row, Outcome outcome, std::span<const Push> pushes);
   /// Stores the final position of a pushed body. Border::exchange_places() calls this.
   void receive_place(const Push& push);
@@ -192,8 +197,8 @@ class Conflicts {
     if (zones_.empty() || zones_[row] == Zone::plain || outcome(row) != Outcome::moved) return {};
     return {pushes_.data() + pushes_of_[row].first, pushes_of_[row].count};
   }
-  /// Number of the round in which a row that proposed a motion was resolved; rounds are counted on from tick
-  /// to tick. Rows that depend on this row were resolved in later rounds.
+  /// Number of the round in which a row that proposed a motion was resolved. The count of rounds continues
+  /// from tick to tick. Rows that depend on this row were resolved in later rounds.
   std::uint32_t round_of(std::size_t row) const { return resolutions_[row].round(); }
 
  private:
@@ -232,11 +237,11 @@ class Conflicts {
     std::uint32_t first;
     std::uint32_t count;
   };
-  /// Whether the zone of a mover (see `source`, above) contains pushable bodies. `plain`: it contains none.
-  /// `pushes`: it contains some. `may_push`: it contains none before the tick, but another body may push one
-  /// into it, which then blocks the mover: only movers whose zones are `pushes` push (class Conflicts,
-  /// `pushing`). Otherwise, a body could be pushed from one zone to the next without a limit, and no mover
-  /// could be known to be out of reach of all pushes.
+  /// Whether a mover can push bodies in its zone (see `source`, above). `plain`: it cannot, because the zone
+  /// contains no pushable body or the mover pushes no bodies. `pushes`: it can. `may_push`: it cannot, but
+  /// another mover may push a body into the zone. That body then blocks the mover, because only movers with
+  /// the zone `pushes` push (class Conflicts, `pushing`). Without this rule, a body could be pushed from zone
+  /// to zone without a limit, so that no mover would be certain to be out of reach of all pushes.
   enum class Zone : std::uint8_t { plain, pushes, may_push };
   static constexpr std::size_t k_max_far = 64;
 

@@ -37,7 +37,7 @@ class Movement {
   /// Counts the stalled bodies again. Call this after other code has written the component `stall`.
   void count_stalls();
   /// Overwrites with junk all data that are neither constant nor state. World::forget() calls this to test
-  /// that the data can be computed again from the state. The caller must then derive them again with
+  /// that the data can be computed again from the state. The caller must then compute them again with
   /// draw_odometry_errors(), rest() and count_stalls().
   void forget();
   /// Overwrites the motions of the last tick with junk. The next tick must not read these motions.

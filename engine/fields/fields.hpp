@@ -81,8 +81,8 @@ enum class Unit {
   watts,                       ///< W
 };
 
-/// The type of a parameter. Unless stated otherwise, a Value stores the parameter as the C++ type that the
-/// function of Value with the name of the enumerator returns.
+/// The type of a parameter. Unless stated otherwise, a Value stores the parameter in the C++ type that its
+/// function of the same name returns: Value::boolean() for `boolean`, for example.
 enum class FieldType {
   boolean,  ///< true or false
   integer,  ///< an integer of 64 bits
@@ -144,8 +144,9 @@ struct Field {
   /// For a field of the state of a world: the appearance of a body depends on it (StateField::appearance).
   bool appearance = false;
   /// For a member of a described struct (engine/fields/description.hpp): functions that read and write the
-  /// member, and its offset in the struct. `member` points to static storage. It is null for fields that are
-  /// no such members, and for members that only code of their own can read and write (Description::apart()).
+  /// member, and its offset in the struct. `member` points to static storage. It is null for fields that do
+  /// not describe a member of a struct, and for members that generic code cannot read or write
+  /// (Description::apart()).
   ///@{
   const MemberType* member = nullptr;
   std::size_t offset = 0;  ///< offset in the struct, bytes
@@ -175,8 +176,8 @@ struct UnitSuffix {
   std::string_view symbol;  ///< symbol of the unit in messages: "rad", "deg", "m/s"
   double to_si;  ///< factor from this unit to SI: a value in the file times `to_si` is the value in SI
 };
-/// The key suffixes for a unit, that of the SI unit first. Never empty: for Unit::none, one suffix with empty
-/// strings. The list has static storage.
+/// The key suffixes for a unit; the suffix for the SI unit is the first. Never empty: for Unit::none, one
+/// suffix with empty strings. The list has static storage.
 std::span<const UnitSuffix> unit_suffixes(Unit unit);
 
 /// The value of the field with this name in `record`, a record of `table`. The table must have the field;

@@ -50,7 +50,7 @@ constexpr Element element_of() {
 /// A field of a state component (a StateTable): its name, element type, number of columns, unit and meaning.
 struct StateField {
   std::string name;                ///< name, unique in the component
-  Element element = Element::f64;  ///< type of each column
+  Element element = Element::f64;  ///< type of the values
   std::uint32_t columns = 1;       ///< values per row
   std::string unit;                ///< unit of the values: "m", "rad/s"; empty: none
   std::string text;                ///< meaning, in one line, for documentation and recordings
@@ -73,7 +73,7 @@ std::vector<StateField> sparse(std::vector<StateField> fields);
 enum class HashGroup : std::uint8_t {
   pose,      ///< poses of bodies and joints, which body carries which, births and deaths
   velocity,  ///< velocities, commands to drives and devices, whether motions were blocked
-  sensor,    ///< readings, and state of other devices
+  sensor,    ///< readings of sensors, and states of other devices
   memory,    ///< memories of controllers, odometry, disabled and faulty bodies
 };
 inline constexpr std::size_t k_hash_groups = 4;     ///< number of hash groups
@@ -104,7 +104,7 @@ class StateTable {
 
   /// Name of the component: "pose", "ranger/eye". Tables of different body types may have the same name.
   const std::string& component() const { return component_; }
-  HashGroup group() const { return group_; }  ///< the group whose column of the hash log contains this table
+  HashGroup group() const { return group_; }  ///< group of the component, which has a column in the hash log
   std::span<const StateField> fields() const { return fields_; }  ///< fields in declared order
   /// Number of rows, including those of bodies that are not yet in the world (unborn) and of dead bodies.
   std::size_t rows() const { return ids_.size(); }

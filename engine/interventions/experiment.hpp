@@ -38,9 +38,9 @@ struct Experiment {
     /// parameters.
     std::any data;
     DeviceKind::Prepared device;  ///< for `set` of a device: used like `data`, which is then empty
-    /// For `set` of a drive: the data of the controllers of the type, used like `data`, because controllers
-    /// may have stored limits of the drive. Empty if no kind of these controllers has the function
-    /// `bind_world`, which reads the description of the world.
+    /// For `set` of a drive: the data of the controllers of the type, prepared again because controllers may
+    /// have stored limits of the drive. Used like `data`. Empty if no kind of these controllers has the
+    /// function `bind_world`, which reads the description of the world.
     std::vector<std::any> controllers;
   };
   /// Sorted by tick; within a tick in the order of ExperimentSpec::at.

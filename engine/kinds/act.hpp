@@ -17,8 +17,8 @@ namespace troupe::engine {
 /// nothing. The members that a kind of action does not use are ignored.
 ///
 /// All bodies of a body type have the same parts, devices (sensors and actuators), drive and controllers. A
-/// population is a group of bodies of one type with the names NAME0, NAME1, ... . Its reserve consists of
-/// those of its bodies that are not yet in the world and can be spawned later.
+/// population is a group of bodies of one type with the names NAME0, NAME1, ... . The reserve of a population
+/// consists of the bodies that are not yet in the world but can be spawned later.
 struct Act {
   /// The kind of action. A body that an action names must be in the world.
   enum class Kind : std::uint8_t {
@@ -38,7 +38,7 @@ struct Act {
     add,
     remove,   ///< removes a body from the world for good
     disable,  ///< stops the devices, controllers and drive of a body, until the action `enable`
-    enable,   ///< ends `disable`; a fault of the body that also stops it (a drop-out) continues
+    enable,   ///< ends `disable`, but not a drop-out (a fault that stops the body)
     set,      ///< changes the parameters that `setting` names, for all bodies of the type `whom`
   };
   Kind kind = Kind::move;  ///< kind of action
@@ -50,8 +50,9 @@ struct Act {
   std::string device;  ///< for `command`: name of the device, which must take commands
   /// For `command`: names of fields of the device's command struct, each with its new numbers. A field takes
   /// one finite number; an array takes as many as it has elements. An integer field takes only whole numbers
-  /// within its range. For 64 bits, the range is -2^53 to 2^53 - 1 (signed) or 0 to 2^53 - 1 (unsigned). A
-  /// field of type float rounds the number, which must not exceed the largest float in magnitude.
+  /// within its range. For a field of 64 bits, the range is -2^53 to 2^53 - 1 (signed) or 0 to 2^53 - 1
+  /// (unsigned). A number for a field of type float is rounded to float. Its magnitude must not exceed that
+  /// of the largest float.
   std::vector<std::pair<std::string, std::vector<double>>> values;
   /// For `set`: JSON text with the new values of parameters, in the format of Simulation::set(). Example:
   /// `{"drive": {"velocity_max_x_mps": 0.5}}`.

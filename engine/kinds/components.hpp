@@ -13,9 +13,9 @@ namespace troupe::engine {
 // length; tick 0 is the initial state.
 
 /// Names of the components (tables of the state) that the engine itself defines, sorted. In place of `joint`,
-/// there is one component `joint/NAME` for each joint. No kind of device or controller may have one of these
-/// names, which worldio::check_kind_name() checks. The reason is that saved states and recordings store the
-/// components of a kind in a group with the name of the kind.
+/// there is one component `joint/NAME` for each joint. Saved states and recordings store the components of a
+/// kind (an implementation of a device or controller) in a group with the name of the kind. The name of a
+/// kind must therefore differ from all these names; worldio::check_kind_name() checks this.
 inline constexpr std::array<std::string_view, 9> k_engine_components{
     "carrier", "command", "condition", "joint", "life", "odometry", "pose", "stall", "velocity"};
 
@@ -38,7 +38,7 @@ enum class Presence : std::uint8_t {
 
 /// A row of the component (state table) `life`: whether a body is in the world, and when and where it was
 /// born. Tick 0 is the initial state. All members are zero for a body that has been in the world since tick
-/// 0. At the death of any body, only `presence` changes.
+/// 0. When a body dies, only `presence` changes.
 struct Life {
   /// Number of ticks (time steps) that were completed when the body was born; 0 if the body was present at
   /// tick 0 or is unborn.
@@ -57,7 +57,8 @@ struct Condition {
   /// The reasons why all devices, controllers and the drive of a body are stopped, as bits of Condition::out.
   /// Both reasons may apply at once.
   enum Out : std::uint8_t {
-    /// disabled, until the body is enabled again, by the world file (an intervention), a program or a user
+    /// The body is disabled. An intervention (a change that the world file lists), a program or a user sets
+    /// this bit, and clears it by enabling the body.
     k_disabled = 1,
     /// A drop-out (a fault that stops a body) stopped the body. The end of any drop-out of the body clears
     /// this bit, even if another drop-out of the body still lasts.
@@ -71,7 +72,7 @@ struct Condition {
   std::uint32_t dead = 0;
   std::uint8_t out = 0;  ///< bits of Out; each alone stops devices, controllers and drive
 
-  /// Whether the body is unimpaired.
+  /// Whether the body is neither disabled nor affected by a fault.
   bool is_sound() const { return speed == 0 && dead == 0 && out == 0; }
 };
 

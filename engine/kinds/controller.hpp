@@ -185,9 +185,9 @@ std::vector<StateField> listed_fields() {
 
 /// Returns one StateField (name, type, unit, text and offset in the struct) for each member of a memory
 /// struct, in the order in which its function `describe` describes the members or TROUPE_FIELDS lists them.
-/// The struct must have one of these two; if it has both, `describe` counts. The struct must be trivially
-/// copyable and have no constructors. Otherwise the call does not compile. The result is empty for a struct
-/// without members.
+/// The struct must have `describe` or TROUPE_FIELDS; if it has both, the function uses `describe`. The struct
+/// must be trivially copyable and have no constructors. Otherwise the call does not compile. The result is
+/// empty for a struct without members.
 template <class Memory>
 std::vector<StateField> memory_fields() {
   static_assert(std::is_trivially_copyable_v<Memory>,
@@ -221,7 +221,8 @@ std::vector<StateField> memory_fields() {
 ///         // without Params: static C make(), by default C{}
 ///     Result<std::vector<std::size_t>> choose(std::span<const DeviceInfo>, std::vector<bool>& claimed);
 ///         // returns the indices of the devices that it uses. The first argument lists the devices on the
-///         // part of the controller and on the parts mounted on that part, except drives of parts.
+///         // part of the controller and on the parts mounted on that part, except devices that
+///         // drive a part (DeviceKind::drives).
 ///         // claimed[d] is true if an earlier controller has reserved device d for itself; the function may
 ///         // set it to reserve the device. Default: uses all devices of the list, also reserved ones, and
 ///         // reserves none

@@ -34,10 +34,10 @@ DeviceKind::Prepared prepare_device(const Record& record, const Pose& pose_body_
 
 /// Makes the kind of a sensor, or of another device, from a class C. A kind is a table of functions, its
 /// hooks; DeviceKind in engine/kinds/kinds.hpp says when the engine calls each hook and what it must do. The
-/// hooks call the members of C with the same names; the argument `data` of the hooks contains a C. A body
-/// type is what identical bodies share. Each device of a body type has one object of C, which serves all
-/// bodies of the type, and several threads call this object at once. C must be copyable. `name` and `text`
-/// must live as long as the kind. C may have
+/// hooks call the members of C with the same names; the argument `data` of the hooks contains a C. All bodies
+/// of a body type have the same devices. Each device of a type has one object of C. This object serves all
+/// bodies of the type, and several threads call it at once. C must be copyable. `name` and `text` must live
+/// as long as the kind. C may have
 ///
 ///     struct Params { ...; describe };            // its parameters; default: none
 ///     struct State { ...; describe };             // its state, such as readings (percepts), one per body

@@ -30,8 +30,8 @@ enum class BirthStatus : std::uint8_t {
   occupied,  ///< no birth: the pose is occupied, outside the bounds of the world, or not finite
   used_up,   ///< no birth: all bodies of the reserve (bodies that may be born later) have been born
 };
-/// The result of a requested birth. DeviceKind::born, a function of the device that requested the birth,
-/// receives it. World::spawn(), by which a program requests a birth, returns it.
+/// The result of a requested birth. If a device requested the birth, its function DeviceKind::born receives
+/// the result. If a program requested the birth with World::spawn(), this function returns the result.
 struct Birth {
   BirthStatus status = BirthStatus::unasked;  ///< whether a body was born, or why not
   BodyId body;                                ///< the new body; invalid if none was born

@@ -15,8 +15,8 @@ struct Energy {
   double received_j = 0;    ///< received from other bodies, by contact
   double given_j = 0;       ///< given to other bodies, by contact
   bool infinite = false;    ///< true: the supply never becomes empty; stored_j stays 0
-  /// Whether the device received energy in the last tick (time step). While the device does not run, for
-  /// example because its body is disabled, the value true stays, even if the device receives no energy.
+  /// Whether the device received energy in the last tick (time step). A device that does not run, for example
+  /// because its body is disabled, does not reset the value to false, even if it receives no energy.
   bool charging = false;
 
   /// Stored energy as a fraction of the capacity, 0 to 1: 1 if `infinite`, otherwise 0 if the capacity is 0.

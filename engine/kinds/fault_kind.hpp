@@ -20,9 +20,9 @@ struct Impairment {
   double speed = 1;        ///< factor on the velocity of the body's drive; above 0, at most 1
   bool drops_out = false;  ///< true: a drop-out, which stops all devices, all controllers and the drive
   /// The rate at which the fault occurs, 1/s. The time until the fault occurs is exponentially distributed
-  /// with the mean 1 / per_s, and rounded up to whole ticks (time steps). This time counts from
-  /// FaultSpec::from_s (the world time from which on the world file allows the fault) or, after a drop-out,
-  /// from the end of that drop-out. If the rate is 0, the fault occurs at FaultSpec::from_s.
+  /// with the mean 1 / per_s, and rounded up to whole ticks (time steps). The time counts from
+  /// FaultSpec::from_s, the world time before which the fault cannot occur. After a drop-out, it counts from
+  /// the end of that drop-out. If the rate is 0, the fault occurs at FaultSpec::from_s.
   double per_s = 0;
   /// Duration of a drop-out, s, rounded up to whole ticks (time steps); 0: the drop-out never ends. Not used
   /// by other faults. A drop-out that ends can occur again if per_s is above 0. Any other fault occurs at
@@ -30,8 +30,8 @@ struct Impairment {
   double lasts_s = 0;
 };
 
-/// The number of devices of a type that can fail: the number of bits of Impairment::dead. Devices with an
-/// index of 32 or more never fail.
+/// Largest number of devices of a body type that can fail: the number of bits of Impairment::dead. Devices
+/// with an index of 32 or more never fail.
 inline constexpr std::size_t k_most_fallible = 32;
 
 /// A kind of fault. It defines the effect of the fault on a body, how often the fault occurs and how long it

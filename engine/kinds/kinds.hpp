@@ -54,14 +54,13 @@ struct WorldSpec;
 /// Time advances in *ticks*, steps of equal length; tick 0 is the initial state. A tick has several phases.
 /// In the phase `sense` the sensors read the state at the end of the last tick. In `actuate` the drives
 /// compute velocities and the other devices act. In `decide` the controllers compute commands, which take
-/// effect in the next tick. Then the bodies move. A device, drive or controller runs once per period and is
-/// *due* in the ticks in which it would run. A *reserve* is a list of bodies that are not yet in the world
-/// and can be born later. Several *ranks* (threads or processes) can compute one world together; each rank
-/// then has the rows of some bodies.
+/// effect in the next tick. Then the bodies move. A device, drive or controller is *due* once per period. It
+/// runs in the ticks in which it is due, unless it is stopped, for example by a fault. A *reserve* is a list
+/// of bodies that are not yet in the world and can be born later. Several *ranks* (threads or processes) can
+/// compute one world together; each rank then has the rows of some bodies.
 
-/// A model type of world files of the simulator Stage, such as `position` or `ranger`, with its defaults. The
-/// model kinds are in a list that all loaders of world files use (Registry::models), so that they have the
-/// same defaults.
+/// A model type of world files of the simulator Stage, such as `position` or `ranger`, with its defaults. All
+/// loaders of world files use the model kinds in the list Registry::models, and therefore the same defaults.
 struct ModelKind {
   std::string_view name;                ///< name in Stage files: "position"
   std::string_view text;                ///< description in one sentence, which `troupe describe` prints
@@ -80,7 +79,7 @@ struct ModelKind {
 /// argument `i` of the functions is an index into `rows`. The class of `view`, by which a hook reads the
 /// world, is declared in engine/sensing/sensing_view.hpp.
 struct DeviceBatch {
-  const SensingView& view;     ///< the world: constants, and where all bodies are
+  const SensingView& view;     ///< gives access to constants of the world and to the places of all bodies
   const std::any& data;        ///< the compiled parameters of the device (DeviceKind::Prepared::data)
   std::span<const Row> rows;   ///< rows of the batch; all of one type
   StateTable& state;           ///< state of the device, by slot; hooks may write only to the slots of `rows`
@@ -107,9 +106,9 @@ struct DeviceBatch {
   /// pose of the device in the world frame, where p is the pose of the device in the body frame with joints
   /// at rest (the argument `pose_body_device` of DeviceKind::prepare).
   Mount mount(std::size_t i) const;
-  /// Velocity that the drive of the row's body computed last, slowed by faults, body frame, m/s and rad/s; 0
-  /// if the body has no drive or its drive has no power. If the drive runs in this tick, it has computed the
-  /// velocity before the hook `act` is called.
+  /// Velocity that the drive of the row's body computed last, after its reduction by faults, body frame, m/s
+  /// and rad/s; 0 if the body has no drive or its drive has no power. If the drive runs in this tick, it has
+  /// computed the velocity before the hook `act` is called.
   const Velocity& velocity(std::size_t i) const;
   /// Command to the drive of the row's body. The numbers have no meaning if the body has no drive.
   const Command& command(std::size_t i) const;
@@ -220,8 +219,8 @@ struct HeldFlags {
   std::uint64_t received = 0;  ///< number received from other bodies since the device came into the world
 };
 
-/// The argument of the hook DeviceKind::draw: the device of one body. Frame::mobile is the list of the bodies
-/// to be drawn.
+/// The argument of the hook DeviceKind::draw: the device of one body. A Frame contains what a viewer draws of
+/// the world at one tick; Frame::mobile is its list of bodies.
 struct DeviceView {
   const World& world;       ///< the world, between two ticks
   const std::any& data;     ///< the compiled parameters of the device (DeviceKind::Prepared::data)
@@ -301,28 +300,29 @@ struct DeviceKind {
   struct Prepared {
     std::any data;                     ///< the argument `data` of the hooks
     std::vector<StateField> percepts;  ///< fields of the device's state table
-    /// Size of a row of the state table, bytes, if each row is a struct (its `percepts` are then those that
-    /// memory_fields() in engine/kinds/controller.hpp returns); otherwise 0.
+    /// Size of a row of the state table, bytes, if each row is a struct; otherwise 0. If it is a struct,
+    /// `percepts` must be what memory_fields() (engine/kinds/controller.hpp) returns for this struct.
     std::size_t percept_bytes = 0;
-    /// Fields of the struct with the commands from controllers, which memory_fields() in
-    /// engine/kinds/controller.hpp returns; empty: the device takes no commands.
+    /// Fields of the command struct, in which controllers write commands to the device. memory_fields() in
+    /// engine/kinds/controller.hpp returns the fields of a struct. Empty: the device takes no commands.
     std::vector<StateField> commands;
     std::size_t command_bytes = 0;  ///< size of the command struct, bytes
     /// The reach of the device: radius of a disc around the origin of its body, m. `sense` and `act` must not
     /// read the data of a body whose enclosing circle is outside the disc. Bodies that move together with the
     /// device's own body, because one carries the other, are exempt (SensingView::same_tree()). If the
     /// device's body has joints, the engine enlarges the radius by the larger of two distances. The first is
-    /// BodyType::joint_reach, the largest shift of all joints together. The second is the distance by which
-    /// the present displacement of the joint under the device (PublicColumns::joint_mounts) shifts the origin
-    /// of the body. Tests enforce the rule with the mode World::hide_beyond_reach(), which overwrites the
-    /// data of bodies outside the disc.
+    /// BodyType::joint_reach, the largest shift of all joints together. The second is the length of the
+    /// translation that is stored in PublicColumns::joint_mounts for the joint on which the device is
+    /// mounted. Tests enforce the rule with the mode World::hide_beyond_reach(), which overwrites the data of
+    /// bodies outside the disc.
     double reach_m = 0;
-    /// The reach for which the engine chooses the width of the cells of its spatial index, m; not set:
-    /// reach_m. A large value makes the cells coarse for all devices of the world. A device that rarely
-    /// searches as far as its reach therefore sets a smaller value.
+    /// The search radius from which the engine chooses the width of the cells of its spatial index, m; not
+    /// set: reach_m. A large value makes the cells wide, also for all other devices of the world. A device
+    /// that rarely searches as far as its reach therefore sets a smaller value.
     std::optional<double> cell_hint_m = {};
     /// Number of rays that the device casts each time it runs. Used only to check a limit: the devices of all
-    /// types of a world together may cast 10 million rays. Each type counts once, however many bodies it has.
+    /// types of a world together may cast at most 10 million rays. Each type counts once, however many bodies
+    /// it has.
     std::size_t beams = 0;
     /// Largest number of effects that the device of one body may emit in a tick (DeviceBatch::emit()),
     /// including the births and deaths that it requests.
@@ -424,19 +424,21 @@ enum class ControlMode : std::uint8_t {
   velocity,  ///< speeds, m/s and rad/s; for drives of kind `car`, `turn` is the steering angle, rad
   /// accelerations, m/s^2 and rad/s^2; for drives of kind `car`, `turn` is the steering angle, rad
   acceleration,
-  position,  ///< a goal pose, in the frame of the robot's estimated pose, m and rad
+  position,  ///< a goal pose, m and rad, in the frame in which the robot estimates its pose (Localization)
 };
 inline constexpr std::size_t k_control_modes = 3;  ///< number of values of ControlMode
 
 /// The command of a controller to its drive. Speeds and accelerations are in the body frame. Goals are in the
-/// frame of the robot's estimated pose. Assigning `{x, y, turn}` commands a speed and switches all devices
-/// on, because this assignment also resets `mode` and `off`. Assigning a single member keeps the others.
+/// frame in which the robot estimates its pose (Localization). Assigning `{x, y, turn}` commands a speed and
+/// switches all devices on, because this assignment also resets `mode` and `off`. Assigning a single member
+/// keeps the others.
 struct Command {
   double x = 0;                              ///< forward, m/s or m/s^2; for a goal its x, m
   double y = 0;                              ///< left, m/s or m/s^2; for a goal its y, m
   double turn = 0;                           ///< turn, rad/s or rad/s^2; for a goal its heading, rad
   ControlMode mode = ControlMode::velocity;  ///< meaning of x, y and turn
-  std::uint32_t off = 0;  ///< devices that controllers have switched off: their BodyType::Device::switch_bit
+  /// Bits of the devices that controllers have switched off (BodyType::Device::switch_bit).
+  std::uint32_t off = 0;
 };
 
 /// The fields of a state table with commands: one StateField for each member of Command, in their order.
@@ -549,8 +551,8 @@ struct Actions {
   /// Switches a device on or off, from the next tick on. A device that is off does nothing, draws no power
   /// and keeps its last readings. The device stays off until this function switches it on or until `command`
   /// is replaced as a whole: set_speed(), for example, switches all devices on again. The call has no effect
-  /// on a device if ControllerKind::switches is false for all controllers that use the device, nor on devices
-  /// whose index in the type is 32 or higher.
+  /// if ControllerKind::switches is false for all controllers that use the device, or if the index of the
+  /// device in the type is 32 or higher.
   ///
   /// chosen: index of the device in Percept::devices, here and below
   void switch_device(std::size_t chosen, bool on) const {
@@ -569,8 +571,8 @@ struct Actions {
   void accelerate(double forward, double left, double turn) {
     command = {forward, left, turn, ControlMode::acceleration};
   }
-  /// Commands a goal pose, m and rad, in the frame of the estimated pose Percept::estimate. From the next
-  /// tick on, the robot drives to that pose and stays there, until the command is replaced.
+  /// Commands a goal pose, m and rad, in the same frame as the estimated pose Percept::estimate. From the
+  /// next tick on, the robot drives to that pose and stays there, until the command is replaced.
   void go_to(double x, double y, double heading) { command = {x, y, heading, ControlMode::position}; }
 
   /// The command struct of the device with the index `chosen` in Percept::devices. The kind of the device

@@ -63,9 +63,9 @@ struct Localization {
 constexpr std::array<std::string_view, 2> names_of(Localization::Kind) { return {"gps", "odom"}; }
 
 /// The parameters of localization, which are part of the parameters of drives; `describe` gives their
-/// meaning. No parameter can change while a world runs, neither by an intervention (a change that the world
-/// file lists) nor by World::set(). The reason is that the layout of the state depends on the source of the
-/// estimate.
+/// meaning. None of these parameters can change while a world runs, neither by an intervention (a change that
+/// the world file lists) nor by World::set(). The reason is that the state has a table of odometry estimates
+/// only if `localization` is `odom`.
 struct LocalizationParams {
   /// The heading along which odometry adds the motion of a tick (time step). In files, the names are "old"
   /// and "new".

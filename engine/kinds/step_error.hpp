@@ -13,8 +13,9 @@ namespace troupe::engine {
 ///   joint is not finite.
 /// - The code of a sensor, other device, drive or controller, or the callback that a program gave to
 ///   World::on_decide(), threw an exception.
-/// - In the test mode World::hide_beyond_reach(), a device acted on a body that its kind does not declare.
-/// - Several ranks (threads or processes) compute the world, and a device acts on a body beyond the reach of
+/// - In the test mode World::hide_beyond_reach(), a device acted on a body beyond its reach
+///   (DeviceKind::Prepared::reach_m), or changed a body that its kind must not change (DeviceKind::scope).
+/// - If several ranks (threads or processes) compute the world: a device acted on a body beyond the reach of
 ///   the device, or another rank could not compute the tick (engine/ranks/replica.hpp).
 ///
 /// The text names the number of the tick and the robot, as far as they are known.

@@ -24,8 +24,8 @@ namespace troupe::engine {
 /// called.
 ///
 /// A body whose shape can change, because it has joints or can carry, is *composite*. For conflict
-/// resolution, the shape of a root is that of its whole tree, in the root's frame, and the shape of a carried
-/// body is empty.
+/// resolution, which keeps bodies from overlapping, a root has the shape of its whole tree, in the root's
+/// frame, and a carried body has an empty shape.
 class Links {
  public:
   static constexpr std::uint32_t k_none = ~0u;  ///< no row
@@ -42,8 +42,8 @@ class Links {
   Links(const Links&) = delete;
   Links& operator=(const Links&) = delete;
 
-  /// Allocates the lists. Call this after the rows of the state were made, and again after bodies have
-  /// changed their rows. Then call derive() and reshape(), which compute all other data.
+  /// Allocates memory for the data of this class. Call this after the rows of the state were made, and again
+  /// after bodies have changed their rows. Then call derive() and reshape(), which compute all other data.
   void build();
   /// Computes all data that this class derives from the state tables, except the shapes of trees, which
   /// reshape() computes.
@@ -111,14 +111,15 @@ class Links {
   /// before resolve_joints(), which resolves them.
   std::vector<AskedGoal> asked_goals(RowRange rows) const;
   /// The connection to the other ranks, if several ranks (threads or processes that compute a world together)
-  /// resolve the motions of the joints of one tick. Each rank resolves those of its own rows, and has a copy
-  /// (a *ghost*) of each tree of another rank that could block or be blocked by one of its own.
+  /// resolve the motions of the joints of one tick. Each rank resolves the motions of the joints of its own
+  /// rows. It has a copy (a *ghost*) of each tree of another rank that could block one of its own trees or be
+  /// blocked by it.
   class Border {
    public:
     virtual ~Border() = default;
     /// Called in each round of resolve_joints(), when this rank has tested its own trees. Sends the results
-    /// (is_blocked()) to the ranks on which these trees are ghosts, receives the results for the ghosts here,
-    /// and calls block() for each ghost whose motion is blocked.
+    /// (is_blocked()) to the ranks on which these trees are ghosts, receives the results for the ghosts on
+    /// this rank, and calls block() for each ghost whose motion is blocked.
     virtual void exchange_blocked(Links& links) = 0;
   };
   /// For a Border: whether a joint of the tree with this root moves in this round. False for carried bodies.
@@ -148,8 +149,9 @@ class Links {
  private:
   /// A joint of one body.
   struct Joint {
-    /// Maps the position of a point on the joint with all joints at rest to its position with this joint at
-    /// its goal, or at the pose that is being tested; both positions are in the body frame.
+    /// Transform, in the body frame, that moves a point mounted on this joint. It maps the point's position
+    /// with all joints at rest to its position with this joint at its goal or, during a test, at the tested
+    /// pose.
     Mount then;
     Pose goal;                ///< goal in this tick, relative to rest
     Goal state = Goal::none;  ///< state of the motion in this tick

@@ -13,8 +13,8 @@
 
 namespace troupe::engine {
 
-/// A result of ControllerCheck: a value of a memory or command that a controller set differently although its
-/// inputs were identical. Values are compared bit by bit. A memory or a command is a struct with one row of
+/// A result of ControllerCheck: a value in a memory or command that a controller set differently in two calls
+/// with identical inputs. Values are compared bit by bit. A memory or a command is a struct with one row of
 /// bytes per robot; a field is one of its members, with one column per value.
 struct ControllerFinding {
   /// The repetition that found the difference. If both repetitions of a controller's decisions differ in a
@@ -120,8 +120,8 @@ class ControllerCheck {
     std::vector<std::vector<std::byte>> written_before, written_after;  // one per entry of `written`
     std::vector<std::vector<std::byte>> percepts;                       // one per chosen device
   };
-  /// A table to which a controller writes, in addition to the drive commands of its robots: its memories, or
-  /// the commands to a device. The chosen devices of a controller are those that it reads or commands.
+  /// A table to which a controller writes: its memories, or the commands to a device. Drive commands are
+  /// stored in Decisions instead. The chosen devices of a controller are those that it reads or commands.
   struct Written {
     std::string what;  ///< "memory", or the name of the component that holds a device's commands
     std::vector<StateField> fields;

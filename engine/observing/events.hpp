@@ -10,9 +10,9 @@
 namespace troupe::engine {
 
 /// The types of events, in the order in which the events of one body in one tick (time step) are listed. A
-/// robot is a body with a drive. "Blocked" means that a body or a static solid was in the way of the robot's
-/// motion; "out of bounds" means that the motion would have ended outside the bounds of the world. In both
-/// cases the robot stays in place.
+/// robot is a body with a drive. "Blocked" means that another body, which may be a static one such as a wall,
+/// was in the way of the robot's motion; "out of bounds" means that the motion would have ended outside the
+/// bounds of the world. In both cases the robot stays in place.
 enum class EventType : std::uint8_t {
   /// the motion of the robot was blocked in the tick before, but not in this tick; also if the robot has died
   stall_ends,
@@ -26,8 +26,8 @@ enum class EventType : std::uint8_t {
   birth,         ///< the body was born, and so entered the world
   death,         ///< the body died, and so left the world
   /// the robot was disabled (by an intervention of the world file or by a program), or a drop-out fault (a
-  /// random failure) occurred; in both cases its devices, controllers and drive stop. No event if they had
-  /// already stopped for one of these reasons
+  /// random failure) occurred; in both cases its devices, controllers and drive stop. No event if the robot
+  /// had already been stopped in one of these two ways
   fails,
   recovers,  ///< the robot is in the world, and no longer disabled or stopped by a drop-out fault
 };
@@ -61,10 +61,10 @@ class EventWatch {
 
   /// Returns the events of the tick that has just ended, sorted by (Event::body, Event::type, Event::other).
   /// Changes that a program made to the world since the last call, such as disabling a robot, are included.
-  /// Call this after every step. The result is empty if the tick of the world is not one more than at the
-  /// last call (at the first call: than at construction), for example after a reset. A body that was born and
-  /// died in one tick has both events. The result is valid until the next call. Throws std::logic_error if
-  /// the last step threw (World::require_whole()).
+  /// Call this after every step. The result is empty if the world has not advanced by exactly one tick since
+  /// the last call (before the first call: since construction), for example after a reset. A body that was
+  /// born and died in one tick has both events. The result is valid until the next call. Throws
+  /// std::logic_error if the last step threw (World::require_whole()).
   std::span<const Event> see(const World& world);
 
  private:

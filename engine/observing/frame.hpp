@@ -37,8 +37,9 @@ struct FrameType {
 
 /// A body to draw.
 struct FrameBody {
-  /// Index of the shapes of the body. An index i below the size n of FrameScene::types refers to that list;
-  /// an index of n or more refers to Frame::types[i - n]. Static bodies only refer to FrameScene::types.
+  /// Index of the shapes of the body, in FrameScene::types followed by Frame::types: if FrameScene::types has
+  /// n elements, an index i of n or more refers to Frame::types[i - n]. Static bodies only refer to
+  /// FrameScene::types.
   std::uint32_t type = 0;
   Pose pose_world_body;  ///< pose at this tick; for static bodies, the pose during the whole run
   Color color;           ///< colour of the shapes that have no colour of their own
@@ -74,7 +75,7 @@ struct FrameScene {
   std::vector<FrameRanger> rangers;  ///< rangers that FrameScan refers to
   /// Edge of the square tiles of the spatial index of bodies, m; 0: unknown.
   double tile_m = 0;
-  double cell_m = 0;  ///< edge of the cells that tiles consist of, m; 0: unknown
+  double cell_m = 0;  ///< edge of the square cells that a tile consists of, m; 0: unknown
   /// Box that the origins of bodies cannot leave (WorldSpec::bounds), m, world frame. Not set: the world file
   /// gives none.
   std::optional<Box> limits;
@@ -128,12 +129,12 @@ struct FrameTie {
 struct FrameSquare {
   std::int32_t x = 0;  ///< lower edge in x, in units of Frame::covered_m
   std::int32_t y = 0;  ///< lower edge in y, in units of Frame::covered_m
-  /// Time of the last visit to the square, as a fraction of the time that the viewer stored: 0 for the first
-  /// stored tick, 1 for the last.
+  /// Time of the last visit to the square, on a scale from 0, the first tick that the viewer has stored, to
+  /// 1, the last.
   float freshness = 1;
 };
 
-/// Past positions of a body, for a period before this tick that the viewer chooses.
+/// Past positions of a body. The viewer chooses how far back from this tick they go.
 struct FrameTrail {
   std::uint32_t body = 0;  ///< the body: index into Frame::mobile
   /// Positions of its origin from the oldest to the present one, world frame, m. At least one.

@@ -22,16 +22,17 @@ namespace troupe::engine {
 /// compute on the worker threads of the world.
 class MeasureSet {
  public:
-  /// Begins to measure with the present state. Reports these errors to `diagnostics`, at the positions of the
-  /// specs in the file, and leaves out the measures that have them: unknown kinds or robots, equal or
-  /// reserved column names, and exceptions of MeasureKind::make, the function that makes a measure, for
-  /// example because parameters name something unknown or need too much memory. A foreign measure is computed
-  /// by code in another language, such as Python (MeasureKind::is_foreign). Of the exceptions that `make` of
-  /// a foreign measure throws, only std::logic_error is reported; all others propagate unchanged.
+  /// Begins to measure with the present state. Reports errors of the specs to `diagnostics`, at the positions
+  /// of the specs in the file, and leaves out the measures that have errors. The errors are: unknown kinds or
+  /// robots; equal or reserved column names; and exceptions of MeasureKind::make, the function that makes a
+  /// measure, which throws for example if parameters name something unknown or need too much memory. A
+  /// foreign measure is computed by code in another language, such as Python (MeasureKind::is_foreign). If
+  /// `make` of a foreign measure throws, only std::logic_error is reported; all other exceptions propagate
+  /// unchanged.
   ///
   /// Then calls Measure::see() of the remaining measures, which updates them. If one of these calls throws,
-  /// or if the last step of the world threw, throws the exceptions of MeasureSet::see(). World and registry
-  /// (the list of all kinds of measures) must outlive the set.
+  /// or if the last step of the world threw, the constructor throws the same exceptions as MeasureSet::see().
+  /// World and registry (the list of all kinds of measures) must outlive the set.
   /// paths: for each spec, the path of the measure in its file, such as "/measures/0", with which its errors
   /// begin; empty if the specs come from no file
   MeasureSet(World& world, const Registry& registry, std::span<const MeasureSpec> specs,

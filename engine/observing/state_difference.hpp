@@ -39,7 +39,7 @@ void compare_rows(std::span<const StateField> fields, const std::byte* first, co
 /// Difference between two states of one world in one component (one table of the state).
 struct ComponentDifference {
   /// Name of the component (StateTable::component()); `the list of components` if the two worlds have
-  /// different numbers of tables, which is then the only difference.
+  /// different numbers of tables; state_differences() then returns no other difference.
   std::string component;
   /// Hash group (group of components that are hashed together) of the component; no meaning for `the list of
   /// components`.

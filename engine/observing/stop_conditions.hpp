@@ -17,8 +17,9 @@ namespace troupe::engine {
 class StopConditions {
  public:
   /// Begins to measure with the present state. Does not evaluate the conditions: see() and ask() do. Reports
-  /// the errors that the constructor of MeasureSet reports (such as unknown kinds of measures), at the
-  /// positions and with the paths of the conditions in the file. World and registry must outlive the object.
+  /// errors to `diagnostics`, at the positions and with the paths of the conditions in the file: those that
+  /// the constructor of MeasureSet reports, such as unknown kinds of measures. World and registry must
+  /// outlive the object.
   StopConditions(World& world, const Registry& registry, std::span<const StopSpec> conditions,
                  Diagnostics& diagnostics);
 

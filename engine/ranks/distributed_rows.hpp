@@ -15,17 +15,19 @@
 namespace troupe::engine {
 
 /// The *distributed* form of a world that several ranks (threads or processes) compute. A row is the data of
-/// one body in the state tables. A rank has only the rows that it owns and *ghosts*: copies of those rows of
-/// other ranks whose bodies may affect its own (class Halo). In each tick (time step), the ranks exchange the
-/// data of the ghosts, and all effects (actions of devices on other bodies).
+/// one body in the state tables. A rank has only the rows that it owns and *ghosts*: copies of rows of other
+/// ranks. The bodies of ghosts are those that may affect the bodies of the own rows (class Halo). In each
+/// tick (time step), the ranks exchange the data of the ghosts, and all effects (actions of devices on other
+/// bodies).
 class DistributedRows final : public RankRows {
  public:
-  /// Keeps the own rows and the ghosts of `world`, whose rows must all be here, and removes all other rows.
-  /// Throws std::logic_error if why_replicated() returns a reason why the rows cannot be distributed. The
-  /// world must outlive this object.
+  /// Keeps the own rows and the ghosts of this rank, and removes all other rows from `world`. Before the
+  /// call, `world` must have all rows. Throws std::logic_error if the rows cannot be distributed
+  /// (why_replicated() returns the reason). The world must outlive this object.
   ///
-  /// sharing: the result of sharing_of(world)
-  /// cut_seed, skin_m: see Halo
+  /// sharing: one entry per state table, which says how the ranks share its rows (sharing_of())
+  /// cut_seed: for tests; if set, the ranks own random parts of the plane (the constructor of Halo)
+  /// skin_m: margin with which the ghosts remain sufficient for several ticks, m; not set: Halo chooses it
   DistributedRows(World& world, const ReplicaParts& parts, std::span<const Sharing> sharing, RankPost post,
                   std::optional<std::uint64_t> cut_seed, std::optional<double> skin_m);
 

@@ -29,20 +29,21 @@ struct HaloPlan {
     std::size_t ghosts = 0;      ///< number of its ghosts: copies of rows of other ranks
     std::size_t neighbours = 0;  ///< number of ranks that own its ghosts or have ghosts of its rows
   };
-  double coverage_m = 0;    ///< how far from its body a row has ghosts, m (class Halo, `ghosts`)
+  double coverage_m = 0;    ///< a row is a ghost on ranks that own ground within this distance of its body, m
   std::vector<Rank> ranks;  ///< one entry per rank
 };
 /// Returns how a Halo would divide the rows of a world among `ranks` ranks, with the bodies at their present
-/// positions. All rows must be in this world, and why_replicated() must return an empty text.
+/// positions. `world` must have all rows, and why_replicated() must return an empty text.
 ///
 /// longest_motion: longest motion of a body in a tick (time step), m
 HaloPlan plan_halo(const World& world, unsigned ranks, double longest_motion);
 
-/// The *distributed* form of a world that several ranks (threads or processes) compute: each rank has only
-/// the rows (data of bodies in the state tables) that it owns, and *ghosts*, copies of those rows of other
-/// ranks whose bodies may affect the bodies of its own rows in a tick (time step). To *distribute* the rows
-/// is to give each row to its owner and to make all ghosts again. A *tree* is a body that is not carried (its
-/// root) together with all bodies that it carries, directly or through others.
+/// The *distributed* form of a world that several ranks (threads or processes) compute. A row is the data of
+/// one body in the state tables. Each rank has only the rows that it owns and *ghosts*: copies of rows of
+/// other ranks. The bodies of ghosts are those that may affect the bodies of the own rows in a tick (time
+/// step). To *distribute* the rows is to give each row to its owner and to make all ghosts again. A *tree* is
+/// a body that is not carried (its root) together with all bodies that it carries, directly or through
+/// others.
 ///
 /// owners  The plane is divided among the ranks (partition::TileOwners). A row belongs to the rank that owned
 ///         the place of its body when the rows were last distributed. The *place* of a body is the position
@@ -51,37 +52,39 @@ HaloPlan plan_halo(const World& world, unsigned ranks, double longest_motion);
 /// rows    The own rows come first, then the ghosts. Sensing, devices and controllers run for own rows only.
 ///         Motions are computed for all rows: those of ghosts from the velocities that their owners send.
 /// ghosts  A row is a ghost on each rank that owns ground within the *coverage* of its body. The coverage is
-///         the sum of two lengths. The first is the distance at which two bodies can affect each other in
-///         this tick or in the sensing of the next one: the larger of A and B, plus twice the longest motion
-///         of a body in a tick. A is the sum of the longest reach of a device, the longest shift of a device
-///         by joints, and the largest radius of a body or tree. If bodies can carry others, A contains the
-///         radius twice, because a carried device may be one radius away from the place of its body. B is
-///         twice the radius. The radius of a tree holds for all poses of its joints. The second length is a
-///         margin, the *skin*, with which the ghosts remain valid for some ticks. When twice the sum of the
-///         longest motions since the last distribution exceeds the skin, all ranks distribute the rows again.
-///         All ranks know the longest motion of the tick before any body moves, so they decide alike.
-/// guests  Some devices can act on bodies at any distance (ApplyScope::any_target). Such a target, with its
-///         tree, is also a ghost on the rank that owns the body of the device, until the rows are distributed
-///         again (Guest).
+///         the sum of two lengths. The first length is the distance at which two bodies can affect each other
+///         in this tick or in the sensing of the next tick. It is the larger of A and B, plus twice the
+///         longest motion of a body in a tick. A is the sum of the longest reach of a device, the longest
+///         shift of a device by joints, and the largest radius of a body or tree. If bodies can carry others,
+///         A contains this radius twice, because a carried device may be one radius away from the place of
+///         its body. B is twice this radius. The radius of a tree is an upper bound for all poses of its
+///         joints. The second length is a margin, the *skin*, with which the ghosts remain valid for some
+///         ticks. When twice the sum of the longest motions since the last distribution exceeds the skin, all
+///         ranks distribute the rows again. All ranks know the longest motion of the tick before any body
+///         moves, so they decide alike.
+/// guests  Some devices can act on bodies at any distance (ApplyScope::any_target). The target of such an
+///         action, with its tree, is also a ghost on the rank that owns the body of the device, until the
+///         rows are distributed again (Guest).
 /// lives   Unborn bodies (not yet in the world) and dead bodies have no ghosts, except as guests. The row of
 ///         an unborn body belongs to the rank that owns the origin of the world, and the row of a dead body
-///         to the rank that owns the place where it died. After a birth, of which all ranks know, they
-///         distribute the rows before the next sensing.
-/// moves   Each rank resolves the motions of its own rows. A motion that depends on a ghost waits for the
-///         outcome, which the owner sends when it is known (class RankBorder).
-/// joints  The owners of ghosts send the goals of their joints (the poses to which devices move them), so
-///         that every rank knows which pieces of which trees move. Each rank resolves the motions of the
-///         joints of its own rows, and the owners send the outcomes of each round (class RankBorder).
+///         to the rank that owns the place where it died. All ranks know of each birth, and distribute the
+///         rows after it, before the next sensing.
+/// moves   Each rank resolves the motions of its own rows. If a motion depends on the motion of a ghost, it
+///         waits until the owner of the ghost has sent the outcome of that motion (class RankBorder).
+/// joints  The owner of a ghost sends the poses to which devices move the joints of that body (their goals).
+///         Every rank then knows which parts of which trees move. Each rank resolves the motions of the
+///         joints of its own rows in rounds. After each round, the owners of ghosts send its outcomes (class
+///         RankBorder).
 /// cargo   If devices attach bodies to others or release them in a tick, all ranks distribute the rows at the
 ///         end of the tick, unless the ghosts suffice for the new trees (suffices_for()).
 /// pushes  A motion that may push bodies depends on all bodies in its *zone* (a circle that contains
 ///         everything that the motion could touch or push), on all moving bodies whose zones overlap it, and
 ///         on the bodies that these moving bodies push. In a world with pushable bodies, the coverage is
 ///         therefore at least three times the radius of the largest zone, plus the largest radius of a
-///         pushable body: such a body is in a zone as soon as its circle touches the zone. The owner of a
-///         moving body sends the pushes of that body together with the outcome of its motion. Not every rank
-///         with a ghost of a pushed body has ghosts of all pushers, so at the end all ranks exchange the
-///         final positions.
+///         pushable body: a pushable body is in a zone as soon as its enclosing circle touches the zone. The
+///         owner of a moving body sends the pushes of that body together with the outcome of its motion. Not
+///         every rank with a ghost of a pushed body has ghosts of all bodies that push it, so at the end all
+///         ranks exchange the final positions.
 ///
 /// No result of a run depends on which rank owns a row, on the skin, or on how often rows are distributed.
 class Halo {
@@ -89,10 +92,10 @@ class Halo {
   /// A tree whose rows must be on the rank that owns the ground at a point, however far away the tree is.
   struct Guest {
     BodyId root;  ///< root of the tree; the body itself if it neither carries others nor is carried
-    Vec2 host = Vec2::Zero();  ///< the point, m, world frame
+    Vec2 host = Vec2::Zero();  ///< the point: place of the device's body, m, world frame
   };
-  /// How far bodies can affect one another. All lengths are in m. longest: longest motion of a body in the
-  /// tick, m
+  /// How far bodies can affect one another. All lengths are in m. The argument `longest` of the functions is
+  /// the longest motion of a body in the tick.
   struct Extent {
     double reach = 0;            ///< longest reach of a device
     double shift = 0;            ///< how far joints can move a device of their body from its rest pose
@@ -112,13 +115,13 @@ class Halo {
   };
   static Extent extent_of(const World& world);  ///< the extent for all bodies of a world
 
-  /// All rows of `world` must be in this World, and why_replicated(world) must return an empty text. `world`,
-  /// `tables` (its state tables) and `links` (its joints) must outlive this object. Call divide() next.
+  /// `world` must have all rows, and why_replicated(world) must return an empty text. `world`, `tables` (its
+  /// state tables) and `links` (its joints) must outlive this object. Call divide() next.
   ///
   /// sent: indices of the tables whose rows owners send in each tick (Sharing::sent)
   /// cut_seed: for tests; if set, the ranks own random ground, which is chosen again in some of the ticks
-  /// skin_m: the skin, m; not set: 16 times the longest motion in a tick, or a random multiple if `cut_seed`
-  /// is set
+  /// skin_m: the skin (see `ghosts`), m; not set: 16 times the longest motion in a tick, or a random multiple
+  /// if `cut_seed` is set
   Halo(World& world, std::span<StateTable> tables, Links& links, std::vector<std::size_t> sent, RankPost post,
        std::optional<std::uint64_t> cut_seed, std::optional<double> skin_m);
 
@@ -129,12 +132,12 @@ class Halo {
   /// the call, the own rows are those in [0, own()).
   ///
   /// longest: upper bound on the motions of all bodies in the next tick, m
-  /// guests: the same on all ranks, in any order
+  /// guests: trees that must also be ghosts on other ranks (Guest); the same on all ranks, in any order
   void distribute(double longest, std::span<const Guest> guests = {});
   /// Upper bound on the length of the motions that own rows will propose in this tick, m.
   double longest_motion() const;
-  /// Gives the ranks ground on which they would all take about the same time, on the assumption that all rows
-  /// of a rank took equally long. times: the time that each rank took for its rows, one per rank, in any
+  /// Changes which ground the ranks own, so that all ranks would take about the same time. Assumes that all
+  /// rows of a rank took equally long. times: the time that each rank took for its rows, one per rank, in any
   /// unit; the same on all ranks. distribute() must follow.
   void balance(std::span<const std::uint64_t> times);
   /// Called when all ranks know the longest motion of all bodies in this tick, before any body moves.
@@ -148,19 +151,19 @@ class Halo {
   bool has_trees() const { return extent_.has_trees; }  ///< whether bodies can carry others
   /// Whether the row of a body is an own row, and the body carries others.
   bool has_cargo(BodyId body) const;
-  /// For an own row whose body may have become a part of another tree since the last distribution, so that
-  /// its place has changed: whether the ghosts of all ranks suffice for the new tree. The ghosts suffice if
-  /// all of these hold:
+  /// Whether the ghosts of all ranks suffice for the present tree of an own row. Call this if the body may
+  /// have joined another tree since the last distribution, because its place has then changed. The ghosts
+  /// suffice if all of these hold:
   /// - the tree would still belong to this rank if the rows were distributed now;
   /// - it is no larger than the largest tree was at a distribution (Extent::radius);
   /// - all its bodies are ghosts on the same ranks;
-  /// - these ranks include all ranks whose ground is nearer to the root of the tree than the coverage, less
-  ///   the longest way that a body may have moved since the last distribution.
+  /// - these ranks include all ranks that own ground near the root of the tree: nearer than the coverage
+  ///   minus the longest distance that a body may have moved since the last distribution.
   bool suffices_for(Row row) const;
   /// Called after get_state() has changed the carriers of these ghosts: updates their trees.
   void link_again(std::span<const Row> ghosts);
   std::size_t own() const { return own_; }        ///< number of own rows
-  double reach() const { return extent_.reach; }  ///< longest reach for which the ghosts suffice, m
+  double reach() const { return extent_.reach; }  ///< longest device reach for which the ghosts suffice, m
   /// Whether bodies were pushed so far in the last tick that the rows must be distributed before any device
   /// senses again. The result is the same on all ranks.
   bool lacks_ghosts();
@@ -184,7 +187,7 @@ class Halo {
   /// Reads what put_shown() of rank `from` has appended.
   void get_seen(unsigned from, partition::MessageReader& message);
 
-  std::vector<Row> tree(Row row) const;  ///< rows of all bodies of the tree of the row's body, first the root
+  std::vector<Row> tree(Row row) const;  ///< rows of all bodies of the row's tree; the root is first
   Vec2 place(Row row) const;             ///< place of the row's body (see `owners`), m, world frame
   /// The rank that owns the row of a body. The body must have a row on this rank, as own row or ghost.
   unsigned owner(BodyId body) const;

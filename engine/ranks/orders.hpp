@@ -31,7 +31,7 @@ enum class Order : std::uint8_t {
   agree,       ///< in a tick: the callback of World::before_tick() has returned on rank 0
   together,    ///< in a tick: rows for which rank 0 decides (Replica::on_rank_0()), to rank 0 or back
   exchange,    ///< in a tick: values of rows that the sender owns or has just given to another owner
-  rows,        ///< in a tick: rows that get another owner, ghosts, and data to choose these rows (Halo)
+  rows,        ///< in a tick: rows for a new owner, new ghosts, and data that select these rows (Halo)
   outcomes,    ///< in a tick: outcomes of motions of rows that are ghosts on the receiver (RankBorder)
   places,      ///< in a tick: final positions of pushed bodies (RankBorder)
   joints,      ///< in a tick: whether joint motions of ghosts on the receiver are blocked (RankBorder)

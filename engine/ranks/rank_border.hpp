@@ -28,7 +28,7 @@ class RankBorder final : public Conflicts::Border, public Links::Border {
     std::size_t own = 0;  ///< the own rows are those in [0, own)
     /// Own rows that the rank of the entry has as ghosts, in an order that both ranks know.
     std::span<const std::vector<std::uint32_t>> shown;
-    /// Ghosts that the rank of the entry owns, in the order of its list `shown`.
+    /// Ghosts that the rank of the entry owns, in the same order as in that rank's list `shown`.
     std::span<const std::vector<std::uint32_t>> seen;
   };
 

@@ -31,7 +31,8 @@ struct ReplicaParts {
   std::uint64_t& beams;          ///< rays cast by all sensors since tick 0
 };
 
-/// Returns the rows that bodies have in `table`, for the bodies that have the rows `rows` in the world.
+/// Converts a range of rows of the world to rows of one table: returns the rows that the bodies of `rows`
+/// have in `table`.
 RowRange rows_in(const World& world, const StateTable& table, const RowRange& rows);
 /// The sum of the hashes of rows of a table, computed in parallel.
 std::uint64_t hash_of(partition::Parallel& parallel, const StateTable& table, const RowRange& rows);
@@ -40,9 +41,9 @@ std::uint64_t hash_of(partition::Parallel& parallel, const StateTable& table, co
 /// or processes) that compute it, and therefore which data the ranks exchange. There are two forms. In a
 /// replicated world (ReplicatedRows), every rank has all rows and owns some of them. In a distributed world
 /// (DistributedRows), a rank has only the rows that it owns and copies of rows near them. Each rank has a
-/// Replica, which decides when the ranks exchange data. The Replica sends and receives the messages whose
-/// contents the functions below write and read; the functions of a tick also exchange messages of their own
-/// (RankPost).
+/// Replica, which decides when the ranks exchange data. Some functions below write or read the contents of
+/// messages, and the Replica sends and receives these messages. The functions of a tick also exchange
+/// messages of their own (RankPost).
 ///
 /// All ranks call the functions of a tick at the same points of the tick. A tick is a time step, and its
 /// phases are listed in engine/world/phase.hpp.
@@ -54,7 +55,7 @@ class RankRows {
   virtual ~RankRows() = default;
 
   virtual RowRange own() const = 0;       ///< the rows that this rank owns
-  virtual Halo* halo() = 0;               ///< the rows of a distributed world on this rank; otherwise null
+  virtual Halo* halo() = 0;               ///< this rank's rows of a distributed world; null if replicated
   virtual RankCounts counts() const = 0;  ///< what this rank has counted; `messages` and `bytes` are 0
 
   // ---- All rows on rank 0
@@ -65,12 +66,13 @@ class RankRows {
   /// On rank 0: reads what put_missing() of the other ranks has appended, one message each, in the order of
   /// ranks. Afterwards, is_complete() is true.
   virtual void complete(std::span<ReceivedOrder> messages) = 0;
-  /// Prepares for a new state, which all ranks make or rank 0 reads from a file: rank 0 takes all rows. In a
-  /// distributed world, is_complete() must be true on rank 0 before the call. Returns whether this rank must
-  /// send the new state to the other ranks because they have no rows.
+  /// Called before the whole state is replaced, either by all ranks (for example by a reset) or by rank 0
+  /// (for example from a file): rank 0 takes all rows. In a distributed world, is_complete() must be true on
+  /// rank 0 before the call. Returns whether this rank must send the new state to the other ranks because
+  /// they have no rows.
   virtual bool take_all() = 0;
-  /// On rank 0: appends the whole state to a message for the other ranks, in a distributed world without the
-  /// rows, which redistribute() sends. redistribute() must follow.
+  /// On rank 0: appends the whole state to a message for the other ranks. In a distributed world, the message
+  /// does not contain the rows, because redistribute() sends them. redistribute() must follow.
   virtual void put_all(partition::MessageWriter& message) = 0;
   /// On other ranks: replaces the state of the world by the state that put_all() has appended. redistribute()
   /// must follow. is_in_tick: see World::adopt()
@@ -117,17 +119,20 @@ class RankRows {
   // ---- Births: see the functions of Replica with these names
   /// Whether this rank tests whether places at a point (m, world frame) are free for a newborn body.
   virtual bool tests_places_at(const Vec2& point) const = 0;
-  /// Returns the lowest value of `own` on any rank. own: the first trial whose place this rank has found
-  /// free; `trials`, the number of trials, if there is none
+  /// Returns the lowest value of `own` on any rank. A birth tries several places, which are numbered: its
+  /// trials. own: the first trial whose place this rank has found free; if there is none, `trials`, which is
+  /// the number of trials
   virtual std::uint32_t lowest_trial(std::uint32_t own, std::uint32_t trials) = 0;
   /// Calls work(). If work() throws: in a replicated world, attempt() passes the exception on to its caller;
   /// in a distributed world, attempt() keeps the exception, and end_attempts() throws it.
   virtual void attempt(const std::function<void()>& work) = 0;
-  /// Throws, on all ranks, the exception of the first work() of attempt() that failed on any rank.
+  /// If work() of a call of attempt() has failed on any rank, throws the exception of the first such call on
+  /// all ranks.
   virtual void end_attempts() = 0;
 
   // ---- Verification (ReplicaOptions::verify)
-  /// Sums from which verify() finds whether each row that several ranks have is equal on these ranks.
+  /// Sums of hashes of rows. With them, verify() checks that rows that several ranks have are equal on these
+  /// ranks.
   virtual std::vector<std::uint64_t> sums() const = 0;
   /// On rank 0: throws std::logic_error if a row differs between ranks. sums: the result of sums() on each
   /// rank

@@ -25,7 +25,7 @@ struct RankCounts {
   std::uint64_t distributions = 0;  ///< how often the rows were distributed among the ranks again
   std::uint64_t migrated = 0;       ///< number of rows that it gave to another owner
   std::uint64_t rounds = 0;         ///< exchanges of outcomes of motions, with one or more ranks at a time
-  std::uint64_t messages = 0;       ///< messages sent to other ranks, for all worlds
+  std::uint64_t messages = 0;       ///< messages sent to other ranks, for all worlds of the program
   std::uint64_t bytes = 0;          ///< total length of these messages, bytes
 };
 

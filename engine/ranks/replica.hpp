@@ -142,19 +142,20 @@ class Replica {
   /// own: the first trial whose place this rank has found free; `trials` if there is none
   /// trials: number of trials
   std::uint32_t lowest_trial(std::uint32_t own, std::uint32_t trials);
-  /// Called in the phase move, for a part of a birth that only ranks with the rows concerned carry out: calls
-  /// work(). In a distributed world, an exception of `work` is thrown by end_attempts() instead, on all
-  /// ranks. Every rank must call both for the same births.
+  /// Calls work(). Called in the phase move, for a part of a birth. Only ranks that have the row of the
+  /// newborn body, or of the body whose device requested the birth, carry out this part. In a distributed
+  /// world, an exception of `work` is thrown by end_attempts() instead, on all ranks. Every rank must call
+  /// both for the same births.
   ///@{
   void attempt(const std::function<void()>& work);
   void end_attempts();
   ///@}
-  void begin(Phase phase);  ///< called when a phase begins: stores the phase for errors, and the time
+  void begin(Phase phase);  ///< called when a phase begins: stores the phase and the time at which it began
 
   /// The rows that this rank owns.
   RowRange own() const { return rows_->own(); }
-  /// The connection to the other ranks with which this rank resolves the motions of a distributed world;
-  /// otherwise null.
+  /// The connection to the other ranks with which this rank resolves the motions of a distributed world; null
+  /// if the world is replicated.
   RankBorder* border() { return rows_->halo() == nullptr ? nullptr : &rows_->halo()->border(); }
   /// The rows of a distributed world on this rank; null if the world is replicated.
   const Halo* halo() const { return rows_->halo(); }
@@ -163,7 +164,7 @@ class Replica {
 
   void gather();              ///< implements World::gather(): fetches missing rows to rank 0
   void gather_distributed();  ///< implements World::gather_distributed()
-  void touch();               ///< called before the program changes the state
+  void touch();               ///< called before the program changes the state, so that other ranks get it
   void replace();             ///< called before the program replaces the whole state, as restore() does
   void reset();  ///< called by World::reset(): on rank 0, orders the other ranks to reset their worlds
   /// Called by World::restart(): on rank 0, orders the other ranks to restart their worlds.
@@ -172,7 +173,8 @@ class Replica {
   void set(const SettingSpec& setting);
   /// Returns the hashes of the state: each rank computes the hashes of its own rows, and rank 0 adds them up.
   /// Returns std::nullopt on ranks other than 0. Also returns std::nullopt if the tables of rank 0 are
-  /// complete, because its world can then compute the hashes alone, unless ReplicaOptions::verify is set.
+  /// complete, because the world of rank 0 can then compute the hashes alone. Exception: in a replicated
+  /// world with ReplicaOptions::verify, all ranks compute hashes.
   std::optional<Hashes> hashes();
 
  private:

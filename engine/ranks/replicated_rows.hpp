@@ -28,7 +28,8 @@ Cut balanced_cut(const Cut& cut, std::span<const std::uint64_t> times);
 /// to which its devices move joints.
 class ReplicatedRows final : public RankRows {
  public:
-  /// sharing: the result of sharing_of(world); this list and the world must outlive this object
+  /// sharing: one entry per state table, which says how the ranks share its rows (sharing_of()); this list
+  /// and the world must outlive this object
   /// cut_seed: for tests; if set, each tick makes a new random cut before bodies move
   ReplicatedRows(World& world, const ReplicaParts& parts, std::span<const Sharing> sharing, RankPost post,
                  std::optional<std::uint64_t> cut_seed);

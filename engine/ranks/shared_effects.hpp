@@ -26,15 +26,16 @@ namespace troupe::engine {
 /// others. All effects of a tick are applied in one order, and each effect sees the results of the earlier
 /// effects. The ranks therefore take turns: the rank that owns the source of an effect applies this effect.
 /// If the last change of a body in the trees of the source and the target was made on another rank, that rank
-/// sends the state of the body first. At the end the owners get the states of their bodies, and the other
-/// ranks those of their ghosts.
+/// sends the state of the body first. At the end, the other ranks get the new states of those affected bodies
+/// that they own or have as ghosts.
 ///
 /// Devices that can carry bodies (DeviceKind::carries) may attach bodies to others and release them. Such an
 /// effect needs all changes that earlier effects of the tick have made to the trees of its source and its
-/// target. Effects whose sources and targets are in trees that such effects could join form a *group*. One
-/// rank applies all effects of a group. This rank owns the trees of the group or, if they belong to several
-/// ranks, gets them (Halo::give()) after all other effects of the tick. At the end all ranks distribute the
-/// rows if trees have changed their owner, or if any rank lacks ghosts of the changed trees
+/// target. Each effect connects the tree of its source to the tree of its target. Trees that are connected,
+/// directly or through other trees, form a *group* if one of their effects could attach or release bodies.
+/// One rank applies all effects of a group. This rank owns the trees of the group or, if they belong to
+/// several ranks, gets them (Halo::give()) after all other effects of the tick. At the end all ranks
+/// distribute the rows if trees have changed their owner, or if any rank lacks ghosts of the changed trees
 /// (Halo::suffices_for()). Otherwise, the owners of the trees send the states of their bodies to the ranks
 /// that have them as ghosts.
 ///
@@ -47,9 +48,9 @@ namespace troupe::engine {
 /// row of such a target, the ranks distribute the rows again before any body moves, and the rank then gets a
 /// copy.
 ///
-/// All ranks know all effects of the tick, and which rank owns each source and target. They therefore agree
-/// on all messages without asking. Worlds with devices that can change any bodies (ApplyScope::anything) are
-/// not distributed (why_replicated()).
+/// All ranks know all effects of the tick, and which rank owns each source and target. Each rank therefore
+/// knows which messages to send and which to expect. Worlds with devices that can change any bodies
+/// (ApplyScope::anything) are not distributed (why_replicated()).
 class SharedEffects {
  public:
   /// effects: those of `world`. World, halo and effects must outlive this object.
@@ -57,9 +58,9 @@ class SharedEffects {
       : world_(world), halo_(halo), effects_(effects), post_(std::move(post)) {}
 
   /// Called on all ranks after the controllers have decided (the phase decide): notes the effects that
-  /// devices on this rank have emitted. Throws StepError if this rank lacks the row of a target, unless the
-  /// scope of the device is ApplyScope::any_target. Such a target is beyond the reach that the device
-  /// declares.
+  /// devices on this rank have emitted. If this rank lacks the row of a target, the target is beyond the
+  /// reach that the device declares. The function then throws StepError, unless the scope of the device is
+  /// ApplyScope::any_target.
   void note();
   /// Appends the noted effects.
   void put(partition::MessageWriter& message) const;
@@ -76,9 +77,9 @@ class SharedEffects {
   /// this call, no row may change its owner before apply(). is_new: whether the rows were distributed since
   /// note()
   void begin(bool is_new);
-  /// Applies `effects`, those of all ranks in their order, except births and deaths; `apply` applies one of
-  /// them. Throws on all ranks if `apply` throws on any rank: StepError, or the exception itself on the rank
-  /// where it was thrown.
+  /// Applies `effects`, the effects of all ranks in their order, except births and deaths. `apply` applies
+  /// one effect. If it throws on any rank, this function throws on all ranks: the exception itself on the
+  /// rank where it was thrown, and a StepError on the others.
   void apply(std::span<const Effect> effects, const std::function<void(const Effect&)>& apply);
 
  private:

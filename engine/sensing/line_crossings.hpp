@@ -25,16 +25,16 @@ struct SpatialLine {
 
   /// Whether the line may touch the circle with this centre (world frame, m) and radius (m).
   bool passes_near(const Vec2& centre, double radius) const;
-  /// A box (world frame, m) that contains a section of the line: from the fraction `first` to the fraction
-  /// `last` of its length, both from 0 to 1.
+  /// A box (world frame, m) that contains the section of the line between the positions `first` and `last`. A
+  /// position is a fraction of the length of the line, from 0 to 1.
   Box piece(double first, double last) const;
 };
 
-/// Finds the walls (outlines of the static scene) and bodies that straight lines from one point, the origin,
-/// cross. A line crosses an outline if it crosses an edge of the outline between the two ends of the line, at
-/// a height within the height interval of the outline. A vertical line crosses nothing. Outlines that rangers
-/// (distance sensors) do not see are ignored. Not thread-safe. Keep one object per thread and reuse it: its
-/// arrays keep their memory.
+/// Finds what straight lines from one point, the origin, cross: walls and bodies that can move. Walls are the
+/// outlines of static bodies, which do not move during a run. A line crosses an outline if it crosses an edge
+/// of the outline between the two ends of the line, at a height within the height interval of the outline. A
+/// vertical line crosses nothing. Outlines that rangers (distance sensors) do not see are ignored. Not
+/// thread-safe. Keep one object per thread and reuse it: its arrays keep their memory.
 class LineCrossings {
  public:
   /// A horizontal length, m, which affects only the computing time. If `longest` in find_walls() or
@@ -49,17 +49,17 @@ class LineCrossings {
   /// Prepares the queries for walls, for lines whose horizontal length is at most `longest`, m. Returns
   /// false if it is certain that no such line crosses a wall.
   bool find_walls(double longest);
-  /// Prepares the queries for bodies, for lines whose horizontal length is at most `longest`, m.
-  /// `candidates` must contain the enclosing circles of all bodies that reach within this distance of the
+  /// Prepares the queries for bodies, for lines whose horizontal length is at most `longest`, m. `candidates`
+  /// must contain the enclosing circle of every body that may have a point within this distance of the
   /// origin. The circles are copied.
   void find_bodies(double longest, std::span<const partition::BodyCircle> candidates);
 
   /// Whether the line crosses a wall. Call find_walls() before. One end of the line must be the origin.
   bool crosses_wall(const SpatialLine& line) const;
-  /// Number of walls that the line crosses. Two crossings of a static solid, where the line enters and
-  /// leaves the solid, count as one wall: 2 n or 2 n - 1 crossings of one solid are n walls. A single
-  /// crossing occurs if an end of the line is inside the solid. Call find_walls() before. One end of the
-  /// line must be the origin.
+  /// Number of walls that the line crosses. A static body consists of solids (extruded polygons). A line that
+  /// enters and leaves a solid has two crossings with its outline, which count as one wall. An end of the
+  /// line inside the solid leaves a single crossing. So 2 n or 2 n - 1 crossings of one solid are n walls.
+  /// Call find_walls() before. One end of the line must be the origin.
   int count_walls(const SpatialLine& line);
   /// Whether the line crosses any body except the bodies of the rows (indices in the state tables) a and b,
   /// and except bodies that move together with one of these two (SensingView::same_tree()). Both rows must be

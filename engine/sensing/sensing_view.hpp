@@ -52,8 +52,8 @@ struct PublicColumns {
   // Constants.
   const WorldSpec* spec = nullptr;                    ///< the spec of the world
   const partition::StaticScene* scene = nullptr;      ///< geometry of the static bodies
-  const FixedTargets* fixed_targets = nullptr;        ///< marked parts of static bodies: fixed_targets()
-  const partition::GridGeometry* geometry = nullptr;  ///< cells and tiles of `index`
+  const FixedTargets* fixed_targets = nullptr;        ///< parts of static bodies that fiducial finders detect
+  const partition::GridGeometry* geometry = nullptr;  ///< sizes of the cells and tiles of `index`
   std::span<const BodyType> types;                    ///< compiled types, indexed by TypeId
   std::span<const BodyId> bodies;                     ///< body of each row
   /// Row of each body, by BodyId: not valid() if the body is static, k_elsewhere if its row is in the world
@@ -70,9 +70,9 @@ struct PublicColumns {
   std::span<const Pose> poses;                   ///< pose of each row, world frame
   std::span<const Transform> transforms;         ///< `poses` as transforms
   std::span<const Vec2> outlines;                ///< vertices of the outlines of all rows, world frame, m
-  std::span<const double> radii;  ///< radius about a body's origin, m; negative: unborn or dead
-  /// For all joints of all rows: transform of a point on the joint from its place with all joints at rest to
-  /// its present place, both in the body frame.
+  std::span<const double> radii;  ///< bounding radius about a body's origin, m; negative: unborn or dead
+  /// For all joints of all rows: the transform that takes a point on the joint from its place with all joints
+  /// at rest to its present place; body frame.
   std::span<const Mount> joint_mounts;
   /// One entry per row: the row of the body that carries the row's body, directly or through others, and is
   /// not carried itself; the row itself if its body is not carried. Empty if no body of the world has joints
@@ -87,7 +87,7 @@ struct PublicColumns {
   /// State table `condition`: faults and disabled bodies; empty: the world can have neither
   /// (World::has_conditions() is false).
   std::span<const Condition> conditions;
-  std::span<const StateTable> tables;  ///< all state tables, with states of and commands to devices
+  std::span<const StateTable> tables;  ///< all state tables, those of devices included
   /// 1 if World::subscribe() was called for the body, so that all its sensors run; otherwise 0.
   std::span<const std::uint8_t> subscribed;
 
@@ -99,8 +99,8 @@ struct PublicColumns {
 /// functions only read memory. They make no virtual calls and allocate nothing.
 ///
 /// This class does not give access to the velocities, commands and device states of other bodies, because
-/// these change during `actuate`. In `sense`, CommittedView gives access to them. For the device's own body,
-/// DeviceBatch, an argument of the functions of a device, has functions that return them.
+/// these change during `actuate`. In `sense`, CommittedView gives access to them. The functions of a device
+/// get a DeviceBatch, which gives access to these data for the device's own body.
 class SensingView {
  public:
   SensingView() = default;  ///< a view without a world; no function may be called

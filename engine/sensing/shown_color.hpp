@@ -9,10 +9,10 @@
 
 namespace troupe::engine {
 
-/// Name of the field, in the state of a device, in which the device stores the colour of the part that it is
-/// mounted on. Only kinds of devices with DeviceKind::shows_color set such a colour. For blob finders,
-/// cameras, pictures and sensors of the ground's colour, this colour replaces the part's colour in the world
-/// file. Code that reads recordings finds the field by this name.
+/// Name of a field of the state of a device. In this field, the device stores the colour of the part that it
+/// is mounted on. Only kinds of devices with DeviceKind::shows_color set such a colour. Blob finders,
+/// cameras, pictures and sensors of the ground's colour see this colour in place of the colour that the world
+/// file gives the part. Code that reads recordings finds the field by this name.
 inline constexpr std::string_view k_shown_color = "shown_color";
 
 /// The first device of a type that sets the colour of the part with this index (DeviceKind::shows_color);

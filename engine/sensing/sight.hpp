@@ -153,8 +153,8 @@ inline double range_to_edge(const Vec2& origin, const Vec2& direction, const Vec
   return range_to_edge(direction, SeenVertex(origin, direction, a), SeenVertex(origin, direction, b));
 }
 
-/// Tests a ray (origin and unit direction in the world frame, length in m) against the edges of a chain,
-/// whatever the height of the chain is. Updates `nearest`, the nearest surface that the ray has hit so far.
+/// Tests a ray (origin and unit direction in the world frame, length in m) against the edges of a chain.
+/// Ignores the height of the chain. Updates `nearest`, the nearest surface that the ray has hit so far.
 /// Before the call for the first chain, `nearest.range_m` must be the length of the ray, and `nearest.body`
 /// must not be valid(). Ties are resolved as in first_met().
 inline void meet_chain(const OutlineChain& chain, const Vec2& origin, const Vec2& direction, double length,

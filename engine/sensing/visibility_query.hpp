@@ -23,9 +23,9 @@ struct SightLine {
 /// Casts many horizontal rays from one origin. The results equal, bit for bit, those of engine::first_met()
 /// for rays that every part of a body stops (SightRay::stops is null). engine::first_met() searches the
 /// spatial index along each ray. This class looks up the bodies near the origin only once for all rays. It
-/// then tests each ray against the enclosing circles of these bodies, and intersects it with the outlines of
-/// the remaining candidates from near to far. Call stand() before all other functions. Not thread-safe. Keep
-/// one object per thread and reuse it: its arrays keep their memory.
+/// then tests each ray against the enclosing circles of these bodies. If the ray meets a circle, it is
+/// intersected with the outlines of that body, from the nearest body to the farthest. Call stand() before all
+/// other functions. Not thread-safe. Keep one object per thread and reuse it: its arrays keep their memory.
 class VisibilityQuery {
  public:
   /// Sets the origin (world frame, m) and looks up the bodies near it. Until the last ray is cast, the view
@@ -43,11 +43,11 @@ class VisibilityQuery {
   /// (SensingView::same_tree()) are excluded.
   std::span<const std::uint32_t> bodies() const { return {near_.circles().row.data(), bodies_}; }
 
-  /// Calls visit(chain) for outlines of bodies and of the static scene. Visits an outline if its enclosing
-  /// circle reaches into the disc with the radius `reach` (see stand()) about the origin, and wanted(x, y,
-  /// radius) is true for the circle. x and y are the centre of the circle relative to the origin, in the
-  /// directions of the world frame, m. Outlines at any height are visited, whatever the argument `z` of
-  /// stand() is. A piece of the static scene may be visited several times.
+  /// Calls visit(chain) for outlines of bodies and of the static scene. Visits an outline if two conditions
+  /// hold: its enclosing circle reaches into the disc about the origin with the radius `reach` (see stand()),
+  /// and wanted(x, y, radius) is true for the circle. x and y are the centre of the circle relative to the
+  /// origin, in the directions of the world frame, m. Outlines at any height are visited, whatever the
+  /// argument `z` of stand() is. A piece of the static scene may be visited several times.
   template <class Wanted, class Visit>
   void for_each_chain(Wanted&& wanted, Visit&& visit) {
     if (reach_ > fixed_reach_) find_fixed(reach_);

@@ -20,9 +20,10 @@ std::size_t add_device(TypeSpec& type, DeviceSpec device, const DeviceKind& kind
 /// Adds the solids (rigid shapes) of a device to its body type. The function DeviceKind::body of the kind
 /// returns the solids; without it, the call has no effect. Solids that no joint moves are added to the part
 /// that carries the device. For each joint that moves solids, a new part with these solids is added. The new
-/// part has the other properties of the part that carries the device, such as its colour. If DeviceKind::body
-/// throws an exception, this function throws std::runtime_error and leaves the type unchanged. `device` is
-/// the index of the device in type.devices. Call this once for a device, after add_device().
+/// part is mounted on the part that carries the device, and has the same properties as that part, such as the
+/// colour, but a name of its own. If DeviceKind::body throws an exception, this function throws
+/// std::runtime_error and leaves the type unchanged. `device` is the index of the device in type.devices.
+/// Call this once for a device, after add_device().
 void add_device_body(TypeSpec& type, std::size_t device, const DeviceKind& kind);
 
 }  // namespace troupe::engine

@@ -43,13 +43,13 @@ struct BodyType {
   /// Obstacle shape at rest, body frame. Empty if no part is an obstacle, and for types whose bodies are
   /// static (runs() is false). The obstacles of static bodies are in World::scene(), the static scene.
   partition::ObstacleShape obstacle;
-  /// For each piece of `obstacle`, the index in `joints` of the joint that it is mounted on, or k_rigid.
-  /// Empty if the type has no joints.
+  /// For each convex piece of `obstacle`, the index in `joints` of the joint that it is mounted on, or
+  /// k_rigid. Empty if the type has no joints.
   std::vector<std::int32_t> obstacle_joints;
   /// Shape at rest of the parts that grippers can grip, body frame; empty if there are none.
   partition::ObstacleShape grip;
-  /// For each piece of `grip`, the index in `joints` of the joint that it is mounted on, or k_rigid. Empty if
-  /// no piece is mounted on a joint.
+  /// For each convex piece of `grip`, the index in `joints` of the joint that it is mounted on, or k_rigid.
+  /// Empty if no piece is mounted on a joint.
   std::vector<std::int32_t> grip_joints;
   std::vector<Vec2> outline_vertices;  ///< vertices of all outlines at rest, body frame, m
   /// Outlines that rangers see. In `outline_vertices`, their vertices precede those of `hidden_outlines`.

@@ -53,8 +53,8 @@ std::string text_of(const StopSpec& condition);
 /// in the world and not yet in the requested condition. A fault selects among the bodies that are present at
 /// tick 0. Static bodies (without drive, devices and controllers, and neither grippable nor pushable) do not
 /// belong to any group. A group without bodies is an error, reported when the world is built. The exception
-/// is a group that is a type of the world whose bodies would not be static: the intervention or fault then
-/// has no effect.
+/// is a group that is given by a body type (By::type) of the world, if bodies of that type would not be
+/// static: the intervention or fault then has no effect.
 struct GroupSpec {
   /// What `name` refers to.
   enum class By : std::uint8_t {
@@ -115,8 +115,8 @@ struct InterventionSpec {
   /// must be set. For `add`, the pose of each new body; no further body is added once this pose is occupied.
   std::optional<Pose> pose;
   /// For `add` without `pose`: box in which each new body gets a random free pose with z = 0, world frame, m.
-  /// Not set: the box WorldSpec::bounds, which the world must then have. If a body finds no free pose in 1000
-  /// trials, it and the remaining bodies are not added.
+  /// Not set: the box WorldSpec::bounds, which the world must then have. If none of 1000 random poses for a
+  /// body is free, this body and the remaining bodies are not added.
   std::optional<Box> region;
   std::optional<SettingSpec> setting;  ///< for `set`: the new parameters; `whom` is then unused
   Where where;                         ///< file position, for messages

@@ -35,10 +35,10 @@ struct PopulationSpec {
 /// so far.
 class Occupancy {
  public:
-  /// Makes the static scene from the parts of the first `fixed` bodies of `spec` that are obstacles, whether
-  /// or not these bodies are static (is_static()). The crowd is empty. Both constructors keep a reference to
-  /// the types of the spec: while the object exists, the spec must also exist, and no type may be added or
-  /// changed.
+  /// Makes the static scene from the first `fixed` bodies of `spec`, whether or not these bodies are static
+  /// (is_static()). Only parts that are obstacles count. The crowd is empty. Both constructors keep a
+  /// reference to the types of the spec: while the object exists, the spec must also exist, and no type may
+  /// be added or changed.
   Occupancy(const WorldSpec& spec, std::size_t fixed);
   /// Makes the static scene from the static bodies of the spec (is_static()), and the crowd from the other
   /// bodies. Only parts that are obstacles count. Bodies that are not in the world at tick 0 (the initial

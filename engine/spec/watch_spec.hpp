@@ -34,7 +34,8 @@ struct WatchSpec {
 
 /// The table of the members of WatchSpec as they appear in files: `clock`, `clock_ticks`, `rate`, `paused`.
 const FieldTable& watch_fields();
-Record watch_record(const WatchSpec& watch);  ///< returns one value per field of watch_fields()
-WatchSpec watch_spec(const Record& record);   ///< returns the settings; one value per field of watch_fields()
+Record watch_record(const WatchSpec& watch);  ///< returns the settings: one value per field of watch_fields()
+/// Returns the settings from a record, which must have one value per field of watch_fields().
+WatchSpec watch_spec(const Record& record);
 
 }  // namespace troupe::engine

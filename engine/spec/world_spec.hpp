@@ -75,8 +75,8 @@ struct ImageSpec {
   bool keeps_margins = false;
   bool unknown_is_solid = false;  ///< for ROS maps: whether unknown cells are solid
   bool boundary = false;          ///< true: adds four walls just inside the edges of the image
-  /// Pose, in the part's frame, of the centre of what is scaled to the part's size (see `keeps_margins`); for
-  /// a ROS map, pose of the frame of the map.
+  /// For a ROS map, pose of the frame of the map in the part's frame. For any other image, pose of the centre
+  /// of the scaled image or, if `keeps_margins` is false, of the scaled bounding box, in the part's frame.
   Pose origin;
   friend bool operator==(const ImageSpec&, const ImageSpec&) = default;
 };
@@ -219,7 +219,7 @@ struct RecordSpec {
 struct WorldSpec {
   std::string title;                   ///< title of the world, for display
   std::shared_ptr<SourceFiles> files;  ///< files that the `Where` values refer to; may be null
-  std::uint64_t seed = 1;              ///< seed of all random numbers and of motion priorities
+  std::uint64_t seed = 1;              ///< seed of all random numbers, and of priorities in motion conflicts
   double tick_s = 0.1;                 ///< length of a tick, s; above 0
   std::optional<double> quit_time_s;   ///< world time at which a run ends by default, s; not set: none
   std::optional<RecordSpec> record;    ///< the recording that the world asks for; not set: none

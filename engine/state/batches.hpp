@@ -57,10 +57,12 @@ void for_types(const WorldState& state, std::span<Row> rows, Work&& work) {
 /// one type and near one another in the world. This loop is for work that reads the neighbours of a row:
 /// their data are then likely to be in the CPU cache.
 ///
-/// order: the rows, in an order in which neighbours in the world follow one another (BodyIndex::order(),
-/// which lists only bodies in the world); if it is empty, there is no call
-/// least: number of rows whose work is worth waking a thread, at least 1. If there are few rows for the
-/// number of threads, batches have fewer than k_near_batch rows, but not fewer than `least`
+/// order: the rows, in an order in which bodies that are near one another in the world follow one another.
+/// BodyIndex::order() is such an order; it lists only bodies in the world. If `order` is empty, there is no
+/// call
+/// least: smallest number of rows whose work takes long enough to be worth waking a thread, at least 1. If
+/// there are few rows for the number of threads, batches have fewer than k_near_batch rows, but not fewer
+/// than `least`
 template <class Work>
 void for_neighbours(const WorldState& state, partition::Parallel& parallel,
                     std::span<const std::uint32_t> order, std::size_t least, Work&& work) {
@@ -102,11 +104,11 @@ void for_blocks(const WorldState& state, partition::Parallel& parallel, Work&& w
   for_blocks(state, parallel, {0, state.row_count()}, work);
 }
 
-/// Calls work(rows) for those of `rows` that are due in the present tick, once for each run of due rows that
-/// follow one another in `rows`. A row is due if the age of its body is a multiple of `period`, which is at
-/// least 1. The age is the number of ticks since the birth of the body, or since tick 0 if the body was
-/// present then. In a world without births, either all rows are due or none. If `rows` is empty, work() may
-/// be called once with an empty span.
+/// Calls work(rows) for those of `rows` that are due in the present tick, once for each sequence of due rows
+/// without a gap in `rows`. A row is due if the age of its body is a multiple of `period`, which is at least
+/// 1. The age is the number of ticks since the birth of the body, or since tick 0 if the body was present
+/// then. In a world without births, either all rows are due or none. If `rows` is empty, work() may be called
+/// once with an empty span.
 template <class Work>
 void for_due(const WorldState& state, std::span<const Row> rows, std::uint64_t period, Work&& work) {
   if (period == 1 || !state.life_table) {
@@ -121,8 +123,8 @@ void for_due(const WorldState& state, std::span<const Row> rows, std::uint64_t p
   }
 }
 
-/// Calls work(rows) for those of `rows` whose device runs in the present tick, once for each run of rows that
-/// follow one another in `rows`. All rows must be of the type of the device. The device of a row runs if all
+/// Calls work(rows) for those of `rows` whose device runs in the present tick, once for each sequence of such
+/// rows without a gap in `rows`. All rows must be of the type of the device. The device of a row runs if all
 /// of these hold: it is due (its period divides the age of the body, as in for_due()); it is active (a
 /// controller uses it, or the world file makes it active: BodyType::Device::active), or World::subscribe()
 /// was called for the body; it is switched on, is not broken and has power; its body is neither disabled nor

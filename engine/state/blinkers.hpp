@@ -11,13 +11,14 @@
 
 namespace troupe::engine {
 
-/// Implements the test mode World::hide_beyond_reach(). Before a device runs, World calls hide_from(): the
-/// object replaces by junk the data of other bodies that the kind of the device does not declare to read, and
-/// removes bodies beyond the reach of the device from the spatial index. The object also detects effects
-/// (changes that a device makes to bodies) on bodies that the kind does not declare to change. A kind of
-/// device is a table of functions that implements one sort of device. The reach of a device is the distance
-/// up to which it may read or change other bodies. A row is the index of a body in the state tables, and a
-/// component is one of these tables. Bodies that carry one another form a tree.
+/// Implements the test mode World::hide_beyond_reach(). A kind of device is a table of functions that
+/// implements one sort of device. It declares which data of other bodies the device reads, and which bodies
+/// it may change. Before a device runs, World calls hide_from(): the object overwrites with junk all data of
+/// other bodies that are not declared as read, and removes bodies beyond the reach of the device from the
+/// spatial index. The object also detects effects (changes that a device makes to bodies) on bodies that may
+/// not be changed. The reach of a device is the distance up to which it may read or change other bodies. A
+/// row is the index of a body in the state tables, and a component is one of these tables. Bodies that carry
+/// one another form a tree.
 class Blinkers {
  public:
   /// Copies `state`, and keeps a reference to it. `state` must outlive the object.
@@ -26,17 +27,18 @@ class Blinkers {
   /// Hides data from a device of the row's body. Two groups of bodies are hidden completely: bodies that are
   /// not in the world, and bodies whose enclosing circles are outside the disc with the radius `reach` (m)
   /// about the origin of the row's body. Bodies in the same tree as the row's body count as inside the disc.
-  /// Of the remaining bodies, except the row's own, the state is hidden but for these components: `pose`,
-  /// `carrier`, `life`, those of joints, and those that the kind of the device declares to read
-  /// (DeviceKind::reads). `kind` must outlive the object.
+  /// The remaining bodies, except the row's own, keep only these components, and the rest of their state is
+  /// hidden: `pose`, `carrier`, `life`, those of joints, and those that the kind of the device declares as
+  /// read (DeviceKind::reads). `kind` must outlive the object.
   void hide_from(Row row, const DeviceKind& kind, double reach);
   /// Undoes the last call of hide_from(), which must have had the same row and kind and must not have been
   /// undone yet.
   void show_hidden(Row row, const DeviceKind& kind);
-  /// Checks the effects that the device emitted while data were hidden: throws a StepError if the kind of the
-  /// device has the scope ApplyScope::trees, which allows only targets within the reach of the device, and
-  /// the target of an effect was a hidden body. Call it after show_hidden(), before the next hide_from().
-  /// Effects without a target, and effects on static bodies, are allowed.
+  /// Checks the effects that the device emitted while data were hidden. The scope ApplyScope::trees allows
+  /// only targets within the reach of the device. If the kind of the device has this scope, throws a
+  /// StepError if the target of an effect was a hidden body. For other scopes, checks nothing. Call it after
+  /// show_hidden(), before the next hide_from(). Effects without a target, and effects on static bodies, are
+  /// allowed.
   void check_targets(const BodyType::Device& device, std::span<const Effect> emitted) const;
 
   /// Call this before an effect is applied: copies the state, and stores which bodies are in the tree of the

@@ -29,8 +29,8 @@ struct RowRange {
   std::size_t first = 0;  ///< the first row
   std::size_t end = 0;    ///< one past the last row
 };
-/// Writes those rows of `order` that are in a range to `rows`, in that order. Returns them; the result is
-/// valid as long as `rows` does not change.
+/// Returns those rows of `order` that are in `range`, in the same order. The result is stored in `rows`, and
+/// is valid as long as `rows` does not change.
 std::span<const std::uint32_t> rows_within(std::span<const std::uint32_t> order, const RowRange& range,
                                            std::vector<std::uint32_t>& rows);
 
@@ -53,10 +53,10 @@ struct WorldState {
     k_command,   ///< Command to the drive
     k_stall,     ///< whether the last motion was blocked: Stall
   };
-  /// Values of the component `stall`: what became of the last motion.
+  /// Values of the component `stall`: the outcome of the last motion.
   enum Stall : std::uint8_t {
     k_free,           ///< the motion was carried out, or there was none
-    k_blocked,        ///< a body, or a wall of the static scene, was in the way
+    k_blocked,        ///< another body, mobile or static, was in the way
     k_out_of_bounds,  ///< the motion would have ended outside the bounds of the world
   };
 
@@ -111,8 +111,8 @@ struct WorldState {
   std::vector<Transform> transforms;  ///< public: the poses as transforms
   std::vector<Vec2> outlines;         ///< public: vertices of the outlines of all rows, world frame, m
   std::vector<double> radii;          ///< public: bounding radius about the origin, m; < 0: not in the world
-  /// Public: for all joints of all rows, the transform of a point on the joint from its place with all
-  /// joints at rest to its present place, both in the body frame.
+  /// Public: for all joints of all rows, the transform that takes a point on the joint from its place with
+  /// all joints at rest to its present place; body frame.
   std::vector<Mount> joint_mounts;
   /// Public: row of the body that carries the row's body, directly or through others, and is not carried
   /// itself (the root); the row itself if its body is not carried. Empty, like joint_begins, if no type has
@@ -134,8 +134,8 @@ struct WorldState {
   WorldState(const WorldState&) = delete;
   WorldState& operator=(const WorldState&) = delete;
 
-  /// Gives each pool its place in `outlines` and `joint_mounts`, after Pool::slots were set, and resizes
-  /// `outlines`. Does not compute the outlines.
+  /// Gives each pool its place in `outlines` and `joint_mounts`, and resizes `outlines`. Call this after
+  /// Pool::slots were set. Does not compute the outlines.
   void place_pools();
   /// Updates `view`. Call this after a vector or table was allocated again, or `ray_grid` was set.
   void bind_view();

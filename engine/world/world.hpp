@@ -181,18 +181,18 @@ class World {
     BodyId body;                   ///< body of the row
     std::vector<std::byte> bytes;  ///< the data, for add_rows() of a world with the same spec
   };
-  /// Removes the rows of bodies from this world, for example to add them with add_rows() to another World
-  /// that was made from the same spec. Returns the data of the rows, in the order of `bodies`. location() of
-  /// the bodies is then RowLocation::elsewhere. If a body is carried or carries others, `bodies` must contain
-  /// all bodies that move together with this body (same_tree()). Counts such as robots() still include the
+  /// Removes the rows of bodies from this world, for example to add them to another World that was made from
+  /// the same spec (add_rows()). Returns the data of the rows, in the order of `bodies`. location() of the
+  /// bodies is then RowLocation::elsewhere. If a body is carried or carries others, `bodies` must contain all
+  /// bodies that move together with this body (same_tree()). Counts such as robots() still include the
   /// removed bodies. If the world cannot be distributed among ranks (why_replicated() in
   /// engine/ranks/halo.hpp), pass the data to add_rows() before any other call. Otherwise step() may be
-  /// called. The remaining bodies then do what they would do if the removed bodies were far away. The only
-  /// exception: an intervention that chooses bodies at random chooses among the remaining bodies only. Throws
-  /// std::invalid_argument if a body has no row in this world, occurs twice, or is listed without the bodies
-  /// that move together with it, and std::logic_error if several ranks compute the world. Call this between
-  /// steps. The tables and all other lists with one element per row may move in memory, as they may in
-  /// add_rows() and, if the rows are distributed among ranks, in gather().
+  /// called before add_rows(). The remaining bodies then do what they would do if the removed bodies were far
+  /// away. The only exception: an intervention that chooses bodies at random chooses among the remaining
+  /// bodies only. Throws std::invalid_argument if a body has no row in this world, occurs twice, or is listed
+  /// without the bodies that move together with it, and std::logic_error if several ranks compute the world.
+  /// Call this between steps. The tables and all other lists with one element per row may move in memory.
+  /// They may also move in add_rows() and, if the rows are distributed among ranks, in gather().
   std::vector<RowState> remove_rows(std::span<const BodyId> bodies);
   /// Adds rows that remove_rows() has removed, in any order. Throws std::invalid_argument if location() of a
   /// body is not RowLocation::elsewhere. Call this between steps.
@@ -346,8 +346,8 @@ class World {
   bool stalled(Row row) const;
   /// Whether the row's last motion would have ended outside the bounds of the world (WorldSpec::bounds).
   bool is_out_of_bounds(Row row) const;
-  /// Estimated pose of a robot, m and rad, in the frame that the Localization of its drive (how the robot
-  /// estimates its pose) defines: by default the world frame, or with odometry the frame of the robot's first
+  /// Estimated pose of a robot, m and rad. The Localization of its drive, which says how the robot estimates
+  /// its pose, defines the frame: by default the world frame, with odometry the frame of the robot's first
   /// pose. For a body without a drive, the true pose in the world frame.
   Pose estimate(Row row) const { return estimates(type(row)).of(row, slot(row)); }
   /// Estimated poses of all bodies of a type, valid as long as the world exists. For a type without a drive
@@ -386,8 +386,9 @@ class World {
   /// The row of the body that carries the row's body, directly or through others, and is not carried itself
   /// (the *root* of its tree); the row itself if its body is not carried.
   Row root(Row row) const { return state_.now.carried > 0 ? Row(state_.roots[row.index()]) : row; }
-  /// Upper bound on the distance of any point of a tree from the origin of its root, for all trees of several
-  /// bodies with rows in this world, m: the largest Links::farthest() of their roots; 0 if there are none.
+  /// Upper bound on the distance of any point of a tree from the origin of its root, m. It holds for all
+  /// trees of two or more bodies whose rows are in this world, and is the largest Links::farthest() of their
+  /// roots. 0 if there are no such trees.
   double farthest_in_trees() const;
   /// Attaches the body `cargo` to the body `carrier`. The cargo then keeps its present pose relative to the
   /// joint with the index `joint` of the carrier or, if `joint` is k_rigid, relative to the carrier itself.
@@ -466,9 +467,9 @@ class World {
   std::size_t settings_made() const { return experiment_.made; }
   /// The spec of a type with its present parameters, which interventions `set` and set() may have changed.
   TypeSpec present_type(TypeId type) const;
-  /// Longest reach (distance at which a device can sense or affect bodies), m, of all devices of types with
-  /// rows: the maximum of DeviceKind::Prepared::reach_m over all parameters that the interventions of spec()
-  /// give the devices during a run.
+  /// Longest reach of all devices of types with rows, m. The reach of a device is the distance at which it
+  /// can sense or affect bodies. The result is the maximum of DeviceKind::Prepared::reach_m over all
+  /// parameters that devices have during a run, including parameters that interventions of spec() set.
   double longest_reach() const;
   /// Number of bodies in the world that are disabled or have a fault, such as a broken device. Bodies whose
   /// rows are elsewhere (RowLocation::elsewhere) do not count.
@@ -570,8 +571,8 @@ class World {
 
  private:
   [[noreturn]] void throw_half_made() const;
-  /// Guards work that changes the state. Its destructor sets is_half_made_ if the work threw an exception,
-  /// and clears it otherwise.
+  /// Lives during work that changes the state. The destructor sets is_half_made_ if the work threw an
+  /// exception, and clears it otherwise.
   class Completion {
    public:
     explicit Completion(World& world) : world_(world) { world_.is_half_made_ = false; }
@@ -664,9 +665,10 @@ class World {
   void bind_kinds_again(const Registry& registry);
   void build_fault(std::size_t at, const Registry& registry, Diagnostics& diagnostics);
   void build_conditions();
-  /// The bodies with rows that a group names, in order of ids, before any random choice. If the group names
-  /// none, the result is empty, and the function reports an error at `where`, a position in the world file.
-  /// It reports no error for a type that exists and whose bodies would have rows.
+  /// The bodies with rows that a group of the world file names, in order of ids, before any random choice
+  /// among them. If the group names none, the result is empty, and the function reports an error at `where`,
+  /// a position in the world file. A group that names a type is no error if the type exists and its bodies
+  /// would have rows, even if the world has no such body.
   std::vector<BodyId> bodies_of(const GroupSpec& group, Where where, Diagnostics& diagnostics) const;
   /// Computes from the tick which interventions have been applied: those whose tick is before the present
   /// one. The next step applies the interventions of the present tick.

@@ -21,8 +21,9 @@ namespace troupe::models {
 /// needs     a drive, a ground sensor, a radio, a ranger with more than 8 beams that sees ahead
 /// source    Schmickl, Thenius, Moeslinger, Radspieler, Kernbach, Szymanski, Crailsheim: Get in touch:
 ///           cooperative decision making based on robot-to-robot collisions, Autonomous Agents and
-///           Multi-Agent Systems 18, 2009; the name and the law of waiting: Schmickl, Hamann: BEECLUST: a
-///           swarm algorithm derived from honeybees, 2011. In these papers the cue is light from above
+///           Multi-Agent Systems 18, 2009; the name and the formula of the waiting time: Schmickl, Hamann:
+///           BEECLUST: a swarm algorithm derived from honeybees, 2011. In these papers, the robots sense the
+///           brightness of light from above, not of the ground
 engine::ControllerKind beeclust_controller();
 
 }  // namespace troupe::models

@@ -12,13 +12,15 @@ namespace troupe::models {
 /// aims      The robot steers along the vector a = `taxis` g + `noise` u + p in its own frame. Names in
 ///           backquotes are parameters. g is the unit vector towards the light, or 0 if the light sensor sees
 ///           no light. u is a unit vector of random direction, which changes every `shake` seconds. p is the
-///           repulsion by other robots. Let R be the sum of the radii of the robot and of another robot that
-///           it hears, and r the distance between their radios. If r is below R, p has a term of length
-///           `push` (1 - r / R) that points away from the other robot.
+///           sum of the repulsions by the other robots that the robot hears. Let R be the sum of the radii of
+///           the robot and of one other robot, and r the distance between their radios. If r is below R, the
+///           repulsion by the other robot is a vector of length `push` (1 - r / R) that points away from that
+///           robot.
 /// drives    The forward speed is `speed` times min(|a|, 1) times cos(b), where b is the angle of a from
 ///           straight ahead, so the robot drives backwards if a points backwards. The turn rate is `gain`
 ///           times b.
-/// needs     a drive, a light sensor of three directions or more, a radio with a payload of 4 bytes or more
+/// needs     a drive, a light sensor that measures in three directions or more, a radio with a payload of 4
+///           bytes or more
 /// source    Gross, Magnenat, Mondada: Segregation in swarms of mobile robots based on the Brazil nut effect,
 ///           IROS 2009: random walk, taxis, and repulsion between robots that broadcast their sizes
 engine::ControllerKind brazil_nut_controller();

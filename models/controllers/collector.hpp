@@ -19,9 +19,9 @@ namespace troupe::models {
 ///          chargers where the world file places them, even if they have moved since.
 /// charges  If the power pack holds less than 25 % of its capacity during the search, the robot goes to the
 ///          nearest charger and stands there until the pack holds 95 %. A charger is a model that is in the
-///          world from the start and whose fiducial_return, or that of a part of the model, is the parameter
-///          `charger`; the robot goes to the part. A robot without a pack, or in a world without a charger,
-///          never charges.
+///          world from the start and has the parameter `charger` as its fiducial_return. If only a part of a
+///          model has this fiducial_return, the robot goes to that part. A robot without a pack, or in a
+///          world without a charger, never charges.
 /// needs    a drive, a ranger with more than 8 beams that sees ahead, a fiducial finder, a gripper, a sink
 /// source   none: written for Troupe. Stage has the devices, but no example that combines them
 engine::ControllerKind collector_controller();

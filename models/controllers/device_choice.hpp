@@ -36,12 +36,12 @@ class DeviceChoice {
   bool take_kind(std::string_view kind) {
     return take([kind](const engine::DeviceInfo& device) { return device.kind == kind; });
   }
-  /// Claims an unclaimed ranger that sees ahead (Scanner::is_usable) and returns its Scanner. The function
-  /// takes the first such ranger that has a transducer (fan of beams) with k_least_samples or more beams, as
-  /// in Stage. If there is none, it takes the first such ranger whose transducers together have
-  /// k_least_samples or more beams. If no ranger can be used, the error states the reason for each ranger of
-  /// the robot. share: 3 or 4; the scanner leaves out 1 / share of the beams at either end of the scan when
-  /// it looks ahead (Scanner).
+  /// Claims an unclaimed ranger (range sensor) that sees ahead (Scanner::is_usable), and returns a Scanner,
+  /// an object that detects obstacles in the readings of this ranger. The function takes the first such
+  /// ranger that has a transducer (fan of beams) with k_least_samples or more beams, as in Stage. If there is
+  /// none, it takes the first such ranger whose transducers together have k_least_samples or more beams. If
+  /// no ranger can be used, the error states the reason for each ranger of the robot. share: 3 or 4; the
+  /// scanner leaves out 1 / share of the beams at either end of the scan when it looks ahead (Scanner).
   Result<Scanner> take_scanner(std::size_t share);
   /// Claims a ground sensor, a radio and a scanner (take_scanner), in this order, and returns the scanner.
   /// Returns an error if one of the three is missing; the devices claimed up to then stay claimed. share: as

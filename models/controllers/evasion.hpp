@@ -32,7 +32,7 @@ struct Evasion {
   /// from the nearer side, which takes 5 to 9 decisions. The controller `wander` differs in two points: it
   /// looks at the middle third of the scan, and its turns take 10 to 19 decisions. The view is wider here and
   /// the turns are shorter, because many robots meet near their common goals. ranges: readings of the
-  /// scanner's ranger, m. command: on entry, the last command of the robot, whose turn rate is kept until the
+  /// scanner's ranger, m. command: on entry, the last command of the robot; its turn rate is kept until the
   /// turn ends. Returns true if it has set `command`. Returns false if the way is free; `command` is then
   /// unchanged.
   template <class Memory>

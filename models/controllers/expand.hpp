@@ -4,13 +4,13 @@
 
 namespace troupe::models {
 
-/// Returns the definition of the controller `expand`: dispersal by ranges. A robot turns towards the vector
-/// sum of its beams. Each beam contributes a vector along the beam whose length is the reading of the beam.
-/// The robot drives while every reading exceeds the clearance of its beam and the sum is within the angle
-/// `cone` (rad, a parameter) of straight ahead. The clearance of a beam at the angle a from straight ahead is
-/// the parameter `clearance` (m) times cos(a). The parameter `clearances` replaces this formula by one
-/// clearance (m) per transducer (fan of beams). The controller reads all beams of the first ranger that no
-/// other controller of the robot has claimed.
+/// Returns the definition of the controller `expand`: robots disperse by means of their range readings. A
+/// robot turns towards the vector sum of its beams. Each beam contributes a vector along the beam whose
+/// length is the reading of the beam. The robot drives while every reading exceeds the clearance of its beam
+/// and the sum is within the angle `cone` (rad, a parameter) of straight ahead. The clearance of a beam at
+/// the angle a from straight ahead is the parameter `clearance` (m) times cos(a). The parameter `clearances`
+/// replaces this formula by one clearance (m) per transducer (fan of beams). The controller reads all beams
+/// of the first ranger that no other controller of the robot has claimed.
 /// edges   If the length of the vector sum is at most 1e-6 times the sum of the readings, the sum has no
 ///         direction, and straight ahead is used instead. This happens with a ring of beams in open space. If
 ///         the sum points straight ahead (within 1e-6 rad) but the way is not clear, the robot turns left,

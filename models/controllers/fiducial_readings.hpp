@@ -68,7 +68,7 @@ class FiducialReadings {
 struct MarkedBody {
   BodyId body;  ///< id of the body
   /// Origin of the part at the start of the run, m, world frame. If several parts have the fiducial_return,
-  /// that of the first of them.
+  /// the origin of the first of them.
   Vec2 at;
 };
 

@@ -10,9 +10,9 @@ namespace troupe::models {
 /// one byte each.
 inline constexpr std::uint8_t k_hops_unknown = 255;
 
-/// Returns the definition of the controller `gradient`: a gradient of hop counts by radio. Robots settle one
-/// after another within radio range of settled robots, and each robot learns its number of hops to a beacon.
-/// If walls stop the radio, the hops lead around the walls.
+/// Returns the definition of the controller `gradient`: robots exchange hop counts by radio and so form a
+/// gradient. Robots settle one after another within radio range of settled robots, and each robot learns its
+/// number of hops to a beacon. If walls stop the radio, the hops lead around the walls.
 ///
 /// beacon    A robot whose parameter `beacon` is true stands still and broadcasts the hop count 0.
 /// roams     A robot that is not settled drives straight on and turns away from obstacles ahead. If it hears

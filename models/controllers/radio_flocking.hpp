@@ -9,11 +9,12 @@ namespace troupe::models {
 /// robots that it hears.
 ///
 /// aims      The robot aims along the vector a = h + `spacing_weight` p in its own frame. Names in backquotes
-///           are parameters. h is the unit vector of the mean of its own heading and the headings that it
-///           hears. p is the mean of w u over the robots that it hears: u is the unit vector towards such a
-///           robot, r the distance between the radios, and w = 1 - (`distance` / r)^2, clamped to the
-///           interval from -5 to 0.3. Near robots repel (w < 0) and far robots attract (w > 0). If the robot
-///           has a ranger, obstacles nearer than `clearance` (m) add a repulsion to a.
+///           are parameters. h is the unit vector in the direction of the mean of its own heading and the
+///           headings that it hears. p is the mean of the vectors w u of the robots that it hears. For each
+///           of these robots, u is the unit vector towards it, r is the distance between the radios, and w =
+///           1 - (`distance` / r)^2, clamped to the interval from -5 to 0.3. Near robots repel (w < 0) and
+///           far robots attract (w > 0). If the robot has a ranger, obstacles nearer than `clearance` (m) add
+///           a repulsion to a.
 /// drives    The forward speed is `speed` times cos(b), where b is the angle of a from straight ahead, but
 ///           not below -`speed` / 2. The turn rate is `gain` times b.
 /// needs     a drive, a radio with a payload of 4 bytes or more. The heading that a robot broadcasts is that

@@ -13,16 +13,16 @@ inline constexpr std::uint32_t k_raster_rows = 20;     ///< rows of the raster, 
 /// The memory of the controller `rasterize`: the variables that the controller keeps between calls. A
 /// recording of the run can contain them.
 struct RasterizeMemory {
-  /// The cells of the raster, along x, row by row from the least y; x and y are the axes of the model (the
-  /// body with the controller). 1: an outline (edges of a solid of the model, seen from above) crosses or
-  /// touches the cell; 0: none does.
+  /// The cells of the raster, row by row: rows in order of y, and cells of a row in order of x. x and y are
+  /// the axes of the model (the body, or part of a body, that has the controller). 1: an outline (edges of a
+  /// solid of the model, seen from above) crosses or touches the cell; 0: none does.
   std::array<std::uint8_t, k_raster_columns * k_raster_rows> cells{};
   TROUPE_FIELDS(cells)
 };
 /// Returns the definition of the controller `rasterize`. From its first call on, the controller has a raster
-/// of 40 x 20 cells in its memory (RasterizeMemory). The raster covers the bounding box, in the frame of the
-/// controller's model, of the outlines of that model. Without outlines, all cells are 0. Stage's controller
-/// prints the raster; here a recording can contain it.
+/// of 40 x 20 cells in its memory (RasterizeMemory). The raster covers the bounding box of the outlines of
+/// the model that has the controller, in the frame of this model. If the model has no outlines, all cells are
+/// 0. Stage's controller prints the raster; here a recording can contain it.
 engine::ControllerKind rasterize_controller();
 
 }  // namespace troupe::models

@@ -7,7 +7,7 @@ namespace troupe::models {
 /// Returns the definition of the controller `script`: open-loop driving. The parameter `law` selects how the
 /// speeds are determined. With `timed`, the robot drives with the speeds of each entry of the parameter
 /// `legs` until the simulated time of that entry, and stands still after the last entry. If the drive runs
-/// only once per period of several simulation steps, the speeds change at the run of the drive that is
+/// only in some simulation steps, at a fixed period, the speeds change in the one of these steps that is
 /// nearest to this time. The other laws compute the speeds from n, the number of calls of the controller so
 /// far; at the first call, n = 1. Divisions of n are integer divisions, and % is the remainder:
 ///

@@ -15,9 +15,9 @@ namespace troupe::models {
 /// a time, the robot arrives at the end of the tick (simulation step) in which this time is reached. A
 /// command acts one tick after the controller has given it, so the robot first moves in the second tick. If
 /// the drive runs only once per period of several ticks, a command acts one period after the controller has
-/// given it, and the robot arrives at the end of the last period that ends at or before the time of the goal.
-/// An obstacle in its way blocks the robot, as it blocks robots with other controllers. Once the way is free
-/// again, the robot moves as fast as its drive can until it is on time. It skips no goal.
+/// given it, and the robot arrives at the end of a period: the last period that is over by the time of the
+/// goal. An obstacle in its way blocks the robot, as it blocks robots with other controllers. Once the way is
+/// free again, the robot moves as fast as its drive can until it is on time. It skips no goal.
 engine::ControllerKind waypoints_controller();
 
 }  // namespace troupe::models

@@ -6,7 +6,7 @@
 
 namespace troupe::models {
 
-/// The command of a gripper: the command holds until the controller replaces it. A motion that an order has
+/// The command of a gripper. The command holds until the controller replaces it. A motion that an order has
 /// started continues to its end, unless the opposite order (`open` and `close`, `up` and `down`) reverses it.
 /// So the paddles and the lift can move at the same time, if an order for one follows an order for the other.
 struct GripperCommand {

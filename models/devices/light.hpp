@@ -35,13 +35,14 @@ using sensors::LightState;
 /// edges       If `enabled` is false, the light is dark until a controller switches it on. With a period of
 ///             0, the light does not blink: it is lit unless the dutycycle is 0. At the instant at which the
 ///             lit part of a period ends, the light is dark.
-/// errors      A world is invalid if the light is outside the circle about the origin of its body that
-///             encloses the body. Light sensors search for lights only within these circles.
+/// errors      The light must be inside the smallest circle that is centred at the origin of its body and
+///             encloses the body; otherwise the world is invalid. The reason: light sensors search for lights
+///             only within these circles.
 engine::DeviceKind blinkenlight_kind();
 
 /// Returns the definition of the device `lightindicator`, a light that is dark until a controller switches it
 /// on (parameter: intensity; state: LightState; commands: LightCommand). As for a blinkenlight, the light
-/// must be inside the circle about the origin of its body that encloses the body.
+/// must be inside the smallest circle that is centred at the origin of its body and encloses the body.
 engine::DeviceKind lightindicator_kind();
 
 }  // namespace troupe::models

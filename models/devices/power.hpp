@@ -59,8 +59,8 @@ struct PowerPackState {
 ///          keep their last readings and the drive stands still, but controllers continue to decide. Sensors
 ///          and drive run again when the pack receives energy. With "nothing", an empty pack has no effect,
 ///          as in Stage. With "die", everything that the pack supplies stops, and the body dies when the pack
-///          runs the next time, in the next tick if the pack runs in every tick. The body lives if the pack
-///          receives energy in a tick before that (docs/lives.md).
+///          runs the next time. If the pack runs in every tick, this is the next tick. The body does not die
+///          if the pack receives energy in a tick before that (docs/lives.md).
 /// state    PowerPackState; no commands
 /// when     The pack runs after the drive in each tick, so a robot still moves in the tick in which its pack
 ///          runs out.
@@ -90,8 +90,8 @@ struct PowerContactState {
 ///           more than the giving pack holds, and no more than the taking pack can store. An infinite pack
 ///           gives without limit and takes nothing. Transfers happen one after another, ordered by the id of
 ///           the giving body and then that of the taking body. Each transfer uses the energies that the packs
-///           have after the earlier transfers. A contact that touches more than k_most_takers taking contacts
-///           gives only to those of the bodies with the lowest ids.
+///           have after the earlier transfers. If a contact touches more than k_most_takers taking contacts,
+///           it gives only to k_most_takers of them: those on the bodies with the lowest ids.
 /// state     PowerContactState; no commands
 /// needs     for each of the two contacts, a power pack on the part of the contact or on a part that carries
 ///           this part. Contacts of the same body, and of bodies that move together (one carries the other,

@@ -53,10 +53,11 @@ struct SpawnerState {
 /// file that creates many bodies) from its reserve. The reserve holds the bodies of the population that are
 /// not in the world at the start. A spawner can model a nest, a door or a factory.
 ///
-/// when    A birth becomes due every `every` seconds of the life of the spawner's body, for each `per_flags`
-///         flags that other bodies give to this body, and for each request of a controller (SpawnerCommand).
-///         `every` and `per_flags` are parameters; with 0, they cause no births. A birth stays due until it
-///         succeeds. In each tick (simulation step), the spawner tries at most one birth.
+/// when    A birth becomes due in three cases: every `every` seconds of the life of the spawner's body; each
+///         time other bodies have given `per_flags` more flags (tokens) to this body; and for each request of
+///         a controller (SpawnerCommand). `every` and `per_flags` are parameters; with 0, they cause no
+///         births. A birth stays due until it succeeds. In each tick (simulation step), the spawner tries at
+///         most one birth.
 /// where   Bodies are born at the pose of the spawner. With `within` (m) above 0, they are born at a random
 ///         position in the circle of this radius around the spawner, with a random heading. Each try uses a
 ///         new random pose. If another body or a wall occupies the place, or if the place is outside the

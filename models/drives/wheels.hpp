@@ -8,9 +8,9 @@ namespace troupe::models {
 
 /// State of a part of a body that has a drive of its own and moves relative to the body. x, y, z and heading
 /// are the pose of the part at the start of the tick (simulation step). forward, left and turn are the
-/// velocity that its drive produces in the tick, even if the motion is blocked; they are 0 while the drive is
-/// stopped, because the body is disabled, or by a fault or an empty power pack (battery). All members are 0
-/// before the drive first runs.
+/// velocity that its drive produces in the tick, even if the motion is blocked. They are 0 while the drive is
+/// stopped. A fault or an empty power pack (battery) can stop the drive, and it is also stopped while the
+/// body is disabled. All members are 0 before the drive first runs.
 struct WheelsState {
   double x = 0;              ///< x of the part, m, world frame
   double y = 0;              ///< y of the part, m, world frame

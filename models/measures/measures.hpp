@@ -9,9 +9,10 @@
 namespace troupe::models {
 
 /// `stalls`: number of robots whose last motion did not happen, because another body or a wall blocked the
-/// motion, or because it would have left the world's bounds.
+/// motion, or because the robot would have left the world's bounds.
 engine::MeasureKind stalls_measure();
-/// `held`: number of robots whose last motion did not happen because it would have left the world's bounds.
+/// `held`: number of robots whose last motion did not happen because the robot would have left the world's
+/// bounds.
 engine::MeasureKind held_measure();
 engine::MeasureKind alive_measure();  ///< `alive`: number of robots that are in the world
 /// `deaths`: number of bodies of one type (the parameter `type`), with or without a drive, that have died

@@ -56,8 +56,9 @@ std::optional<Bitmap> decode_bitmap(std::string_view bytes, std::string_view nam
 /// Returns the outlines of the areas of solid pixels, and of the holes in these areas, as closed rings. The
 /// last point of a ring does not repeat the first. Outer outlines are clockwise, those of holes
 /// counter-clockwise. Units are pixels, x is 0 at the left edge of the image, +y is up, and y is 0 at the top
-/// of the image and -height at the bottom. Collinear edges are merged into one edge, except, as in Stage,
-/// among the first three points of a ring (docs/stage-worlds.md). Empty if no pixel is solid.
+/// of the image and -height at the bottom. Collinear edges are merged into one edge, but not among the first
+/// three points of a ring: this is as in Stage (docs/stage-worlds.md). The result is empty if no pixel is
+/// solid.
 std::vector<Ring> bitmap_contours(const Bitmap& bitmap);
 
 /// Converts the outlines of an image of width x height pixels in place, from pixels (as bitmap_contours()

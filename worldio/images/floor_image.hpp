@@ -38,11 +38,12 @@ struct FloorImage {
 };
 
 /// Returns the solids (extruded outlines) of a floor plan, a body that consists of walls, in its own frame.
-/// The solids stand on z = 0 and are scaled so that the bounding box of the solid pixels, or the whole image
-/// if spec.keeps_margins is set, fills `size` (m) and is centred on the origin in x and y. With
-/// spec.boundary, four walls just inside the edges of `size` are added. The solids of a ROS map are not
-/// fitted to `size`: the map determines their pose and their size in x and y, and their frame is that of the
-/// map. The function then sets size.x and size.y to the size of the map; size.z is the height of the walls.
+/// The solids stand on z = 0. They are scaled so that a region of the image fills `size` (m) and is centred
+/// on the origin in x and y. This region is the bounding box of the solid pixels, or the whole image if
+/// spec.keeps_margins is set. With spec.boundary, four walls just inside the edges of `size` are added. The
+/// solids of a ROS map are not fitted to `size`: the map determines their pose and their size in x and y, and
+/// their frame is that of the map. The function then sets size.x and size.y to the size of the map; size.z is
+/// the height of the walls.
 std::vector<Solid> floor_plan_body(const FloorImage& image, const engine::ImageSpec& spec,
                                    Eigen::Vector3d& size);
 /// Like floor_plan_body(), but for a body or part that is not a floor plan. All solids, including those of

@@ -57,8 +57,8 @@ enum class Form : std::uint8_t {
   kept,             ///< JsonNode: stored uninterpreted, because its valid keys depend on other objects
   kind,             ///< std::string: the name of one of DocumentTable::kinds
   parameters,       ///< engine::Record: the parameters of the kind, which are keys of the same object
-  faults,  ///< std::vector<FaultDocument::Impairment>: each entry is a key of the object, named like a fault
-           ///< in Registry::faults, whose value is an object of parameters
+  faults,  ///< std::vector<FaultDocument::Impairment>: one key of the object per entry; the key has the
+           ///< name of a fault in Registry::faults, and its value is an object of parameters
   object,  ///< a struct with a DocumentTable: an object with the keys of this table
   list,    ///< std::vector of structs with a DocumentTable: a list of such objects
   map,     ///< std::vector of pairs of a name and a struct with a DocumentTable: an object whose keys are the
@@ -88,8 +88,8 @@ struct DocumentKey {
   /// has a parameter with the name of `field`, because parameters are keys of the same object. Not set: the
   /// key has only one name.
   std::optional<engine::Field> other;
-  /// The values of the key DocumentTable::variant with which an object may also have this key: bit i is 1 for
-  /// the i-th of the choices of that key, counted from 0. All bits are 1 if that key does not matter.
+  /// Which values of the key DocumentTable::variant allow this key in the same object: bit i is 1 if choice i
+  /// of that key, counted from 0, allows it. All bits are 1 if that key does not matter.
   std::uint32_t variants = ~0u;
   const DocumentTable& (*table)() = nullptr;  ///< Form::object, list and map: table of the struct
   const engine::FieldTable* block = nullptr;  ///< Form::block: the fields of the object
@@ -210,8 +210,8 @@ struct DocumentKinds {
   /// Returns the kind or preset of this name. Loads the plug-in if the kind is in a plug-in. If there is no
   /// kind of this name, returns an error whose text is the message for the user.
   Result<DocumentKind> (*find)(const engine::Registry& registry, const std::string& name);
-  /// Returns the kind that an object without the key `kind` has because of the enclosing object `around`;
-  /// empty if `around` implies no kind. Null: every object must have the key `kind`.
+  /// Returns the kind of an object that has no key `kind`, if its enclosing object `around` determines the
+  /// kind; empty if `around` does not. Null: every object must have the key `kind`.
   std::optional<DocumentKind> (*implied)(const engine::Registry& registry, const JsonNode& around) = nullptr;
   std::string_view expects = {};  ///< DocumentKey::expects of the key `kind`; empty: "the name of a WHAT"
   std::string_view hint = {};     ///< DocumentKey::hint of the key `kind`; empty: a list of all known kinds
@@ -250,8 +250,8 @@ struct DocumentTable {
   /// Names of the structs with members that describe() forgot. For each member, describe() must call a
   /// function that adds a key, or DocumentKeys::no_key(). The list must be empty: a test checks that.
   std::vector<std::string> incomplete;
-  /// Returns whether the writer omits the key `kind` of `object`, because the reader finds its kind by
-  /// DocumentKinds::implied. Null: the writer always writes the key.
+  /// Returns whether the writer omits the key `kind` of `object`. It can omit the key if the reader finds the
+  /// same kind with DocumentKinds::implied. Null: the writer always writes the key.
   bool (*is_kind_implied)(const void* object) = nullptr;
 
   /// Returns the key whose DocumentKey::field has this name; null if there is none.
@@ -469,7 +469,7 @@ class DocumentKeys {
   struct Noted {
     std::string_view name;                  ///< name_of() of the struct, which identifies it
     std::size_t count = 0;                  ///< number of its members
-    std::vector<std::string_view> members;  ///< the given members, each as its engine::detail::tag()
+    std::vector<std::string_view> members;  ///< the given members: the engine::detail::tag() of each
   };
   /// The compiler's text for this function, which is different for each C and contains the name of C.
   template <class C>

@@ -50,8 +50,8 @@ std::optional<engine::SettingSpec> read_setting(std::string_view type, std::stri
                                                 const engine::WorldSpec& spec, Diagnostics& diagnostics);
 /// Returns the parameters of a type as JSON on one line: a list of the objects that read_setting() reads, one
 /// for the drive and for each device and controller whose kind has parameters. Values that are not finite,
-/// and parameters that are blocks (FieldType::record and records), are left out. Throws std::runtime_error
-/// for a text that is not UTF-8.
+/// and parameters that are objects or lists of objects (FieldType::record and records), are left out. Throws
+/// std::runtime_error for a text that is not UTF-8.
 std::string parameters_json(const engine::TypeSpec& type, const engine::Registry& registry);
 
 /// Reads the keys of an experiment (`stop_when`, `at`, `faults`) from `object`, the JSON object of a stored

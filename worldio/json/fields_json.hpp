@@ -39,9 +39,9 @@ engine::Value read_value(const JsonCursor& at, const engine::Field& field);
 
 /// Reads all fields of a table from an object. A field that the object lacks takes its value from `presets`,
 /// or else its default. `presets` are pairs of a field name and a value, which replace the defaults of some
-/// fields. If it has neither and is optional, the record has no value for it; if it has neither and is not
-/// optional, the missing field is an error. A field with a wrong value is an error, and also takes its preset
-/// or default. Unknown keys are not reported; JsonObject::finish() reports them.
+/// fields. If a missing field has neither a preset nor a default, the record has no value for it; this is an
+/// error unless the field is optional. A field with a wrong value is an error, and also takes its preset or
+/// default. Unknown keys are not reported; JsonObject::finish() reports them.
 engine::Record read_fields(JsonObject& object, const engine::FieldTable& table,
                            std::span<const std::pair<std::string_view, engine::Value>> presets = {});
 
@@ -72,7 +72,7 @@ bool same_bits(const engine::Value& a, const engine::Value& b);
 bool same_bits(double a, double b);
 bool same_bits(const Pose& a, const Pose& b);
 
-/// Reads the object that is the value of `key` with read_fields(). Every key in that object that is not a
+/// Uses read_fields() to read the object that is the value of `key`. Every key in that object that is not a
 /// field of `table` is an error. Returns nothing if `key` is absent. If the value of `key` is not an object,
 /// reports an error and returns a record of the defaults.
 std::optional<engine::Record> read_block(JsonObject& object, std::string_view key,
@@ -82,7 +82,7 @@ std::optional<engine::Record> read_block(JsonObject& object, std::string_view ke
 std::string quoted_keys(const engine::Field& field);
 
 /// Returns the limits of a field, converted to the unit `suffix`, for messages, such as `from 0 to 360 deg`
-/// or `above 0 m`. Limits that are infinite are left out; empty if both are.
+/// or `above 0 m`. Infinite limits are left out; the result is empty if both limits are infinite.
 std::string limits_text(const engine::Field& field, const engine::UnitSuffix& suffix);
 
 }  // namespace troupe::worldio

@@ -27,9 +27,9 @@ void set_json_value(JsonNode& document, const std::string& pointer, const std::s
 
 /// Reports an error for every repeated key of an object. Checks `node` and all objects inside it.
 void report_repeated_keys(const JsonNode& node, Diagnostics& diagnostics);
-/// Changes the place of every node whose place has no file (Where::k_no_file): the node gets the place of the
-/// node that contains it, and the root `node`, which no node contains, gets `around`. Each key gets the place
-/// of its value.
+/// Gives a place to `node`, and to every node inside it, if the present place has no file (Where::k_no_file).
+/// `node` gets `around`; every other such node gets the place of the node that contains it. All keys get the
+/// places of their values.
 void place_nodes(JsonNode& node, const Where& around);
 
 /// Returns the tokens of a JSON pointer, unescaped. Empty if it is malformed or points to the root.

@@ -71,7 +71,7 @@ ImageDocument contract_image(const engine::ImageSpec& image, const Eigen::Vector
 /// Sets the shape of a part: its solids (in the frame of the body), size and image, and whether it is a floor
 /// plan. The pose of the part must be set before. `at` is the path of the part, for errors. Returns whether
 /// the document gives a shape: a size, a disc with radius and height, a list of blocks, `fit` (blocks that
-/// are scaled to a size), or an image, even if an error was reported for it.
+/// are scaled to a size), or an image. An image, and `fit`, count even if an error was reported for them.
 bool expand_shape(const PartDocument& document, const DocumentPath& at, ImageFolder& images,
                   engine::PartSpec& part);
 /// The inverse of expand_shape(): sets the shape in `document`. Paths of images become relative to `folder`;
@@ -79,8 +79,9 @@ bool expand_shape(const PartDocument& document, const DocumentPath& at, ImageFol
 /// the size, m, that expand_shape() would give the part.
 Eigen::Vector3d contract_shape(const engine::PartSpec& part, const std::filesystem::path* folder,
                                PartDocument& document);
-/// Sets PartDocument::extent, the size that fiducial finders report, to the size of the part. Does so only if
-/// this size differs in any bit from `size_expanded`, the result of contract_shape().
+/// Sets PartDocument::extent, the size that fiducial finders (sensors that detect marked bodies) report, to
+/// the size of the part. Does so only if this size differs in any bit from `size_expanded`, the result of
+/// contract_shape().
 void contract_extent(const engine::PartSpec& part, const Eigen::Vector3d& size_expanded,
                      PartDocument& document);
 

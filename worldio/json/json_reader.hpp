@@ -38,7 +38,8 @@ class DocumentPath {
   Diagnostics* diagnostics_;
 };
 
-/// A value that is being read, and the path to it. The value must also outlive the cursor.
+/// A value that is being read, and the path to it. The value must outlive the cursor, as must the objects
+/// that DocumentPath names.
 class JsonCursor : public DocumentPath {
  public:
   JsonCursor(const JsonNode& root, Diagnostics& diagnostics)
@@ -92,8 +93,8 @@ class JsonObject {
 
 /// Returns the list at a cursor. If the value is not a list, reports an error and returns null.
 const JsonNode::List* read_list(const JsonCursor& at);
-/// Returns the text at a cursor. If the value is not a text or is empty, returns null and reports an error,
-/// which says that `what` is expected, such as "the name of a type".
+/// Returns the text at a cursor. If the value is not a text or is empty, returns null and reports the error
+/// `expected WHAT, found ...`, where WHAT is `what`, such as "the name of a type".
 const std::string* read_text(const JsonCursor& at, std::string_view what);
 
 }  // namespace troupe::worldio

@@ -11,12 +11,13 @@ namespace troupe::worldio {
 /// equal angles on a circle. RingDocument (worldio/json/world_document.hpp) has the parameters of the ring.
 inline bool has_ring(const JsonNode& entry) { return entry.find("ring") != nullptr; }
 
-/// Returns the copies of the list entry at `at`, which must have the key `ring`. n is the `count` of the
-/// ring. The copies do not have this key. Copy i of n, counted from 0, is on the circle with the ring's
-/// `radius` around the position of the entry. Seen from this centre, the copy is in the direction `start` +
-/// i/n of a turn, counter-clockwise from the heading of the entry. The copy heads away from the centre and
-/// has the height of the entry. The number i is appended to the name of the copy and to the names of all
-/// sensors, devices and parts inside the copy. Empty, with errors, if the ring or the pose is wrong.
+/// Returns the copies of the list entry at `at`, which must have the key `ring`. The copies do not have the
+/// key `ring`. Let n be the `count` of the ring. Copy i, counted from 0, is on the circle with the ring's
+/// `radius` around the position of the entry. Seen from the centre of the circle, the copy is in the
+/// direction `start` + i/n of a turn, counter-clockwise from the heading of the entry. The copy heads away
+/// from the centre and has the height of the entry. The number i is appended to the name of the copy and to
+/// the names of all sensors, devices and parts inside the copy. Empty, with errors, if the ring or the pose
+/// is wrong.
 std::vector<JsonNode> expand_ring(const JsonCursor& at);
 
 /// The greatest number of JSON objects that the rings of a document may make: the copies and the objects in

@@ -71,8 +71,8 @@ engine::WorldSpec read_json_world(const std::filesystem::path& file, const JsonN
 /// to check this. If JSON cannot express the world, the function reports errors and returns nothing.
 /// - The bodies of populations are written one by one, as entries of `models`.
 /// - An angle is written in degrees if at most nine digits of degrees convert back to the same radians.
-/// - An image is written with a path relative to the folder of `file` if it still gives the same solids;
-///   otherwise its outlines are written.
+/// - An image is written as its path, relative to the folder of `file`, if reading it again gives the same
+///   solids (extruded outlines). Otherwise the outlines are written.
 /// - The keys `overlaps` and `same_names` are "warn" only if reading the world back would otherwise fail,
 ///   because bodies overlap or have the same name.
 /// - Each node has the place in a file (Where) that the spec has for its value.

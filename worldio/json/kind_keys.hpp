@@ -11,10 +11,10 @@ namespace troupe::worldio {
 // are keys of the same JSON object as `name`, `pose` and the other keys that all objects of such kinds have.
 // check_parameter_names() checks that no parameter has the name of one of these keys.
 
-/// The JSON objects of devices, drives, controllers and measures have certain keys, such as "kind", for every
-/// kind. Each of these functions returns success if no parameter of the kind has the name of one of these
-/// keys: only then can JSON worlds use the kind. As an exception, a parameter may have the name of a key that
-/// has a second name for this case: DocumentKey::other in worldio/json/document_table.hpp. The error
+/// The JSON object of a device, drive, controller or measure can have certain keys, such as "kind", whatever
+/// its kind is. Each of these functions returns success if no parameter of the kind has the name of one of
+/// these keys: only then can JSON worlds use the kind. As an exception, a parameter may have the name of a
+/// key that has a second name for this case: DocumentKey::other in worldio/json/document_table.hpp. The error
 /// continues a sentence about the kind: `has a parameter "name", but ...`.
 ///@{
 Result<> check_parameter_names(const engine::DeviceKind& kind);

@@ -11,11 +11,11 @@
 namespace troupe::worldio {
 
 /// Reads an entry of the list `measures` of a world. A measure is a number that is computed from the state of
-/// a run, such as the number of robots that cannot move. The entry is a text such as `"stalls"`, or
-/// `"stalls:leaders"` to measure only the body type, population (group of bodies that a rule places) or robot
-/// named "leaders", or an object {`kind`, `name`, `of`, parameters}. Empty, with errors, if the entry has
-/// another form, names an unknown measure or has wrong parameters. Whether "leaders" exists is checked later,
-/// when the world is built.
+/// a run, such as the number of robots that cannot move. The entry is a text or an object. The text
+/// `"stalls"` names a measure. The text `"stalls:leaders"` applies this measure only to the body type,
+/// population (group of bodies that a rule places) or robot named "leaders". An object has the form {`kind`,
+/// `name`, `of`, parameters}. Empty, with errors, if the entry has another form, names an unknown measure or
+/// has wrong parameters. Whether "leaders" exists is checked later, when the world is built.
 std::optional<engine::MeasureSpec> read_measure(const JsonCursor& at, const engine::Registry& registry);
 
 /// Like read_measure(), but reads the measure from `text`, an argument of the command line: `stalls` or

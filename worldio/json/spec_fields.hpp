@@ -53,17 +53,18 @@ inline void* member_of(const engine::Field& field, void* object) {
   return static_cast<char*>(object) + field.offset;
 }
 ///@}
-/// Returns the address of the struct that a member is (i = 0), or of the i-th entry of a member that is a
-/// list. `type` describes the member and `member` is its address. The caller must not change the result.
+/// Returns the address of one of the structs that a member holds: the member itself (i must be 0) or, if the
+/// member is a list, its entry i. `type` describes the member and `member` is its address. The caller must
+/// not change the result.
 inline const void* block_of(const engine::MemberType& type, const void* member, std::size_t i) {
   return type.block(const_cast<void*>(member), i);
 }
 
 /// Returns the table of the parameters that a struct of a spec stores as an engine::Record, such as
 /// DeviceSpec::params. `table` describes the struct and `object` points to it. If the struct has a member
-/// `kind`, the parameters are those of the kind (sort of drive, device, controller, ...) of this name. For a
-/// WorldSpec, they are those of WorldSpec::window, the settings of the view of a run. If the kind is unknown,
-/// or its plug-in cannot be loaded, returns an error with the reason.
+/// `kind`, that member names a kind (sort of drive, device, controller, ...), and the parameters are those of
+/// this kind. For a WorldSpec, the parameters are those of WorldSpec::window, the settings of the view of a
+/// run. If the kind is unknown, or its plug-in cannot be loaded, returns an error with the reason.
 Result<const engine::FieldTable*> parameters_of(const engine::FieldTable& table, const void* object,
                                                 const engine::Registry& registry);
 

@@ -24,7 +24,7 @@ struct BodyColumns {
   std::vector<float> color;         ///< red, green, blue, opacity
   /// BodySpec::fiducial, the number that fiducial finders read; empty if all are 0.
   std::vector<std::int32_t> fiducial;
-  std::vector<std::uint32_t> file, line;  ///< BodySpec::where; `file` is a number in WorldSpec::files
+  std::vector<std::uint32_t> file, line;  ///< BodySpec::where; `file` is a file's number in WorldSpec::files
   /// The aliases: the two members of engine::Name, and the id of the body (its number in the world, from 0).
   /// One entry per alias.
   std::vector<std::uint32_t> alias_word, alias_number, alias_body;
@@ -43,11 +43,12 @@ struct StoredSpec {
 StoredSpec store_spec(const engine::WorldSpec& spec, const engine::Registry& registry);
 
 /// Returns a spec without its bodies as JSON: settings, body types with their solids and parameters, the
-/// words that names consist of, names of parts, the experiment, and a list of file names. In a place `where`,
-/// [file, line], `file` is an index into this list. Parameters have the names and SI units of their field
-/// tables. Names and paths that are not UTF-8 are stored as {"latin1": ...}. Throws std::runtime_error for a
-/// number that is not finite and for a parameter that is not UTF-8, because JSON cannot represent these.
-/// Throws the same exception for a kind (sort of drive, device, controller, ...) that is not in `registry`.
+/// words that names consist of, names of parts, the experiment, and a list of file names. A place in a file
+/// is written as `where`: [file, line], in which `file` is an index into this list. Parameters have the names
+/// and SI units of their field tables. Names and paths that are not UTF-8 are stored as {"latin1": ...}.
+/// Throws std::runtime_error for a number that is not finite and for a parameter that is not UTF-8, because
+/// JSON cannot represent these. Throws the same exception for a kind (sort of drive, device, controller, ...)
+/// that is not in `registry`.
 std::string spec_to_json(const engine::WorldSpec& spec, const engine::Registry& registry);
 
 /// Returns the keys that the body types of a world have in a stored world: their indices "0", "1", ...

@@ -54,8 +54,8 @@ struct Study {
   /// uniformly distributed logarithm (`log_uniform`), or uniformly distributed whole numbers (`integers`).
   struct Choice {
     std::vector<std::string> values;  ///< for Kind::listed: JSON texts
-    double low = 0;   ///< lower end of the interval (for `steps`: the first value), except for Kind::listed
-    double high = 0;  ///< upper end (for `steps`: the last value), except for Kind::listed
+    double low = 0;   ///< lower end of the interval (for `steps`: the first value); unused for Kind::listed
+    double high = 0;  ///< upper end (for `steps`: the last value); unused for Kind::listed
     std::size_t steps = 0;  ///< for Kind::steps: the number of values, both ends included
     enum class Kind : std::uint8_t { listed, steps, uniform, log_uniform, integers } kind = Kind::listed;
 
@@ -94,7 +94,7 @@ std::vector<std::string> measure_columns(const std::vector<std::string>& measure
 
 /// Adds an error for each column of a measure that has the same name as another column of the study's tables.
 /// The other column can be that of a parameter or of another measure, or one that every table has, such as
-/// `seed`. measures: as in measure_columns().
+/// `seed`. measures: names of the measures, with their units, as Measures::columns() returns them.
 void check_columns(const Study& study, const std::vector<std::string>& measures, Diagnostics& diagnostics);
 
 inline constexpr std::size_t k_most_runs = 1000000;  ///< greatest number of runs of a study

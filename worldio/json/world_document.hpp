@@ -140,7 +140,8 @@ struct DeviceDocument : Placed {
   /// the part.
   std::string name;
   std::string kind;  ///< name of a kind in Registry::devices
-  /// True: the writer omits `kind`, because PartDocument::kind of the part that is the device implies it.
+  /// True: the writer omits `kind`. This is set if a part is itself this device and PartDocument::kind, the
+  /// model type of the part, already determines the kind.
   bool is_kind_implied = false;
   /// Pose in the frame of the body or, with `on`, of the device that `on` names. Empty: at the origin of this
   /// frame; for the `device` of a part, the pose of the part.
@@ -435,8 +436,8 @@ struct GroundDocument : Placed {
 /// A whole world.
 struct WorldDocument : Placed {
   /// Whether bodies that overlap at the start, or that have the same name, are an error or a warning.
-  /// expand(), which makes the spec of the document, reports all of these, except warnings about overlaps,
-  /// which the constructor of engine::World reports.
+  /// expand(), which makes the spec of the document, reports these errors and warnings. Only the warnings
+  /// about overlaps come later, from the constructor of engine::World.
   enum class Check : std::uint8_t {
     error,  ///< an overlap or a repeated name is an error
     warn,   ///< an overlap or a repeated name is a warning

@@ -15,9 +15,9 @@
 
 namespace troupe::worldio {
 
-/// The arguments `kind` (kind of file) and `layout` (version of the layout) that checkpoints pass to
-/// write_sealed() (worldio/results/sealed_file.hpp), which writes a file with a hash. A checkpoint is
-/// everything that is needed to continue a run, in one HDF5 file with a hash that detects damage. The state
+/// A checkpoint is one HDF5 file with everything that is needed to continue a run, and with a hash that
+/// detects damage. These constants are its arguments `kind` (kind of file) and `layout` (version of the
+/// layout) of write_sealed() (worldio/results/sealed_file.hpp), which writes the file and the hash. The state
 /// of a world consists of tables, the components, such as `pose`; a component has one row for each body that
 /// has these data. A tick is a simulation step. The groups and datasets of the file are:
 ///
@@ -56,7 +56,8 @@ void write_checkpoint(const std::filesystem::path& file, engine::World& world,
                       const Memories& memories = {});
 
 /// A checkpoint file that is open for reading. The constructor, spec(), memories() and restore() throw
-/// InputError with a message `run.h5: error: ...` if the file is not a valid checkpoint.
+/// InputError if the file is not a valid checkpoint. The message begins with the name of the file, as in
+/// `run.h5: error: ...`.
 class Checkpoint {
  public:
   /// Opens a file and checks, by the hash of its bytes, that it is an undamaged checkpoint.
@@ -100,8 +101,8 @@ class Checkpoint {
   std::map<std::string, std::string> header_;
 };
 
-/// Whether the first line of a file is that of a checkpoint; does not check whether the rest is damaged.
-/// False if the file cannot be read.
+/// Whether the first line of a file is that of a checkpoint. The rest of the file is not read, so it may be
+/// damaged. False if the file cannot be read.
 bool is_checkpoint(const std::filesystem::path& file);
 
 }  // namespace troupe::worldio

@@ -15,8 +15,8 @@
 namespace troupe::worldio {
 
 /// The exception that is thrown if a file cannot be read or written, or if its content is not what a reader
-/// expects. The message is `run.h5: error: ...` with the reason. If the HDF5 library cannot be initialised,
-/// the message names no file. The HDF5 library itself prints nothing.
+/// expects. The message has the name of the file and the reason: `run.h5: error: ...`. If the HDF5 library
+/// cannot be initialised, the message names no file. The HDF5 library itself prints nothing.
 class Hdf5Error : public std::runtime_error {
  public:
   using std::runtime_error::runtime_error;
@@ -52,10 +52,10 @@ class Hdf5Object {
   const std::string& path() const { return path_; }
   const std::filesystem::path& file_name() const { return file_; }
 
-  /// These functions add an attribute; the object must not have an attribute of this name. Texts are UTF-8
-  /// and stored with a fixed length in the header of the object, which a checksum protects; h5py reads them
-  /// as bytes. Texts of more than 60,000 bytes are stored with variable length outside that header, without a
-  /// checksum.
+  /// These functions add an attribute; the object must not have an attribute of this name. Texts are UTF-8.
+  /// They are stored with a fixed length in the header of the object, and a checksum protects this header;
+  /// h5py reads such texts as bytes. Texts of more than 60,000 bytes are stored with variable length outside
+  /// the header, without a checksum.
   void set_text(const std::string& name, std::string_view value);
   void set_integer(const std::string& name, std::int64_t value);
   void set_number(const std::string& name, double value);
@@ -167,7 +167,7 @@ struct Hdf5Chunks {
 class Hdf5Group : public Hdf5Object {
  public:
   /// Creates a group in this group. The name of a new group or dataset must not exist in this group and must
-  /// not contain "/": see hdf5_name().
+  /// not contain "/"; hdf5_name() replaces this character.
   Hdf5Group create_group(const std::string& name);
   Hdf5Group group(const std::string& name) const;
   bool has(const std::string& name) const;
@@ -220,10 +220,10 @@ class Hdf5File : public Hdf5Group {
   /// Opens a file for reading. Throws if the file is marked as open for writing: a program is writing it, or
   /// its writer was killed.
   static Hdf5File open(const std::filesystem::path& file);
-  /// Opens, for reading, a file that a program is writing in SWMR mode, or whose writer was killed in this
-  /// mode.
+  /// Opens, for reading, a file that a program is writing in SWMR mode (see start_swmr()), or was writing in
+  /// this mode when the program was killed.
   static Hdf5File open_swmr(const std::filesystem::path& file);
-  /// Opens a closed file for reading and writing. Throws like open().
+  /// Opens a file for reading and writing. Like open(), throws if the file is marked as open for writing.
   static Hdf5File open_to_write(const std::filesystem::path& file);
 
   /// Starts SWMR mode ("single writer, multiple readers"): other programs can read the file while it is being

@@ -9,10 +9,10 @@
 
 namespace troupe::worldio {
 
-/// Size, in bytes, of the reference that an attribute stores in place of a text of variable length. The
-/// reference consists of the length of the text (4 bytes), the address of a collection in the global heap (8
-/// bytes) and the number of the object in that collection (4 bytes; HDF5 File Format Specification 3.0,
-/// section VIII.B).
+/// Size, in bytes, of the reference that an attribute stores in place of a text of variable length. The text
+/// itself is an object in the global heap, a part of the file that consists of collections of objects. The
+/// reference consists of the length of the text (4 bytes), the address of the collection (8 bytes) and the
+/// number of the object in this collection (4 bytes). See HDF5 File Format Specification 3.0, section VIII.B.
 inline constexpr std::size_t k_heap_reference_bytes = 16;
 
 /// Reads a text of variable length from the file without the HDF5 library. The library is not used because no

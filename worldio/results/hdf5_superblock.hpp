@@ -10,9 +10,10 @@ namespace troupe::worldio {
 /// The first bytes of an HDF5 file, unless it begins with a user block.
 inline constexpr std::string_view k_hdf5_signature = "\x89HDF\r\n\x1a\n";
 
-/// The fields of the superblock (the header) of an HDF5 file that matter after the program that wrote the
-/// file was killed (HDF5 File Format Specification 3.0, section II.A, versions 2 and 3). They are read and
-/// written without the HDF5 library.
+/// Two fields of the superblock, which is the header of an HDF5 file (HDF5 File Format Specification 3.0,
+/// section II.A, versions 2 and 3). They show whether a program has the file open for writing, or was killed
+/// while it did, and are needed to repair the file in the second case. They are read and written without the
+/// HDF5 library.
 struct Hdf5Superblock {
   /// Bits that a writer sets while it has the file open: k_writing, and in SWMR mode ("single writer,
   /// multiple readers") k_swmr_writing.
@@ -29,8 +30,8 @@ struct Hdf5Superblock {
 /// superblock of version 2 or 3 with a correct checksum. HDF5 writes the superblock with the first flush.
 std::optional<Hdf5Superblock> read_superblock(const std::filesystem::path& file);
 
-/// Marks a file whose writer was killed as closed, so that ordinary HDF5 tools open it. If the file is
-/// shorter than the size in its superblock, the file is extended to this size with zeros; if it is longer,
+/// Marks a file as closed after its writer was killed, so that ordinary HDF5 tools open the file. If the file
+/// is shorter than the size in its superblock, the file is extended to this size with zeros; if it is longer,
 /// the superblock gets the real size. The superblock is written as a whole (48 bytes) in a single write, so
 /// that it is never half changed. On failure, throws std::runtime_error with the name of the file and the
 /// reason.

@@ -42,7 +42,7 @@ struct RecordedScene {
     /// group in /state of the recording.
     std::string component;
     std::int32_t parent =
-        engine::k_rigid;   ///< index of the joint that carries this one, below its own index; k_rigid: none
+        engine::k_rigid;   ///< index of the joint that carries this joint (a lower index); k_rigid: none
     Pose pose_body_joint;  ///< pose of the joint at rest, in the frame of the body
   };
   struct Type {                 ///< a body type

@@ -16,10 +16,10 @@ namespace troupe::worldio {
 /// A component of the state as a recording stores it. The state of a world consists of components: tables
 /// with one row per body and one or more fields. A recording has one group for each recorded component, such
 /// as /state/pose or /sensors/minibot/eye, and one array for each of its fields. A frame is the state at one
-/// recorded time. Each row belongs to a body. The bodies are in the order of their ids, whatever the order of
-/// the rows in memory: a component in /state has a row for each of recorded_bodies(). A component in /sensors
-/// has a row for each body of one type; a type describes bodies of the same construction. In memory, a
-/// component of /state may consist of several tables: the memory of a controller, for example, has a table
+/// recorded time. Each row belongs to a body. The rows are in the order of the ids of their bodies, whatever
+/// their order in memory. A component in /state has a row for each of recorded_bodies(). A component in
+/// /sensors has a row for each body of one type; a type describes bodies of the same construction. In memory,
+/// a component of /state may consist of several tables: the memory of a controller, for example, has a table
 /// for each type with this controller. `sources` lists these tables. The columns of a field are its values in
 /// one row. If a field has different numbers of columns in these tables, as the messages of radios may have,
 /// the recorded field has the largest of these numbers.
@@ -33,7 +33,7 @@ struct RecordedComponent {
   /// For each row, 1 if its body has the component, else 0; empty: all bodies have it.
   std::vector<std::uint8_t> has;
   std::vector<engine::StateField> fields;  ///< the recorded fields of the component
-  /// For each entry of `fields`, its index among the fields of the source tables.
+  /// For each entry of `fields`, the index of the field in each of the tables that `sources` lists.
   std::vector<std::size_t> columns;
   /// One table of the state from which the component is copied.
   struct Source {
@@ -46,23 +46,25 @@ struct RecordedComponent {
   };
   std::vector<Source> sources;  ///< the tables, in the order of World::tables()
 
-  /// Returns the size, bytes, of the field with this index in one frame: in all rows together.
+  /// Returns the size, in bytes, of the values that the field with this index has in one frame, in all rows
+  /// together.
   std::size_t bytes(std::size_t field) const;
 };
 
-/// Returns the bodies that have a row in the state tables (World::rows()), in the order of their ids: those
-/// that can move, sense, decide, be gripped or be pushed. The arrays in /state have one row for each of these
-/// bodies.
+/// Returns the bodies that have a row in the state tables (World::rows()), in the order of their ids. These
+/// are the bodies that have a drive, a device or a controller, or that can be gripped or pushed. The arrays
+/// in /state have one row for each of these bodies.
 std::vector<BodyId> recorded_bodies(const engine::World& world);
 
 /// Returns the name that each type has in a recording, by TypeId (the number of the type). The name is that
 /// of an HDF5 group, so it has no "/". If several types have the same name, the second is called "NAME~2".
 std::vector<std::string> recorded_type_names(const engine::World& world);
 
-/// Returns the names that messages list as known for `--record-fields` in this world, each once: "all",
-/// components that every robot has (pose), fields of devices (ranges), kinds (sorts) of controllers and
-/// devices (wander, ranger), single controllers (wander/0) and names of devices (eye). `--record-fields` also
-/// accepts names of components (ranger/eye) and COMPONENT.FIELD (eye.ranges).
+/// Returns the names that messages suggest for the option `--record-fields`, which selects what a recording
+/// of this world stores. Each name occurs once. The names are "all", components that every robot has (pose),
+/// fields of devices (ranges), kinds (sorts) of controllers and devices (wander, ranger), single controllers
+/// (wander/0) and names of devices (eye). `--record-fields` also accepts names of components (ranger/eye) and
+/// COMPONENT.FIELD (eye.ranges).
 std::vector<std::string> recordable_names(const engine::World& world);
 
 /// If `name` is the path of a device or of one of its fields in a recording, returns the name that

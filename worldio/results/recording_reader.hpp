@@ -108,14 +108,14 @@ class RecordingReader {
   std::optional<Hdf5Dataset> alive_;
 };
 
-/// Whether a name selects the component of an array. engine::selects() accepts the name of the component, the
-/// part of this name before the first slash, and the name that the world file gives the device or joint. In
-/// addition, KIND/NAME and TYPE/NAME select a device: `led/lamp` and `minibot/lamp` select
+/// Whether a name selects the component of an array. As in engine::selects(), the name can be that of the
+/// component, the part of that name before the first slash, or the name that the world file gives the device
+/// or joint. In addition, KIND/NAME and TYPE/NAME select a device: `led/lamp` and `minibot/lamp` select
 /// `sensors/minibot/lamp`. Recordings do not store kinds, so KIND may be any word that is not the name of
 /// another type.
 bool selects(std::string_view name, const RecordingReader::Array& array, const RecordingReader& recording);
-/// Converts a name of a component or field from the spelling of earlier versions, which had the path of a
-/// sensor or a slash before the field. Returns "eye.ranges" for "sensors/minibot/eye.ranges" and
+/// Converts a name of a component or field that has the spelling of earlier versions of Troupe: with the path
+/// of a sensor, or with a slash before the field. Returns "eye.ranges" for "sensors/minibot/eye.ranges" and
 /// "eye/ranges", and "eye" for "sensors/minibot/eye". If devices of several types have the name "eye", the
 /// result has the type: "minibot/eye.ranges". Empty if `name` is not such a spelling of something in the
 /// recording.

@@ -21,7 +21,8 @@ inline constexpr std::int64_t k_recording_layout = 1;
 /// once its tick has another value.
 inline constexpr std::uint64_t k_no_tick = ~std::uint64_t{0};
 
-/// The header of a recording, in addition to what the world itself provides.
+/// The data in the header of a recording that the caller provides. The writer takes all other data from the
+/// world.
 struct RecordingHead {
   std::vector<std::pair<std::string, std::string>>
       meta;  ///< attributes of /meta, as keys and values: version, world, seed, ...

@@ -27,9 +27,9 @@ enum class Expected : std::uint8_t {
 
 /// Appends a series to `out`. The values must be k_absent, or from -k_most_in_series to k_most_in_series.
 /// Each value is stored as an unsigned number, 7 bits per byte, low bits first; bit 7 is set in every byte
-/// except the last of a number. The number is 0 if the value is k_absent; else it is 1 + 2 d if d >= 0, or -2
-/// d if d < 0, where d is the value minus its prediction. The prediction of the first value is 0. After
-/// absent values, the prediction is the last value before them.
+/// except the last of a number. The number is 0 for k_absent. For other values, let d be the value minus its
+/// prediction: the number is 1 + 2 d if d is not negative, else -2 d. The prediction of the first value is 0.
+/// After absent values, the prediction is the last value before them.
 void append_series(std::span<const std::int32_t> values, Expected expected, std::string& out);
 
 /// Compresses bytes in the format of zlib (RFC 1950), which browsers call "deflate". Throws

@@ -22,7 +22,7 @@ struct ReplayOptions {
 struct ReplayData {
   std::string bytes;         ///< the data, in the format of docs/replay.md
   std::size_t robots = 0;    ///< number of bodies with a drive
-  std::size_t others = 0;    ///< number of the other bodies in RecordingReader::ids()
+  std::size_t others = 0;    ///< number of the other recorded bodies
   std::size_t recorded = 0;  ///< number of frames in the recording
   std::size_t frames = 0;    ///< number of frames in the page
   std::size_t stride = 1;    ///< the page has every stride-th frame, and always the last frame

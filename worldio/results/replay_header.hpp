@@ -33,7 +33,8 @@ std::string replay_header(const RecordingReader& recording, const ReplayPlan& pl
                           std::span<const std::size_t> frames, const ReplayBlocks& blocks);
 
 /// A part (rigid piece of a body) whose colour is set by devices such as lights, on all robots of one type
-/// (robots of the same construction). These robots are consecutive on a page.
+/// (robots of the same construction). These robots are consecutive in the order of the page
+/// (LivePage::order).
 struct ShownPart {
   std::size_t first = 0;   ///< index of the first of these robots in the order of the page
   std::size_t count = 0;   ///< number of these robots
@@ -43,8 +44,8 @@ struct ShownPart {
 /// The data that a page needs before it can show a running world.
 struct LivePage {
   /// Header as from replay_header(), without the keys that only recordings have. Its key `pose.has_z` is
-  /// true, so the page expects the height of each robot in every frame, because users, interventions and
-  /// controllers can change the height of any robot.
+  /// true: users, interventions and controllers can change the height of any robot, so the page expects the
+  /// height of each robot in every frame.
   std::string header;
   /// BodyId (number in the world) of each robot of the page, sorted by type, then by BodyId.
   std::vector<std::uint32_t> order;

@@ -27,9 +27,10 @@ struct ReplayRun {
 /// has no finite number in any frame, `min`, `max` and `steps` are 0.
 struct ReplayField {
   const RecordingReader::Array* array = nullptr;
-  std::vector<std::uint32_t> rows;  ///< the array's rows that have the field, in the order of the page
-  std::vector<ReplayRun> runs;      ///< the page's rows that have the field
-  /// Smallest finite number in all frames, or the multiple of `step` just below that number.
+  std::vector<std::uint32_t> rows;  ///< rows of `array` whose bodies have the field, in the order of the page
+  std::vector<ReplayRun> runs;      ///< rows of the page whose bodies have the field
+  /// Smallest finite number in all frames, rounded down to a multiple of `step`. It is not rounded if all
+  /// finite numbers are equal.
   double min = 0;
   double max = 0;           ///< largest finite number in all frames, not rounded
   double step = 1;          ///< difference of neighbouring rounded values

@@ -24,7 +24,8 @@ inline constexpr std::size_t k_seal_bytes = 512;
 /// the second line. The head replaces the first k_seal_bytes bytes of `bytes`, which must have at least this
 /// size. The function writes to another name in the same folder (worldio/partial_file.hpp), syncs that file
 /// to the disk and renames it to `file`. If that fails, or if `file` exists and is not a regular file, throws
-/// std::runtime_error `run.h5: error: ...`; no partial file remains, and `file` is unchanged.
+/// std::runtime_error with a message such as `run.h5: error: ...`. In this case no partial file remains, and
+/// `file` is unchanged.
 void write_sealed(const std::filesystem::path& file, std::string_view kind, unsigned layout,
                   std::span<const std::byte> bytes);
 

@@ -22,12 +22,13 @@ namespace troupe::worldio {
 struct StageBody {
   std::vector<Solid> solids;               ///< the solids, scaled, m; empty: the model has no shape
   std::optional<engine::ImageSpec> image;  ///< the image, if all solids come from one image
-  /// The blocks before scaling, or the default box before scaling, if all solids come from these; else empty.
+  /// If all solids come from blocks, or from the default box of the model type: these, before scaling. Else
+  /// empty.
   std::vector<Solid> blocks;
 };
 
-/// Makes the solids of Stage models from their default bodies, bitmaps, boundaries and blocks.
-/// `world_directory` is the folder of the world file.
+/// Makes the solids of Stage models from their blocks, bitmaps (images) and boundaries (four walls), or from
+/// the default box of the model type. `world_directory` is the folder of the world file.
 class StageBodies {
  public:
   StageBodies(const StageDocument& document, std::filesystem::path world_directory, StageValues& values,

@@ -26,10 +26,10 @@ engine::ControllerKind dynamic_controller();
 /// ranger directly. While the world runs, the controller only keeps its ranger running.
 engine::ControllerKind lasernoise_controller();
 
-/// A function that changes `type`, the type of a body with a controller `dynamic` or `lasernoise`, as this
-/// controller does when the file is read. `params` are the parameters of the controller, `seed` is that of
-/// the world, `registry` has the kinds of devices, and `part` is the index in TypeSpec::parts of the part
-/// that has the controller.
+/// A function that makes the changes of a controller `dynamic` or `lasernoise` when a file is read. It
+/// changes `type`, which is the type of the body that has the controller. `params` are the parameters of the
+/// controller, `seed` is that of the world, `registry` has the kinds of devices, and `part` is the index in
+/// TypeSpec::parts of the part that has the controller.
 using StageAddition = void (*)(const engine::Record& params, std::uint64_t seed,
                                const engine::Registry& registry, engine::TypeSpec& type, std::uint32_t part);
 

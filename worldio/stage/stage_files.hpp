@@ -7,9 +7,9 @@
 namespace troupe::worldio {
 
 /// Finds a file that a world of Stage (an older robot simulator, whose files Troupe reads) names. Returns
-/// `path` if that file exists; else the path of the file that has the last component of `path` as its name,
-/// in the first folder of `search_path` that has such a file. Only regular files, and links to them, count.
-/// Empty if there is no such file.
+/// `path` if that file exists. Otherwise, searches the folders of `search_path` in their order for a file
+/// whose name is the last component of `path`, and returns the path of the first one. Only regular files, and
+/// links to them, count. Empty if there is no such file.
 std::optional<std::filesystem::path> find_stage_file(const std::filesystem::path& path,
                                                      std::span<const std::filesystem::path> search_path);
 

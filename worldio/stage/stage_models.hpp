@@ -30,7 +30,7 @@ struct StageModel {
   /// Else empty. A laser or sonar that contains no sensor is its own sensor.
   std::string_view alias;
   std::vector<std::string_view>
-      names;  ///< the word in the file, then the bases of the macros, and last the type
+      names;  ///< the entity's word in the file, then the bases of the macros, and last the type
   std::vector<const StageEntity*> layers;  ///< the innermost base first, the entity itself last
   Where where;                             ///< place of the entity's first word
 

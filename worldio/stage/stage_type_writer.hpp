@@ -36,15 +36,15 @@ std::vector<bool> added_parts(const engine::TypeSpec& type, std::uint64_t seed,
 struct StageMacro {
   std::string word;                    ///< name of the macro
   Color color;                         ///< colour of bodies whose own model has no colour
-  bool has_many_colors = false;        ///< the bodies differ in colour: the macro then has color_rgba
+  bool has_many_colors = false;        ///< true: bodies differ in colour; the macro then has no `color`
   std::vector<bool> added;             ///< result of added_parts() for the type
   std::set<std::string> global_parts;  ///< names of parts that programs can look up without the body's name
 };
 
 /// Writes a type as a macro. The body of the macro is the root part of the type. The macro contains a model
 /// for each other part, and a model for each device that is mounted on a part. A part that is itself a
-/// device, such as a ranger, is only one model. Power packs, power contacts and flags become properties of
-/// the model of their part.
+/// device, such as a ranger, is only one model. Power packs, power contacts and devices of kind `flags`
+/// (tokens that bodies exchange) have no models: they become properties of the model of their part.
 void write_stage_type(const engine::TypeSpec& type, const StageMacro& macro, const StagePlaces& places,
                       StageText& text);
 
