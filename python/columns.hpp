@@ -50,8 +50,9 @@ py::array empty_rows(const engine::StateField& field, py::ssize_t robots);
 std::span<std::byte> bytes_of(py::array& array);
 std::span<const std::byte> const_bytes_of(const py::array& array);
 
-/// Returns the field of a command with this name. Throws std::out_of_range, which lists the known names, if
-/// there is none. whose: the beginning of that text, such as `device "lamp"`.
+/// Returns the field of a command with this name. If there is none, throws std::out_of_range with a message
+/// that lists the known names.
+/// whose: the beginning of this message, such as `device "lamp"`
 const engine::StateField& command_field(std::span<const engine::StateField> fields, std::string_view name,
                                         std::string_view whose);
 

@@ -112,12 +112,12 @@ struct Picture {
 /// view    A view from above (is_from_above()) is a map: +x points right, +y up. Bodies are flat shapes, and
 ///         robots are drawn over the floor plan whatever its height. Other views show solids with lit faces
 ///         and edges, without hidden surfaces.
-/// robots  Robots are drawn at least 3.5 pixels wide, so that a swarm stays visible. On a map, robots
-///         narrower than 5 pixels are squares with sides of 3.5 pixels; robots have outlines if at least 7
-///         pixels wide, and heading marks if at least 9 pixels wide. In other views, robots narrower than 3.5
-///         pixels are squares of that size, and wider bodies up to 10 pixels are boxes without outlines and
-///         marks. Outlines of stalled robots are red. In pictures whose smaller side has more than 900
-///         pixels, all these widths grow in proportion.
+/// robots  Small robots are drawn in a simpler way, but stay visible. On a map, a robot whose width would be
+///         below 5 pixels is drawn as a square with sides of 3.5 pixels. Robots have outlines from a width of
+///         7 pixels, and heading marks from 9 pixels. In other views, a robot below 3.5 pixels is drawn as a
+///         square with sides of 3.5 pixels, and a robot from 3.5 to 10 pixels as a box without outline and
+///         mark. Outlines of stalled robots are red. In pictures whose smaller side has more than 900 pixels,
+///         all these numbers of pixels grow in proportion.
 /// errors  draw() loads the OpenGL library OSMesa on first use. It throws std::runtime_error if OSMesa is
 ///         missing (the message names the package to install), if a side of the picture is below 1 pixel or
 ///         larger than the driver allows (the message names the limit), if OpenGL reports an error, such as

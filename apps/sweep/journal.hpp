@@ -17,8 +17,9 @@ struct SweepOutcome {
   std::uint64_t ticks = 0;  ///< number of ticks (simulation steps) of the run
   double time_s = 0;        ///< simulated time at the end, s
   std::string stopped_by;   ///< the condition of the world's `stop_when` that ended the run; empty: none
-  /// Statistics of measures (numbers computed from the state of the simulation), one per name that
-  /// worldio::measure_columns() returns for the study, in the same order. NaN: no value.
+  /// The results of the run. A measure is a number that is computed from the state at intervals; each result
+  /// is a statistic of a measure, such as its mean over the run. The results have the order of the names that
+  /// worldio::measure_columns() returns for the study. NaN: no value.
   std::vector<double> values;
   std::string state_hash;  ///< hash of the last state, as hexadecimal digits
 };

@@ -57,8 +57,9 @@ struct StateField {
   /// Offset of the field within a row, bytes; only for tables with StateTable::Layout::rows. If the rows are
   /// not structs, the constructor of StateTable sets the offset.
   std::uint32_t offset = 0;
-  /// True: if all bytes of the field are 0 in a row, the field adds nothing to the hash of the row. When a
-  /// new version of Troupe adds such a field to the state, worlds that do not use it keep their hashes.
+  /// True: in rows in which all bytes of this field are 0, the field adds nothing to the hash of the row.
+  /// When a new version of Troupe adds such a field to the state, worlds that do not use it keep their
+  /// hashes.
   bool sparse = false;
   /// True: the appearance of a body depends on the field. A recording of poses therefore also contains the
   /// field.

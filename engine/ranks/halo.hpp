@@ -160,7 +160,8 @@ class Halo {
   /// - these ranks include all ranks that own ground near the root of the tree: nearer than the coverage
   ///   minus the longest distance that a body may have moved since the last distribution.
   bool suffices_for(Row row) const;
-  /// Called after get_state() has changed the carriers of these ghosts: updates their trees.
+  /// Call this after get_state() has changed which bodies carry the bodies of these ghosts. Computes again
+  /// which bodies form a tree, and the shapes of the trees of these ghosts.
   void link_again(std::span<const Row> ghosts);
   std::size_t own() const { return own_; }        ///< number of own rows
   double reach() const { return extent_.reach; }  ///< longest device reach for which the ghosts suffice, m

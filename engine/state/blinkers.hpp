@@ -34,11 +34,11 @@ class Blinkers {
   /// Undoes the last call of hide_from(), which must have had the same row and kind and must not have been
   /// undone yet.
   void show_hidden(Row row, const DeviceKind& kind);
-  /// Checks the effects that the device emitted while data were hidden. The scope ApplyScope::trees allows
-  /// only targets within the reach of the device. If the kind of the device has this scope, throws a
-  /// StepError if the target of an effect was a hidden body. For other scopes, checks nothing. Call it after
-  /// show_hidden(), before the next hide_from(). Effects without a target, and effects on static bodies, are
-  /// allowed.
+  /// Checks the targets of the effects that the device emitted while data were hidden. The scope of a kind
+  /// says which bodies its effects may change. Only devices whose kind has the scope ApplyScope::trees are
+  /// checked: throws a StepError if a target is a body that hide_from() has hidden completely, because it is
+  /// beyond the reach of the device or not in the world. Effects without a target, and effects on static
+  /// bodies, are allowed. Call it after show_hidden(), before the next hide_from().
   void check_targets(const BodyType::Device& device, std::span<const Effect> emitted) const;
 
   /// Call this before an effect is applied: copies the state, and stores which bodies are in the tree of the

@@ -79,7 +79,8 @@ TEST_P(JunkMemory, IsNoIndexIntoOtherData) {
 }
 
 INSTANTIATE_TEST_SUITE_P(Worlds, JunkMemory,
-                         ::testing::ValuesIn(scenes::runs_of(test::k_slow_build ? "same_bits_slow" : "same_bits")),
+                         ::testing::ValuesIn(scenes::runs_of(test::k_slow_build ? "same_bits_slow"
+                                                                                : "same_bits")),
                          [](const auto& run) { return run.param.name(); });
 
 }  // namespace

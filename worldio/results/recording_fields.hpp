@@ -13,16 +13,16 @@
 
 namespace troupe::worldio {
 
-/// A component of the state as a recording stores it. The state of a world consists of components: tables
-/// with one row per body and one or more fields. A recording has one group for each recorded component, such
-/// as /state/pose or /sensors/minibot/eye, and one array for each of its fields. A frame is the state at one
-/// recorded time. Each row belongs to a body. The rows are in the order of the ids of their bodies, whatever
-/// their order in memory. A component in /state has a row for each of recorded_bodies(). A component in
-/// /sensors has a row for each body of one type; a type describes bodies of the same construction. In memory,
-/// a component of /state may consist of several tables: the memory of a controller, for example, has a table
-/// for each type with this controller. `sources` lists these tables. The columns of a field are its values in
-/// one row. If a field has different numbers of columns in these tables, as the messages of radios may have,
-/// the recorded field has the largest of these numbers.
+/// A component of the state (a set of fields that bodies have, such as the pose), as a recording stores it. A
+/// recording has one group for each component, such as /state/pose or /sensors/minibot/eye, and in it one
+/// array for each field. At each recorded time, the array has one row per body, in the order of the ids of
+/// the bodies. A row has one or more values. A component in /state has a row for each of recorded_bodies(),
+/// a component in /sensors for each body of one type (a type describes bodies of the same construction).
+///
+/// In memory, the values of a component in /state may be in several tables: the memory of a controller, for
+/// example, has a table for each type with this controller. `sources` lists these tables. If a field has
+/// different numbers of values per row in these tables, as the messages of radios may have, the recorded
+/// field has the largest of these numbers.
 struct RecordedComponent {
   std::vector<std::string> path;  ///< names of the groups from the root of the file: {"state", "pose"}
   std::string name;               ///< name of the component in the state: "pose", "ranger/eye"
@@ -46,8 +46,8 @@ struct RecordedComponent {
   };
   std::vector<Source> sources;  ///< the tables, in the order of World::tables()
 
-  /// Returns the size, in bytes, of the values that the field with this index has in one frame, in all rows
-  /// together.
+  /// Returns the size, in bytes, of the values that the field with this index has at one recorded time, in
+  /// all rows together.
   std::size_t bytes(std::size_t field) const;
 };
 
