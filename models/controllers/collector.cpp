@@ -161,7 +161,9 @@ void Collector::operator()(Memory& memory, const engine::Percept& percept, Rando
   const auto& gripper = percept.devices[k_gripper].as<GripperState>();
   const Vec2 here = percept.estimate.position();
   ++memory.updates;
-  // An intervention may have removed the sink or the charger that was chosen.
+  // An intervention may have removed the sink or the charger that was chosen. A memory from a checkpoint may
+  // have any values.
+  if (memory.mode > charging) enter(memory, seeking);
   if (memory.mode == carrying && memory.goal >= sinks.size()) memory.goal = nearest(sinks, here);
   if (memory.mode == charging && chargers.empty()) enter(memory, leaving);
   if (memory.mode == charging && memory.goal >= chargers.size()) memory.goal = nearest(chargers, here);

@@ -23,7 +23,7 @@ using engine::Element;
 using engine::StateTable;
 
 constexpr int k_tries = test::k_slow_build ? 2 : 6;
-constexpr int k_ticks = 5;
+constexpr int k_ticks = test::k_slow_build ? 3 : 5;
 
 template <class T>
 void fill(std::span<T> values, oracle::Draw& draw) {
@@ -78,9 +78,7 @@ TEST_P(JunkMemory, IsNoIndexIntoOtherData) {
   }
 }
 
-INSTANTIATE_TEST_SUITE_P(Worlds, JunkMemory,
-                         ::testing::ValuesIn(scenes::runs_of(test::k_slow_build ? "same_bits_slow"
-                                                                                : "same_bits")),
+INSTANTIATE_TEST_SUITE_P(Worlds, JunkMemory, ::testing::ValuesIn(scenes::runs_of("same_bits")),
                          [](const auto& run) { return run.param.name(); });
 
 }  // namespace
