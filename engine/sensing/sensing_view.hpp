@@ -119,8 +119,9 @@ class SensingView {
   /// be on other ranks; they do not count.
   std::size_t rows() const { return columns_.bodies.size(); }
   BodyId body(Row row) const { return columns_.bodies[row.index()]; }  ///< body of a row
-  /// Where the row of a body of the world is.
+  /// Where the row of a body is. The result is RowLocation::none for an id that no body of the world has.
   RowLocation location(BodyId body) const {
+    if (body.index() >= columns_.rows.size()) return RowLocation::none;
     const Row row = columns_.rows[body.index()];
     return row == k_elsewhere ? RowLocation::elsewhere : row.valid() ? RowLocation::here : RowLocation::none;
   }

@@ -245,12 +245,15 @@ void obey(std::uint8_t order, GripperState& state) {
 }
 
 /// Whether the gripper of the body `own` no longer carries the body that it held. This happens only if the
-/// held body dies, because no other gripper can take a held body.
+/// held body dies, because no other gripper can take a held body, or if a checkpoint has been changed.
 bool has_lost(const SensingView& view, BodyId own, const GripperState& state) {
   if (state.held == 0) return false;
   const BodyId held(state.held - 1);
   return view.location(held) != engine::RowLocation::here || view.carrier(view.row(held)) != own;
 }
+
+/// The nearest number from 0 to 1; 0 for NaN.
+double within_unit(double x) { return x > 0 ? std::min(x, 1.0) : 0; }
 
 /// The position after one step of length `step` towards `end`. If the step would end short of `end` by no
 /// more than a rounding error, returns `end`, so that the motion does not take another tick.
@@ -277,6 +280,9 @@ void Gripper::act(const DeviceBatch& batch) const {
   for (std::size_t i = 0; i < batch.rows.size(); ++i) {
     auto& state = batch.state.as<GripperState>(batch.slot(i));
     if (has_lost(batch.view, batch.body(i), state)) state.held = 0;
+    // A checkpoint that has been changed may have any positions. Far positions would be tested in many steps.
+    state.paddle_position = within_unit(state.paddle_position);
+    state.lift_position = within_unit(state.lift_position);
     const Mount frame = compose(batch.mount(i), place);
     const Hand hand(batch.view, *this, state, batch.rows[i], frame);
     Touched touched;

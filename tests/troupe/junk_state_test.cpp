@@ -1,6 +1,6 @@
-// A checkpoint that was changed on purpose can give the memories of controllers any values. A run with such
-// memories may go on or throw, but must not read or write outside of its data. Builds with sanitizers would
-// report that.
+// A checkpoint that was changed on purpose can give the memories of controllers and the readings and states
+// of devices any values. A run with such values may go on or throw, but must not read or write outside of its
+// data. Builds with sanitizers would report that.
 
 #include "engine/world/world.hpp"
 #include "tests/engine/conflict_crowds.hpp"
@@ -47,26 +47,29 @@ void fill(StateTable& table, std::size_t row, std::size_t field, oracle::Draw& d
   }
 }
 
-class JunkMemory : public ::testing::TestWithParam<scenes::Run> {};
+class JunkState : public ::testing::TestWithParam<scenes::Run> {};
 
-TEST_P(JunkMemory, IsNoIndexIntoOtherData) {
+TEST_P(JunkState, IsNoIndexIntoOtherData) {
   const scenes::Run& run = GetParam();
   SimulationOptions options;
   options.threads = 1;
   if (run.robots) options.robots = {{"", *run.robots}};
   Simulation simulation(run.file(), options);
-  std::set<std::size_t> memories;
-  for (const engine::BodyType& type : simulation.world().types())
-    for (const engine::BodyType::Controller& controller : type.controllers)
-      if (controller.table) memories.insert(*controller.table);
-  if (memories.empty()) GTEST_SKIP() << "no controller of this world has a memory";
   const std::span<const StateTable> tables = simulation.world().tables();
+  std::set<std::size_t> of_kinds;
+  for (const engine::BodyType& type : simulation.world().types()) {
+    for (const engine::BodyType::Controller& controller : type.controllers)
+      if (controller.table) of_kinds.insert(*controller.table);
+    for (const engine::BodyType::Device& device : type.devices)
+      if (tables[device.table].group() == engine::HashGroup::sensor) of_kinds.insert(device.table);
+  }
+  if (of_kinds.empty()) GTEST_SKIP() << "this world has no controller with a memory, and no device";
   for (int i = 0; i < k_tries; ++i) {
     oracle::Draw draw(static_cast<std::uint64_t>(i + 1));
     simulation.reset();
     for (int tick = 0; tick < k_ticks; ++tick) simulation.step();
-    for (const std::size_t memory : memories) {
-      auto& table = const_cast<StateTable&>(tables[memory]);
+    for (const std::size_t t : of_kinds) {
+      auto& table = const_cast<StateTable&>(tables[t]);
       for (std::size_t row = 0; row < table.rows(); ++row)
         for (std::size_t field = 0; field < table.fields().size(); ++field)
           if (draw.chance(0.8)) fill(table, row, field, draw);
@@ -78,7 +81,7 @@ TEST_P(JunkMemory, IsNoIndexIntoOtherData) {
   }
 }
 
-INSTANTIATE_TEST_SUITE_P(Worlds, JunkMemory, ::testing::ValuesIn(scenes::runs_of("same_bits")),
+INSTANTIATE_TEST_SUITE_P(Worlds, JunkState, ::testing::ValuesIn(scenes::runs_of("same_bits")),
                          [](const auto& run) { return run.param.name(); });
 
 }  // namespace
