@@ -3,7 +3,6 @@
 // data. Builds with sanitizers would report that.
 
 #include "engine/world/world.hpp"
-#include "tests/engine/conflict_crowds.hpp"
 #include "tests/support/scenes.hpp"
 #include "tests/support/slow_build.hpp"
 #include "troupe/troupe.hpp"
@@ -12,6 +11,7 @@
 
 #include <cstdint>
 #include <exception>
+#include <random>
 #include <set>
 #include <span>
 #include <type_traits>
@@ -25,8 +25,22 @@ using engine::StateTable;
 constexpr int k_tries = test::k_slow_build ? 2 : 6;
 constexpr int k_ticks = test::k_slow_build ? 3 : 5;
 
+/// Random numbers.
+class Draw {
+ public:
+  explicit Draw(std::uint64_t seed) : words_(seed) {}
+  double real(double low, double high) {
+    return low + (high - low) * static_cast<double>(words_() >> 11) * 0x1p-53;
+  }
+  std::uint64_t below(std::uint64_t n) { return words_() % n; }
+  bool chance(double p) { return real(0, 1) < p; }
+
+ private:
+  std::mt19937_64 words_;
+};
+
 template <class T>
-void fill(std::span<T> values, oracle::Draw& draw) {
+void fill(std::span<T> values, Draw& draw) {
   for (T& value : values) {
     if constexpr (std::is_floating_point_v<T>)
       value = static_cast<T>(draw.chance(0.5) ? draw.real(-2, 2) : draw.real(-1e18, 1e18));
@@ -35,7 +49,7 @@ void fill(std::span<T> values, oracle::Draw& draw) {
   }
 }
 
-void fill(StateTable& table, std::size_t row, std::size_t field, oracle::Draw& draw) {
+void fill(StateTable& table, std::size_t row, std::size_t field, Draw& draw) {
   switch (table.fields()[field].element) {
     case Element::f64: return fill(table.cell<double>(row, field), draw);
     case Element::f32: return fill(table.cell<float>(row, field), draw);
@@ -65,7 +79,7 @@ TEST_P(JunkState, IsNoIndexIntoOtherData) {
   }
   if (of_kinds.empty()) GTEST_SKIP() << "this world has no controller with a memory, and no device";
   for (int i = 0; i < k_tries; ++i) {
-    oracle::Draw draw(static_cast<std::uint64_t>(i + 1));
+    Draw draw(static_cast<std::uint64_t>(i + 1));
     simulation.reset();
     for (int tick = 0; tick < k_ticks; ++tick) simulation.step();
     for (const std::size_t t : of_kinds) {
