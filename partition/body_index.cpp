@@ -223,16 +223,12 @@ void BodyIndex::rebuild(std::span<const Transform> places, std::span<const doubl
 /// parallel prefix sum.
 void BodyIndex::place_tiles(Parallel& parallel) {
   const std::size_t slots = counts_.size();
-  const std::size_t tasks = (slots + k_summed - 1) / k_summed;
-  const auto for_each_slot = [&](std::size_t t, auto&& work) {
-    for (std::size_t slot = t * k_summed; slot < std::min(slots, (t + 1) * k_summed); ++slot) work(slot);
-  };
   tiles_.resize(slots + 1);
-  sums_.resize(tasks);
-  parallel.for_each(tasks, [&](std::size_t t) {
+  sums_.resize((slots + k_summed - 1) / k_summed);
+  parallel.for_batches(slots, k_summed, [&](std::size_t first, std::size_t end) {
     Tile sum;
-    for_each_slot(t, [&](std::size_t slot) { sum += counts_[slot]; });
-    sums_[t] = sum;
+    for (std::size_t slot = first; slot < end; ++slot) sum += counts_[slot];
+    sums_[first / k_summed] = sum;
   });
   Tile sum;
   for (Tile& start : sums_) {
@@ -241,12 +237,12 @@ void BodyIndex::place_tiles(Parallel& parallel) {
     sum += next;
   }
   tiles_[slots] = sum;
-  parallel.for_each(tasks, [&](std::size_t t) {
-    Tile start = sums_[t];
-    for_each_slot(t, [&](std::size_t slot) {
+  parallel.for_batches(slots, k_summed, [&](std::size_t first, std::size_t end) {
+    Tile start = sums_[first / k_summed];
+    for (std::size_t slot = first; slot < end; ++slot) {
       tiles_[slot] = start;
       start += counts_[slot];
-    });
+    }
   });
 }
 

@@ -441,9 +441,9 @@ void RayGrid::redraw(std::span<const Vec2> vertices, std::span<const Pose> poses
   used_marks_ = fixed_marks_;
   used_links_ = fixed_links_;
   std::atomic<std::size_t> used = 0;
-  parallel.for_each((live_.size() + k_batch - 1) / k_batch, [&](std::size_t b) {
+  parallel.for_batches(live_.size(), k_batch, [&](std::size_t first, std::size_t end) {
     std::size_t busy = 0;
-    for (std::size_t l = b * k_batch; l < std::min(live_.size(), (b + 1) * k_batch); ++l) {
+    for (std::size_t l = first; l < end; ++l) {
       Slot& slot = slots_[live_[l]];
       slot.seen = slot.fixed.get();
       if (slot.runs == k_none) continue;

@@ -164,9 +164,9 @@ void BatchEnv::Impl::for_copies(Work&& work) {
   constexpr std::size_t k_tasks_a_thread = 8;  // enough that all threads end at about the same time
   const std::size_t n = copies.size();
   const std::size_t block = std::clamp<std::size_t>(n / (k_tasks_a_thread * parallel.threads()), 1, k_most);
-  parallel.for_each((n + block - 1) / block, [&](std::size_t b) {
+  parallel.for_batches(n, block, [&](std::size_t first, std::size_t end) {
     std::exception_ptr error;
-    for (std::size_t c = b * block; c < std::min(n, (b + 1) * block); ++c) try {
+    for (std::size_t c = first; c < end; ++c) try {
         work(c);
       } catch (...) {
         if (!error) error = std::current_exception();

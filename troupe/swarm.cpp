@@ -356,9 +356,9 @@ void Swarm::for_each(const std::function<void(std::size_t i, Model& robot)>& vis
     for (const BodyId id : ids_) robots_.push_back(Model::of(*world_, id));
   }
   world_->gather();  // fetches the rows of other ranks before the calls below, which run in parallel
-  world_->parallel().for_each((size() + k_batch - 1) / k_batch, [&](std::size_t batch) {
+  world_->parallel().for_batches(size(), k_batch, [&](std::size_t first, std::size_t end) {
     std::exception_ptr error;
-    for (std::size_t i = batch * k_batch; i < std::min(size(), (batch + 1) * k_batch); ++i) {
+    for (std::size_t i = first; i < end; ++i) {
       if (!world_->is_there(row(i))) continue;
       try {
         const Model::Visit turn(robots_[i]);

@@ -70,33 +70,29 @@ void Conflicts::resolve(const Crowd& crowd, const partition::StaticScene& scene,
   }
   base_ += static_cast<std::uint32_t>(rounds_);
   Resolver resolver(*this, crowd, scene, index);
-  const auto for_each = [&](std::size_t count, std::size_t batch, auto&& work) {
-    parallel.for_each((count + batch - 1) / batch,
-                      [&](std::size_t b) { work(b * batch, std::min(count, (b + 1) * batch)); });
-  };
-  for_each(rows, k_large_batch,
-           [&](std::size_t first, std::size_t last) { resolver.bound_motions(first, last); });
+  parallel.for_batches(rows, k_large_batch,
+                       [&](std::size_t first, std::size_t end) { resolver.bound_motions(first, end); });
   resolver.finish_bounds();
   const std::span<const std::uint32_t> order =
       border ? border->begin(crowd.motions, index.order()) : index.order();
   if (crowd.pushables.any()) {
-    for_each(rows, k_large_batch,
-             [&](std::size_t first, std::size_t last) { resolver.bound_zones(first, last); });
+    parallel.for_batches(rows, k_large_batch,
+                         [&](std::size_t first, std::size_t end) { resolver.bound_zones(first, end); });
     const std::span<const std::uint32_t> all = index.order();  // ghosts too, for widen_zone()
-    for_each(all.size(), k_batch, [&](std::size_t first, std::size_t last) {
-      for (std::size_t i = first; i < last; ++i) resolver.find_zone(all[i]);
+    parallel.for_batches(all.size(), k_batch, [&](std::size_t first, std::size_t end) {
+      for (std::size_t i = first; i < end; ++i) resolver.find_zone(all[i]);
     });
-    for_each(order.size(), k_batch, [&](std::size_t first, std::size_t last) {
-      for (std::size_t i = first; i < last; ++i) resolver.widen_zone(order[i]);
+    parallel.for_batches(order.size(), k_batch, [&](std::size_t first, std::size_t end) {
+      for (std::size_t i = first; i < end; ++i) resolver.widen_zone(order[i]);
     });
-    for_each(order.size(), k_batch, [&](std::size_t first, std::size_t last) {
-      for (std::size_t i = first; i < last; ++i)
+    parallel.for_batches(order.size(), k_batch, [&](std::size_t first, std::size_t end) {
+      for (std::size_t i = first; i < end; ++i)
         resolver.is_plain(order[i]) ? resolver.propose_and_check(order[i])
                                     : resolver.propose_and_check_in_zone(order[i]);
     });
   } else {
-    for_each(order.size(), k_batch, [&](std::size_t first, std::size_t last) {
-      for (std::size_t i = first; i < last; ++i) resolver.propose_and_check(order[i]);
+    parallel.for_batches(order.size(), k_batch, [&](std::size_t first, std::size_t end) {
+      for (std::size_t i = first; i < end; ++i) resolver.propose_and_check(order[i]);
     });
   }
   if (border) {
@@ -112,9 +108,8 @@ void Conflicts::resolve(const Crowd& crowd, const partition::StaticScene& scene,
 
 /// Computes a round after the first, in which `waiting` rows wait.
 void Conflicts::resolve_waiting(std::size_t waiting, Resolver& resolver, partition::Parallel& parallel) {
-  parallel.for_each((waiting + k_waiting_batch - 1) / k_waiting_batch, [&](std::size_t b) {
-    for (std::size_t i = b * k_waiting_batch; i < std::min(waiting, (b + 1) * k_waiting_batch); ++i)
-      resolver.resolve_waiting(waiting_[i]);
+  parallel.for_batches(waiting, k_waiting_batch, [&](std::size_t first, std::size_t end) {
+    for (std::size_t i = first; i < end; ++i) resolver.resolve_waiting(waiting_[i]);
   });
   std::swap(waiting_, still_waiting_);
 }

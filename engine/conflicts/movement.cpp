@@ -154,9 +154,8 @@ void Movement::commit() {
 
 void Movement::commit_pushes() {
   const std::span<const Conflicts::Push> pushes = conflicts_.pushes();
-  parallel_.for_each((pushes.size() + k_row_block - 1) / k_row_block, [&](std::size_t b) {
-    for (const Conflicts::Push& push :
-         pushes.subspan(b * k_row_block).first(std::min(k_row_block, pushes.size() - b * k_row_block))) {
+  parallel_.for_batches(pushes.size(), k_row_block, [&](std::size_t first, std::size_t end) {
+    for (const Conflicts::Push& push : pushes.subspan(first, end - first)) {
       if (!conflicts_.is_last(push)) continue;
       const Row row(push.row);
       Pose& pose = state_.poses()[push.row];

@@ -41,9 +41,8 @@ class OverlapSearch {
     for (std::size_t first = 0; first < count && !all.are_too_many(); first += k_bodies * k_tasks) {
       const std::size_t end = std::min(count, first + k_bodies * k_tasks);
       std::vector<Pairs> found((end - first + k_bodies - 1) / k_bodies);  // one element per task
-      parallel.for_each(found.size(), [&](std::size_t t) {
-        const std::size_t from = first + t * k_bodies;
-        find_among(from, std::min(end, from + k_bodies), found[t]);
+      parallel.for_batches(end - first, k_bodies, [&](std::size_t from, std::size_t to) {
+        find_among(first + from, first + to, found[from / k_bodies]);
       });
       for (const Pairs& pairs : found) append(pairs, all);
     }

@@ -350,9 +350,8 @@ std::vector<Links::AskedGoal> Links::asked_goals(RowRange rows) const {
 
 template <class Work>
 void Links::for_roots(Work&& work) {
-  const std::size_t count = composites_.size();
-  parallel_.for_each((count + k_trees_per_task - 1) / k_trees_per_task, [&](std::size_t b) {
-    for (std::size_t c = b * k_trees_per_task; c < std::min(count, (b + 1) * k_trees_per_task); ++c)
+  parallel_.for_batches(composites_.size(), k_trees_per_task, [&](std::size_t first, std::size_t end) {
+    for (std::size_t c = first; c < end; ++c)
       if (const std::uint32_t r = composites_[c]; state_.roots[r] == r) work(c, r);
   });
 }

@@ -106,8 +106,8 @@ double exact_sum(World& world, std::size_t count, Term&& term) {
   thread_local std::vector<ExactSum> kept;  // reused, because stop conditions call this in every step
   kept.assign((count + k_block - 1) / k_block, ExactSum());
   const std::span<ExactSum> sums = kept;  // of this thread: `kept` is another array on each worker
-  world.parallel().for_each(sums.size(), [&, sums](std::size_t b) {
-    for (std::size_t i = b * k_block; i < std::min(count, (b + 1) * k_block); ++i) sums[b].add(term(i));
+  world.parallel().for_batches(count, k_block, [&, sums](std::size_t first, std::size_t end) {
+    for (std::size_t i = first; i < end; ++i) sums[first / k_block].add(term(i));
   });
   ExactSum sum;
   for (const ExactSum& of_block : sums) sum.add(of_block);

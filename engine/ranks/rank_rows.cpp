@@ -21,9 +21,8 @@ RowRange rows_in(const World& world, const StateTable& table, const RowRange& ro
 std::uint64_t hash_of(partition::Parallel& parallel, const StateTable& table, const RowRange& rows) {
   constexpr std::size_t k_block = 1024;  // rows per task
   std::atomic<std::uint64_t> sum = 0;
-  parallel.for_each((rows.end - rows.first + k_block - 1) / k_block, [&](std::size_t b) {
-    const std::size_t first = rows.first + b * k_block;
-    sum.fetch_add(table.hash_rows(first, std::min(rows.end, first + k_block)), std::memory_order_relaxed);
+  parallel.for_batches(rows.end - rows.first, k_block, [&](std::size_t first, std::size_t end) {
+    sum.fetch_add(table.hash_rows(rows.first + first, rows.first + end), std::memory_order_relaxed);
   });
   return sum;
 }

@@ -325,8 +325,8 @@ class RulePlacer {
   void test_ahead(std::size_t size, Test&& test) {
     constexpr std::size_t k_batch = 128;
     ahead_.resize(size);
-    parallel_.for_each((size + k_batch - 1) / k_batch, [&](std::size_t b) {
-      for (std::size_t i = b * k_batch; i < std::min(size, (b + 1) * k_batch); ++i) ahead_[i] = test(i);
+    parallel_.for_batches(size, k_batch, [&](std::size_t first, std::size_t end) {
+      for (std::size_t i = first; i < end; ++i) ahead_[i] = test(i);
     });
   }
 

@@ -383,11 +383,9 @@ std::uint64_t World::hash(const StateTable& table) {
   require_whole();
   gather();
   constexpr std::size_t k_block = 1024;  // rows per task
-  const std::size_t blocks = (table.rows() + k_block - 1) / k_block;
   std::atomic<std::uint64_t> sum = 0;
-  parallel_.for_each(blocks, [&](std::size_t b) {
-    sum.fetch_add(table.hash_rows(b * k_block, std::min(table.rows(), (b + 1) * k_block)),
-                  std::memory_order_relaxed);
+  parallel_.for_batches(table.rows(), k_block, [&](std::size_t first, std::size_t end) {
+    sum.fetch_add(table.hash_rows(first, end), std::memory_order_relaxed);
   });
   return sum;
 }
@@ -400,11 +398,11 @@ Hashes World::hashes() {
   std::size_t rows = 0;
   for (const StateTable& table : state_.tables) rows = std::max(rows, table.rows());
   std::array<std::atomic<std::uint64_t>, k_hash_groups> sums{};
-  parallel_.for_each((rows + k_block - 1) / k_block, [&](std::size_t b) {
+  parallel_.for_batches(rows, k_block, [&](std::size_t first, std::size_t end) {
     for (const StateTable& table : state_.tables)
-      if (const std::size_t first = b * k_block; first < table.rows())
+      if (first < table.rows())
         sums[static_cast<std::size_t>(table.group())].fetch_add(
-            table.hash_rows(first, std::min(table.rows(), first + k_block)), std::memory_order_relaxed);
+            table.hash_rows(first, std::min(table.rows(), end)), std::memory_order_relaxed);
   });
   Hashes hashes;
   for (std::size_t g = 0; g < k_hash_groups; ++g) hashes.state += hashes.groups[g] = sums[g];

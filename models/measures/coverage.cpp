@@ -69,8 +69,8 @@ class Coverage : public Measure {
 
   void see(World& world) override {
     constexpr std::size_t k_block = 4096;
-    world.parallel().for_each((robots_.size() + k_block - 1) / k_block, [&](std::size_t b) {
-      for (std::size_t i = b * k_block; i < std::min(robots_.size(), (b + 1) * k_block); ++i)
+    world.parallel().for_batches(robots_.size(), k_block, [&](std::size_t first, std::size_t end) {
+      for (std::size_t i = first; i < end; ++i)
         if (const Row row = world.row(robots_[i]); world.is_there(row)) visit(world.transform(row).position);
     });
   }

@@ -114,8 +114,8 @@ class PathLength : public OfRobots {
   template <class Work>
   void for_robots(World& world, Work&& work) {
     constexpr std::size_t k_block = 4096;
-    world.parallel().for_each((lengths_.size() + k_block - 1) / k_block, [&](std::size_t b) {
-      for (std::size_t i = b * k_block; i < std::min(lengths_.size(), (b + 1) * k_block); ++i) work(i);
+    world.parallel().for_batches(lengths_.size(), k_block, [&](std::size_t first, std::size_t end) {
+      for (std::size_t i = first; i < end; ++i) work(i);
     });
   }
   /// Corrects places_[i], the point from which see() measures the motion of robot i in this tick. If the

@@ -33,9 +33,8 @@ class AmongRobots : public Measure {
     std::ranges::fill(measured_, std::uint8_t{0});
     for (const BodyId id : robots_) measured_[world.row(id).index()] = 1;
     const std::span<const std::uint32_t> order = world.index().order();
-    world.parallel().for_each((order.size() + k_batch - 1) / k_batch, [&](std::size_t b) {
-      for (const std::uint32_t row :
-           order.subspan(b * k_batch, std::min(k_batch, order.size() - b * k_batch)))
+    world.parallel().for_batches(order.size(), k_batch, [&](std::size_t first, std::size_t end) {
+      for (const std::uint32_t row : order.subspan(first, end - first))
         if (measured_[row]) work(row);
     });
   }

@@ -9,6 +9,7 @@
 #include <xmmintrin.h>
 #endif
 
+#include <algorithm>
 #include <atomic>
 #include <chrono>
 #include <mutex>
@@ -31,6 +32,19 @@ TEST_P(ParallelOf, RunsEveryIndexOnce) {
   for (const std::size_t count : {0, 1, 2, 3, 7, 8, 9, 64, 1000, 20'000}) {
     std::vector<std::atomic<int>> calls(count);
     parallel.for_each(count, [&](std::size_t i) { ++calls.at(i); });
+    for (std::size_t i = 0; i < count; ++i) ASSERT_EQ(calls[i], 1) << i << " of " << count;
+  }
+}
+
+TEST_P(ParallelOf, DividesIndicesIntoBatches) {
+  Parallel parallel(GetParam());
+  for (const std::size_t count : {0, 1, 15, 16, 17, 160, 1000}) {
+    std::vector<std::atomic<int>> calls(count);
+    parallel.for_batches(count, 16, [&](std::size_t first, std::size_t end) {
+      EXPECT_EQ(first % 16, 0u);
+      EXPECT_EQ(end, std::min(count, first + 16));
+      for (std::size_t i = first; i < end; ++i) ++calls.at(i);
+    });
     for (std::size_t i = 0; i < count; ++i) ASSERT_EQ(calls[i], 1) << i << " of " << count;
   }
 }
