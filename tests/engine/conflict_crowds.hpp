@@ -1,13 +1,13 @@
 #pragma once
 
 #include "tests/engine/conflict_oracle.hpp"
+#include "tests/support/draw.hpp"
 #include "tests/support/slow_build.hpp"
 
 #include <array>
 #include <cstdint>
 #include <deque>
 #include <optional>
-#include <random>
 #include <vector>
 
 namespace troupe::oracle {
@@ -15,22 +15,7 @@ namespace troupe::oracle {
 /// Slow builds do a tenth of the work.
 inline constexpr std::uint64_t k_thrift = test::k_slow_build ? 10 : 1;
 
-/// Draws for tests: the engine's words are fixed by the standard, and what is made of them is written here,
-/// so that a seed means the same everywhere.
-class Draw {
- public:
-  explicit Draw(std::uint64_t seed) : words_(seed) {}
-  double real(double low, double high) {
-    return low + (high - low) * static_cast<double>(words_() >> 11) * 0x1p-53;
-  }
-  /// Log-uniform.
-  double scale(double low, double high) { return std::exp(real(std::log(low), std::log(high))); }
-  std::size_t below(std::size_t n) { return static_cast<std::size_t>(words_() % n); }
-  bool chance(double p) { return real(0, 1) < p; }
-
- private:
-  std::mt19937_64 words_;
-};
+using test::Draw;
 
 inline Ring rectangle(double x0, double y0, double x1, double y1) {
   return {{x0, y0}, {x1, y0}, {x1, y1}, {x0, y1}};
@@ -181,10 +166,8 @@ inline TestCrowd random_crowd(Draw& draw, const CrowdShape& options) {
     Solid region{
         {rectangle(x - 0.3, y - 0.3, x + side + 0.3, y + side + 0.3), rectangle(x, y, x + side, y + side)},
         {0, 1}};
-    for (std::size_t p = 0; p < 4; ++p)
-      region.contours.push_back(turned(random_star(draw, 7, 0.04 * side, 0.4), 0,
-                                       corner + side * Vec2(0.2 + 0.6 * static_cast<double>(p % 2),
-                                                            0.2 + 0.6 * static_cast<double>(p / 2))));
+    for (const Vec2& centre : {Vec2(0.2, 0.2), Vec2(0.8, 0.2), Vec2(0.2, 0.8), Vec2(0.8, 0.8)})
+      region.contours.push_back(turned(random_star(draw, 7, 0.04 * side, 0.4), 0, corner + side * centre));
     crowd.walls.push_back(std::move(region));
   }
   if (options.bounded) {

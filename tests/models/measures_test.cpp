@@ -1,6 +1,7 @@
 #include "engine/observing/measures.hpp"
 
 #include "tests/support/devices.hpp"
+#include "tests/support/draw.hpp"
 #include "tests/support/scene.hpp"
 #include "tests/support/slow_build.hpp"
 
@@ -11,7 +12,6 @@
 #include <algorithm>
 #include <bit>
 #include <cmath>
-#include <random>
 #include <set>
 #include <utility>
 
@@ -27,10 +27,6 @@ using ::testing::HasSubstr;
 constexpr std::size_t k_minibots = test::k_slow_build ? 60 : 1500;  // several blocks of a sum
 constexpr double k_edge_m = test::k_slow_build ? 6 : 20;
 
-double draw(std::mt19937_64& words, double low, double high) {
-  return low + (high - low) * static_cast<double>(words() >> 11) * 0x1p-53;
-}
-
 Ring turned_box(double x, double y, double size_x, double size_y, double angle) {
   Ring ring = test::box_ring(size_x, size_y);
   for (Vec2& v : ring)
@@ -43,7 +39,7 @@ Ring turned_box(double x, double y, double size_x, double size_y, double angle) 
 /// anywhere, so that some overlap.
 test::SceneBuilder crowd(bool bounded = true) {
   test::SceneBuilder scene;
-  std::mt19937_64 words(5);
+  test::Draw draw(5);
   const double half = k_edge_m / 2;
   const TypeId crate = scene.type("crate", {Solid{{turned_box(0, 0, k_edge_m / 4, 0.7, 0.3)}, {0, 1}}});
   scene.body("crate0", crate, {0.2 * k_edge_m, 1, 0, 0});
@@ -51,7 +47,7 @@ test::SceneBuilder crowd(bool bounded = true) {
   const TypeId minibot = scene.robot("minibot", {Solid{{test::box_ring(0.2, 0.2)}, {0, 0.3}}}, "omni");
   const TypeId truck = scene.robot("truck", {Solid{{test::box_ring(2.5, 0.8)}, {0, 1}}});
   const auto anywhere = [&] {
-    return Pose{draw(words, -half, half), draw(words, -half, half), 0, draw(words, -3, 3)};
+    return Pose{draw.real(-half, half), draw.real(-half, half), 0, draw.real(-3, 3)};
   };
   for (std::size_t i = 0; i < k_minibots; ++i) scene.body(fmt::format("m{}", i), minibot, anywhere());
   for (std::size_t i = 0; i < 10; ++i) scene.body(fmt::format("t{}", i), truck, anywhere());
@@ -59,11 +55,11 @@ test::SceneBuilder crowd(bool bounded = true) {
   return scene;
 }
 
-void step_at_random(World& world, std::mt19937_64& words) {
+void step_at_random(World& world, test::Draw& draw) {
   for (std::size_t b = 0; b < world.spec().bodies.size(); ++b) {
     const Row row = world.row(BodyId(b));
-    if (row.valid() && words() % 4 != 0)
-      world.set_command(row, {draw(words, -1, 1), draw(words, -1, 1), draw(words, -2, 2)});
+    if (row.valid() && draw.below(4) != 0)
+      world.set_command(row, {draw.real(-1, 1), draw.real(-1, 1), draw.real(-2, 2)});
   }
   world.step();
 }
@@ -223,7 +219,7 @@ TEST(Measures, AreWhatTheirDefinitionsSay) {
   const std::vector<MeasureSpec> specs = all_specs();
   MeasureSet set = measures(world, specs);
   std::vector<Oracle> oracles{{world, ""}, {world, "m"}, {world, "t"}};
-  std::mt19937_64 words(6);
+  test::Draw draw(6);
   std::size_t stalls = 0;
   std::size_t held = 0;
   for (int tick = 0; tick <= 6; ++tick) {
@@ -248,7 +244,7 @@ TEST(Measures, AreWhatTheirDefinitionsSay) {
     EXPECT_EQ(values[3], values[kinds + 3] + values[2 * kinds + 3]);
     stalls += world.stalled_count();
     held += world.out_of_bounds_count();
-    step_at_random(world, words);
+    step_at_random(world, draw);
     set.see();
     for (Oracle& oracle : oracles) oracle.see(world);
   }
@@ -320,10 +316,10 @@ TEST(Measures, AreTheSameBitsOnAnyThreadsAndTiles) {
                                               engine::WorldOptions{8, 1.1}, engine::WorldOptions{3, 40}}) {
     World world = crowd().world(options);
     MeasureSet set = measures(world, all_specs());
-    std::mt19937_64 words(7);
+    test::Draw draw(7);
     std::vector<std::uint64_t> bits;
     for (int tick = 0; tick < 5; ++tick) {
-      step_at_random(world, words);
+      step_at_random(world, draw);
       set.see();
       for (const double v : set.values()) bits.push_back(std::bit_cast<std::uint64_t>(v));
     }
@@ -336,13 +332,13 @@ TEST(Measures, ChangeNoState) {
   World watched = crowd().world();
   World plain = crowd().world();
   MeasureSet set = measures(watched, all_specs());
-  std::mt19937_64 watched_words(8);
-  std::mt19937_64 plain_words(8);
+  test::Draw watched_draw(8);
+  test::Draw plain_draw(8);
   for (int tick = 0; tick < 3; ++tick) {
-    step_at_random(watched, watched_words);
+    step_at_random(watched, watched_draw);
     set.see();
     set.values();
-    step_at_random(plain, plain_words);
+    step_at_random(plain, plain_draw);
     EXPECT_EQ(watched.hashes().state, plain.hashes().state);
   }
 }
@@ -350,9 +346,9 @@ TEST(Measures, ChangeNoState) {
 TEST(Measures, GoOnWithWhatTheyRememberedAsIfTheyHadNeverStopped) {
   World world = crowd().world();
   MeasureSet whole = measures(world, all_specs());
-  std::mt19937_64 words(9);
+  test::Draw draw(9);
   for (int tick = 0; tick < 3; ++tick) {
-    step_at_random(world, words);
+    step_at_random(world, draw);
     whole.see();
   }
   const std::vector<std::byte> memory = whole.memory();
@@ -361,7 +357,7 @@ TEST(Measures, GoOnWithWhatTheyRememberedAsIfTheyHadNeverStopped) {
   EXPECT_TRUE(resumed.remember(memory));
   for (int tick = 0; tick < 3; ++tick) {
     EXPECT_EQ(resumed.values(), whole.values());
-    step_at_random(world, words);
+    step_at_random(world, draw);
     whole.see();
     resumed.see();
   }
@@ -373,9 +369,9 @@ TEST(Measures, BeginAgainAfterAReset) {
   World world = crowd().world();
   MeasureSet set = measures(world, all_specs());
   const std::vector<double> start = set.values();
-  std::mt19937_64 words(10);
+  test::Draw draw(10);
   for (int tick = 0; tick < 3; ++tick) {
-    step_at_random(world, words);
+    step_at_random(world, draw);
     set.see();
   }
   EXPECT_NE(set.values(), start);

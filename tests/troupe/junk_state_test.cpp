@@ -3,6 +3,7 @@
 // data. Builds with sanitizers would report that.
 
 #include "engine/world/world.hpp"
+#include "tests/support/draw.hpp"
 #include "tests/support/scenes.hpp"
 #include "tests/support/slow_build.hpp"
 #include "troupe/troupe.hpp"
@@ -11,7 +12,6 @@
 
 #include <cstdint>
 #include <exception>
-#include <random>
 #include <set>
 #include <span>
 #include <type_traits>
@@ -21,23 +21,10 @@ namespace {
 
 using engine::Element;
 using engine::StateTable;
+using test::Draw;
 
 constexpr int k_tries = test::k_slow_build ? 2 : 6;
 constexpr int k_ticks = test::k_slow_build ? 3 : 5;
-
-/// Random numbers.
-class Draw {
- public:
-  explicit Draw(std::uint64_t seed) : words_(seed) {}
-  double real(double low, double high) {
-    return low + (high - low) * static_cast<double>(words_() >> 11) * 0x1p-53;
-  }
-  std::uint64_t below(std::uint64_t n) { return words_() % n; }
-  bool chance(double p) { return real(0, 1) < p; }
-
- private:
-  std::mt19937_64 words_;
-};
 
 template <class T>
 void fill(std::span<T> values, Draw& draw) {

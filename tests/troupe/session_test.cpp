@@ -1,5 +1,6 @@
 // What is done to a running world, logged and repeated: docs/live.md.
 
+#include "tests/support/draw.hpp"
 #include "tests/support/scratch.hpp"
 #include "tests/support/slow_build.hpp"
 #include "troupe/troupe.hpp"
@@ -11,7 +12,6 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
-#include <cmath>
 #include <filesystem>
 #include <fstream>
 #include <limits>
@@ -24,6 +24,7 @@ namespace {
 namespace fs = std::filesystem;
 using ::testing::HasSubstr;
 using Kind = Act::Kind;
+using test::Draw;
 
 constexpr const char* k_yard = R"({"troupe": 1, "title": "yard", "seed": 5, "bounds_m": [[-6, -6], [6, 6]],
   "types": {
@@ -36,39 +37,26 @@ constexpr const char* k_yard = R"({"troupe": 1, "title": "yard", "seed": 5, "bou
   "at": [{"time_s": 2, "add": {"population": "b", "count": 2}}, {"time_s": 3, "disable": {"type": "bot", "share": 0.3}},
          {"time_s": 4, "enable": {"type": "bot"}}]})";
 
-/// Draws as they come: where they come from does not matter, so long as they are many and varied.
-class Draws {
- public:
-  explicit Draws(std::uint32_t seed) : random_(seed, 1, 2, 3) {}
-  std::size_t below(std::size_t n) {
-    return static_cast<std::size_t>(random_.uniform(0, static_cast<double>(n))) % n;
-  }
-  double within(double least, double most) { return random_.uniform(least, most); }
-
- private:
-  Random random_;
-};
-
-Act random_act(Draws& draws) {
-  Act act{.kind = static_cast<Kind>(draws.below(engine::k_acts.size()))};
+Act random_act(Draw& draw) {
+  Act act{.kind = static_cast<Kind>(draw.below(engine::k_acts.size()))};
   act.whom = act.kind == Kind::add   ? "b"
              : act.kind == Kind::set ? "bot"
-             : draws.below(20) == 0  ? "rock"
-                                     : fmt::format("b{}", draws.below(20));
-  act.pose = {draws.within(-7, 7), draws.within(-7, 7), 0, draws.within(-4, 4)};
-  act.speed = {draws.within(-1, 1), 0, draws.within(-2, 2)};
+             : draw.below(20) == 0   ? "rock"
+                                     : fmt::format("b{}", draw.below(20));
+  act.pose = {draw.real(-7, 7), draw.real(-7, 7), 0, draw.real(-4, 4)};
+  act.speed = {draw.real(-1, 1), 0, draw.real(-2, 2)};
   if (act.kind == Kind::command) {
     act.device = "lamp";
-    act.values = {{"shows", {static_cast<double>(draws.below(2))}}, {"red", {draws.within(0, 1)}}};
+    act.values = {{"shows", {static_cast<double>(draw.below(2))}}, {"red", {draw.real(0, 1)}}};
   }
   if (act.kind == Kind::set)
     act.setting = fmt::format(
-        fmt::runtime(draws.below(2) == 0 ? R"({{"controller": {{"kind": "wander", "cruise_speed_mps": {}}}}})"
-                     : draws.below(2) == 0
+        fmt::runtime(draw.below(2) == 0 ? R"({{"controller": {{"kind": "wander", "cruise_speed_mps": {}}}}})"
+                     : draw.below(2) == 0
                          ? R"({{"drive": {{"velocity_max_x_mps": {}}}}})"
                          : R"({{"device": {{"name": "eye", "transducers": [{{"range_max_m": {}, )"
                            R"("samples": 9, "fov_deg": 180}}]}}}})"),
-        draws.within(0.1, 2));
+        draw.real(0.1, 2));
   return act;
 }
 
@@ -107,18 +95,18 @@ TEST_F(Sessions, AreRepeatedToTheSameBitsOnAnyThreadsAndFromACheckpoint) {
   std::array<int, engine::k_acts.size()> done{};
   int refused = 0;
   for (int run = 0; run < runs; ++run) {
-    Draws draws(static_cast<std::uint32_t>(run));
+    Draw draw(static_cast<std::uint64_t>(run));
     std::vector<std::string> lines;
     fs::path file;
     const fs::path checkpoint = folder_ / fmt::format("{}.h5", run);
-    const std::uint64_t saved = 1 + draws.below(k_ticks - 1);
+    const std::uint64_t saved = 1 + draw.below(k_ticks - 1);
     {
       Simulation simulation = yard(2);
       SessionLog log(folder_, simulation);
       file = log.file();
       simulation.before_tick([&](Simulation& s) {
-        for (std::size_t i = draws.below(10); i > 0; --i) {
-          const Act act = random_act(draws);
+        for (std::size_t i = draw.below(10); i > 0; --i) {
+          const Act act = random_act(draw);
           try {
             s.act(act);
             log.add(s, act);
@@ -413,9 +401,9 @@ TEST_F(Sessions, AreNeverReplaced) {
 }
 
 TEST_F(Sessions, LinesSurviveARoundTrip) {
-  Draws draws(9);
+  Draw draw(9);
   for (int i = 0; i < 300; ++i) {
-    Act act = random_act(draws);
+    Act act = random_act(draw);
     if (act.kind != Kind::move && act.kind != Kind::add) act.pose = {};
     if (act.kind != Kind::speed && act.kind != Kind::hold) act.speed = {};
     Diagnostics diagnostics;
