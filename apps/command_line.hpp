@@ -8,18 +8,23 @@
 
 namespace troupe::apps {
 
-/// Runs the whole program: parses the arguments (argv[0] is the name of the program), runs the command that
-/// they name, and prints the output and the errors of the command. Without a command, prints the help on
-/// standard error and returns k_bad_input. Returns the exit code (apps/exit_code.hpp); throws nothing. With
-/// --controller, which names a Python script with robot controllers, the function may replace the process by
-/// Python (apps/scripts.hpp), and then does not return. limit: a callback that is called between parsing and
-/// running the command. It receives the options of the command and may change them; the std::any contains a
-/// std::shared_ptr to them (ProgramCommand::options). The fuzz test uses the callback to shorten runs.
+/// Runs the program: parses the arguments, runs the command that they name, and prints its output and its
+/// errors. Without a command, prints the help on standard error and returns k_bad_input. Returns the exit
+/// code of the program (apps/exit_code.hpp), and throws nothing.
+///
+/// With the option --controller, which names a Python script, the function may replace this process by a
+/// Python interpreter (apps/scripts.hpp). It then does not return.
+///
+/// argc: number of elements of `argv`
+/// argv: the name of the program, and then its arguments
+/// limit: for tests; called between parsing and running the command. It may change the options of the
+/// command, for example to shorten a run. Its argument `options` is the member ProgramCommand::options of the
+/// command.
 int run_command_line(int argc, const char* const* argv,
                      const std::function<void(std::any& options)>& limit = nullptr);
 
-/// Returns the table of commands for the manual page and for shell completion (command_table()): the program
-/// itself, and then all its commands with their options.
+/// Returns all commands of the program with their options. The first element is the program itself. The
+/// manual page and the shell completion are made from this list.
 std::vector<Command> known_commands();
 
 }  // namespace troupe::apps

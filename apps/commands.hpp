@@ -22,7 +22,7 @@ struct ProgramCommand {
   std::any options;  ///< std::shared_ptr to the options that parsing fills, such as a RunOptions
 };
 
-/// All commands, in the order of --help. Each call creates new options.
+/// Returns all commands, in the order of --help. The objects in ProgramCommand::options are new in each call.
 std::vector<ProgramCommand> program_commands();
 
 }  // namespace troupe::apps

@@ -13,12 +13,12 @@ class App;
 
 namespace troupe::apps {
 
-/// Options of `troupe convert`.
+/// Options of `troupe convert`. Both files may be in Stage's format (.world) or in JSON (.json).
 struct ConvertOptions {
   std::filesystem::path in;   ///< world file to read
-  std::filesystem::path out;  ///< world file to write; its ending selects the format
+  std::filesystem::path out;  ///< world file to write; its ending, .world or .json, selects the format
   bool force = false;         ///< replace an existing output file
-  /// Values of the world to replace: pairs of a JSON pointer and a JSON value (SimulationOptions::set).
+  /// Values of the world to replace: pairs of a JSON pointer and a JSON value, as in SimulationOptions::set.
   std::vector<std::pair<std::string, std::string>> set;
   std::vector<std::filesystem::path> plugin_path;  ///< folders to search for plug-ins (shared libraries)
 };
@@ -26,12 +26,13 @@ struct ConvertOptions {
 /// Adds the options of `convert`; parsing fills `options`, which must outlive `command`.
 void add_convert_options(CLI::App& command, ConvertOptions& options);
 
-/// `troupe convert`: reads a world, writes it to another file, and prints one line with the numbers of models
-/// and types. Each of the two files is in one of two formats, Stage's or JSON; both may have the same format.
-/// A JSON output of a JSON world lists each body of a population (an entry that creates many bodies by a
-/// rule) instead of the rule. Throws InputError if the world cannot be loaded or cannot be expressed in the
-/// format of the output. If the output exists (without `force`) or cannot be written, prints an error and
-/// returns k_bad_input.
+/// `troupe convert`: reads a world file, writes the world to another file, and prints the numbers of models
+/// (bodies) and of their types. In a JSON world, a single entry (a population) may create many bodies. The
+/// output has a separate entry for each of these bodies.
+///
+/// Returns k_finished if the output was written. Prints an error and returns k_bad_input if the output cannot
+/// be written, or if it exists and `force` is false. Throws InputError if the world cannot be loaded, or
+/// cannot be expressed in the format of the output.
 ExitCode convert(const ConvertOptions& options);
 
 }  // namespace troupe::apps

@@ -44,9 +44,11 @@ CsvFile::CsvFile(const fs::path& file, std::string_view header, const std::optio
     count({piece.data(), static_cast<std::size_t>(old.gcount())});
   }
   if (written_ != *start) fail("it is not the table that the run had written when the checkpoint was saved");
-  fs::resize_file(file, start->bytes);
-  stream_.open(file, std::ios::binary | std::ios::app);
+  stream_.open(file, std::ios::binary | std::ios::app);  // before the file is cut: it may be read-only
   if (!stream_) refuse_output(file, std::strerror(errno));
+  std::error_code error;
+  fs::resize_file(file, start->bytes, error);
+  if (error) refuse_output(file, error.message());
   if (start->bytes == 0) pending_ = first;
 }
 

@@ -11,25 +11,32 @@
 
 namespace troupe::apps {
 
-/// A table that is written during a run, as comma-separated values that pandas reads without options. The
-/// first line has the column names, and the first column is the tick (number of the simulation step). All
-/// lines, also the first, stay in memory until flush(), so that the file contains only whole lines.
+/// A table that a run writes line by line, as comma-separated values (CSV). pandas can read the file without
+/// options. The first line has the names of the columns. The first column is the tick (number of the
+/// simulation step).
+///
+/// add() appends a cell to the current line, and end_line() ends the line. The lines stay in memory until
+/// flush() writes them, so the file contains only whole lines.
 class CsvFile {
  public:
   /// Creates or empties the file. `header` is the line of column names, without line break. Throws
   /// OutputError if the file cannot be opened.
   CsvFile(const std::filesystem::path& file, std::string_view header);
-  /// The beginning of a table: its lines up to some tick. A checkpoint (saved state of a run) stores length
-  /// and hash of this beginning, so that a resumed run detects a file that is the table of another run.
+  /// Length and hash of the first lines of the file. A checkpoint (saved state of a run) stores these two
+  /// numbers for the lines that the run had written. When the run is resumed, they show whether the file
+  /// still begins with these lines.
   struct Start {
-    std::uint64_t bytes = 0;  ///< length of these lines, with the line of column names
-    std::uint64_t hash = 0;   ///< hash of these bytes; 0 if there are none
+    std::uint64_t bytes = 0;  ///< length, bytes, with the line of column names
+    std::uint64_t hash = 0;   ///< hash of these bytes; 0 if `bytes` is 0
     friend bool operator==(const Start&, const Start&) = default;
   };
-  /// Continues the table of an earlier run: keeps the lines that `start` describes and removes the lines
-  /// after them. Throws OutputError, and does not change the file, if the first line of the file is not
-  /// `header`, if `start` is not set (the checkpoint contains no data of this table), or if the file does not
-  /// begin with these lines.
+  /// Continues the table of an earlier run. Keeps the first lines, which `start` describes, and removes all
+  /// later lines. Throws OutputError, and does not change the file, in these cases:
+  ///
+  /// - The file cannot be read.
+  /// - Its first line is not `header`.
+  /// - `start` is not set, because the checkpoint has no data of this table.
+  /// - The length or the hash of the first lines differs from `start`.
   CsvFile(const std::filesystem::path& file, std::string_view header, const std::optional<Start>& start);
 
   /// Appends a number as a cell to the current line. A double is written as the shortest text that reads back
@@ -40,12 +47,13 @@ class CsvFile {
   CsvFile& add(std::string_view text);
   void end_line();  ///< ends the current line
 
-  /// Writes the finished lines to the file. Call it only after end_line(), not within a line. tick: the
-  /// current tick of the run; before() compares its argument with this tick, and an error names it. Throws
-  /// std::runtime_error if writing fails.
+  /// Writes the lines in memory to the file. Call it only after end_line(), when no line is unfinished.
+  /// Throws std::runtime_error if writing fails.
+  ///
+  /// tick: the current tick of the run. It is stored for before(), and an error message contains it.
   void flush(std::uint64_t tick);
-  /// Returns length and hash of the lines that were flushed before the tick `tick`. This tick must not be
-  /// earlier than the tick of the last flush.
+  /// Returns length and hash of the lines that were written by calls of flush() with ticks earlier than
+  /// `tick`. `tick` must be at least the tick of the last flush().
   Start before(std::uint64_t tick) const { return last_tick_ && *last_tick_ >= tick ? before_ : written_; }
 
  private:

@@ -33,13 +33,17 @@ ExitCode describe(const DescribeOptions& options);
 /// and events.
 std::string list_kinds(const engine::Registry& registry);
 
-/// Returns the names of all kinds that list_kinds() lists, except events, sorted, without duplicates.
+/// Returns the names of all kinds that list_kinds() lists. Events are not included. The names are sorted,
+/// without duplicates.
 std::vector<std::string_view> kind_names(const engine::Registry& registry);
 
-/// Returns the description, as text, of every kind of this name (a model and a sensor may have the same
-/// name): for each parameter the JSON key, units, default, range and meaning; for a device also the fields of
-/// its readings and of its command; for a measure its definition. Also finds the kinds of plug-ins that the
-/// registry can load. Throws InputError, with similar names, if there is no such kind.
+/// Returns a text that describes the kind `name`. If several kinds have this name, such as a model and a
+/// sensor, the text describes all of them. It lists the parameters, each with JSON key, units, default, range
+/// and meaning. For a device, it also lists the fields of the readings and of the command. For a measure, it
+/// contains the definition.
+///
+/// Also searches the plug-ins (shared libraries with further kinds) of the registry. Throws InputError if
+/// there is no such kind; the error suggests similar names.
 std::string describe_kind(const engine::Registry& registry, std::string_view name);
 
 }  // namespace troupe::apps

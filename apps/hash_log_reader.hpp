@@ -18,15 +18,15 @@ namespace troupe::apps {
 inline constexpr std::string_view k_hash_log_mark = "# troupe hash log 1";
 
 /// Reads a hash log (troupe run --hash-log), a text file with hashes of the simulation state after every tick
-/// (simulation step). Reads the file line by line, because it may be gigabytes long. Every error in the file
-/// is thrown as InputError: `run.log:31: error: ...`.
+/// (simulation step). Reads the file line by line, because it may be gigabytes long. An error in the file is
+/// thrown as InputError, with file and line: `run.log:31: error: ...`.
 class HashLogReader {
  public:
   /// Opens the file and reads its header. Throws InputError if the file cannot be read or is not a hash log.
   explicit HashLogReader(const std::filesystem::path& file);
 
   const std::filesystem::path& file() const { return header_.file; }
-  /// The header lines `# key: value`, with their line numbers.
+  /// Returns the header lines `# key: value`, with their line numbers.
   const RunHeader& header() const { return header_; }
 
   /// The hashes of one tick (simulation step).
@@ -35,12 +35,13 @@ class HashLogReader {
     std::string text;     ///< the whole line, without its line break
     std::uint64_t tick;   ///< tick of the state; 0: the state as loaded
     std::uint64_t state;  ///< hash of the whole state
-    /// Hashes of the four groups of the state: pose, velocity, sensor, memory (HashGroup).
+    /// Hashes of the four groups of the state, indexed by engine::HashGroup: pose, velocity, sensor, memory.
+    /// Their sum, modulo 2^64, is `state`.
     std::array<std::uint64_t, engine::k_hash_groups> groups;
   };
-  /// Returns the next line; the first call returns the first line below the header. Returns nothing at the
-  /// end of the log. Throws InputError if a tick is missing or repeated, if the line is incomplete or
-  /// malformed, or if its state hash is not the sum (modulo 2^64) of its group hashes.
+  /// Returns the hashes of the next tick, or std::nullopt at the end of the log. The first call returns the
+  /// first line below the header. Throws InputError if the line is incomplete or malformed, if it is not the
+  /// line of the next tick, or if `state` is not the sum of `groups`.
   std::optional<Line> next();
 
  private:

@@ -5,19 +5,21 @@
 
 namespace troupe::apps {
 
-/// Installs the signal handlers. The first Ctrl-C or SIGTERM only makes stop_requested() true, and runs end
-/// after their current tick (simulation step); the second ends the program immediately. SIGXFSZ is ignored,
-/// so that a file that exceeds the size limit is reported as a write error instead of killing the program.
+/// Installs the signal handlers of the program. The first Ctrl-C or SIGTERM only makes stop_requested()
+/// return true; runs then end after their current tick (simulation step). The second one ends the program
+/// immediately. SIGXFSZ is ignored. A file that exceeds the size limit therefore causes a write error,
+/// instead of ending the program.
 void stop_on_signals();
-/// Whether Ctrl-C or SIGTERM has arrived.
+/// Whether Ctrl-C or SIGTERM has arrived since the start of the program.
 bool stop_requested();
-/// Starts to count the signal SIGUSR1, by which users request a checkpoint (a file with the state of the
-/// run). Without this call, the signal ends the program.
+/// Starts to count the signal SIGUSR1, with which users request a checkpoint (a file with the state of the
+/// run). Each call sets the count to 0. Before the first call, the signal ends the program.
 void count_save_requests();
-/// How often SIGUSR1 has arrived since the last call of count_save_requests(), which resets the number to 0.
+/// Returns how often SIGUSR1 has arrived since the last call of count_save_requests().
 std::uint32_t save_requests();
-/// Sets the file, such as an unfinished film, that a second Ctrl-C or SIGTERM removes before it ends the
-/// program. Replaces the file of the previous call. An empty name, or one of 4,096 bytes or more: no file.
+/// Sets a file, such as an unfinished film, that a second Ctrl-C or SIGTERM removes before it ends the
+/// program. Each call replaces the file of the previous call. If the name is empty or has 4,096 bytes or
+/// more, no file will be removed.
 void remove_when_killed(const std::filesystem::path& file);
 
 }  // namespace troupe::apps

@@ -20,7 +20,7 @@ struct LintOptions {
 /// Adds the options of `lint`; parsing fills `options`, which must outlive `command`.
 void add_lint_options(CLI::App& command, LintOptions& options);
 
-/// `troupe lint`: prints likely mistakes in a world, one line each, and a line with their number. Returns
+/// `troupe lint`: prints each likely mistake in a world as one line, and then the number of mistakes. Returns
 /// k_failed if there are any, else k_finished. Throws InputError if the world cannot be loaded.
 ExitCode lint_world(const LintOptions& options);
 

@@ -13,11 +13,14 @@ class App;
 
 namespace troupe::apps {
 
-/// Returns the manual page troupe(1) in roff with the macros of `man`: every command with its options and the
-/// texts of --help. version: version of the program, which is printed at the foot of each page.
+/// Returns the manual page troupe(1) in roff with the macros of `man`. It contains every command with its
+/// options and the texts of --help.
+///
+/// commands: the result of known_commands()
+/// version: version of the program, which is printed at the foot of each page
 std::string manual_page(const std::vector<Command>& commands, std::string_view version);
 
-/// Options of `troupe manual`, which has none.
+/// The options of `troupe manual`: none.
 struct ManualOptions {};
 inline void add_manual_options(CLI::App&, ManualOptions&) {}
 /// `troupe manual`: prints manual_page() on standard output.

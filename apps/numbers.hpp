@@ -9,8 +9,8 @@ namespace troupe::apps {
 
 /// Returns an integer as text, in groups of three digits: `12,345,678`.
 std::string grouped(std::uint64_t n);
-/// Returns a number as text, rounded to four significant digits: `0.01235`, `123.5`, `12,350`. Absolute
-/// values from 0.0001 to below 10^15 have no exponent.
+/// Returns a number as text, rounded to four significant digits: `0.01235`, `123.5`, `12,350`. A number other
+/// than 0 is written with an exponent if its absolute value is below 0.0001, or is 10^15 or more.
 std::string four_digits(double x);
 
 }  // namespace troupe::apps

@@ -21,7 +21,7 @@ namespace troupe::apps {
 
 /// Converts a whole text to a number of type T. Returns std::nullopt if the text is not a decimal number,
 /// contains anything else (a space, a unit, a leading `+`), or is outside the range of T. For a
-/// floating-point T, `inf` and `nan` are numbers.
+/// floating-point T, `inf` and `nan` are accepted.
 template <class T>
 std::optional<T> number(std::string_view text) {
   T value{};
@@ -38,11 +38,12 @@ std::optional<double> finite(std::string_view text);
 /// Returns `text`, the value of `option`, as the name of a file to write. Throws CLI::ValidationError if the
 /// name is empty or begins with `-`.
 std::filesystem::path file_name(const char* option, const std::string& text);
-/// Converts a text to a time in seconds, from 0 to engine::k_most_seconds (10^9). Throws
-/// CLI::ValidationError for other texts.
+/// Converts `text`, the value of `option`, to a time in seconds, from 0 to engine::k_most_seconds (10^9).
+/// Throws CLI::ValidationError for other texts.
 double seconds_from_zero(const char* option, const std::string& text);
-/// Converts a text to a time in seconds, above 0 and at most engine::k_most_seconds (10^9). Throws
-/// CLI::ValidationError for other texts. what: name of the time in the error, such as "a real time".
+/// Converts `text`, the value of `option`, to a time in seconds, above 0 and at most engine::k_most_seconds
+/// (10^9). Throws CLI::ValidationError for other texts. what: name of the time in the error, such as "a real
+/// time".
 double positive_seconds(const char* option, const std::string& text, std::string_view what);
 
 /// Convert the text of an option value to a number. These values have the same form in every command. Throw
@@ -61,8 +62,8 @@ unsigned rank_count(std::string_view text);
 /// conversions are not used, because they would accept hexadecimal numbers and nan.
 CLI::Option* add_value(CLI::App& app, const char* name, const char* value, const char* help,
                        const std::function<void(const std::string&)>& set);
-/// Like add_value(), for an option that may be repeated. `add` is called with the text of each value, in
-/// their order.
+/// Like add_value(), for an option that may be repeated. `add` is called once for each value, in the order of
+/// the command line, with the text of the value.
 CLI::Option* add_values(CLI::App& app, const char* name, const char* value, const char* help,
                         const std::function<void(const std::string&)>& add);
 
@@ -92,33 +93,35 @@ void add_set_option(CLI::App& app, const char* help, std::vector<std::pair<std::
 /// Returns the end of the run in world time (simulated time), s: the value of --for, or else the quit time
 /// that the world file gives. Throws InputError if neither is given.
 double end_of(const WorldOptions& options, const Simulation& simulation);
-/// Adds --simd. Parsing this option selects the SIMD instruction set with which the whole process computes
-/// ranges. It throws CLI::ValidationError for a set that cannot be used.
+/// Adds --simd, which names a SIMD instruction set. Parsing selects this set for range finding (the
+/// computation of the distances that sensors measure) in the whole process. Throws CLI::ValidationError,
+/// while parsing, if the name is unknown or the processor lacks the set.
 void add_simd_option(CLI::App& app);
-/// Selects the SIMD instruction set with which the process computes ranges: the set that the environment
-/// variable TROUPE_SIMD names. Does nothing if the variable is not set or empty. Throws InputError if the
-/// name is unknown or the processor lacks the set.
+/// Selects the SIMD instruction set that the environment variable TROUPE_SIMD names, as add_simd_option()
+/// does. Does nothing if the variable is not set or empty. Throws InputError if the name is unknown or the
+/// processor lacks the set.
 void obey_simd_variable();
 /// Adds --rank-seed, an option for tests, which sets SimulationOptions::rank_seed. Ranks are the processes,
-/// or groups of threads, that compute a world together. With this seed, messages between ranks are delayed at
-/// random, and robots are given to random other ranks.
+/// or groups of threads, that compute a world together. If a seed is given, messages between ranks arrive
+/// late, and robots move to randomly chosen ranks during the run. No simulated result depends on the seed.
 void add_rank_seed_option(CLI::App& app, WorldOptions& options);
-/// Adds --distribute, which sets SimulationOptions::distribute. Each rank (a process, or a group of threads,
-/// that computes a part of the world) then has only its own robots and those near them, instead of a copy of
-/// the whole world.
+/// Adds --distribute, which sets SimulationOptions::distribute. Ranks are the processes, or groups of
+/// threads, that compute a world together. Without this option, each rank has the data of all robots. With
+/// it, each rank has only the data of its own robots and of robots near them, if the world allows it.
 void add_distribute_option(CLI::App& app, WorldOptions& options);
-/// Adds --rank-limit, which sets `limit_s`: the longest wait for another rank, wall time, s. A rank is a
-/// process, or a group of threads, that computes a part of the world. `limit_s` must outlive `app`.
+/// Adds --rank-limit, which sets `limit_s`: the longest time that a rank waits for another rank, wall time,
+/// s. A rank is a process, or a group of threads, that computes a part of the world. `limit_s` must outlive
+/// `app`.
 void add_rank_limit_option(CLI::App& app, double& limit_s);
-/// Adds --plugin-path, which appends folders to search for plug-ins (shared libraries with models or
-/// controllers) to `path`; `path` must outlive `app`.
+/// Adds --plugin-path. Its value is a list of folders to search for plug-ins (shared libraries with models or
+/// controllers). Parsing appends the folders to `path`, which must outlive `app`.
 void add_plugin_path_option(CLI::App& app, std::vector<std::filesystem::path>& path);
-/// Returns the folders in which plug-ins are searched, in this order: those in `given`, those in the
-/// environment variable TROUPE_PLUGIN_PATH, and those in STAGEPATH, where users of Stage keep their plug-ins.
+/// Returns the folders to search for plug-ins, in this order: those in `given`, those in the environment
+/// variable TROUPE_PLUGIN_PATH, and those in STAGEPATH, where users of Stage keep their plug-ins.
 std::vector<std::filesystem::path> plugin_path(std::vector<std::filesystem::path> given);
-/// Returns the options with the folders from environment variables added. The folders of STAGEPATH are added
-/// to the member search_path, as in Stage. The member plugin_path is replaced by the result of calling the
-/// function plugin_path() with it.
+/// Returns `options` with folders from environment variables added. Appends the folders of STAGEPATH to the
+/// member search_path, as Stage does. Appends the folders of TROUPE_PLUGIN_PATH, and then those of STAGEPATH,
+/// to the member plugin_path.
 SimulationOptions with_environment(SimulationOptions options);
 
 }  // namespace troupe::apps

@@ -19,7 +19,7 @@
 namespace troupe::apps {
 
 /// Thrown if an output file cannot be written or must not be replaced. Commands that run a world throw it
-/// before the first tick.
+/// before the first tick (simulation step).
 class OutputError : public std::runtime_error {
  public:
   using std::runtime_error::runtime_error;
@@ -33,34 +33,42 @@ struct Input {
   std::filesystem::path file;
   std::string_view what;  ///< what the file is, for messages: "the world"
 };
-/// Checks that each of `outputs` can be written, and throws OutputError if one cannot. The folder of an
-/// output must exist. If the file exists, the file must be writable, else the folder. The path must name
-/// neither a folder, nor one of `inputs`, nor another output. Empty paths are skipped. The function creates
-/// nothing, so that an invalid world leaves no files.
+/// Checks that each of `outputs` can be written. Creates no file and no folder, so an invalid world leaves
+/// none. Ignores empty paths. Throws OutputError if an output does not meet these conditions:
+///
+/// - Its folder exists.
+/// - If the file exists, it is writable and not a folder. If the file does not exist, its folder is writable.
+/// - The file is not one of `inputs`, and no two of `outputs` are the same file.
 void check_outputs(const std::vector<Input>& inputs, const std::vector<std::filesystem::path>& outputs);
-/// Appends to `inputs` the files that the world of a simulation was read from. Appends nothing for a
-/// simulation that was resumed from a checkpoint.
+/// Appends the files of the world to `inputs`: all files that were read to load the simulation. Appends
+/// nothing for a simulation that was resumed from a checkpoint (saved state of a run).
 void add_inputs(const Simulation& simulation, std::vector<Input>& inputs);
 /// Appends the files of Python scripts with controllers (--controller) to `inputs`.
 void add_inputs(std::span<const std::shared_ptr<const Script>> scripts, std::vector<Input>& inputs);
-/// Checks that files can be written into a folder. If the folder does not exist yet, checks that its parent
-/// folder exists and is writable. Throws OutputError if a check fails. Ignores an empty path. Creates no file
-/// or folder.
+/// Checks that files can be written into a folder. If the folder does not exist, checks that it can be
+/// created: its parent folder must exist and be writable. Throws OutputError if a check fails. Ignores an
+/// empty path. Creates no file and no folder.
 void check_folder(const std::filesystem::path& folder);
 
-/// Writes a hash log: a text file with one line per tick (simulation step), which contains the hashes of the
-/// state after this tick. Each line is written to the file at the end of its tick.
+/// Writes a hash log: a text file with one line per tick (simulation step). A line contains the hashes of the
+/// state after the tick, and is written to the file at the end of the tick.
 class HashLog : public Observer {
  public:
   /// Opens the file and writes the header. If the simulation was resumed from a checkpoint (saved state of a
-  /// run) and the file exists, the log is continued, and its lines after the tick of the checkpoint are
-  /// removed. To be continued, the log must contain this tick with the same hashes, and its header must have
-  /// the same options as this run, apart from options that a resumed run may change. Throws OutputError if
-  /// the file cannot be written or continued, and InputError if the existing file is not a hash log.
+  /// run) and the file exists, continues this log instead: keeps the lines up to the tick of the checkpoint,
+  /// and removes the later lines.
+  ///
+  /// Throws OutputError if the file cannot be written, or if the log to continue belongs to another run:
+  ///
+  /// - The log has no line for the tick of the checkpoint, or the line has other hashes than the checkpoint.
+  /// - The header of the log has other options than this run. Options that a resumed run may change, or that
+  ///   change no result, are not compared.
+  ///
+  /// Throws InputError if the file to continue is not a hash log or is damaged.
   HashLog(const std::filesystem::path& file, const Simulation& simulation);
 
-  /// Writes the line of the current tick, unless a continued log already ends with it. Throws
-  /// std::runtime_error if writing fails, for example because the disk is full.
+  /// Writes the line of the current tick. Does nothing if the log was continued and already ends with this
+  /// line. Throws std::runtime_error if writing fails, for example because the disk is full.
   void observe(const Simulation& simulation) override;
   bool reads_robots() const override { return false; }
 
@@ -70,9 +78,8 @@ class HashLog : public Observer {
   std::optional<std::uint64_t> written_;  // the last tick of a continued log
 };
 
-/// Returns the output of a run (an object with command-line options, see RunOutput) that writes a HashLog. It
-/// adds the option --hash-log to the command line, and writes the log to the file that --hash-log names.
-/// Without --hash-log, nothing is written.
+/// Returns the RunOutput for a hash log (HashLog). A RunOutput is one output of a run, together with its
+/// command-line options. The option --hash-log names the file. Without --hash-log, nothing is written.
 std::unique_ptr<RunOutput> hash_log_output();
 
 }  // namespace troupe::apps

@@ -12,9 +12,9 @@
 
 namespace troupe::apps {
 
-/// A set of objects of type T, one for each thread that calls own(). Each thread writes only its own object,
-/// without locks. all() may be called, and its result used, only while no thread calls own() or writes its
-/// object.
+/// A set of objects of type T, one for each thread that calls own(). Each thread may write its own object
+/// without a lock. A thread may call all(), and use the objects that all() returns, only while no thread
+/// calls own() or writes its own object.
 template <class T>
 class PerThread {
  public:
@@ -25,7 +25,7 @@ class PerThread {
   PerThread(const PerThread&) = delete;
   PerThread& operator=(const PerThread&) = delete;
 
-  /// Returns the object of the calling thread, which is created at the first call of this thread.
+  /// Returns the object of the calling thread. The first call on a thread creates the object.
   T& own() {
     // Number of the set that this thread used last, and the thread's object in it.
     thread_local std::pair<std::uint64_t, T*> known{0, nullptr};
@@ -39,8 +39,8 @@ class PerThread {
   const std::deque<T>& all() const { return all_; }  ///< all objects, ordered by first call of own()
 
  private:
-  /// Returns the object of a thread; creates it if there is none. A thread that uses two PerThread objects in
-  /// turn, as in a run of two worlds, must get the same object again.
+  /// Returns the object of a thread; creates it if there is none. own() remembers only the set that a thread
+  /// used last. A thread that uses two sets in turn therefore needs this search to find its existing object.
   T& find_or_make(std::thread::id thread) {
     const auto found = std::ranges::find(owners_, thread);
     if (found != owners_.end()) return all_[static_cast<std::size_t>(found - owners_.begin())];

@@ -13,10 +13,11 @@ class App;
 
 namespace troupe::apps {
 
-/// Options of `troupe replay`.
+/// Options of `troupe replay`, which writes an HTML page that plays a recording (file with the state of a run
+/// over time).
 struct ReplayOptions {
   std::filesystem::path recording;
-  std::filesystem::path page;       ///< file to write; empty: the recording's name with .html
+  std::filesystem::path page;       ///< file to write; empty: name of the recording, but ending in .html
   double max_mb = 25;               ///< largest size of the page, 10^6 bytes
   std::vector<std::string> fields;  ///< fields to show in addition to poses; empty: all recorded fields
   bool force = false;               ///< replace an existing page
@@ -25,13 +26,15 @@ struct ReplayOptions {
 /// Adds the options of `replay`; parsing fills `options`, which must outlive `command`.
 void add_replay_options(CLI::App& command, ReplayOptions& options);
 
-/// Writes a self-contained HTML page that plays the recording in a browser. Returns a description of the page
-/// (robots, frames, size) as lines of text for the user. Prints warnings on standard error. Throws InputError
-/// if the file is not a recording or does not have the data that the page needs, if the page exists (without
-/// `force`), or if its folder is not writable; throws OutputError if writing fails.
+/// Writes an HTML page that plays the recording in a browser. The page needs no other file. Returns lines of
+/// text for the user, which describe the page: robots, frames and size. Prints warnings on standard error.
+///
+/// Throws InputError, and writes nothing, if the file is not a recording or does not have the data that the
+/// page needs. Also throws InputError if the page exists and `force` is false, or if the page cannot be
+/// created in its folder. Throws OutputError if writing fails.
 std::string write_replay_page(const ReplayOptions& options);
-/// `troupe replay RECORDING -o FILE.html`: calls write_replay_page() and prints its result. Returns k_failed
-/// after printing an OutputError; passes an InputError on.
+/// `troupe replay RECORDING -o FILE.html`: calls write_replay_page() and prints its result. After an
+/// OutputError, prints the error and returns k_failed. Passes an InputError on.
 ExitCode replay(const ReplayOptions& options);
 
 }  // namespace troupe::apps

@@ -16,17 +16,17 @@ struct ViewOptions : WorldOptions {
   std::string bind;                ///< IP address to listen on; empty: the loopback addresses
   std::vector<std::string> hosts;  ///< host names of proxies, accepted in the HTTP header `Host`
   double rate = 1;                 ///< limit of the speed, in multiples of real time; 0: none
-  /// Folder for the session file (the actions of the users), checkpoints and recordings; empty: the working
-  /// folder.
+  /// Folder for checkpoints, recordings and the session file, which lists the actions of the users. Empty:
+  /// the working folder.
   std::filesystem::path folder;
   bool open = false;  ///< open the page in the default browser
 };
 
-/// Adds the options of `view`; parsing fills `options`, which must outlive `command`.
+/// Adds the options of `view` to `command`. Parsing fills `options`, which must outlive `command`.
 void add_view_options(CLI::App& command, ViewOptions& options);
-/// `troupe view`: shows a world or a checkpoint (saved state of a run) in browsers until Ctrl-C, until the
-/// time of --for, or until a condition holds that the world file lists under `stop_when`. Returns k_stopped
-/// after Ctrl-C or SIGTERM, k_bad_input after printing an InputError, else k_finished.
+/// `troupe view`: shows a world or a checkpoint (saved state of a run) in browsers. It ends on Ctrl-C, at the
+/// time of --for, or when a condition in the key `stop_when` of the world file holds. Returns k_stopped after
+/// Ctrl-C or SIGTERM, k_bad_input after printing an InputError, else k_finished.
 ExitCode view_world(const ViewOptions& options);
 
 }  // namespace troupe::apps

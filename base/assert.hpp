@@ -4,8 +4,8 @@
 #include <cstdlib>
 
 /// Checks an internal invariant. If `condition` is false, prints file, line and condition to standard error
-/// and aborts. Invalid input must be reported as an error instead. The check is compiled only if the macro
-/// TROUPE_ASSERTIONS is defined, as in the Debug build. Otherwise the condition is not evaluated.
+/// and aborts. Do not use it for invalid input, which must be reported as an error. If the macro
+/// TROUPE_ASSERTIONS is not defined, `condition` is not evaluated. The Debug build defines the macro.
 #ifdef TROUPE_ASSERTIONS
 #define TROUPE_ASSERT(condition)                                                             \
   do {                                                                                       \

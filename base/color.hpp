@@ -14,8 +14,8 @@ struct Color {
   friend bool operator==(const Color&, const Color&) = default;
 };
 
-/// Converts a colour component, which must not be NaN, to 8 bits: clamps it to [0, 1], multiplies by 255 and
-/// rounds to the nearest integer, halves upwards.
+/// Converts a colour component to 8 bits: clamps `part` to [0, 1], multiplies it by 255 and rounds to the
+/// nearest integer, halves upwards. `part` must not be NaN.
 inline std::uint8_t to_byte(float part) {
   return static_cast<std::uint8_t>((static_cast<int>(std::clamp(part, 0.0f, 1.0f) * 510) + 1) / 2);
 }

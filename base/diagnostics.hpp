@@ -13,8 +13,8 @@
 
 namespace troupe {
 
-/// The names of the input files of a world (a description of a simulation), each with a number. A place in a
-/// file (struct Where) stores the number of the file instead of its name.
+/// The names of the input files of a world (a description of a simulation). Each file has a number, which a
+/// place in the input (struct Where) stores instead of the name.
 class SourceFiles {
  public:
   /// Returns the number of a file. Adds the file on first use; the same name always gives the same number.
@@ -69,54 +69,61 @@ class InputError : public std::runtime_error {
 /// together. Messages longer than 8000 characters are cut. Not thread-safe.
 class Diagnostics {
  public:
-  /// thorough: true for the command `troupe lint`, which searches a world file for problems. If true,
-  /// warning_once() reports every place and not only the first, and the readers of input files also report
-  /// problems that do not affect a run, such as unused definitions.
+  /// thorough: whether to report more, for the command `troupe lint`, which searches a world file for
+  /// problems. warning_once() then reports a warning for every place, not only for the first. The readers of
+  /// input files then also report problems that do not affect a run, such as unused definitions.
   explicit Diagnostics(bool thorough = false);
-  /// Creates diagnostics that are not thorough and that use an existing table of input files. If `files` is
-  /// null, they use a new, empty table.
+  /// Creates diagnostics that are not thorough. They use the table `files`; if it is null, they use a new,
+  /// empty table.
   explicit Diagnostics(std::shared_ptr<SourceFiles> files);
 
-  bool thorough() const { return thorough_; }  ///< whether to report every place, see the constructor
+  bool thorough() const { return thorough_; }  ///< whether to report more, see the constructor
   /// The table that Where::file refers to; never null.
   const std::shared_ptr<SourceFiles>& files() const { return files_; }
 
-  /// Adds an error. Drops the error instead if it repeats an earlier error about inherited content (see
-  /// inherits()). The call that adds error number k_most_errors then calls throw_if_errors(), because reading
-  /// more of the input would only cost time and memory.
+  /// Adds an error, unless it repeats an earlier error about inherited content (see inherits()). After it has
+  /// added error number k_most_errors, it calls throw_if_errors(), so that a reader stops early on a file
+  /// with very many errors.
   void error(Where where, std::string message);
   static constexpr std::size_t k_most_errors = 1000;  ///< number of errors at which error() throws
-  /// Number of errors that throw_if_errors() lists; it only counts the others.
+  /// Largest number of errors that throw_if_errors() lists. Further errors are only counted.
   static constexpr std::size_t k_most_listed = 50;
   /// Adds a warning, unless it repeats an earlier warning about inherited content (see inherits()).
   void warning(Where where, std::string message);
-  /// Adds a warning as warning() does. If the same message occurs at several places, only the first place is
-  /// listed. Later calls with this message are counted, and warnings() appends the count, as in ` (and 99
-  /// more such warnings)`. If thorough() is true, the warning is listed once for each place.
+  /// Adds a warning as warning() does, but lists the same message only once, at the first place. Later calls
+  /// with this message are only counted, and warnings() appends their number, as in ` (and 99 more such
+  /// warnings)`. If thorough() is true, the warning is listed once for each place.
   void warning_once(Where where, std::string message);
 
-  /// Declares that `heir` contains copies of the content of `base`. Errors and warnings about this content
-  /// that are added later are then reported once instead of once for every heir. To find repetitions, the
-  /// function that adds a finding compares it with each earlier finding of the same severity and the same
-  /// place. If the messages differ only in the names of two parts with a common base, the new finding is
-  /// dropped.
-  /// - If the earlier finding is about an heir, and the new one is about a base of this heir, the new message
-  ///   replaces the earlier one.
-  /// - If neither part inherits from the other, and the place is the line on which one of the two parts
-  ///   begins, both findings are kept, because they are about content that is not inherited.
+  /// Declares that `heir` contains copies of the content of `base`. An error in such content is found once
+  /// for `base` and once for each heir, but is reported only once. The same holds for warnings. For example,
+  /// if the type `b` inherits from the type `a`, only the first of these two errors is reported:
+  ///
+  ///     robots.json:7: error: /types/a: unknown key "x"
+  ///     robots.json:7: error: /types/b: unknown key "x"
+  ///
+  /// Two parts are related if one inherits from the other, or if both inherit from a third part. A new
+  /// finding is dropped if an earlier finding has the same severity, the same place, and the same message, or
+  /// a message that differs only in the name or path of a related part. There are two special cases:
+  ///
+  /// - If the earlier finding is about an heir, and the new one is about a base of this heir, the message of
+  ///   the earlier finding is replaced by the new message.
+  /// - If neither part inherits from the other, and the place is the line on which one of them begins, both
+  ///   findings are kept. Such findings are not about inherited content.
   void inherits(const Inheritable& heir, const Inheritable& base);
 
   bool has_errors() const { return errors_ > 0; }      ///< whether throw_if_errors() would throw
   std::size_t error_count() const { return errors_; }  ///< number of errors, also those that are not listed
-  /// All findings in the order in which they were added; valid until the next finding is added.
+  /// All findings in the order in which they were added. The span is valid until the next finding is added.
   std::span<const Finding> findings() const { return findings_; }
-  /// A finding as `file:line: severity: message`. If the line is 0, it is omitted. If the finding has no
-  /// file, file and line are omitted.
+  /// Returns a finding as `file:line: severity: message`. Omits the line if it is 0. Omits file and line if
+  /// the finding has no file.
   std::string text(const Finding& finding) const;
-  /// All warnings, one entry each, with the counts of repetitions that warning_once() describes.
+  /// Returns the texts of all warnings. A warning that warning_once() has counted ends with the number of its
+  /// repetitions.
   std::vector<std::string> warnings() const;
-  /// If there are errors, throws InputError with the texts of the first 50, in the order in which they were
-  /// added, and the number of the others.
+  /// Throws InputError if there are errors. The exception lists the first k_most_listed errors, in the order
+  /// in which they were added. If there are more errors, their number follows.
   void throw_if_errors() const;
 
  private:
@@ -127,14 +134,15 @@ class Diagnostics {
   };
   std::size_t kin_of(const Inheritable& part);
   bool is_heir(std::size_t heir, std::size_t base) const;
-  /// Finds the part of the input that a message is about: the part with whose path the message begins, or
-  /// else the part whose name is the first one that the message quotes. Replaces this path or name in the
-  /// message with that of the last part in the chain of bases of the found part. Returns the index in kin_ of
-  /// the found part; empty if the message names no part in kin_.
+  /// Finds the part of the input that a message is about. If the message begins with the path of a part in
+  /// kin_, it is about this part. Otherwise it is about the part whose name it quotes first. Returns the
+  /// index of the part in kin_; empty if the message names no part.
+  ///
+  /// message: in the message, the path or name that was found is replaced by that of the part's most distant
+  /// base (the base of its base, and so on)
   std::optional<std::size_t> to_common_base(std::string& message) const;
-  /// Returns whether an earlier finding already reports the same error or warning, because both are about
-  /// content that one part of the input inherits from another. The caller must then drop the new finding. May
-  /// replace the message of the earlier finding with `message`; the comment of inherits() says when.
+  /// Returns whether `message` repeats an earlier finding, as inherits() describes. The caller must then drop
+  /// the message. In the first special case of inherits(), replaces the message of the earlier finding.
   bool is_inherited(Severity severity, Where where, const std::string& message);
 
   bool thorough_;
@@ -146,18 +154,21 @@ class Diagnostics {
   std::size_t errors_ = 0;
 };
 
-/// Returns a suggestion such as ` (did you mean "omni"?)`, with a leading space and with the known name that
-/// differs from `word` by the fewest edits; of several such names, the first. An edit inserts, deletes or
-/// replaces a letter or swaps two adjacent ones. A name is suggested only if the shorter of the two words has
-/// at least three letters per edit. If there is no such name, the result is empty.
+/// Returns a suggestion such as ` (did you mean "omni"?)`, with a leading space. It contains the name in
+/// `known` that differs from `word` by the fewest edits; of several such names, the first. An edit inserts,
+/// deletes or replaces a letter, or swaps two adjacent letters. One edit is allowed for every three letters
+/// of the shorter of the two words: none for 2 letters, one for 3 to 5, two for 6 to 8. If no name is that
+/// similar, the result is empty.
 std::string did_you_mean(std::string_view word, std::span<const std::string_view> known);
-/// The message for an unknown name: `unknown drive "dif"; known: car, diff, omni (did you mean "diff"?)`.
-/// what: what the name stands for, here `drive`. known: the allowed names, of which the first 50 in
-/// alphabetical order are listed, followed by ` and N more`. The suggestion is that of did_you_mean(); there
-/// is none if `known` has more than 2000 names. If `known` is empty, the message is `unknown drive "dif"; no
-/// drive exists`.
+/// Returns the message for an unknown name: `unknown drive "dif"; known: car, diff, omni (did you mean
+/// "diff"?)`. The message lists the first 50 known names in alphabetical order; if there are more, ` and N
+/// more` follows. did_you_mean() makes the suggestion, which is omitted if there are more than 2000 known
+/// names. If `known` is empty, the message is `unknown drive "dif"; no drive exists`.
+///
+/// what: what the name stands for, here `drive`
+/// known: the allowed names, in any order
 std::string unknown_name(std::string_view what, std::string_view name, std::vector<std::string_view> known);
-/// The names joined as `a, b, c`; empty without names.
+/// Returns the names joined as `a, b, c`; empty without names.
 std::string comma_list(std::span<const std::string_view> names);
 
 }  // namespace troupe

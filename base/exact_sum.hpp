@@ -7,21 +7,22 @@
 namespace troupe {
 
 /// A sum of doubles without rounding errors. The result is the double nearest to the mathematical sum of all
-/// terms, ties to even. The result therefore depends neither on the order of the terms nor on how the terms
-/// are divided among several ExactSum objects that are added in the end. A finite result equals that of
-/// `math.fsum` in Python, except where `math.fsum` raises OverflowError because of an intermediate sum.
+/// terms, ties to even. The result does not depend on the order of the terms. Terms may be divided among
+/// several ExactSum objects that are then added: this does not change the result either. A finite result
+/// equals that of `math.fsum` in Python; for some finite results, however, `math.fsum` raises OverflowError.
 ///
 /// source  The sum is kept as an integer, in units of the smallest double: Neal, Fast exact summation using
 ///         small and large superaccumulators, arXiv:1505.05571, 2015.
 /// cost    about 5 ns per term
 class ExactSum {
  public:
-  /// Adds a term. With infinities or NaNs among the terms, the sum is what IEEE 754 addition gives: the
-  /// infinity if all infinities have one sign and there is no NaN, else NaN.
+  /// Adds a term. If any term is NaN, or if there are infinities of both signs, the sum is NaN. If all
+  /// infinities have the same sign, the sum is this infinity.
   void add(double term);
   /// Adds all terms of another sum.
   void add(const ExactSum& other);
-  /// The sum of all terms, rounded once; 0 without terms, infinite if it exceeds the largest double.
+  /// Returns the sum of all terms, rounded once: 0 without terms, infinite if the sum exceeds the largest
+  /// double.
   double value() const;
 
  private:

@@ -4,9 +4,9 @@
 
 namespace troupe {
 
-/// Checks that the calling thread rounds to nearest and keeps denormal numbers, as IEEE 754 requires. If the
-/// thread does not, the error says what is wrong, such as "denormal results are flushed to zero". The usual
-/// cause is a library that gcc has linked with -ffast-math: a thread that loads such a library flushes
+/// Checks that the calling thread rounds to nearest and keeps denormal numbers, as IEEE 754 requires.
+/// Otherwise returns an error that says what is wrong, such as "denormal results are flushed to zero". The
+/// usual cause is a library that gcc has linked with -ffast-math: a thread that loads such a library flushes
 /// denormals to zero from then on.
 Result<> check_fp_environment();
 

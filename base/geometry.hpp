@@ -45,14 +45,14 @@ struct Box {
     min = {std::min(min.x(), p.x()), std::min(min.y(), p.y())};
     max = {std::max(max.x(), p.x()), std::max(max.y(), p.y())};
   }
-  /// Grows the box to contain the other one. A new box `b` changes nothing; `b` must not be empty in any
-  /// other way.
+  /// Grows this box to contain the box `b`. If `b` is a new box, nothing changes; no other empty box is
+  /// allowed.
   void extend(const Box& b) {
     min = {std::min(min.x(), b.min.x()), std::min(min.y(), b.min.y())};
     max = {std::max(max.x(), b.max.x()), std::max(max.y(), b.max.y())};
   }
-  /// Returns a copy that is larger by the margin, in metres, on all four sides. A negative margin makes the
-  /// copy smaller and possibly empty.
+  /// Returns a copy of the box in which each of the four sides is moved outwards by the margin, in metres. A
+  /// negative margin moves the sides inwards; the copy may then be empty.
   Box expanded(double margin) const {
     Box b;
     b.min = {min.x() - margin, min.y() - margin};
@@ -80,9 +80,9 @@ struct Box {
 using Ring = std::vector<Vec2>;
 
 /// A region of the plane, extruded over a z interval: a part of a robot, an obstacle, or the walls of a floor
-/// plan. A point is in the region if a ray from the point crosses the contours an odd number of times (the
-/// even-odd rule), so inner contours are holes. Rays of sensors hit the edges of every contour from both
-/// sides.
+/// plan. Closed polygons, the contours, bound the region. A point is in the region if a ray from the point
+/// crosses the contours an odd number of times (the even-odd rule). A contour inside another contour is
+/// therefore a hole. Rays of sensors hit the edges of every contour from both sides.
 struct Solid {
   std::vector<Ring> contours;  ///< outer and inner contours, in any order and direction
   ZInterval z;                 ///< the heights that the solid fills, in the frame of the contours
@@ -92,8 +92,8 @@ struct Solid {
 
 /// Number of vertices of all contours of all solids.
 std::size_t count_vertices(const std::vector<Solid>& solids);
-/// Transforms a solid from the frame of a body to the world frame: contours by position and heading, heights
-/// by z. pose_world_body: the pose of the body.
+/// Returns a solid, given in the frame of a body, in the world frame. The contours are moved and turned by
+/// the pose of the body, and the heights are shifted by the z of the pose.
 Solid placed(Solid solid, const Pose& pose_world_body);
 
 /// A convex polygon, counter-clockwise, extruded over a z interval.
@@ -107,30 +107,35 @@ struct ConvexPrism {
 double signed_area(const Ring& ring);
 /// The smallest box that contains every vertex; empty for a ring without vertices.
 Box bounds(const Ring& ring);
-/// True if the ring winds once and turns left or goes straight on at every vertex. A right turn of up to 1e-9
-/// rad counts as straight on, because rounding moves collinear corners off their line. False for a clockwise
-/// ring and for a ring without area.
+/// True if the ring is convex and counter-clockwise: it winds once, and turns left or goes straight on at
+/// every vertex. A right turn of up to 1e-9 rad counts as straight on, because rounding moves collinear
+/// corners off their line. False for a ring without area.
 bool is_convex(const Ring& ring);
 /// The smallest distance, metres, between two parallel lines that enclose the ring; 0 for a ring without
 /// area. The ring must be convex and counter-clockwise.
 double convex_width(const Ring& ring);
-/// True if the point, in the frame of the contours, is inside the solid by the even-odd rule; ignores
-/// heights. For a point on an edge, the result may be true or false.
+/// True if the point is inside the solid by the even-odd rule. The point is given in the frame of the
+/// contours; heights are ignored. For a point on an edge, the result may be true or false.
 bool contains(const Solid& solid, const Vec2& point);
 
-/// Width of a convex piece of a body's shape, metres, below which collision tests of motions become slow: a
-/// motion of the body is tested in steps of a quarter of the width of its narrowest piece.
+/// A width, metres. Collision tests are slow for a body whose shape has a convex piece that is narrower than
+/// this. The reason is that the motion of a body is tested in steps of a quarter of the width of its
+/// narrowest piece.
 inline constexpr double k_thin_m = 0.5e-3;
 
-/// Cuts the even-odd region of a solid into convex pieces that do not overlap. A single convex contour is
-/// returned whole, counter-clockwise and without repeated corners. Any other region is cut along lines
-/// parallel to the x axis into trapezoids, and trapezoids are merged where their union stays convex. If a
-/// piece is narrower than k_thin_m, the function also tries cuts parallel to the y axis and parallel to a
-/// diagonal. It returns the pieces of the direction whose narrowest piece is widest. Contours may cross,
-/// touch and coincide. Cutting moves corners by at most 1e-12 of the largest coordinate. The pieces are
-/// ordered by their lowest coordinate perpendicular to the cuts, then by their coordinate along the cuts. The
-/// result is empty if the region has no area. Throws std::length_error if the contours have so many long
-/// edges, or cross so often, that the cut would take longer than a few seconds.
+/// Cuts the region of a solid into convex pieces that do not overlap. The contours of the solid may cross,
+/// touch and coincide.
+///
+/// A single convex contour is returned whole, counter-clockwise and without repeated corners. Any other
+/// region is cut along lines parallel to the x axis into trapezoids; trapezoids are merged where their union
+/// is convex. If a piece is narrower than k_thin_m, the function also tries cuts parallel to the y axis and,
+/// if necessary, parallel to a diagonal. It returns the pieces of the direction whose narrowest piece is
+/// widest.
+///
+/// Cutting moves corners by at most 1e-12 of the largest coordinate. If the cuts are parallel to the x axis,
+/// the pieces are ordered by their lowest y, and pieces with the same lowest y from left to right. Returns no
+/// pieces if the region has no area. Throws std::length_error if cutting would take longer than a few
+/// seconds, because the contours have too many long edges or too many crossings.
 std::vector<ConvexPrism> convex_pieces(const Solid& solid);
 
 }  // namespace troupe

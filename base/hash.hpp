@@ -11,18 +11,22 @@
 
 namespace troupe {
 
-/// The 64-bit XXH3 hash of the bytes, which is the same on every platform. Different seeds give different
-/// hashes of the same bytes.
+/// Returns the 64-bit XXH3 hash of the bytes, which is the same on every platform. A different seed gives a
+/// different hash of the same bytes.
 std::uint64_t hash_bytes(std::span<const std::byte> bytes, std::uint64_t seed = 0);
-/// Hashes a text: hash_bytes() of its characters with seed 0.
+/// Returns the hash of a text: hash_bytes() of its characters, with seed 0.
 std::uint64_t hash_text(std::string_view text);
 
-/// Hashes the rows of a table that has one row per body. The result does not depend on the order of the rows:
-/// it is the sum, modulo 2^64, of the hashes of all rows. Row i belongs to the body with the id ids[i],
-/// starts at first + i * stride (stride in bytes) and has `bytes` bytes. The hash of the row is hash_bytes(),
-/// with `seed`, of the four-byte id followed by the bytes of the row. The number of rows is ids.size();
-/// without rows the sum is 0. Costs a few ns per row. Rows of 1 byte, or of a multiple of four bytes up to
-/// 64, are hashed by faster code; for other sizes the function allocates a buffer.
+/// Hashes a table that has one row per body. The result does not depend on the order of the rows, because it
+/// is the sum, modulo 2^64, of one hash per row. The hash of a row is hash_bytes(), with `seed`, of the
+/// four-byte id of the body followed by the bytes of the row. The sum is 0 without rows.
+///
+/// Rows of 1 byte, and rows whose size is a multiple of four bytes up to 64, take a few ns each. For other
+/// sizes the function is slower and allocates a buffer.
+///
+/// ids: for each row, the id of its body
+/// first, stride: row i starts at first + i * stride; the stride is in bytes
+/// bytes: number of bytes per row
 std::uint64_t hash_rows(std::span<const BodyId> ids, const std::byte* first, std::size_t stride,
                         std::size_t bytes, std::uint64_t seed);
 

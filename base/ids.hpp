@@ -19,21 +19,21 @@ struct Id {
 
   /// False for a default-constructed id.
   constexpr bool valid() const { return value != std::numeric_limits<std::uint32_t>::max(); }
-  /// The index, for use with arrays; meaningless unless valid().
+  /// Returns the index, for use with arrays. The result has no meaning if valid() is false.
   constexpr std::size_t index() const { return value; }
   friend constexpr auto operator<=>(Id, Id) = default;
 };
 
 /// Identifies a body: a robot or another object of the world, with all parts that are attached to it. Bodies
 /// are numbered from 0 in the order of the world file. If a body leaves the world during a run, its id is not
-/// given to another body. An id is not an index into the state tables; the Row of the body is.
+/// given to another body. The index of a body in the state tables is not its id, but its Row.
 using BodyId = Id<struct BodyIdKind>;
 /// Identifies a body type, which holds the data that bodies of the same construction share.
 using TypeId = Id<struct TypeIdKind>;
-/// Identifies a row of the state tables, the arrays that hold the state of a simulation. Every body that has
-/// a drive, a device or a controller, or that can be gripped or pushed, has a row, which holds the state of
-/// the body. The row of a body may change between two ticks (time steps). Code that refers to a body for more
-/// than one tick must therefore keep its BodyId.
+/// Identifies a row of the state tables, the arrays that hold the state of a simulation. A body has a row if
+/// it has a drive, a device or a controller, or if it can be gripped or pushed. The row of a body may change
+/// between two ticks (time steps). Code that refers to a body for more than one tick must therefore keep its
+/// BodyId.
 using Row = Id<struct RowKind>;
 
 }  // namespace troupe

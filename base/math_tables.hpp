@@ -148,8 +148,9 @@ inline constexpr double k_ln2_hi = 0x1.62e42fefa3800p-1;
 /// ln(2) minus k_ln2_hi.
 inline constexpr double k_ln2_lo = 0x1.ef35793c76730p-45;
 
-/// Three numbers for each of 128 intervals of m in [0.6875, 1.375): c, a multiple of 2^-9 near 1/m; -ln(c),
-/// rounded to a multiple of 2^-42; the remainder of -ln(c).
+/// log() multiplies its argument by a power of two, which gives a number m in [0.6875, 1.375). Three numbers for each
+/// of 128 intervals of m: c, a multiple of 2^-9 near 1/m; -ln(c), rounded to a multiple of 2^-42; the remainder of
+/// -ln(c).
 inline constexpr double k_log_table[384] = {
     0x1.7380000000000p+0, -0x1.7d4eeef5ef000p-2, 0x1.c9018f8f27d8fp-45,
     0x1.7100000000000p+0, -0x1.7664e1239e000p-2, 0x1.0c4fb6aeb27afp-44,

@@ -147,8 +147,9 @@ constant("ln(2), rounded to a multiple of 2^-42, so that the product with the ex
          "k_ln2_hi", part)
 constant("ln(2) minus k_ln2_hi.", "k_ln2_lo", mp.log(2) - part)
 array(
-    "Three numbers for each of 128 intervals of m in [0.6875, 1.375): c, a multiple of 2^-9 near 1/m; -ln(c),\n"
-    "/// rounded to a multiple of 2^-42; the remainder of -ln(c).",
+    "log() multiplies its argument by a power of two, which gives a number m in [0.6875, 1.375). Three numbers for each\n"
+    "/// of 128 intervals of m: c, a multiple of 2^-9 near 1/m; -ln(c), rounded to a multiple of 2^-42; the remainder of\n"
+    "/// -ln(c).",
     "k_log_table", rows, 3)
 array(
     "Coefficients, lowest power first, of the Taylor series of (ln(1 + x) - x + x^2/2)/x^3, for |x| <= 2^-7.",

@@ -10,9 +10,9 @@ namespace troupe {
 /// points forward and y to the left. In the world frame, x points east and y north.
 using Vec2 = Eigen::Vector2d;
 
-/// Position and heading in 2.5 dimensions: z is a height, and rotation is about z only. Metres and radians;
-/// +x forward, +y left, counter-clockwise positive. The name of a variable of this type names both frames:
-/// pose_world_body is the pose of the body frame in its parent frame, the world frame.
+/// A position and a heading: the pose of one frame in another, its parent frame. z is a height, and rotation
+/// is about z only. Metres and radians; +x forward, +y left, counter-clockwise positive. The name of a
+/// variable of this type names both frames: pose_world_body is the pose of the body frame in the world frame.
 struct Pose {
   double x = 0;        ///< position along x, metres
   double y = 0;        ///< position along y, metres
@@ -23,10 +23,11 @@ struct Pose {
   friend bool operator==(const Pose&, const Pose&) = default;
 };
 
-/// The pose of an object that has no pose, such as a body that is not in the world: four NaNs.
+/// The value that stands for a missing pose, such as that of a body that is not in the world: four NaNs.
 inline constexpr Pose k_nowhere{k_nan, k_nan, k_nan, k_nan};
 
-/// A rotation stored as its sine and cosine, for use on many points.
+/// A rotation of a frame in its parent frame, stored as the sine and cosine of the heading. It is for
+/// transforming many displacements.
 struct Rotation {
   double cos = 1;  ///< cosine of the heading
   double sin = 0;  ///< sine of the heading
@@ -35,22 +36,23 @@ struct Rotation {
   explicit Rotation(double heading) : Rotation(sincos(heading)) {}  ///< the rotation by a heading in radians
   /// Creates the rotation by a heading whose sine and cosine are given.
   explicit Rotation(const SinCos& heading) : cos(heading.cos), sin(heading.sin) {}
-  /// Transforms a displacement from the rotated frame to its parent frame.
+  /// Transforms a displacement, given in the rotated frame, to the parent frame.
   Vec2 operator*(const Vec2& v) const { return {v.x() * cos - v.y() * sin, v.x() * sin + v.y() * cos}; }
 };
 
-/// A pose in the plane with the sine and cosine of its heading, for use on many points.
+/// The pose of a frame in its parent frame, without height, with the sine and cosine of its heading. It is
+/// for transforming many points.
 struct Transform {
-  /// The origin of the frame in its parent frame, metres; heights are not stored.
+  /// The origin of the frame, in the parent frame, metres.
   Vec2 position{0, 0};
-  Rotation rotation;  ///< the rotation of the frame in its parent frame
+  Rotation rotation;  ///< the rotation of the frame in the parent frame
 
   Transform() = default;
   /// Creates the transform of a pose. The z of the pose is ignored.
   explicit Transform(const Pose& pose) : position(pose.x, pose.y), rotation(pose.heading) {}
   Transform(const Vec2& p, const Rotation& r)
       : position(p), rotation(r) {}  ///< the transform with this position and rotation
-  /// Transforms a point from the frame to its parent frame.
+  /// Transforms a point, given in the frame, to the parent frame.
   Vec2 operator*(const Vec2& point) const {
     const Vec2 turned = rotation * point;
     return {position.x() + turned.x(), position.y() + turned.y()};
@@ -58,8 +60,8 @@ struct Transform {
 };
 
 /// Combines two poses: returns pose_a_c from pose_a_b and pose_b_c. The heading is wrapped into [-pi, pi].
-/// transform_a_b must equal Transform(pose_a_b). This parameter exists so that a caller that combines one
-/// pose_a_b with many poses can compute the transform once.
+/// transform_a_b must equal Transform(pose_a_b). A caller that combines the same pose_a_b with many poses
+/// needs to compute the transform only once.
 inline Pose compose(const Pose& pose_a_b, const Transform& transform_a_b, const Pose& pose_b_c) {
   const Vec2 p = transform_a_b * pose_b_c.position();
   return {p.x(), p.y(), pose_a_b.z + pose_b_c.z, wrap_angle(pose_a_b.heading + pose_b_c.heading)};
@@ -69,9 +71,10 @@ inline Pose compose(const Pose& pose_a_b, const Pose& pose_b_c) {
   return compose(pose_a_b, Transform(pose_a_b), pose_b_c);
 }
 
-/// Returns the bearing of a point seen from a pose: the angle from the heading of the pose to the direction
-/// of the point, rad, in [-pi, pi], positive to the left. Pose and point are given in the same frame. If the
-/// point is at the position of the pose, the x axis of this frame is used as its direction.
+/// Returns the bearing of the point `to`, seen from the pose `from`: the angle from the heading of the pose
+/// to the direction of the point, rad, in [-pi, pi], positive to the left. The point and the pose must be
+/// given in the same frame. If the point is at the position of the pose, the result is minus the heading,
+/// wrapped into [-pi, pi].
 inline double bearing_of(const Pose& from, const Vec2& to) {
   return wrap_angle(atan2(to.y() - from.y, to.x() - from.x) - from.heading);
 }

@@ -12,16 +12,18 @@ namespace troupe {
 std::array<std::uint32_t, 4> philox4x32(std::array<std::uint32_t, 4> counter,
                                         std::array<std::uint32_t, 2> key);
 
-/// Returns the number of a random stream, which is an independent sequence of random numbers. The number is a
-/// hash of the name of a kind (an implementation of a sensor, drive or controller, such as `ranger`) and the
-/// name of one of its instances (a use of the kind in a robot, such as `laser`). Unless two 32-bit hashes
-/// coincide, every instance has a stream of its own. Adding a noisy sensor then does not change the random
-/// numbers of any other sensor.
+/// Returns the number of a random stream. A stream is an independent sequence of random numbers. Each use of
+/// random numbers has a stream of its own: for example, adding a noisy sensor does not change the random
+/// numbers of other sensors. The number is a 32-bit hash of two names, so two streams coincide only if their
+/// hashes happen to be equal.
+///
+/// kind: name of an implementation, such as the sensor `ranger`
+/// instance: name of one use of the kind in a robot, such as `laser`
 std::uint32_t stream_id(std::string_view kind, std::string_view instance);
 
 /// A sequence of random numbers for one entity (usually a body, by its id), in one stream (see stream_id()),
-/// at one tick (time step). A draw is one 32-bit number of the sequence. Draw k is a pure function of (seed,
-/// stream, entity, tick, k), so no generator state is kept between ticks.
+/// at one tick (time step). A draw is one 32-bit number of the sequence. Draw k depends only on the seed, the
+/// stream, the entity, the tick and k, so no generator state is kept between ticks.
 class Random {
  public:
   /// Creates the sequence; the next draw is draw 0.
@@ -34,8 +36,8 @@ class Random {
   /// Returns a uniformly distributed number in [low, high); uses two draws. If `high` is not above `low`,
   /// returns `low`.
   double uniform(double low, double high);
-  /// Returns a uniformly distributed integer from 0 to n - 1, without bias; n must be positive. Uses one
-  /// draw. With a probability below n / 2^32, a draw is rejected and another one is used.
+  /// Returns a uniformly distributed integer from 0 to n - 1, without bias; n must be positive. Usually uses
+  /// one draw. With a probability below n / 2^32, a draw is rejected and the function uses another one.
   std::uint32_t below(std::uint32_t n);
   /// Returns a normally distributed number with mean 0 and standard deviation 1 (Box-Muller); uses four
   /// draws.
@@ -43,7 +45,7 @@ class Random {
   /// Returns an exponentially distributed number with mean 1; uses two draws.
   double exponential();
   /// Permutes the items; all permutations are equally likely (Fisher-Yates). Uses about one draw per item.
-  /// Sequence: a type with size() and operator[], with fewer than 2^32 items.
+  /// Sequence must be a type with size() and operator[]. There must be fewer than 2^32 items.
   template <class Sequence>
   void shuffle(Sequence& items) {
     for (std::uint32_t n = static_cast<std::uint32_t>(items.size()); n > 1; --n) {
@@ -67,19 +69,21 @@ inline std::uint64_t scramble(std::uint64_t x) {
   return x ^ (x >> 31);
 }
 
-/// Returns a 64-bit hash of a value and of `mixture`, the hash of all values before it (0 if there are none).
-/// Every bit of the result depends on every bit of both.
+/// Appends a value to a sequence of values, and returns the 64-bit hash of the longer sequence. Every bit of
+/// the result depends on every bit of `mixture` and `value`.
+///
+/// mixture: the hash of the sequence before; 0 if it is empty
 inline std::uint64_t mix_in(std::uint64_t mixture, std::uint64_t value) {
   constexpr std::uint64_t k_step = 0x9e3779b97f4a7c15;  // 2^64 over the golden ratio, SplitMix64's increment
   return scramble(mixture + value + k_step);
 }
 
-/// A 64-bit hash of a seed and the number of a tick. Every bit of the result depends on every bit of the seed
-/// and the tick.
+/// Returns a 64-bit hash of a seed and the number of a tick. Every bit of the result depends on every bit of
+/// both.
 inline std::uint64_t mix(std::uint64_t seed, std::uint64_t tick) { return mix_in(mix_in(0, seed), tick); }
-/// A 64-bit hash of a seed, a tick and an id. Every bit of the result depends on every bit of the three
-/// numbers. In each tick, conflicts between the motions of bodies are resolved in the order of the bodies'
-/// hashes, so that the order differs from tick to tick.
+/// Returns a 64-bit hash of a seed, the number of a tick and the id of a body. Every bit of the result
+/// depends on every bit of the three numbers. In each tick, conflicts between the motions of bodies are
+/// resolved in the order of these hashes. The order therefore differs from tick to tick.
 inline std::uint64_t mix(std::uint64_t seed, std::uint64_t tick, std::uint64_t id) {
   return mix_in(mix(seed, tick), id);
 }

@@ -7,8 +7,8 @@
 
 namespace troupe {
 
-/// The reason for a failure, as part of a sentence. The text has no full stop and does not name the place in
-/// the input; the caller that reports the error adds the file and the line (base/diagnostics.hpp).
+/// The reason for a failure, as part of a sentence without a full stop. The text does not name the place in
+/// the input: the caller that reports the error adds the file and the line (base/diagnostics.hpp).
 struct Error {
   std::string text;  ///< for example "needs a radio"
 };
@@ -27,7 +27,7 @@ class [[nodiscard]] Result {
   Result(Error error) : value_(std::move(error)) {}  ///< a failure, for this reason
 
   explicit operator bool() const { return std::holds_alternative<T>(value_); }  ///< whether there is a value
-  /// The value. Throws std::bad_variant_access if there is none.
+  /// Returns the value. Throws std::bad_variant_access if there is none.
   ///@{
   const T& operator*() const& { return std::get<T>(value_); }
   T& operator*() & { return std::get<T>(value_); }
@@ -35,7 +35,7 @@ class [[nodiscard]] Result {
   const T* operator->() const { return &**this; }
   T* operator->() { return &**this; }
   ///@}
-  /// The error. Throws std::bad_variant_access if there is a value.
+  /// Returns the error. Throws std::bad_variant_access if there is a value.
   const Error& error() const { return std::get<Error>(value_); }
 
  private:
@@ -52,7 +52,7 @@ class [[nodiscard]] Result<void> {
   Result(Error error) : error_(std::move(error)) {}  ///< a failure, for this reason
 
   explicit operator bool() const { return !error_; }  ///< true: a success; false: a failure
-  /// The error. Throws std::bad_optional_access after success.
+  /// Returns the error. Throws std::bad_optional_access after success.
   const Error& error() const { return error_.value(); }
 
  private:

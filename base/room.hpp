@@ -6,19 +6,24 @@
 
 namespace troupe {
 
-/// Returns the number of elements for which a list should have memory. size: the number of elements for which
-/// the list needs memory; room: the number for which it has memory. The result is `room`, unless `room` is
-/// less than `size`, or more than about one and a half times `size`. In these two cases the result is `size`
-/// plus 3 % spare elements, so that a list whose size varies slightly keeps its memory. If `room` is 0, the
-/// result is exactly `size`.
+/// Returns the capacity that a list should have when its size changes. The list keeps its capacity unless it
+/// is too small or far too large, so that small changes of its size do not allocate memory:
+///
+/// - If the capacity is 0, the result is `size`.
+/// - If the capacity is less than `size`, or more than about one and a half times `size`, the result is
+///   `size` plus 3 % spare elements.
+/// - Otherwise the result is the present capacity.
+///
+/// size: new number of elements of the list
+/// room: present capacity of the list
 inline std::size_t room_for(std::size_t size, std::size_t room) {
   constexpr std::size_t k_small = 8;  // elements that are not worth freeing
   if (room == 0) return size;
   return size > room || size + size / 2 + k_small < room ? size + size / 32 : room;
 }
 
-/// Changes the capacity of a list to room_for(size, its present capacity). The list must have at most `size`
-/// elements, which it keeps.
+/// Prepares a list for `size` elements: changes its capacity to room_for(size, present capacity). The list
+/// keeps its elements. It must not have more than `size` elements.
 template <class T>
 void make_room(std::vector<T>& list, std::size_t size) {
   const std::size_t room = room_for(size, list.capacity());
@@ -38,9 +43,8 @@ void resize_with_room(std::vector<T>& list, std::size_t size, const T& value = T
   list.resize(size, value);
 }
 
-/// Returns freed memory to the operating system, as far as the C library can. Without this call, the process
-/// may keep the pages of freed lists. Call it after much memory was freed that will not be needed again.
-/// Thread-safe.
+/// Returns freed memory to the operating system, as far as the C library can. Otherwise the process may keep
+/// memory that it has freed. Call it after freeing much memory that will not be needed again. Thread-safe.
 void release_freed_memory();
 
 }  // namespace troupe

@@ -9,79 +9,88 @@
 
 namespace troupe::live {
 
-/// The two WebSocket frames with which the server sends a picture, the state of the world after one tick
-/// (live/picture.hpp): first the text frame, then the binary frame.
+/// The two WebSocket messages that make up a picture (the state of the world at one instant, see
+/// live/picture.hpp), encoded for one client. The server sends the text message first.
 struct ViewFrames {
-  std::string state;  ///< text frame: a JSON object
-  std::string poses;  ///< binary frame: see encode() in live/picture.hpp
+  std::string state;  ///< text message: a JSON object
+  std::string poses;  ///< binary message: see encode() in live/picture.hpp
 };
 
-/// Receives the events of a ViewServer, which calls all functions on its own thread, one at a time. client:
-/// number that identifies a connection. may_steer: true if the token of the connection grants full control,
-/// false if it grants read access only.
+/// The interface through which a ViewServer reports events and asks for pictures. A client is a connection
+/// (of a page or program) that has sent a valid token: one of the two secret texts in ViewServer::Options.
+/// The server calls all functions on its own thread, one at a time.
+///
+/// Arguments of the functions:
+/// client: number of the client; the server uses each number only once
+/// may_steer: true if the token of the client grants full control; false if it grants read access only
 class ViewBackend {
  public:
   virtual ~ViewBackend() = default;
-  /// Called when a client has sent a valid token. Returns the first text that the server sends to the client.
-  /// If 16 clients are connected already, the server disconnects the new client and does not call this
-  /// function.
+  /// Called when a connection has sent a valid token and so becomes a client. Returns the first text that the
+  /// server sends to the client. If there are already 16 clients, the server closes the connection and does
+  /// not call this function.
   virtual std::string opened(std::uint64_t client, bool may_steer) = 0;
-  /// Called when a client has sent a text after its token.
+  /// Called for each text that a client sends after its token.
   virtual void received(std::uint64_t client, bool may_steer, std::string_view text) = 0;
-  /// Called when a client has disconnected, also because the server stops. No function is called for this
-  /// client afterwards.
+  /// Called when the connection of a client has ended, either because the client has disconnected or because
+  /// the server has closed the connection. No function is called for this client afterwards.
   virtual void closed(std::uint64_t client) = 0;
-  /// Returns the newest picture, encoded for this client; nothing if that picture was already sent to the
-  /// client, or if there is no picture yet.
+  /// Returns the newest picture, encoded for this client. Returns nothing if there is no picture yet, or if
+  /// the newest picture was already sent to this client.
   virtual std::optional<ViewFrames> picture(std::uint64_t client) = 0;
-  /// Called when the server has refused a request, a connection or a message. The reason may be the Host or
-  /// Origin header, the token, the size or the type of the message, or the number of connections. Not called
-  /// for an HTTP request with an unknown path or method. what: a description of what was refused, such as "a
-  /// binary message".
+  /// Called when the server refuses something: an HTTP request because of its Host or Origin header, a
+  /// connection because its token is wrong or there are too many connections, or a message because it is too
+  /// long or binary. Not called for HTTP requests with an unknown path or method.
+  ///
+  /// what: what the server refused, for example "a binary message"
   virtual void refused(const std::string& what) = 0;
 };
 
-/// Serves one HTML page and its WebSocket, on a separate thread (docs/live.md, "Wire protocol").
+/// The server of a live view. Over HTTP, it serves one HTML page. Over a WebSocket, the page or another
+/// program receives pictures of the running world and sends commands (docs/live.md, "Wire protocol"). The
+/// server runs on a thread of its own.
 class ViewServer {
  public:
   struct Options {
     std::uint16_t port = 0;  ///< TCP port; 0: any free port
     /// IP address on which the server listens. Empty: 127.0.0.1, and ::1 if the machine has it.
     std::string bind;
-    /// Host names of proxies through which browsers reach the server. The server accepts only requests whose
-    /// header `Host` names this machine or one of these proxies.
+    /// Host names of proxies through which browsers reach the server, such as "example.org". The server
+    /// accepts a request only if its `Host` header has one of these names, "localhost" or an IP address at
+    /// which this machine is reached.
     std::vector<std::string> hosts;
     std::string page;        ///< HTML text of the page
     std::string token;       ///< the text that a client must send first for full control
     std::string look_token;  ///< the text that a client must send first for read-only access
   };
-  /// Opens the port. Connections wait until start(). `backend` must outlive the server. Throws
-  /// std::runtime_error if Options::bind is not an IP address, if the address or the port is not available,
-  /// and in builds without TROUPE_VIEW.
+  /// Opens the port. Connections that arrive before start() get no answer until then. `backend` must outlive
+  /// the server. Throws std::runtime_error if Options::bind is not an IP address, or if the address or the
+  /// port is not available. If the CMake option TROUPE_VIEW is off, always throws std::runtime_error.
   ViewServer(const Options& options, ViewBackend& backend);
   ~ViewServer();
   ViewServer(const ViewServer&) = delete;
   ViewServer& operator=(const ViewServer&) = delete;
 
-  /// Accepts connections, and calls the backend from a thread of its own, until stop(). Call it only once: a
-  /// stopped server cannot be started again.
+  /// Starts the thread of the server, which accepts connections and calls the backend until stop() is called.
+  /// Call start() only once: a stopped server cannot be started again.
   void start();
-  /// Closes every connection and ends the thread. When stop() returns, the backend is not called any more.
-  /// The destructor also stops the server.
+  /// Closes all connections and ends the thread of the server. When stop() has returned, the backend is not
+  /// called any more. The destructor calls stop().
   void stop();
   /// Host and port under which programs on this machine reach the server, as in a URL: "127.0.0.1:34567".
   std::string authority() const;
-  /// Sends a text frame to a client; does nothing if the client has disconnected. May be called on any
-  /// thread. If 256 texts are already queued because the client does not read them, the client is
-  /// disconnected instead.
+  /// Sends a text to a client. Does nothing if the client has disconnected. If 256 texts for this client are
+  /// already waiting, because the client does not read them, the server disconnects the client instead. May
+  /// be called on any thread.
   void send(std::uint64_t client, std::string text);
-  /// Announces a new picture. The server then calls ViewBackend::picture() for each client that can receive
-  /// one. May be called on any thread.
+  /// Announces a new picture. The server then calls ViewBackend::picture() for each client: at once, or as
+  /// soon as all texts for this client have been sent and it has drawn all earlier pictures except one (see
+  /// drawn()). May be called on any thread.
   void offer();
-  /// Tells the server that a client has drawn a picture. While two pictures that the server has sent to a
-  /// client are not drawn yet, the server sends this client no further picture. Does nothing if the client
-  /// has disconnected. Call it from functions of ViewBackend only, because it must run on the server's
-  /// thread.
+  /// Tells the server that a client has drawn one of the pictures that were sent to it. While a client has
+  /// not yet drawn two of the pictures that were sent to it, the server sends it no further picture. Does
+  /// nothing if the client has disconnected. Not thread-safe: call it only from functions of ViewBackend,
+  /// because the server calls these on its own thread.
   void drawn(std::uint64_t client);
 
  private:

@@ -27,8 +27,8 @@
 
 namespace troupe::live {
 
-/// The implementation of View: executes the commands that viewers (pages or programs that have connected)
-/// send. docs/live.md describes the protocol.
+/// The implementation of View (live/view.hpp): executes the commands of viewers, which are the pages and
+/// programs that are connected to the view. docs/live.md describes the protocol.
 class View::Impl : private ViewBackend {
  public:
   Impl(Simulation& simulation, const Options& options);

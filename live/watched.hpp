@@ -15,54 +15,77 @@
 
 namespace troupe::live {
 
-// The data that a viewer requests in addition to the poses and colours of all robots (docs/live.md).
+// The data that a viewer can request in addition to the poses and colours of all bodies (docs/live.md). A
+// viewer is a page or program that is connected to a running world.
+//
+// The state of a world consists of components. A component is a table, such as `pose`, or `ranger/ir` for the
+// readings of the rangers named `ir`. It has one row for each body that has the component, and fields, such
+// as `x`. A field has one column or more: the field `ranges` of a ranger with 8 beams has 8 columns.
+//
+// The page shows all bodies except static ones; they are called shown bodies here.
 
-/// Returns the state of a body as JSON: name, whether it is in the world (`alive`), pose, the fields of all
-/// its components (state tables), the ranges of its rangers, and the commands to its devices. Each component
-/// has the members `component`, `name`, `runs` and `fields`. `component` is its name in the state, such as
-/// `ranger/ir`, and `name` the name that the world file gives the device (`ir`, see engine::given_name()).
-/// `runs` is false for a sensor that does not run; its values are then NaN. At most the first 2048 columns of
-/// a field are listed. Commands are listed only if the body is alive, and only their fields of at most 4
-/// columns. Static geometry, such as a wall, has no row in the state tables: the result then has only the
-/// name, the member `alive` with the value true, and an empty list of components. Throws std::out_of_range if
-/// there is no body with this id.
+/// Returns the state of a body as JSON, in the form of the key `inspected` in docs/live.md: its name, whether
+/// it is in the world (`alive`), its pose, its components, the ranges of its rangers, and the commands to its
+/// devices. Throws std::out_of_range if there is no body with this id.
+///
+/// The members of a component are:
+/// - `component`: its whole name, such as `ranger/ir`
+/// - `name`: its short name, such as `ir` (engine::given_name())
+/// - `runs`: false if the component holds the readings of a sensor that is not in use; all values are then
+///   NaN
+/// - `fields`: its fields; of each field, at most the first 2048 columns
+///
+/// Commands are listed only if the body is in the world, and only their fields with at most 4 columns. For a
+/// static body, such as a wall, the state has no row. The result then has only its name, `alive` (true) and
+/// an empty list of components.
 nlohmann::ordered_json inspection(Simulation& simulation, BodyId id);
 
-/// A value of the state by which a viewer colours robots.
+/// The field of the state by which a viewer colours the shown bodies, for example their speed.
 struct ColorValue {
-  /// Name of a component (a state table), such as `ranger/ir`. Its kind alone (`ranger`) or the name of its
-  /// device alone (`ir`) also selects it.
+  /// Selects a component: its name (`ranger/ir`), the part before the slash (`ranger`), or its short name
+  /// (`ir`). If a body has several components that this text selects, the last of them in World::tables()
+  /// counts.
   std::string component;
   std::string field;                    ///< name of a field of the component
-  std::optional<std::uint32_t> column;  ///< column of the field; not set: the minimum of all columns
-  /// The least and the largest value that take_shades() has found for any robot since the viewer chose this
-  /// value; infinity and -infinity before its first call.
+  std::optional<std::uint32_t> column;  ///< index of a column, from 0; not set: minimum of all columns
+  /// Smallest and largest value of the shown bodies since the viewer chose this field. take_shades() updates
+  /// them; before its first call, they are infinity and -infinity.
   double least = std::numeric_limits<double>::infinity();
   double most = -std::numeric_limits<double>::infinity();
 };
-/// Returns the fields by which robots can be coloured, as a JSON list of objects with the members component,
-/// field, unit, text (a description) and columns. `columns` is the number of columns, or 0 if the field has
-/// more than 4.
+/// Returns the fields by which bodies can be coloured, as a JSON list. Each entry has the members
+/// `component`, `field`, `unit`, `text` (a description of the field) and `columns` (the number of columns; 0
+/// means more than 4).
 nlohmann::ordered_json color_values(const engine::World& world);
 /// Whether the state has the component, field and column that `color` names.
 bool has_value(const engine::World& world, const ColorValue& color);
-/// Updates `least` and `most` of `color` with the present values, and then fills `shades` with one byte per
-/// robot of the page: 1 for a value of `least`, 255 for a value of `most`, linear in between (1 for all if
-/// `least` equals `most`), and 0 for a robot that does not have the value, has a value that is not finite, or
-/// is not in the world. places: for each body id the index of the robot on the page, or an index of at least
-/// `robots` if the page does not show the body.
+/// Computes the colours of the shown bodies from the field that `color` names. First lowers `color.least` and
+/// raises `color.most` so that all present values lie between them. Then sets `shades` to one byte per shown
+/// body:
+/// - 1 for the value `least`, 255 for the value `most`, linear in between
+/// - 1 if `least` equals `most`
+/// - 0 if the body is not in the world or has no finite value of the field, for example because its sensor is
+///   not in use
+///
+/// places: for each body id, the index of the body in `shades`; `robots` or more if the page does not show
+///     the body
+/// robots: number of shown bodies
 void take_shades(const engine::World& world, std::span<const std::uint32_t> places, std::size_t robots,
                  ColorValue& color, std::vector<std::uint8_t>& shades);
 
-/// Returns the names of the layers of lines that this world can have: "radio" (messages heard), "sights"
-/// (bodies that fiducial finders detect), "grips" (bodies that grippers hold) and "carries" (from carriers to
-/// carried bodies).
+/// Returns the names of the layers that this world can have. A layer is a set of lines that the page draws
+/// over the picture of the world:
+/// - "radio": from the sender of each message to the robots that heard it
+/// - "sights": from fiducial finders (sensors that detect marked bodies) to the bodies that they detect
+/// - "grips": the light beams of grippers, and lines from grippers to the bodies that they hold
+/// - "carries": from each body that holds other bodies to these bodies
 std::vector<std::string_view> layers_of(const engine::World& world);
-/// Returns the lines of some layers as JSON: {layer: [x, y, z, x, y, z, ...]}, two points per line, world
-/// frame, m, rounded to 1 mm; at most 20,000 lines per layer. A line of `radio` goes from a sender to a robot
-/// that heard its message in the last tick in which the radio of this robot ran (a radio need not run in
-/// every tick). A radio that does not run (engine::World::runs()), such as that of a disabled robot, has no
-/// lines. An unknown layer gets an empty list.
+/// Returns the lines of the layers with these names (see layers_of()) as JSON: {layer: [x, y, z, x, y, z,
+/// ...]}. Six numbers give one line, its start and its end, in m, world frame, rounded to 1 mm. Each layer
+/// has at most 20,000 lines; further lines are left out. An unknown layer gets an empty list.
+///
+/// The lines of "radio" show the messages that a robot heard when its radio ran last. A radio that does not
+/// run (World::runs()), such as that of a disabled robot, has no lines.
 nlohmann::ordered_json lines_of(const engine::World& world, std::span<const std::string> layers);
 
 }  // namespace troupe::live

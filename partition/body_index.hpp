@@ -10,25 +10,25 @@
 
 namespace troupe::partition {
 
-/// A circle that encloses a body, metres, world frame: an entry of a spatial index. Its coordinates and
-/// radius are floats, so that four circles fill a cache line and SIMD kernels load them directly. To cover
-/// the rounding to float, the circle is slightly larger than the exact one, which is centred on the body's
-/// origin. The member `row` is the index of the body in the arrays passed to BodyIndex::rebuild(), which hold
-/// its exact position.
+/// A circle that encloses a body, metres, world frame: an entry of the spatial index BodyIndex. The centre is
+/// the origin of the body, rounded to float. The radius is slightly larger than necessary, so that the circle
+/// encloses the body in spite of rounding errors. The member `row` is the index of the body in the arrays
+/// that are passed to BodyIndex::rebuild(). These arrays hold the exact position and radius.
 struct BodyCircle {
   float x;            ///< x of the centre (east)
   float y;            ///< y of the centre (north)
-  float radius;       ///< slightly more than the exact radius
-  std::uint32_t row;  ///< row of the body; in class FixedOutlines, the number of a piece of a static outline
+  float radius;       ///< radius, including a margin for rounding
+  std::uint32_t row;  ///< index of the body; in class FixedOutlines, number of a piece of a static outline
 };
 
-/// Makes a BodyCircle that encloses the circle with this radius about this position (m, world frame). `row`
-/// is stored in the result. Rounding a coordinate c to float moves it by at most 2^-24 |c|, or by at most
-/// 2^-150 if |c| is below the smallest normal float. Rounding therefore moves the centre by at most 2^-24
-/// (|x| + |y|) + 2^-149. The radius is increased by slightly more than this distance, and then multiplied by
-/// 1 + 2^-22 because the radius is rounded to float, too. The increase is 12 micrometres at x = y = 100 m and
-/// 12 millimetres at x = y = 100 km.
+/// Returns a BodyCircle that encloses the circle with the centre `position` and this radius (m, world frame).
+/// `row` is copied to the result. The radius of the result is larger than `radius`, because the centre and
+/// the radius are rounded to float. The increase is about 12 micrometres at x = y = 100 m and about 12
+/// millimetres at x = y = 100 km.
 inline BodyCircle enclosing_circle(const Vec2& position, double radius, std::uint32_t row) {
+  // Rounding a coordinate c to float moves it by at most 2^-24 |c|, or by at most 2^-150 if |c| is below the
+  // smallest normal float. So the centre moves by less than `shift`. The factor 1 + 2^-22 covers the rounding
+  // of the radius.
   const double shift = 0x1p-24 * (std::abs(position.x()) + std::abs(position.y())) + 0x1p-120;
   return {static_cast<float>(position.x()), static_cast<float>(position.y()),
           static_cast<float>((radius + shift) * (1 + 0x1p-22)), row};
@@ -37,47 +37,51 @@ inline BodyCircle enclosing_circle(const Vec2& position, double radius, std::uin
 /// The value in the argument `radii` of BodyIndex::rebuild() for a body that is not in the world.
 inline constexpr double k_not_there = -1;
 
-/// A spatial index of the mobile bodies: their circles in one array, sorted by grid cell, and within a cell
-/// by row (the index of the body in the arguments of rebuild()). A parallel counting sort rebuilds the index
-/// in each tick (time step). It sorts the rows by tile (a square of cells, see GridGeometry), and then the
-/// rows of each tile by cell. In the first sort, each task counts a range of rows of its own, so that threads
-/// share no counter; in the second, each task sorts whole tiles. Both sorts are stable: they keep the order
-/// of the rows without comparing them.
+/// A spatial index of the mobile bodies, which is rebuilt in each tick (time step). The plane is divided into
+/// square cells, and squares of cells form tiles (GridGeometry). The index is an array of entries, which are
+/// circles that enclose the bodies (BodyCircle). The entries are sorted by cell, and within a cell by row.
+/// The row of a body is its index in the arrays that are passed to rebuild(). A row with a negative radius
+/// (k_not_there) is not in the index. Before the first rebuild(), the index is empty.
 ///
-/// A body not wider than a cell is listed only in the cell of its origin. The box of a query is therefore
-/// expanded by the largest radius of such bodies. A wider body, called a wide body below, is listed in every
-/// cell that the bounding square of its circle touches, so that one truck does not expand every query.
+/// A body that is at most as wide as a cell has one entry, in the cell of its origin. A query for a box
+/// therefore also searches the cells around the box, up to the largest radius of such bodies. A body that is
+/// wider than a cell is called wide. It has an entry in each cell that the bounding square of its circle
+/// touches. A single truck among small robots therefore does not enlarge the search of each query.
 ///
-/// A row with a negative radius (k_not_there) is not in the index. Before the first rebuild(), the index is
-/// empty.
+/// rebuild() is a parallel counting sort in two stages. The first stage sorts the rows by tile; each task
+/// counts a range of rows, so that threads share no counter. The second stage sorts the rows of each tile by
+/// cell; each task sorts whole tiles. Both stages are stable, so rows in the same cell keep their order.
 class BodyIndex {
  public:
   BodyIndex() = default;
   explicit BodyIndex(const GridGeometry& geometry) : geometry_(geometry) {}  ///< an empty index
 
-  /// Reserves memory for bodies anywhere in the box `ground` (metres, world frame), but for at most 2^14
-  /// tiles. An empty box reserves nothing. Afterwards rebuild() allocates only if there are more rows than in
-  /// any earlier call, or if bodies are in more tiles than were reserved.
+  /// Reserves memory for the tiles in the box `ground` (metres, world frame), but for at most 2^14 tiles. An
+  /// empty box reserves nothing. The reserved memory lets bodies enter new tiles without allocations in
+  /// rebuild().
   void reserve(const Box& ground);
 
-  /// Replaces the contents. places and radii have one entry per row. places: the pose of the body (metres,
-  /// world frame). radii: the radius (metres) of the circle that is centred on the body's origin and encloses
-  /// the body; negative if the body is not in the world. The position of a body in the world must not be NaN.
+  /// Replaces the contents of the index. The arguments `places` and `radii` have one entry per row.
+  /// places  pose of the body, metres, world frame. The position of a body in the world must not be NaN
+  /// radii   radius, metres, of the circle that is centred on the origin of the body and encloses the body;
+  ///         negative if the body is not in the world
+  ///
   /// Queries read both arrays, so the caller must keep them valid and unchanged until the next rebuild().
   void rebuild(std::span<const Transform> places, std::span<const double> radii, Parallel& parallel);
 
-  /// Calls visit(span of circles) once per run. A run is a sequence of consecutive entries of the index, from
-  /// neighbouring cells. Together the runs contain every body whose circle may touch the box (metres, world
-  /// frame), and some that do not touch it. A wide body may be visited several times, in one run or in
-  /// several; every other body is visited once.
+  /// Finds the bodies whose circles may touch the box (metres, world frame), and some other bodies. Calls
+  /// visit(span of circles) once per run; a run is a sequence of consecutive entries of the index, from
+  /// neighbouring cells. A wide body may be visited several times, in one run or in several runs. Each other
+  /// body that is found is visited once.
   template <class Visit>
   void for_each_run(const Box& box, Visit&& visit) const {
     const Box reach = box.expanded(small_radius_);
     for_each_run(geometry_.cell(reach.min), geometry_.cell(reach.max), visit);
   }
-  /// Calls visit(span of circles) for the bodies in the cells from cell_low to cell_high, both included. A
-  /// body that is not wide belongs only to the cell of its origin. It is omitted if this cell is outside the
-  /// range, although its circle may reach into the range, by at most largest_small_radius().
+  /// Calls visit(span of circles) for the entries in the cells from cell_low to cell_high, both included. A
+  /// body that is not wide has its only entry in the cell of its origin. If this cell is not in the range,
+  /// the body is not visited, although its circle may reach into the range by at most largest_small_radius().
+  /// A wide body is visited once for each cell of the range in which it has an entry.
   template <class Visit>
   void for_each_run(Cell cell_low, Cell cell_high, Visit&& visit) const {
     partition::for_each_run(geometry_, directory_, cell_low, cell_high,
@@ -108,35 +112,42 @@ class BodyIndex {
                             });
   }
 
-  /// All rows in the index, each once; valid until the next rebuild(). Rows whose bodies have their origins
-  /// in the same tile are adjacent. Within a tile, rows are sorted by block (a square of cells, see
-  /// GridGeometry::block_bits()), then by cell, then by row. If rows are processed in this order, the data of
-  /// their neighbours are often still in the caches.
+  /// All rows in the index, each once, sorted by the cells of the bodies' origins; valid until the next
+  /// rebuild(). Rows of the same tile are adjacent. Within a tile, rows are sorted by block (a square of
+  /// cells, see GridGeometry::block_bits()), then by cell, then by row. If rows are processed in this order,
+  /// the data of neighbouring bodies are often still in the caches.
   std::span<const std::uint32_t> order() const { return order_; }
-  /// A number that identifies the cell of the origin of the row's body: two rows have equal numbers if and
-  /// only if their origins are in one cell. The row must be in the index. Valid until the next rebuild().
+  /// A number that identifies the cell of the origin of the row's body. Two rows have equal numbers if and
+  /// only if their origins are in the same cell. The row must be in the index. Valid until the next
+  /// rebuild().
   std::uint32_t home(std::uint32_t row) const { return homes_[row]; }
-  /// Number of rows that the latest rebuild() received, in the index or not.
+  /// Number of rows in the arguments of the latest rebuild(), including rows that are not in the index.
   std::size_t rows() const { return radii_.size(); }
-  /// Number of known tiles: those in which bodies are listed, and some in which bodies were listed earlier.
+  /// Number of tiles for which the index holds data: those that contain entries, and some that contained
+  /// entries earlier.
   std::size_t tiles() const { return directory_.size(); }
   const GridGeometry& geometry() const { return geometry_; }  ///< sizes of the cells and tiles of the index
-  /// The largest radius of the bodies that are not wide (not wider than a cell), metres; 0 if there are none.
+  /// The largest radius of the bodies that are not wide, metres; 0 if there are none.
   double largest_small_radius() const { return small_radius_; }
-  /// Whether there are wide bodies, which for_each_run() may visit several times.
+  /// Whether there are wide bodies (bodies wider than a cell), which for_each_run() may visit several times.
   bool has_wide() const { return has_wide_; }
 
  private:
   bool is_there(std::uint32_t row) const { return radii_[row] >= 0; }
   bool is_wide(std::uint32_t row) const { return radii_[row] > 0.5 * geometry_.cell_m; }
   Cell home_cell(std::uint32_t row) const { return geometry_.cell(places_[row].position); }
-  /// Returns whether for_each_near() must visit a wide body at its entry i. A wide body has one entry in each
-  /// cell that it touches. Only one of them counts, so that the body is visited once: the entry in the lower
-  /// left of those cells that are within the query.
+  /// Returns whether for_each_near() must visit the wide body `row` at entry i of the index. A wide body has
+  /// one entry in each cell that it touches, but it must be visited only once. It is visited at its entry in
+  /// the lowest and leftmost cell that both the query and the body touch.
+  /// query_low    lowest and leftmost cell of the query
+  /// run_cell     first cell of the run of cells that contains entry i
+  /// first, last  index of the first cell of the run in its tile (GridGeometry::in_tile()), and one past the
+  ///              index of the last cell
+  /// begin        begin[c] is the index of the first entry of cell c of this tile
   bool first_meeting(std::uint32_t row, Cell query_low, Cell run_cell, const std::uint32_t* begin,
                      std::size_t first, std::size_t last, std::uint32_t i) const;
 
-  /// A range of rows, [first, last), that one task counts and sorts into tiles.
+  /// A range of rows, from `first` to `last` - 1, that one task counts and sorts into tiles.
   struct alignas(64) Part {
     std::uint32_t first = 0;
     std::uint32_t last = 0;

@@ -8,19 +8,19 @@
 
 namespace troupe::partition {
 
-/// An index of static boxes by the grid cells that they touch. The grid has about as many cells as there are
-/// boxes, but at most 1024 x 1024. A box that covers more than 64 cells, such as the box of a floor plan
-/// among a thousand crates, is kept in a separate list instead of in each of its cells. Every query visits
-/// the boxes of that list.
+/// A spatial index of static boxes. Each cell of a grid lists the boxes that touch the cell. The grid has
+/// about as many cells as there are boxes, but at most 1024 x 1024. A box that touches more than 64 cells,
+/// such as the box of a large building among a thousand crates, is kept in a separate list instead. Every
+/// query visits all boxes of that list.
 class BoxGrid {
  public:
   BoxGrid() = default;
-  /// Indexes the boxes. Queries report a box by its position in `boxes` and never report an empty box.
+  /// Indexes the boxes. Queries identify a box by its index in `boxes` and never visit an empty box.
   explicit BoxGrid(std::span<const Box> boxes);
 
-  /// Calls visit(i), with the index i of an indexed box, until a call returns true, and returns whether a
-  /// call did. If none does, visit() is called at least once for each indexed box that touches `box`, and
-  /// also for some that do not touch it.
+  /// Calls visit(i) for each indexed box that touches `box`, and for some that do not; i is the index of the
+  /// indexed box. A box may be visited several times. The first call that returns true ends the search, and
+  /// any_near() then returns true. If no call returns true, any_near() returns false.
   template <class Visit>
   bool any_near(const Box& box, Visit&& visit) const {
     for (const std::uint32_t i : wide_)

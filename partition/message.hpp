@@ -28,7 +28,7 @@ class MessageWriter {
     static_assert(std::is_trivially_copyable_v<T>);
     put_bytes(std::as_bytes(std::span(&value, 1)));
   }
-  /// Appends bytes, but not how many they are; the reader must know how many to read.
+  /// Appends bytes without their number. The code that reads the message must know how many bytes to read.
   void put_bytes(std::span<const std::byte> bytes) {
     message_.insert(message_.end(), bytes.begin(), bytes.end());
   }

@@ -12,14 +12,14 @@
 
 namespace troupe::partition {
 
-/// A list of circles, with one array per component so that kernels load several circles at a time. All values
-/// are in metres; the object that owns the list states the frame of the centres. The arrays never shrink and
-/// may have more entries than there are circles.
+/// A list of circles, metres. Each member of a circle has an array of its own, so that SIMD loops can load
+/// several circles at a time. The object that owns the list states the frame of the centres. The arrays never
+/// shrink and may have more entries than there are circles.
 struct CircleArrays {
   std::vector<float> x;            ///< x of the centres
   std::vector<float> y;            ///< y of the centres
   std::vector<float> radius;       ///< radius; minus infinity: a padding entry, which no beam hits
-  std::vector<std::uint32_t> row;  ///< row of a body in the state tables, or number of an outline piece
+  std::vector<std::uint32_t> row;  ///< index of a body in the state tables, or number of an outline piece
 
   /// Ensures that the arrays have room for this many circles; keeps the contents.
   void make_room(std::size_t size) {
@@ -39,18 +39,22 @@ struct CircleArrays {
   }
 };
 
-/// The circles that reach into the disc within which a sensor looks: those that enclose bodies, and those
-/// that enclose pieces (short chains of edges) of static outlines. The sensor can detect no other body or
-/// piece. This class is for searches in a few directions: those of fiducial finders, light sensors and range
-/// sensors with wide beams, and searches for the walls between two radios. Range sensors with thin beams use
-/// NearbyOutlines instead, which shares one search among all range sensors in a block of cells. Not
-/// thread-safe. Keep one object per thread and reuse it: its arrays keep their memory.
+/// Finds the circles that reach into a disc around a sensor. The radius of the disc is the range of the
+/// sensor. Each circle encloses a body or a piece (a short chain of edges) of a static outline. The sensor
+/// can detect only these bodies and pieces.
+///
+/// This class is for searches in a few directions: those of fiducial finders, of light sensors and of range
+/// sensors with wide beams, and the search for walls between two radios. Range sensors with thin beams use
+/// NearbyOutlines instead, which shares one search among all range sensors in a block of cells.
+///
+/// Not thread-safe. Keep one object per thread and reuse it, because its arrays keep their memory.
 class NearCircles {
  public:
-  /// Begins an empty list for a disc. centre: the centre of the disc, world frame, m. reach: its radius, m.
+  /// Removes all circles and sets the disc. centre: its centre, world frame, m. reach: its radius, m.
   void begin(const Vec2& centre, double reach);
-  /// Adds the circle of each body that reaches into the disc, once, unless skip(row of the body) is true.
-  /// Also adds some circles that are slightly outside the disc. begin() must have been called.
+  /// Adds the circles of `index` that reach into the disc, each once, and some circles that are slightly
+  /// outside the disc. Leaves out a circle if skip(row) is true; `row` is the member BodyCircle::row of the
+  /// circle. Call begin() first.
   template <class Skip>
   void add_bodies(const BodyIndex& index, Skip&& skip) {
     // A wide body (wider than a cell) is in several cells of the index. Its circle may be met again in
@@ -70,25 +74,28 @@ class NearCircles {
       size_ = kept;
     });
   }
-  /// Adds the circles of outline pieces that reach into the disc. Circles farther than `within` (m) from the
-  /// centre of the disc may be omitted, so that the search is shorter. A piece that has several circles is
-  /// added several times. The bits of `mark` are set in CircleArrays::row of each added circle, to tell
-  /// pieces from bodies. begin() must have been called.
+  /// Adds the circles of `outlines` that reach into the disc. A piece that has several circles is added
+  /// several times. Call begin() first.
+  /// within  radius of the search about the centre of the disc, m. Circles outside this radius may be left
+  ///         out
+  /// mark    bits that are set in CircleArrays::row of each added circle, so that the caller can tell pieces
+  ///         from bodies
   void add_pieces(const FixedOutlines& outlines, double within, std::uint32_t mark);
-  /// Removes all circles but the first `size`, which must be at most size().
+  /// Removes all circles but the first `size` ones. `size` must be at most size().
   void keep(std::size_t size) { size_ = size; }
   /// Reserves memory for this many circles.
   void make_room(std::size_t size) { circles_.make_room(size); }
 
   std::size_t size() const { return size_; }  ///< number of circles
-  /// The circles. Their centres are relative to the centre of the disc, along the axes of the world frame.
-  /// Their radii are increased by more than the rounding errors of centres and radii. Only the first size()
-  /// entries of the arrays are circles.
+  /// The circles: the first size() entries of the arrays. Their centres are relative to the centre of the
+  /// disc, along the axes of the world frame. Their radii are increased by more than the rounding errors of
+  /// centres and radii.
   const CircleArrays& circles() const { return circles_; }
 
  private:
   void add(std::span<const BodyCircle> run, std::uint32_t mark);
-  /// Begins a new search for bodies, in which none of the rows 0 to `rows` - 1 has been met yet.
+  /// Prepares met_ and search_ for a new search for bodies, in which no wide body has been met yet. rows:
+  /// number of rows, which are indices of bodies (BodyIndex::rows()).
   void forget_met(std::size_t rows);
 
   CircleArrays circles_;

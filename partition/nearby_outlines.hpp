@@ -12,64 +12,71 @@
 
 namespace troupe::partition {
 
-/// Circles that enclose bodies or static outlines, consecutive in memory. Three more circles must be readable
-/// beyond the end, because kernels load several circles at a time.
+/// Circles that are consecutive in memory. Each circle encloses a body or a piece (a short chain of edges) of
+/// a static outline. Three more circles must be readable beyond the end of the span, because SIMD loops load
+/// up to four circles at a time.
 using CircleRun = std::span<const BodyCircle>;
-/// Copies the circles of all runs, one after another, to the entries of `out` from index `size` on. `out` has
-/// one array for each member of a circle. In the copies, the bits of `mark` are set in the member `row` (the
-/// index of a body or the number of an outline piece). `out` must have room for three more circles than are
-/// copied.
+/// Copies the circles of all runs, one after another, to the entries of `out` from index `size` on. Sets the
+/// bits of `mark` in the member `row` of each copy. `out` must have room for three more circles than are
+/// copied, because SIMD loops store up to four circles at a time.
 void unpack(std::span<const CircleRun> runs, std::uint32_t mark, std::size_t size, CircleArrays& out);
 
-/// Finds the outlines that the rays of the sensors in one block may hit, and gives the circles that enclose
-/// these outlines. A block is a square of up to 4 x 4 cells of the spatial index
-/// (GridGeometry::block_bits()). The outlines are those of bodies, and pieces (short chains of edges) of
-/// static outlines. The circles are divided into bands by their distance from the block; band 0 is the
-/// nearest. A wide body (wider than a cell) may be in several bands, and several times in one band. A band is
-/// gathered on first use and then serves all sensors in the block. In a crowd most sensors need only the
-/// first band.
+/// Finds the circles that the rays of range sensors may hit. Each circle encloses a body or a piece (a short
+/// chain of edges) of a static outline. One search serves all sensors in a block. A block is a square of up
+/// to 4 x 4 cells of the spatial index (GridGeometry::block_bits()).
+///
+/// The circles are divided into bands by their distance from the block. Band 0 is the nearest; in a crowd,
+/// most sensors need only this band. The circles of a band are searched for when the band is used for the
+/// first time. A wide body (wider than a cell) may be in several bands, and several times in one band.
+///
+/// Call begin() after the bodies have moved, set_block_of() for each sensor, and then band() for the bands
+/// from 0 on until farther circles are not needed.
 class NearbyOutlines {
  public:
-  /// In circles(), the member `row` is the index of a body in the state tables or, with this bit set, the
-  /// number of a piece of a static outline.
+  /// A bit of the member `row` of circles(). If it is set, the other bits are the number of a piece of a
+  /// static outline. Otherwise `row` is the index of a body in the state tables.
   static constexpr std::uint32_t k_fixed = 1u << 31;
 
-  /// Sets the two spatial indexes to search, which must stay valid during the queries, and forgets the
-  /// current block. geometry: the grid of `bodies`, which defines the blocks. reach: largest distance from a
-  /// sensor at which its rays may hit a circle, metres.
+  /// Sets the spatial indexes to search: `bodies` for bodies and `fixed` for static outlines. Both must stay
+  /// valid until the next begin().
+  /// geometry  the grid of `bodies`, which defines the blocks
+  /// reach     largest distance from a sensor at which its rays may hit a circle, metres
   void begin(const BodyIndex& bodies, const FixedOutlines& fixed, const GridGeometry& geometry, double reach);
-  /// Makes the block that contains this point (world frame, metres) the current block, to which the functions
-  /// below refer. If the block changes, all bands are gathered again on their next use. begin() must have
-  /// been called.
+  /// Makes the block that contains this point (world frame, metres) the current block. The functions below
+  /// refer to the current block. If the block changes, band() searches for the circles of all bands again.
+  /// Call begin() first.
   void set_block_of(const Vec2& point);
 
-  /// Number of bands. Together they contain every circle within the reach of any point of the block, and some
-  /// that are farther away.
+  /// Number of bands. Together they contain every circle whose distance from the current block is at most the
+  /// argument `reach` of begin(), and some farther circles.
   std::size_t bands() const { return radii_.size(); }
-  /// The outer radius of a band, metres: every circle closer than this to any point of the block is in this
-  /// band or an earlier one. The outer radius of the last band is the argument `reach` of begin().
+  /// The outer radius of a band, metres. Each circle whose distance from the current block is less than this
+  /// radius is in this band or in an earlier one. The outer radius of the last band is the argument `reach`
+  /// of begin().
   double radius(std::size_t band) const { return radii_[band]; }
-  /// The range of a band in circles(). Bands are padded to a multiple of k_circle_padding with circles that
-  /// no beam hits.
+  /// The circles of a band: a range of indices in circles(). The range is padded to a multiple of
+  /// k_circle_padding with circles that no beam hits.
   struct Band {
-    std::size_t begin;  ///< index of its first circle in circles()
-    std::size_t end;    ///< index one past its last circle
+    std::size_t begin;  ///< index of the first circle of the band
+    std::size_t end;    ///< one past the index of the last circle
   };
-  /// Returns the range of the band with this number, which must be below bands(). Gathers this band and all
-  /// earlier ones on first use. set_block_of() must have been called since begin().
+  /// Returns the range of a band in circles(). `band` is the number of the band, below bands(). The first
+  /// call for a band searches for the circles of this band and of all earlier bands. set_block_of() must have
+  /// been called since begin().
   Band band(std::size_t band) {
     while (ends_.size() <= band) gather(ends_.size());
     return {band == 0 ? 0 : ends_[band - 1], ends_[band]};
   }
-  /// The circles of all bands gathered so far, world frame; grows when the next band is gathered.
+  /// The circles that band() has found so far, world frame, metres. Further calls of band() may add circles.
   const CircleArrays& circles() const { return circles_; }
-  /// The distance from a sensor, metres, up to which the sensor should search the first band before it
-  /// searches the rest of that band. On average about k_nearest_shell_circles circles are within this
-  /// distance. It is at most radius(0). It is infinite if the first band has so few circles that a single
-  /// search is faster. Valid once the first band has been gathered.
+  /// A distance from the sensor, metres. The sensor should first examine the circles of band 0 that are
+  /// within this distance, and then the other circles of band 0. Hits on the first circles shorten the beams,
+  /// so that fewer of the other circles must be examined. On average about k_nearest_shell_circles circles
+  /// are within this distance. It is at most radius(0), or infinite if band 0 has so few circles that
+  /// examining all of them at once is faster. Call band(0) first.
   double nearest_shell_m() const { return nearest_shell_m_; }
   static constexpr double k_nearest_shell_circles = 20;  ///< mean number of circles within nearest_shell_m()
-  /// nearest_shell_m() is infinite if the first band has at most this many circles.
+  /// nearest_shell_m() is infinite if band 0 has at most this many circles.
   static constexpr double k_most_in_one_search = 48;
 
  private:

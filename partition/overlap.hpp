@@ -22,17 +22,18 @@ struct ObstacleShape {
   std::vector<PieceCircle> circles;  ///< enclosing circles, one per piece
   std::size_t vertices = 0;          ///< number of vertices of all pieces
   double radius = 0;  ///< radius of the circle about the body's origin that encloses the body, m
-  /// Smallest width of any piece (convex_width()), m; without pieces, make_obstacle_shape() sets it to
-  /// infinity.
+  /// Smallest width of any piece (convex_width()), m. make_obstacle_shape() sets it to 0 if there are no
+  /// pieces.
   double thinnest = 0;
   ZInterval z;  ///< the interval that encloses the heights of all pieces, body frame, m
 
   bool empty() const { return pieces.empty(); }  ///< true if the body blocks nothing
 };
 
-/// A margin, metres. Fast tests discard pairs of shapes that are far apart. They add this margin to their
-/// bounds, so that they keep every pair that overlap() would find. The margin is far above the rounding error
-/// of a corner's position, which is 1.5e-11 m at 100 km from the origin.
+/// A margin for rounding errors, metres. Fast tests discard pairs of shapes that are too far apart to
+/// overlap. The tests add this margin to the radii of the shapes, so that no pair for which overlap() is true
+/// is discarded. The margin is far above the rounding error of the position of a corner, which is 1.5e-11 m
+/// at 100 km from the origin.
 inline constexpr double k_rounding_m = 1e-9;
 
 /// Makes a shape from the convex pieces of a body's obstacle solids (convex_pieces()), body frame, m.
@@ -42,13 +43,14 @@ ObstacleShape make_obstacle_shape(std::span<const ConvexPrism> pieces);
 /// body that penetrates the shape by at most `depth` does not overlap the result. Edges of a piece narrower
 /// than twice `depth` would cross over, so `depth` should be less than half of ObstacleShape::thinnest.
 ObstacleShape inset(const ObstacleShape& shape, double depth);
-/// Writes one piece with its edges moved inwards by `depth`, m, to `out`, which must be another object. The
-/// memory of the outline of `out` is reused.
+/// Writes `piece` with its edges moved inwards by `depth`, m, to `out`. `out` must be another object; the
+/// memory of its outline is reused.
 void inset(const ConvexPrism& piece, double depth, ConvexPrism& out);
 
-/// True if the two shapes share area at a common height. Shapes that only touch do not overlap. The pieces
-/// are compared as polygons with separating axes, in double. The caller must pass the body with the lower id
-/// as `a`, so that the result is the same whichever of the two bodies moves.
+/// True if the two shapes overlap: a piece of one shape and a piece of the other share area, seen from above,
+/// and their intervals of heights overlap. Shapes that only touch do not overlap. The caller must pass the
+/// shape of the body with the lower id (number of the body in the world) as `a`. Rounding then gives the same
+/// result whichever of the two bodies moves.
 bool overlap(const ObstacleShape& a, const Pose& pose_world_a, const ObstacleShape& b,
              const Pose& pose_world_b);
 

@@ -54,9 +54,9 @@ class Parallel {
         count, [](void* t, std::size_t i) { (*static_cast<std::remove_reference_t<Task>*>(t))(i); }, &task);
   }
 
-  /// Divides the indices 0 to count - 1 into batches of `size` indices (the last may have fewer), and calls
-  /// work(first, end) for each batch, with its indices from `first` to end - 1. Each call is a task of
-  /// for_each(). `size` must be at least 1.
+  /// Divides the indices 0 to count - 1 into batches of `size` consecutive indices; the last batch may have
+  /// fewer. Calls work(first, end) for each batch, which has the indices `first` to end - 1. Each call is a
+  /// task of for_each(). `size` must be at least 1.
   template <class Work>
   void for_batches(std::size_t count, std::size_t size, Work&& work) {
     for_each((count + size - 1) / size,

@@ -23,26 +23,30 @@ class PlacedRing {
   const Transform& transform_;
 };
 
-/// True if two convex counter-clockwise polygons in the same frame share area. Polygons that only touch do
-/// not.
+/// True if two convex counter-clockwise polygons in the same frame share area. Polygons that only touch share
+/// no area.
 bool convex_overlap(std::span<const Vec2> a, std::span<const Vec2> b);
-/// True if two convex counter-clockwise polygons in the same frame share area. Polygons that only touch do
-/// not.
+/// True if two convex counter-clockwise polygons in the same frame share area. Polygons that only touch share
+/// no area.
 bool convex_overlap(std::span<const Vec2> a, const PlacedRing& b);
 
-/// True if the segment from s0 to s1 enters the interior of a convex counter-clockwise polygon.
+/// True if the segment from s0 to s1 enters the interior of a convex counter-clockwise polygon in the same
+/// frame.
 bool segment_overlap(const Vec2& s0, const Vec2& s1, std::span<const Vec2> polygon);
-/// True if the segment from s0 to s1 enters the interior of a convex counter-clockwise polygon.
+/// True if the segment from s0 to s1 enters the interior of a convex counter-clockwise polygon in the same
+/// frame.
 bool segment_overlap(const Vec2& s0, const Vec2& s1, const PlacedRing& polygon);
 
-/// The shape of a body (convex prisms, called pieces, see ObstacleShape) at a pose. If the shape has at most
-/// 128 vertices, as nearly all shapes have, the constructor transforms them once, into an array in this
-/// object. The vertices of larger shapes are transformed at each access, so that no shape needs heap memory.
+/// The shape of a body at a pose. A shape consists of convex prisms, called pieces (ObstacleShape). If the
+/// shape has at most 128 vertices, the constructor transforms all vertices to the world frame and stores them
+/// in this object. The vertices of larger shapes, which are rare, are transformed again at each access. This
+/// object therefore needs no heap memory.
 class PlacedShape {
  public:
-  /// Places a shape, which must outlive the object. z: height of the shape's frame, metres, world frame.
+  /// Places a shape, which must outlive the object. transform_world_body: from the frame of the shape to the
+  /// world frame. z: height of the origin of the frame of the shape, metres, world frame.
   PlacedShape(const ObstacleShape& shape, const Transform& transform_world_body, double z);
-  /// Places a shape, which must outlive the object.
+  /// Places a shape, which must outlive the object. pose_world_body: pose of the shape in the world frame.
   PlacedShape(const ObstacleShape& shape, const Pose& pose_world_body)
       : PlacedShape(shape, Transform(pose_world_body), pose_world_body.z) {}
   PlacedShape(const PlacedShape&) = delete;
@@ -53,9 +57,11 @@ class PlacedShape {
   const Vec2& position() const { return transform_.position; }  ///< origin of its frame, m, world frame
   double z() const { return z_; }                               ///< height of its frame, m, world frame
 
-  /// Calls visit(piece, polygon) for each piece (a convex prism) of the shape until a call returns true;
-  /// returns whether a call did. `polygon` holds the vertices of the piece in the world frame: a span of
-  /// vertices or a PlacedRing.
+  /// Calls visit(piece, polygon) for each piece of the shape until a call returns true. Returns whether a
+  /// call returned true.
+  /// piece    the piece, in the frame of the shape (ConvexPrism)
+  /// polygon  the vertices of the piece in the world frame: a span or a PlacedRing, so `visit` must accept
+  ///          both
   template <class Visit>
   bool any_piece(Visit&& visit) const {
     const Vec2* vertices = vertices_.data();
@@ -77,21 +83,21 @@ class PlacedShape {
   std::array<Vec2, 128> vertices_;  // of all pieces, if they fit
 };
 
-/// Returns true if the shapes share area at a common height; shapes that only touch do not. The function
-/// overlap() of overlap.hpp is the same test for shapes that are not yet placed. The caller must pass the
-/// shape of the body with the lower id as `a`, so that rounding gives the same result whichever of the two
-/// bodies moves.
+/// Returns true if the shapes overlap: a piece of one shape and a piece of the other share area, seen from
+/// above, and their intervals of heights overlap. Shapes that only touch do not overlap. The caller must pass
+/// the shape of the body with the lower id (number of the body in the world) as `a`. Rounding then gives the
+/// same result whichever of the two bodies moves.
 bool overlap(const PlacedShape& a, const PlacedShape& b);
 
-/// A fast test that compares only the enclosing circles of the pieces and ignores heights. If it returns
-/// false, no piece of one shape comes within `distance` (metres) of a piece of the other; if it returns true,
-/// a piece may. at_a, at_b: from the frame of each shape to the world frame.
+/// A fast test of whether two shapes may be close to each other. It compares only circles that enclose the
+/// pieces and ignores heights. False: no piece of `a` comes within `distance` (metres) of a piece of `b`.
+/// True: a piece may do so. at_a, at_b: from the frame of each shape to the world frame.
 bool pieces_in_reach(const ObstacleShape& a, const Transform& at_a, const ObstacleShape& b,
                      const Transform& at_b, double distance);
 
-/// A fast test. a, b: origins of two shapes, metres, world frame. radius_a, radius_b: radii about these
-/// origins that enclose the shapes, metres. If the function returns false, the shapes cannot overlap; if it
-/// returns true, they may. overlap() begins with this test.
+/// A fast test of whether two shapes may overlap; overlap() begins with this test. False: the shapes do not
+/// overlap. True: they may overlap. a, b: origins of the two shapes, metres, world frame. radius_a, radius_b:
+/// radii of the circles about these origins that enclose the shapes, metres.
 inline bool in_reach(const Vec2& a, double radius_a, const Vec2& b, double radius_b) {
   const double reach = radius_a + radius_b + k_rounding_m;
   const double dx = b.x() - a.x();

@@ -16,33 +16,35 @@
 namespace troupe::partition {
 
 /// The ray engine of the robot simulator Stage (Vaughan: Massively multi-robot simulation in Stage, Swarm
-/// Intelligence, 2008): outlines are drawn into the cells of a nested grid, and rays walk from cell to cell.
+/// Intelligence, 2008). Outlines are drawn into the cells of a grid, and rays walk from cell to cell.
+/// docs/sensing.md gives all rules.
 ///
-/// Cells are squares with edges of length `resolution`. The cell of a point (x, y) in the world frame is
-/// (floor(x / resolution), floor(y / resolution)). For rays this differs, as in Stage: the cell of a ray's
-/// position is found by rounding towards zero. At negative coordinates, a ray therefore meets an edge one
-/// cell away from the cell in which the edge is drawn. A block of 8 x 8 cells is stored in one 64-bit word. A
-/// region of 8 x 8 blocks is found through a hash table; another word tells which of its blocks are not
-/// empty. Empty regions are not stored.
+/// Cells are squares. Let r be their edge length. The cell of a point (x, y) in the world frame is
+/// (floor(x / r), floor(y / r)). For positions on a ray, however, the quotients are rounded towards zero, as
+/// in Stage. At negative coordinates, a ray therefore meets an edge one cell away from the cell in which the
+/// edge is drawn.
+///
+/// A block is a square of 8 x 8 cells; a 64-bit word tells which of the cells are drawn. A region is a square
+/// of 8 x 8 blocks; another word tells which of the blocks are not empty. Regions are found through a hash
+/// table. A region is stored only if something is or was drawn in it.
 ///
 /// An edge is drawn as a staircase of cells, by Cohen's integer line (Graphics Gems IV, 1994): each cell
-/// shares a side with the previous one. The staircase begins in the cell of the edge's start and stops before
-/// the cell of its end, which the next edge draws. An outline that lies within one cell is drawn as that
-/// cell. The inside of an outline is not drawn.
+/// shares a side with the previous one. The staircase begins in the cell of the edge's start. It stops before
+/// the cell of the edge's end, where the next edge of the outline begins. An outline that lies within one
+/// cell is drawn as that cell. The inside of an outline is not drawn.
 ///
-/// A ray moves as in Stage. In squares of 32 x 32 cells in which anything is drawn, the ray follows the same
-/// kind of staircase as an edge; it jumps over empty squares. The ray ends in the first cell that has a
-/// surface that it can hit, which may be the cell of its origin. Empty blocks are skipped as a whole. This
-/// does not change the cells through which the ray passes, because the staircase is computed in integers.
-/// docs/sensing.md gives all rules.
+/// A ray jumps over squares of 32 x 32 cells in which nothing is drawn. Through any other square, it follows
+/// the same kind of staircase as an edge. There it skips empty blocks as a whole, but this does not change
+/// the cells through which it passes. The ray ends in the first cell that has a surface that it can hit. This
+/// may be the cell of its origin.
 
 /// An outline of a mobile body, which RayGrid::redraw() draws.
 struct MovingOutline {
   std::uint32_t body = 0;   ///< index into `poses` of redraw(); rays of this body ignore the outline
-  std::uint32_t first = 0;  ///< the outline is vertices [first, first + count) of RayGrid::redraw()
-  std::uint32_t count = 0;  ///< number of vertices; 0: the outline is not drawn
+  std::uint32_t first = 0;  ///< index of its first vertex in `vertices` of RayGrid::redraw()
+  std::uint32_t count = 0;  ///< number of its vertices, which are consecutive; 0: not drawn
   ZInterval z;              ///< heights, body frame, m
-  float ranger_return = 1;  ///< intensity that a ray reads; negative: the outline is not drawn
+  float ranger_return = 1;  ///< intensity that a ray reads; negative: not drawn
 };
 
 /// A ray to cast.
@@ -58,49 +60,54 @@ struct GridRay {
 
 /// The result of a ray.
 struct GridHit {
-  float range;              ///< distance, m; exactly range_max if nothing was hit
-  float ranger_return = 0;  ///< largest intensity of the surfaces hit in the cell; 0 if none
+  float range;              ///< distance, m; exactly GridRay::range_max if nothing was hit
+  float ranger_return = 0;  ///< largest intensity of the surfaces that were hit; 0: none
 };
 
-/// The cells of one world. The comment at the top of this file says how outlines are drawn and how rays move.
+/// The grid of one world. The comment at the top of this file says how outlines are drawn and how rays move.
 class RayGrid {
  public:
-  /// Draws the static scene. The mobile bodies are drawn only by redraw(). outlines: those of the mobile
-  /// bodies, grouped by body; outlines without vertices or with a negative ranger_return are dropped.
-  /// vertices: the vertices of all outlines, including dropped ones, world frame, metres. resolution_m: edge
-  /// of a cell, metres, above 0. Throws std::length_error if the cells would take more than k_most_bytes (the
-  /// message suggests a resolution that fits), or if a solid that range sensors see is more than 2^29 cells
-  /// from the origin.
+  /// Draws the static scene. The mobile bodies are drawn only by redraw(). Throws std::length_error in two
+  /// cases: the cells would take more than k_most_bytes (the message suggests a resolution that fits), or a
+  /// solid that range sensors see is more than 2^29 cells from the origin of the world frame, along x or y.
+  /// solids        the static scene; solids with a negative ranger_return are not drawn
+  /// outlines      the outlines of the mobile bodies, grouped by body; outlines without vertices or with a
+  ///               negative ranger_return are dropped
+  /// vertices      the vertices of all outlines, including dropped ones, world frame, metres
+  /// resolution_m  edge length of a cell, metres, above 0
   RayGrid(std::span<const FixedSolid> solids, std::vector<MovingOutline> outlines,
           std::span<const Vec2> vertices, double resolution_m);
   static constexpr std::size_t k_most_bytes = std::size_t{2} << 30;  ///< limit on the memory of the cells
 
-  /// Optional data for redraw(): bodies with moving parts, bodies that move together, and bodies not to draw.
+  /// Optional data for redraw() about bodies with moving parts, bodies that move together, and bodies that
+  /// are not drawn.
   struct Linked {
-    /// Per outline that the constructor did not drop: the height by which it is raised above its
-    /// MovingOutline::z, m. Empty: no outline is raised.
+    /// Per outline, without the outlines that the constructor dropped: the height, m, by which the outline is
+    /// raised above its MovingOutline::z. Empty: no outline is raised.
     std::span<const double> lifts;
-    /// Per body: the number of its group; rays of the body ignore the outlines of the whole group. Empty:
-    /// each body is its own group. Must stay valid until the next redraw().
+    /// Per body: the number of its group. Rays of a body ignore the outlines of all bodies of its group.
+    /// Empty: each body is a group of its own. Must stay valid until the next redraw().
     std::span<const std::uint32_t> groups;
     std::span<const std::uint8_t> absent;  ///< per body: not 0 if it is not drawn; empty: all are drawn
   };
-  /// Removes the drawings of the mobile bodies and draws the bodies at their present poses. vertices: the
-  /// present vertices of all outlines, including dropped ones, world frame, metres, in the same order as in
-  /// the constructor. poses: one per body; only their z is used. The result depends neither on the number of
-  /// threads nor on the order in which they draw.
+  /// Removes the drawings of the mobile bodies and draws these bodies at their present poses. The result does
+  /// not depend on the number of threads.
+  /// vertices  the present vertices of all outlines, including dropped ones, world frame, metres, in the same
+  ///           order as in the constructor
+  /// poses     one per body; only the member z is used
   void redraw(std::span<const Vec2> vertices, std::span<const Pose> poses, Parallel& parallel,
               const Linked& linked = {});
 
-  /// Follows a ray through the cells and returns the first surface that it hits. If it hits none, or starts
-  /// 2^29 cells or more from the origin, the range is exactly GridRay::range_max. Several threads may call
-  /// cast() at once, but not during redraw().
+  /// Follows a ray through the cells and returns the first surface that the ray hits. If there is none,
+  /// GridHit::range is exactly GridRay::range_max. A ray that starts 2^29 cells or more from the origin of
+  /// the world frame, along x or y, hits nothing. Several threads may call cast() at once, but not during
+  /// redraw().
   GridHit cast(const GridRay& ray) const;
 
   double resolution_m() const { return cells_.cell_m; }  ///< edge of a cell, metres
   /// True if a static or a mobile outline is drawn in the cell of this point (world frame, metres).
   bool is_drawn(const Vec2& point) const;
-  /// Number of known regions (squares of 64 x 64 cells): those with static geometry, those in which bodies
+  /// Number of stored regions (squares of 64 x 64 cells): those with static geometry, those in which bodies
   /// are drawn, and some that bodies have left.
   std::size_t regions() const { return slots_.size(); }
   /// Memory of the cells of the static scene, bytes.
@@ -124,7 +131,7 @@ class RayGrid {
     std::array<std::uint32_t, 64> owners;   // per block: the only body that draws in it, or k_shared
     std::array<std::uint32_t, 64> marks{};  // per block: index in marks_ of the mark of its first drawn cell
   };
-  /// A region that is or was in use. `fixed` shows only the static scene, `live` also the mobile bodies.
+  /// A stored region. `fixed` shows only the static scene; `live` also shows the mobile bodies.
   struct Slot {
     const Region* seen = nullptr;  // the one that rays see: live while bodies are in it, else fixed or null
     std::unique_ptr<Region> fixed;
@@ -139,19 +146,19 @@ class RayGrid {
     std::uint32_t count;    // number of cells
     std::uint32_t surface;  // number of the surface that the cells show
   };
-  /// The cells that were drawn, each as 6 bits for its block and 6 bits for its place in the block, and the
-  /// runs that they form.
+  /// The cells that were drawn, and the runs that they form. A cell is stored as its block in the region
+  /// (bits 6 to 11) and its place in the block (bits 0 to 5).
   struct Drawing {
     std::unique_ptr<std::uint16_t[]> cells;
     std::unique_ptr<Run[]> runs;
   };
-  /// An entry of a linked list of surfaces: those of a cell that shows several surfaces.
+  /// An entry of the list of surfaces of a cell, for cells that show several surfaces.
   struct Link {
     std::uint32_t surface;
     std::uint32_t next;  // the next entry, or the last surface: a mark
   };
-  /// The outlines are divided into shares, one per task. A share is stored as the indices of its first
-  /// outline, of its first entry in Drawing::cells, and of its first entry in Drawing::runs.
+  /// A share is the outlines that one task draws. It is stored as three indices: of its first outline, of its
+  /// first entry in Drawing::cells, and of its first entry in Drawing::runs.
   struct Share {
     std::uint32_t outline;
     std::uint32_t cell;
@@ -162,7 +169,7 @@ class RayGrid {
     std::uint32_t first = 0;
     std::uint32_t count = 0;
   };
-  /// A run in a region for which there is no Slot::live yet.
+  /// A run in a region that has no Slot::live yet.
   struct NewRegionRun {
     Cell region;
     std::uint32_t run;
@@ -177,8 +184,8 @@ class RayGrid {
   void assemble(Region& region, const Region& base, const Drawing& drawing, Slot& slot);
   void mark(std::uint32_t& mark, std::uint32_t surface);
   void forget_empty_regions(std::size_t used);
-  /// A mark stands for one or more surfaces. Returns the largest ranger_return of those surfaces that the ray
-  /// hits; negative if the ray hits none of them.
+  /// Returns the largest ranger_return of those surfaces of a cell that the ray hits; negative if it hits
+  /// none of them. mark: the mark of the cell, which stands for all surfaces of the cell (see `surfaces_`).
   float met(std::uint32_t mark, const GridRay& ray) const;
   bool met_in_block(const Region& region, std::uint32_t block, const GridRay& ray, const Line& line, Cell at,
                     std::int64_t i, std::int64_t j, GridHit& hit) const;

@@ -6,13 +6,17 @@
 
 namespace troupe::partition {
 
-/// A PlacedShape is the shape of a body, made of pieces (convex prisms), at a pose. Returns the shortest
-/// horizontal displacement of `b`, metres, world frame, after which `b` only touches `a`. Empty if the shapes
-/// do not overlap at a common height. If a shape has several pieces, the result is the displacement for the
-/// pair of pieces with the deepest penetration. After this displacement the shapes may still overlap: the
-/// caller must move `b` and call the function again. Uses separating axes: the shortest displacement of two
-/// convex polygons is along the normal of one of their edges. Ties: the first pair of pieces wins; within a
-/// pair, the edges of `a` come before those of `b`, each in their order.
+/// Returns the shortest horizontal displacement of `b`, metres, world frame, after which `b` only touches
+/// `a`. Empty if the shapes do not overlap at a common height. A PlacedShape is the shape of a body at a
+/// pose; it is made of convex prisms, called pieces.
+///
+/// If a shape has several pieces, the result separates only the two pieces that penetrate each other most
+/// deeply. The shapes may still overlap afterwards. The caller must then move `b` and call the function
+/// again.
+///
+/// The displacement is along the normal of an edge of one of the two pieces. Of several equally short
+/// displacements, the function returns the first that it finds. It searches the edges of a piece of `a`
+/// before those of a piece of `b`.
 std::optional<Vec2> way_out(const PlacedShape& a, const PlacedShape& b);
 
 }  // namespace troupe::partition

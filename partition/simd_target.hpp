@@ -6,11 +6,12 @@
 
 namespace troupe::partition {
 
-/// The instruction sets that the kernels (SIMD loops) of the exact ray engine are compiled for. This engine
-/// computes where the beams of range sensors hit the outlines of bodies and walls. All instruction sets give
-/// the same bits and differ only in speed. Names: scalar (no vectors), ssse3, sse4, avx2, avx512 on x86-64;
-/// scalar, neon, sve, sve2, sve_256, sve2_128 on Arm; on other processors as the library Highway calls them,
-/// in lower case.
+/// The instruction sets that the kernels are compiled for. Kernels are the SIMD loops of the exact ray
+/// engine, which computes where the beams of range sensors hit the outlines of bodies and walls. All
+/// instruction sets give the same bits and differ only in speed. Their names are:
+/// - on x86-64: scalar (no vectors), ssse3, sse4, avx2, avx512
+/// - on Arm: scalar, neon, sve, sve2, sve_256, sve2_128
+/// - on other processors: the names of the library Highway, in lower case
 struct SimdTargets {
   std::vector<std::string> usable;   ///< compiled in and supported by this processor, the best first
   std::vector<std::string> missing;  ///< compiled in but not supported by this processor
@@ -23,8 +24,8 @@ std::string simd_target();
 
 /// Makes the kernels (see SimdTargets) of the whole process run on this instruction set. Do not call this
 /// function while the process computes a time step of a simulation. name: one of simd_targets().usable. For
-/// any other name the function throws std::invalid_argument with the usable names, such as `"avx512" is not
-/// an instruction set of this processor; this processor has avx2, sse4, ssse3 and scalar`.
+/// any other name, the function throws std::invalid_argument. The message lists the usable names, as in
+/// `"avx512" is not an instruction set of this processor; this processor has avx2, sse4, ssse3 and scalar`.
 void use_simd_target(std::string_view name);
 
 }  // namespace troupe::partition

@@ -9,16 +9,16 @@
 
 namespace troupe::partition {
 
-/// The column and the row of a square in a grid on the plane. Cell (0, 0) has its lower left corner at the
-/// origin of the world frame. Blocks and tiles, which are squares of several cells, are numbered in the same
-/// way.
+/// A square in a grid on the plane, given by its column and its row. Cell (0, 0) has its lower left corner at
+/// the origin of the world frame. The struct also stands for blocks and tiles, which are larger squares (see
+/// GridGeometry). Block (0, 0) and tile (0, 0) have the same corner.
 struct Cell {
   std::int32_t x = 0;  ///< column; increases with x
   std::int32_t y = 0;  ///< row; increases with y
   friend bool operator==(Cell, Cell) = default;
 };
 
-/// A grid on the plane, with square cells. Squares of cells form blocks, and larger squares form tiles.
+/// A grid of square cells on the plane. Squares of cells form blocks, and squares of blocks form tiles.
 struct GridGeometry {
   double cell_m = 1;       ///< edge of a cell, metres
   unsigned tile_bits = 3;  ///< a tile is 2^tile_bits cells wide
@@ -26,13 +26,14 @@ struct GridGeometry {
   std::size_t cells_per_tile() const { return std::size_t{1} << (2 * tile_bits); }  ///< cells per tile
   double tile_m() const { return cell_m * static_cast<double>(1u << tile_bits); }  ///< edge of a tile, metres
 
-  /// The cell that contains a point (metres, world frame). Coordinates beyond +-2^30 cells are clamped; they
-  /// must not be NaN.
+  /// The cell that contains a point (metres, world frame). Coordinates must not be NaN. Coordinates beyond
+  /// +-2^30 cells are clamped to +-2^30 cells.
   Cell cell(const Vec2& p) const { return {index(p.x()), index(p.y())}; }
   /// The tile that contains a cell.
   Cell tile(Cell c) const { return {c.x >> tile_bits, c.y >> tile_bits}; }
   /// The binary logarithm of the width of a block in cells. A block is 4 cells wide, or as wide as a tile if
-  /// a tile has fewer cells per side. Bodies of one block are processed together and share look-ups.
+  /// a tile is narrower than 4 cells. Bodies in one block are processed together and share the search for
+  /// their neighbours.
   unsigned block_bits() const { return tile_bits < 2 ? tile_bits : 2; }
   Cell block(Cell c) const { return {c.x >> block_bits(), c.y >> block_bits()}; }  ///< the block of a cell
   /// The bounds of a block, metres, world frame.
@@ -43,8 +44,8 @@ struct GridGeometry {
     box.max = Vec2((block.x + 1.0) * edge, (block.y + 1.0) * edge);
     return box;
   }
-  /// The index of a cell in its tile, from 0 to cells_per_tile() - 1: row-major, so that a run of cells along
-  /// x has consecutive indices.
+  /// The index of a cell in its tile, from 0 to cells_per_tile() - 1. Cells are numbered row by row, so that
+  /// neighbouring cells along x have consecutive indices.
   std::size_t in_tile(Cell c) const {
     const std::int32_t mask = (1 << tile_bits) - 1;
     return (static_cast<std::size_t>(c.y & mask) << tile_bits) | static_cast<std::size_t>(c.x & mask);
@@ -61,9 +62,9 @@ struct GridGeometry {
   }
 };
 
-/// A hash table (open addressing) that numbers the tiles that insert() was called for. The number of a tile
-/// is called its slot; the first tile inserted gets slot 0, the next one slot 1 and so on. Other tiles take
-/// no memory.
+/// A hash table (open addressing) that numbers tiles. The number of a tile is called its slot. The first tile
+/// that is passed to insert() gets slot 0, the next new tile slot 1, and so on. Tiles that were not passed to
+/// insert() take no memory.
 class TileDirectory {
  public:
   static constexpr std::uint32_t k_none = ~0u;  ///< result of find() for a tile without a slot
@@ -82,7 +83,7 @@ class TileDirectory {
   std::size_t size() const { return tiles_.size(); }  ///< number of tiles; slots are 0 to size() - 1
   Cell tile(std::uint32_t slot) const { return tiles_[slot]; }  ///< the tile of a slot below size()
 
-  /// The slot of a tile; k_none if it has none.
+  /// The slot of a tile; k_none if the tile has no slot.
   std::uint32_t find(Cell tile) const {
     for (std::size_t i = start(tile);; i = (i + 1) & (keys_.size() - 1)) {
       if (slots_[i] == k_none) return k_none;
@@ -90,7 +91,7 @@ class TileDirectory {
     }
   }
 
-  /// Returns the slot of a tile; gives it the next free slot if it has none.
+  /// Returns the slot of a tile. A tile without a slot gets the next free slot.
   std::uint32_t insert(Cell tile) {
     if ((tiles_.size() + 1) * 2 > keys_.size()) grow();
     std::size_t i = start(tile);
@@ -123,8 +124,11 @@ class TileDirectory {
 
 /// Visits those cells of the rectangle from low to high, both included, whose tiles are in the directory. The
 /// cells are visited in runs: a run is the part of a row of cells that is in one tile. For each run, calls
-/// visit(slot, first, last, cell): the slot of the tile, the index of the first cell of the run in the tile
-/// (GridGeometry::in_tile()), one past the index of its last cell, and the first cell itself.
+/// visit(slot, first, last, cell).
+/// slot   slot of the tile
+/// first  index of the first cell of the run in the tile (GridGeometry::in_tile())
+/// last   one past the index of the last cell of the run in the tile
+/// cell   the first cell of the run
 template <class Visit>
 void for_each_run(const GridGeometry& grid, const TileDirectory& directory, Cell low, Cell high,
                   Visit&& visit) {
@@ -156,8 +160,8 @@ void for_each_run(const GridGeometry& grid, const TileDirectory& directory, Cell
   }
 }
 
-/// Visits the cells that a box (metres, world frame) touches, in runs, as for_each_run() above does for a
-/// rectangle of cells.
+/// Visits the cells that a box (metres, world frame) touches, as for_each_run() above visits the cells of a
+/// rectangle.
 template <class Visit>
 void for_each_run(const GridGeometry& grid, const TileDirectory& directory, const Box& box, Visit&& visit) {
   for_each_run(grid, directory, grid.cell(box.min), grid.cell(box.max), visit);

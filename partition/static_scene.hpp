@@ -21,17 +21,16 @@ struct FixedSolid {
   bool obstacle = true;  ///< whether the solid blocks motions; it is then called an obstacle
   /// Intensity that rangers (range sensors) read; negative: rangers do not see the solid.
   float ranger_return = 1;
-  std::uint32_t part = 0;  ///< number of the part of the body that has the solid
+  std::uint32_t part = 0;  ///< index of the solid's part in the list of parts of the body's type
 };
 
-/// An index of edges by the cells that they cross. Each of these cells lists the whole edge. Edges are not
-/// clipped to cells, because rounding of the clipped ends would change the bits of results.
+/// A spatial index of edges: each cell of a grid lists the edges that cross the cell. The edges are not cut
+/// at the borders of cells, because rounding errors of the cuts would change the bits of results.
 class EdgeGrid {
  public:
   EdgeGrid() = default;
-  /// Indexes the edges. geometry: the grid of the cells. The grid affects only the speed. for_each_run()
-  /// visits every edge that crosses its box; the larger the cells, the more edges it visits that are only
-  /// near the box.
+  /// Indexes the edges. geometry: the grid of the cells. It affects only the speed of searches: with larger
+  /// cells, for_each_run() visits more edges that do not touch its box.
   EdgeGrid(std::span<const FixedEdge> edges, const GridGeometry& geometry);
 
   /// Calls visit(span of edges) for the edges in the cells that the box (metres, world frame) touches. An
@@ -56,23 +55,24 @@ class EdgeGrid {
 };
 
 /// The static scene: the solids that never move. It provides the outlines of the solids for rays, tests
-/// whether the shape of a body overlaps a solid, and computes distances to solids. An obstacle is a solid
-/// that blocks motions (FixedSolid::obstacle). The shape of a body is a list of pieces, which are convex
-/// prisms (ObstacleShape); a PlacedShape is a shape at a pose. Two objects are at a common height if their
-/// intervals of heights overlap. A default-constructed scene has no solids.
+/// whether the shape of a body overlaps a solid, and computes distances to solids. A default-constructed
+/// scene has no solids.
+///
+/// Terms: An obstacle is a solid that blocks motions (FixedSolid::obstacle). The shape of a body consists of
+/// convex prisms, called pieces (ObstacleShape); a PlacedShape is a shape at a pose. Two objects are at a
+/// common height if their intervals of heights overlap.
 class StaticScene {
  public:
   StaticScene() = default;
-  /// solids: in the world frame. cell_m: edge length of the cells of the index of obstacle edges, metres,
-  /// above 0; the cell sizes of most other grids of this object follow from it. cell_m affects only the
-  /// speed.
+  /// solids: in the world frame. cell_m: a length, metres, above 0, from which this object derives the cell
+  /// sizes of its grids. It affects only the speed.
   StaticScene(std::vector<FixedSolid> solids, double cell_m);
 
   std::span<const FixedSolid> solids() const { return solids_; }  ///< all solids, in the order given
   const Box& bounds() const { return bounds_; }  ///< bounds of all solids, world frame, m; may be empty
   std::size_t edge_count() const { return edge_count_; }  ///< number of edges of all solids
 
-  /// The outlines that rangers see.
+  /// The outlines that rangers (range sensors) see.
   const FixedOutlines& outlines() const { return outlines_; }
   /// The outlines that rangers do not see, but other sensors do.
   const FixedOutlines& hidden_outlines() const { return hidden_outlines_; }
@@ -87,37 +87,36 @@ class StaticScene {
     });
   }
 
-  /// Returns the index in solids() of an obstacle of which an edge enters a piece of the shape at a common
-  /// height; -1 if there is no such obstacle. Of several such obstacles, returns the one that the search
-  /// finds first. Solids for which ignored(index) is true are skipped. A solid that contains the whole shape
-  /// is not found, because none of its edges enters the shape; blocked() finds it.
+  /// Finds an obstacle with an edge that enters a piece of the shape at a common height. Returns the index of
+  /// this obstacle in solids(), or -1 if there is none. If there are several, returns the one that the search
+  /// finds first. Skips solids for which ignored(index in solids()) is true. Does not find a solid that
+  /// contains the whole shape, because no edge of such a solid enters the shape; swallowed() finds it.
   template <class Ignored>
   int crossed(const PlacedShape& shape, Ignored&& ignored) const;
-  /// Whether an obstacle contains a whole piece of the shape at a common height. Solids for which
-  /// ignored(index in solids()) is true are skipped. This function finds the solids that crossed() cannot
-  /// find.
+  /// Whether an obstacle contains a whole piece of the shape at a common height. Skips solids for which
+  /// ignored(index in solids()) is true. The function tests only one point of each piece. The result is exact
+  /// only if no edge of the obstacle enters the shape, so call crossed() first.
   template <class Ignored>
   bool swallowed(const PlacedShape& shape, Ignored&& ignored) const {
     return find_swallowing(shape, [&](std::uint32_t solid) { return !ignored(solid); });
   }
 
-  /// The distance from a point (metres, world frame) to the nearest edge of an obstacle, metres, or `most` if
-  /// there is no edge within the distance `most`. Heights are ignored. For a point inside an obstacle, the
-  /// result is also the distance to the nearest edge, as a positive number.
+  /// The distance, metres, from a point (metres, world frame) to the nearest edge of an obstacle. If the
+  /// distance is more than `most` (metres), the result is `most`. Heights are ignored. A point inside an
+  /// obstacle also has a positive distance.
   double clearance(const Vec2& point, double most) const;
   /// True if the shape shares area with the obstacle solids()[solid] at a common height.
   bool overlaps_solid(std::size_t solid, const PlacedShape& shape) const;
-  /// Whether the obstacle solids()[solid] blocks the motion of a body from the pose of `before` to the pose
-  /// of `there`. Both arguments are the shape of the body, which must overlap the solid at `there`. The
-  /// result depends on the overlap at `before`:
-  /// - If there is none, the solid blocks the motion.
-  /// - An overlap of at most k_rounding_m (1e-9 m) is due to rounding. The solid then blocks the motion if
-  ///   the overlap at `there` is deeper than k_rounding_m. (Otherwise a robot that touches a wall could drive
-  ///   through the wall.)
-  /// - A solid with a deeper overlap does not block the motion, so that a body can leave the solid.
+  /// Whether the obstacle solids()[solid] blocks the motion of a body. `before` and `there` are the shape of
+  /// the body at its poses before and after the motion. At `there`, the shape must overlap the solid. The
+  /// result depends on the overlap of shape and solid at `before`:
+  /// - No overlap: the solid blocks the motion.
+  /// - An overlap of at most k_rounding_m (1e-9 m), which may be a rounding error: the solid blocks the
+  ///   motion if the overlap at `there` is deeper than k_rounding_m. This rule keeps a robot that touches a
+  ///   wall from driving through it.
+  /// - A deeper overlap: the solid does not block the motion, so that the body can leave the solid.
   bool blocks(std::size_t solid, const PlacedShape& before, const PlacedShape& there) const;
-  /// True if the shape, at this pose, shares area with an obstacle at a common height: an edge of the
-  /// obstacle enters the shape, or a whole piece of the shape is inside the obstacle. False for a shape
+  /// True if the shape at this pose shares area with an obstacle at a common height. False for a shape
   /// without pieces.
   bool blocked(const ObstacleShape& shape, const Pose& pose_world_body) const;
   /// The bodies whose obstacle solids overlap the shape at this pose, in ascending order of their ids, each
@@ -125,10 +124,11 @@ class StaticScene {
   std::vector<BodyId> overlapping(const ObstacleShape& shape, const Pose& pose_world_body) const;
 
  private:
-  /// Data for a fast test of whether a point is inside a solid. The edges of the solid are sorted into strips
-  /// parallel to the x axis, so that few edges must be tested to count those to the left of a point (even-odd
-  /// rule). In addition, `covers` tells which cells are wholly inside or outside the solid, so that edges are
-  /// counted only for points in the other cells.
+  /// Data for a fast test of whether a point is inside a solid. A point is inside if the number of edges to
+  /// the left of the point is odd (even-odd rule). The edges of the solid are sorted into strips parallel to
+  /// the x axis, and only the edges in the strip of the point are tested. The list `covers` tells which cells
+  /// of cover_grid_ are wholly inside or wholly outside the solid. Edges are counted only for points in the
+  /// other cells.
   struct Strips {
     enum Cover : std::uint8_t { unknown, outside, inside };  // unknown: an edge may cross the cell
 
@@ -144,11 +144,11 @@ class StaticScene {
   bool inside(std::size_t solid, const Vec2& point) const;
   bool count_crossings(const Strips& strips, const Vec2& point) const;
   void cover_cells(const Solid& solid, Strips& strips) const;
-  /// Whether one of the shape's pieces is wholly inside the solid. Requires that no edge of the solid crosses
-  /// the shape.
+  /// Whether a whole piece of the shape is inside the obstacle solids()[solid] at a common height. Requires
+  /// that no edge of the obstacle enters the shape.
   bool swallows(std::size_t solid, const PlacedShape& shape) const;
-  /// Calls visit(solid) for each obstacle solid that contains a whole piece of the shape, some solids more
-  /// than once, until a call returns true. Returns whether a call did.
+  /// Calls visit(index in solids()) for each obstacle that contains a whole piece of the shape, for some
+  /// obstacles more than once. Stops when a call returns true. Returns whether a call returned true.
   template <class Visit>
   bool find_swallowing(const PlacedShape& shape, Visit&& visit) const {
     return obstacle_boxes_.any_near(
@@ -156,7 +156,7 @@ class StaticScene {
         [&](std::uint32_t solid) { return swallows(solid, shape) && visit(solid); });
   }
   /// Calls visit(edge) for each obstacle edge that enters the shape at a common height, for some edges more
-  /// than once, until a call returns true. Returns whether a call did.
+  /// than once. Stops when a call returns true. Returns whether a call returned true.
   template <class Visit>
   bool find_crossing(const PlacedShape& shape, Visit&& visit) const;
 

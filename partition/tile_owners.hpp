@@ -12,49 +12,56 @@
 
 namespace troupe::partition {
 
-/// Divides the plane among ranks (the threads or processes that compute one world together). The plane is
-/// divided into square tiles, and the tiles are numbered along a Hilbert curve, so that tiles with near
-/// numbers are near in space. The number of a tile is called its key. Each rank owns the tiles of one range
-/// of keys. The list of the keys at which the ranges begin, without that of rank 0, is called the cut.
+/// Divides the plane among ranks. Ranks are the threads or processes that compute one world together.
+///
+/// The plane consists of square tiles, which are numbered along a Hilbert curve. Tiles with near numbers are
+/// therefore near in space. The number of a tile is called its key. Each rank owns the tiles whose keys are
+/// in one interval. The list of the keys at which the intervals of the ranks 1, 2, ... begin is called the
+/// cut.
 class TileOwners {
  public:
   using Key = std::uint64_t;  ///< number of a tile along the Hilbert curve
 
   TileOwners() = default;  ///< a single rank, which owns all tiles
-  /// geometry: the grid, which gives the size of the tiles. cut: for N ranks, N - 1 keys in ascending order.
-  /// Rank r owns the tiles with keys from cut[r - 1] (rank 0: from 0) up to, but not including, cut[r] (the
-  /// last rank: up to the last key). Rank r owns nothing if cut[r - 1] and cut[r] are equal.
+  /// geometry: the grid, which gives the size of the tiles. cut: N - 1 keys for N ranks, in ascending order.
+  ///
+  /// Rank r owns the tiles with keys from cut[r - 1] to cut[r] - 1. The interval of rank 0 begins at key 0,
+  /// and the interval of the last rank ends at the highest key. For example, the cut {100, 250} gives rank 0
+  /// the keys 0 to 99, rank 1 the keys 100 to 249, and rank 2 all higher keys. A rank owns no tile if its
+  /// interval is empty, as with equal elements in the cut.
   TileOwners(const GridGeometry& geometry, std::vector<Key> cut);
 
-  /// The key of a tile.
+  /// Returns the key of a tile. tile: column and row of the tile, as GridGeometry::tile() returns them.
   static Key key(Cell tile);
-  /// The key of the tile that contains a point (m, world frame).
+  /// Returns the key of the tile that contains a point (m, world frame).
   static Key key(const GridGeometry& geometry, const Vec2& point) {
     return key(geometry.tile(geometry.cell(point)));
   }
-  /// Returns the cut (see the constructor) that gives each of `ranks` ranks about the same number of points,
-  /// such as positions of robots. keys: for each point, the key of the tile that contains the point, in
-  /// ascending order. Points with equal keys belong to one rank.
+  /// Returns a cut that gives each of `ranks` ranks about the same number of points, such as positions of
+  /// robots. keys: for each point, the key of its tile, in ascending order. All points in one tile go to one
+  /// rank.
   static std::vector<Key> equal_cut(std::span<const Key> keys, unsigned ranks);
 
-  /// For tests: returns a random cut (see the constructor). Each of its keys is a key of the ascending list
-  /// `keys`, or such a key plus 1. With such a cut, many ranks own only one tile or no tile.
+  /// For tests: returns a random cut with small intervals, so that many ranks own no tile or only one tile.
+  /// Each element of the cut is an element of `keys` or 1 more. `keys` must be in ascending order.
   static std::vector<Key> random_cut(std::span<const Key> keys, unsigned ranks, Random& random);
 
   unsigned ranks() const { return static_cast<unsigned>(cut_.size()) + 1; }  ///< number of ranks
-  /// The rank that owns the tile that contains a point (m, world frame).
+  /// Returns the rank that owns the tile that contains a point (m, world frame).
   unsigned owner(const Vec2& point) const { return owner(key(geometry_, point)); }
 
   /// Appends to `near` the ranks that own a tile within `distance` (m) of a point (m, world frame), in
-  /// ascending order, without the owner of the point. May also append ranks whose tiles are slightly farther
-  /// away; if `distance` is 32 tile edges or more, they are up to a tenth of `distance` farther away. If
-  /// `distance` is 2^20 tile edges or more, appends all ranks but the owner. The result depends only on the
-  /// arguments of the constructor and of this function, so that it is the same on all ranks. Not thread-safe.
+  /// ascending order. The owner of the point is omitted.
+  ///
+  /// The result can also contain ranks whose nearest tile is slightly farther away: up to 1.1 times
+  /// `distance` plus 1e-6 m. If `distance` is 2^20 tile edges or more, the result contains all ranks except
+  /// the owner. Objects with equal constructor arguments return equal results. Not thread-safe.
   void find_near(const Vec2& point, double distance, std::vector<unsigned>& near) const;
 
  private:
-  /// A square of 2^level by 2^level tiles. Square (0, 0) has its lower left corner at the origin of the world
-  /// frame. The tiles of a square have successive keys.
+  /// A square of 2^level by 2^level tiles. x and y are its column and row in the grid of all squares of this
+  /// level: square (0, 0) has its lower left corner at the origin of the world frame. The keys of the tiles
+  /// of a square are successive.
   struct Square {
     std::int32_t x;
     std::int32_t y;

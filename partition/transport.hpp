@@ -45,18 +45,19 @@ class Transport {
       if (to != rank()) send(to, message);
   }
   void send_to_all(MessageWriter message) { send_to_all(std::make_shared<const Message>(message.take())); }
-  /// Waits for the next message from a rank and returns it. The messages of one rank are received in the
+  /// Waits for the next message from the rank `from` and returns it. Messages from one rank arrive in the
   /// order in which that rank sent them. from: a rank below ranks() other than rank(). Throws RankError if a
-  /// rank failed or does not answer.
+  /// rank has failed, if the rank `from` does not answer, or if MPI fails.
   virtual std::shared_ptr<const Message> receive(unsigned from) = 0;
 
-  /// What this rank has sent so far.
+  /// The messages that this rank has sent so far.
   struct Traffic {
     std::uint64_t messages = 0;  ///< number of messages
     std::uint64_t bytes = 0;     ///< sum of their lengths
   };
   const Traffic& traffic() const { return traffic_; }  ///< what this rank has sent so far
-  /// A clock that measures intervals, s; always 0 if the transport has none.
+  /// Returns the time of a clock, s. Only differences between two results are meaningful. A transport without
+  /// a clock always returns 0.
   virtual double seconds() const { return 0; }
   virtual double waited_s() const { return 0; }  ///< total wait for other ranks, s; 0 without a clock
 

@@ -14,25 +14,25 @@ namespace troupe::perf {
 
 /// A world to simulate, with its settings and the time to simulate.
 struct Scene {
-  /// Such as "hospital/2000": a world or a variant of it, and the number of robots. The scene has this name
-  /// in perf/paper_hashes.txt, the file with the recorded hashes, and in perf/paper_reference.json, the file
-  /// with the speeds of other simulators.
+  /// Name of the scene, such as "hospital/2000": the name of the world or of a variant of it, a slash, and
+  /// the number of robots. The files perf/paper_hashes.txt (recorded hashes) and perf/paper_reference.json
+  /// (speeds of other simulators) refer to scenes by this name.
   std::string name;
   std::filesystem::path world;  ///< world file
   worldio::LoadOptions load;
   std::size_t robots = 0;
   double skip_s = 0;  ///< simulated time before the measurement starts, s
   double for_s = 60;  ///< simulated time whose wall time is measured, s
-  bool grid = false;  ///< trace rays through the cells of a grid, as Stage does (Vaughan, 2008)
+  bool grid = false;  ///< trace rays through the cells of a grid, as Stage does; false: exact rays
 };
 
-/// A scene, and the way in which it is simulated. Each run is a row of a table, except in the table `simd`,
-/// where all runs of a case are one row.
+/// A scene, and the way in which it is simulated. The report has one row per run. In the table `simd`, one
+/// row shows all runs of a case.
 struct Run {
   Scene scene;
   unsigned threads = 1;
-  /// Draw pictures, at most one per 0.1 s of wall time, as in the runs with graphics of the paper on Stage
-  /// (Vaughan, 2008).
+  /// If true, pictures are drawn during the run, at most one per 0.1 s of wall time. The paper on Stage
+  /// (Vaughan, 2008) measures such runs.
   bool frames = false;
   Watch watch = Watch::nothing;
   /// Instruction set of the kernels (vectorised loops); empty: the first that the option --simd names.
@@ -50,7 +50,7 @@ struct Case {
 struct Child {
   Scene scene;
   bool as_text = false;  ///< load the robots of the scene from .world text instead of JSON
-  bool empty = false;    ///< the world without robots, the baseline for the memory of the others
+  bool empty = false;    ///< the scene without robots, with whose memory use the others are compared
 };
 
 /// A table of the report.
@@ -69,13 +69,15 @@ struct Plan {
 
 /// Plans the measurements that worlds/scenes.json lists. Throws std::runtime_error if that file names an
 /// unknown table.
-/// quick: plan the same sorts of rows, but with few robots and short times
-/// threads: the numbers of threads for rows without pictures; rows with pictures use the first of them
-/// simd: the instruction sets to compare, named as in partition::simd_targets()
+///
+/// quick    if true, plan few robots and short times, in the same tables
+/// threads  numbers of threads; most scenes are measured with each of them. Runs with pictures use only the
+///          first number
+/// simd     the instruction sets to compare, named as in partition::simd_targets()
 Plan make_plan(bool quick, const std::vector<unsigned>& threads, const std::vector<std::string>& simd);
 
-/// The folder with the worlds that Stage ships: ../shared/stage-worlds, relative to the root folder of
-/// Troupe's sources.
+/// Returns the folder with the worlds that Stage ships: ../shared/stage-worlds, relative to the root folder
+/// of Troupe's sources.
 std::filesystem::path stage_worlds();
 
 /// Returns an error if the world file of the scene does not exist.

@@ -27,18 +27,20 @@ struct ChildTiming {
   std::vector<ChildReport> reports;  ///< one per repetition
 };
 
-/// Called in the child process: loads and runs `scene`, and prints the ChildReport as JSON on standard
+/// Runs in the child process: loads and simulates `scene`, and prints the ChildReport as JSON on standard
 /// output. Throws InputError if the world cannot be loaded, and std::runtime_error if the memory use is
 /// unknown.
 void report_child(const Scene& scene, const engine::Registry& registry);
 
-/// Called in the parent process: starts this program `repeat` times with `arguments`, which include
-/// `--child INDEX`, and reads the reports of the children. Throws std::runtime_error if a child fails.
+/// Measures a child in the parent process: starts this program `repeat` times with `arguments`, and reads the
+/// report that each child process prints. `arguments` must include `--child INDEX`, where INDEX is the index
+/// of the child in Plan::children. Throws std::runtime_error if a child process fails.
 ChildTiming time_child(const Child& child, const std::vector<std::string>& arguments, std::size_t repeat);
 
-/// Writes a hospital with robots to `file` as .world text, one line per model. For each robot in the JSON
-/// world of the scene, the file has a model of the type `minibot` at the same pose. Throws InputError if the
-/// JSON world cannot be loaded, and std::runtime_error if the file cannot be written.
+/// Writes a world to `file` in Stage's .world syntax: the floor plan of the hospital, and one line per robot.
+/// The robots are those of the JSON world of the scene, at the same poses. They all get the type `minibot`, a
+/// small robot with 12 infrared sensors. Throws InputError if the JSON world cannot be loaded, and
+/// std::runtime_error if the file cannot be written.
 void write_as_text(const Scene& scene, const std::filesystem::path& file, const engine::Registry& registry);
 
 }  // namespace troupe::perf

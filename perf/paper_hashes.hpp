@@ -18,8 +18,8 @@ class HashBook {
   /// line, if a line is invalid.
   explicit HashBook(std::filesystem::path file);
 
-  /// The recorded hash of a scene (a world with a number of robots, named as in "hospital/2000") at a tick;
-  /// empty if there is none.
+  /// Returns the recorded hash of a scene at a tick; empty if there is none. scene: name of a scene, such as
+  /// "hospital/2000": a world with a number of robots.
   std::optional<std::uint64_t> find(const std::string& scene, std::uint64_t tick) const;
   /// Sets the hash of a scene at a tick; save() writes it.
   void record(const std::string& scene, std::uint64_t tick, std::uint64_t hash) {

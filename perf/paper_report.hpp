@@ -16,10 +16,11 @@ namespace troupe::perf {
 /// values are omitted, and host names are never included.
 std::vector<std::pair<std::string, std::string>> describe_machine();
 
-/// Speeds of other simulators: simulated time divided by wall time. The first key is the column in which the
-/// tables show the speeds, such as `paper`; the second key is the name of the scene (simulated world).
+/// Speeds of other simulators: simulated time divided by wall time. The first key is a column title of the
+/// report, such as `paper`. The second key is the name of a scene (simulated world), such as "hospital/1000".
 using Reference = std::map<std::string, std::map<std::string, double>>;
-/// Reads a file with the format of perf/paper_reference.json. Throws std::runtime_error if it cannot be read.
+/// Reads a file with the format of perf/paper_reference.json. Throws std::runtime_error if it cannot be read,
+/// and nlohmann::json::exception if its content is invalid.
 Reference read_reference(const std::filesystem::path& file);
 
 /// All measurements of one run of the benchmark program.
@@ -30,7 +31,7 @@ struct Report {
   std::vector<Table> tables;
   std::vector<CaseTiming> cases;
   std::vector<ChildTiming> children;
-  std::vector<std::string> skipped;  ///< reasons why rows were not measured
+  std::vector<std::string> skipped;  ///< one text per reason why runs were not measured
 };
 
 /// A table of a report, with its cells as text.
@@ -41,34 +42,41 @@ struct Sheet {
   std::vector<std::vector<std::string>> rows;
 };
 
-/// The speed-up of a row (a measured run of a scene) on several threads.
+/// The speed-up of a measured run by the use of several threads instead of one.
 struct Scaling {
-  const Timing* timing;  ///< the measurements of the row on several threads
-  double speedup;        ///< wall time on one thread divided by wall time on several
-  double probe;          ///< `speedup` of the computation of probe_s(): the limit of the machine
+  const Timing* timing;  ///< the measurements of the run on several threads
+  double speedup;        ///< wall time on one thread divided by wall time on these threads
+  double probe;          ///< speed-up of the computation of probe_s() on these threads: the machine's limit
 };
-/// The speed-ups of all rows that were measured on one thread and on several, except those of the tables
-/// `clusters`, `watching`, `grid` and `simd`.
+/// Returns the speed-up of each run on several threads that has a counterpart on one thread in the same case.
+/// Runs with pictures are omitted, and so are the tables `clusters`, `watching`, `grid` and `simd`.
 std::vector<Scaling> scalings(const Report& report);
 
-/// All tables of a report that have rows. The comparison with the goals is left out if report.quick is true.
+/// Returns all tables of a report that have rows. The first one is the comparison with the performance goals
+/// (aims_sheet()); it is omitted if report.quick is true.
 std::vector<Sheet> sheets(const Report& report, const Reference& reference);
 
-/// A table as text with aligned columns.
+/// Returns a table as text with aligned columns.
 std::string plain_text(const Sheet& sheet);
-/// The text of all sheets in Markdown, with the description of the machine and the skipped rows.
+/// Returns the text of all sheets in Markdown, with the description of the machine and the reasons in
+/// Report::skipped.
 std::string markdown(const Report& report, const std::vector<Sheet>& sheets);
-/// All measurements of a report as JSON.
+/// Returns the measurements of a report as JSON.
 std::string json(const Report& report);
 
-/// Replaces the text between the lines `<!-- perf_paper: begin -->` and `<!-- perf_paper: end -->` of a file,
-/// or the whole file if it has no such lines. Throws std::runtime_error if the file cannot be written.
+/// Writes `text` to a file. If the file has the two lines `<!-- perf_paper: begin -->` and
+/// `<!-- perf_paper: end -->`, `text` replaces only the text between them. Otherwise `text` becomes the whole
+/// content of the file. Throws std::runtime_error if the file cannot be written.
 void write_between_marks(const std::filesystem::path& file, const std::string& text);
 
-/// Compares the hashes of a report with those in `book`. If `record` is true, stores them in `book` instead;
-/// the caller then calls HashBook::save(). Returns one line of text for each wrong or unknown hash, and for
-/// each row whose repetitions ended with different hashes. If `record` is true, a hash is wrong if an earlier
-/// row of the same scene (simulated world) and tick (simulation step) has a different one.
+/// Checks the state hashes of a report and returns one line of text for each error. It is an error if the
+/// repetitions of a row (a measured run) ended with different hashes.
+///
+/// If `record` is false, it is also an error if `book` has no hash for the scene and tick (simulation step)
+/// of a row, or a different one.
+///
+/// If `record` is true, the function stores hashes in `book`: for each scene and tick, that of the first row.
+/// It is then an error if a later row has a different hash. The caller must then call HashBook::save().
 std::vector<std::string> check_hashes(const Report& report, HashBook& book, bool record);
 
 }  // namespace troupe::perf

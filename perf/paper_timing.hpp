@@ -14,8 +14,8 @@
 
 namespace troupe::perf {
 
-/// Measurements of a run. A tick is a simulation step. Members whose comments do not mention repetitions hold
-/// values of the last repetition.
+/// Measurements of a run. A tick is a simulation step. Members have the values of the last repetition, unless
+/// their comments say otherwise.
 struct Timing {
   Run run;
   std::size_t robots = 0;
@@ -29,7 +29,7 @@ struct Timing {
   double rounds_per_tick = 0;  ///< mean number of rounds in which conflicting motions are resolved
   double stalled_share = 0;    ///< fraction of robots stalled in the last tick
   double move_share = 0;       ///< fraction of the wall time spent moving robots; 0 if not measured
-  std::size_t frames = 0;      ///< frames drawn in the last repetition
+  std::size_t frames = 0;      ///< pictures drawn in the last repetition
 
   /// Wall time per robot and tick, ns, for a repetition that took `seconds` of wall time.
   double ns(double seconds) const;
@@ -37,35 +37,39 @@ struct Timing {
   double times_real_time(double seconds) const;
 };
 
-/// Runs the same computation on `threads` threads in parallel, the calling thread included, and returns the
-/// wall time, s. The computation uses only registers, so that the threads share nothing. The result shows how
-/// the machine itself scales: ideally n threads take the same time as one.
+/// Measures how the machine itself scales. Runs the same computation on `threads` threads in parallel, the
+/// calling thread included, and returns the wall time, s. The computation uses only registers, so the threads
+/// share no data. On an ideal machine, the result is the same for any number of threads.
 double probe_s(unsigned threads);
 
 /// Measurements of a case.
 struct CaseTiming {
   std::string table;            ///< id of the table with the rows of these runs
-  std::vector<Timing> timings;  ///< one per run of the case, in their order
+  std::vector<Timing> timings;  ///< one per run of the case, in the same order
   /// Results of probe_s(): number of threads -> one value per repetition.
   std::map<unsigned, std::vector<double>> probe_s;
 };
 
-/// Measures a case `repeat` times. The repetitions of a scene with skip_s above 0 are consecutive pieces of
-/// one simulation; those of other scenes each start at tick 0. progress: called before each measurement with
-/// a text that names the measurement. Throws InputError if a world cannot be loaded, and std::runtime_error
-/// if pictures cannot be drawn.
+/// Measures a case: each of its runs `repeat` times. Usually, each repetition starts at tick 0. If the scene
+/// has a skip_s above 0, the simulation runs for skip_s once, and the repetitions then follow one another in
+/// the same simulation.
+///
+/// progress: called before each measurement with a text that names it. Throws InputError if a world cannot be
+/// loaded, and std::runtime_error if pictures cannot be drawn or recordings cannot be written.
 CaseTiming time_case(const Case& one, std::size_t repeat, const engine::Registry& registry,
                      const std::function<void(const std::string&)>& progress);
 
-/// The end of a message that says how a run differs from the plain run of its scene: `, frames` if the run
-/// draws frames; otherwise a comma and the name of its observer (`, hashes`) or of its instruction set
-/// (`, avx2`). Empty for a plain run.
+/// Returns a text that describes a run in a message: ", frames" for a run with pictures, otherwise ", " and
+/// the name of its instruction set or of its observer, as in ", avx2" or ", hashes". The text is empty for a
+/// run without pictures, with the default instruction set and without an observer.
 std::string with_text(const Run& run);
 
-/// Returns the cost of an observer: the additional wall time of the run `watched`, as a fraction of the wall
-/// time without the observer. An observer reads the state after every tick, for example to record it. The run
-/// without an observer is that of the same case with as many threads. The cost is the median over the
-/// repetitions. Empty if `watched` has no observer or the case has no such run.
+/// Returns the cost of an observer, which is code that reads the state after every tick. The cost is the
+/// additional wall time of the run `watched` compared with a run without an observer, as a fraction of the
+/// time of that run. For example, 0.05 means 5 % more time. The result is the median over the repetitions.
+///
+/// The run without an observer is taken from the same case `one`, with the same number of threads. The result
+/// is empty if there is no such run, or if `watched` has no observer.
 std::optional<double> watching_cost(const CaseTiming& one, const Timing& watched);
 
 /// Returns an error, with the reason, if pictures cannot be drawn.

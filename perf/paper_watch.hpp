@@ -11,9 +11,9 @@ namespace troupe::perf {
 /// The observer of a run, which reads the state after every tick (simulation step):
 /// - `nothing`: there is no observer.
 /// - `hashes` computes a hash of the whole state, as `troupe run --hash-log` does.
-/// - `recording` records the poses, as `troupe run --record` does, in one frame per tick of 0.1 s.
-/// - `measures` computes all measures (numbers such as the mean speed) that have no required parameter, as
-///   `troupe run --measures FILE --measure-every 0` does.
+/// - `recording` records the poses of every tick in a file, as `troupe run --record` does.
+/// - `measures` computes measures, which are numbers such as the mean speed: those that `troupe run` computes
+///   with the options `--measures FILE --measure-every 0`.
 enum class Watch : std::uint8_t { nothing, hashes, recording, measures };
 /// The name of an observer in tables and messages, such as "hashes".
 std::string_view watch_name(Watch watch);
@@ -22,7 +22,7 @@ std::string_view watch_name(Watch watch);
 class Watcher {
  public:
   virtual ~Watcher() = default;
-  /// Reads the state. Must be called after each tick (simulation step).
+  /// Reads the state. Must be called after each tick.
   virtual void look() = 0;
   /// Must be called after the last tick; writes data that are still buffered.
   virtual void finish() {}

@@ -21,15 +21,18 @@ namespace troupe::python {
 
 namespace py = pybind11;
 
-/// Releases the interpreter's lock (GIL) while an object of this class exists. After the interpreter has
-/// begun to exit, threads other than the exiting one block in the constructor or the destructor until the
-/// process ends. These are daemon threads, because Python waits for threads of other kinds before it exits.
+/// Releases the interpreter's lock (GIL) while an object of this class exists. The calling thread must hold
+/// the lock when it creates the object.
 ///
-/// Python 3.13 and earlier call pthread_exit() in a daemon thread that requests the lock after the exit has
-/// begun. This unwinds the stack of the thread: the destructor of pybind11's gil_scoped_release then aborts
-/// the process, and other destructors would release Python objects without the lock. A thread that has not
-/// requested the lock yet would step or load a world while the process destroys its static objects. The exit
-/// therefore waits until the thread has finished its tick or loaded its world.
+/// After the interpreter has begun to exit, a daemon thread never gets the lock back: it blocks in the
+/// constructor or the destructor until the process ends. (Python waits for all other threads before it
+/// exits.) If the daemon thread requested the lock instead, Python 3.13 and earlier would call
+/// pthread_exit(), which unwinds the stack of the thread. Destructors on the stack would then abort the
+/// process, or release Python objects without the lock.
+///
+/// The exit of the interpreter waits until each thread that has released the lock with this class reaches the
+/// destructor (see bind_exit()). Otherwise a thread could step or load a world while the process destroys its
+/// static objects.
 class Unlocked {
  public:
   Unlocked();
@@ -41,39 +44,44 @@ class Unlocked {
   PyThreadState* state_;
 };
 
-/// Whether Ctrl-C was pressed or the interpreter exits, for code that waits without the interpreter's lock.
-/// Only calls on the main thread notice Ctrl-C. The signal stays pending, so that Python raises
-/// KeyboardInterrupt later.
+/// Returns whether Ctrl-C was pressed or the interpreter has begun to exit. The caller need not hold the
+/// interpreter's lock. Only a call on the main thread notices Ctrl-C. The signal stays pending, so Python
+/// raises KeyboardInterrupt later.
 bool is_interrupted();
 
-/// Calls the Python function `function` with one argument. If the interpreter exits during the call and the
-/// caller is a daemon thread, this function blocks until the process ends. Unlocked explains why.
+/// Calls the Python function `function` with one argument and returns its result. The caller must hold the
+/// interpreter's lock. Throws py::error_already_set if the function raises an exception. If the interpreter
+/// exits during the call, a daemon thread blocks in this function until the process ends, for the reason that
+/// Unlocked explains.
 py::object call(py::handle function, py::handle argument);
 
 /// A simulation owned by Python. Arrays and handles that refer to it keep it alive.
 ///
 /// It steps without the interpreter's lock, so that other Python threads can run meanwhile. Only one thread
-/// at a time may use a simulation: calls of other threads during a step raise RuntimeError.
+/// at a time may use a simulation: during a step, calls of other threads raise RuntimeError. All functions
+/// must be called with the interpreter's lock, except use_while_stepping().
 class Held {
  public:
   explicit Held(Simulation&& simulation) : simulation_(std::move(simulation)) {}
 
-  /// Returns the simulation. The caller must hold the interpreter's lock. Throws std::logic_error while
-  /// another thread steps the simulation.
+  /// Returns the simulation. Throws std::logic_error while step() or work() runs.
   Simulation& use();
-  /// Makes `ticks` ticks (simulation steps). Checks for signals regularly, so that Ctrl-C ends the run
-  /// between two ticks. to_its_end: whether to stop early if a stop condition of the world ends the run.
+  /// Makes `ticks` ticks (simulation steps) without the interpreter's lock. to_its_end: if true, the function
+  /// returns earlier if a stop condition of the world ends the run. Ctrl-C raises KeyboardInterrupt between
+  /// two ticks. Throws as use() does, and if a tick fails.
   void step(std::uint64_t ticks, bool to_its_end = false);
-  /// Calls `task` without the interpreter's lock. Until it returns, use() throws, as during a step. Raises
-  /// KeyboardInterrupt afterwards if Ctrl-C was pressed.
+  /// Calls `task` without the interpreter's lock. Until `task` returns, use() throws, as during step(). If
+  /// Ctrl-C was pressed meanwhile, raises KeyboardInterrupt afterwards. Throws as use() does.
   void work(const std::function<void(Simulation&)>& task);
-  /// The simulation, for code that runs during a step, in which use() throws.
+  /// Returns the simulation without a check, for code that step() or work() calls. In such code, use() would
+  /// throw.
   const Simulation& use_while_stepping() const { return simulation_; }
-  /// Returns the simulation as use() does, for functions that a callback of on_tick(), run_for() or
-  /// run_until() must not call. Throws std::logic_error in such a callback. what: name of the function, for
-  /// the error text.
+  /// Returns the simulation, as use() does, but also throws std::logic_error if a callback is running (see
+  /// Calling). This is for functions that callbacks must not call, such as step() and reset() in Python.
+  /// what: name of the function, for the text of the error.
   Simulation& use_outside(std::string_view what);
-  /// While an object of this class exists, a callback is running, and use_outside() throws.
+  /// Marks that a Python callback of on_tick(), run_for() or run_until() is running, while an object of this
+  /// class exists.
   class Calling {
    public:
     explicit Calling(Held& held) : calling_(held.calling_) { calling_ = true; }
@@ -94,15 +102,15 @@ class Held {
 };
 using Holder = std::shared_ptr<Held>;
 
-/// Returns `value`, a parameter that is a length or a time, where 0 selects the default. Throws
-/// std::invalid_argument if the value is negative, NaN or above `most`. what: the parameter and its unit, as
-/// in "every_s (s)".
+/// Checks a parameter that is a length or a time, and returns `value` unchanged. The value 0 stands for the
+/// default and is allowed. Throws std::invalid_argument if the value is negative, NaN or above `most`. what:
+/// name and unit of the parameter for the text of the error, as in "every_s (s)".
 double from_zero(std::string_view what, double value, double most);
 
 /// Two numbers, or None.
 using Two = std::optional<std::array<double, 2>>;
-/// Returns the options of a picture from the arguments of Simulation.picture(). Throws std::invalid_argument
-/// for a width or height below 1.
+/// Returns the options of a picture, made from the arguments of Simulation.picture() in Python. Throws
+/// std::invalid_argument if the width or the height is below 1; checks no other argument.
 PictureOptions picture_options(int width, int height, const std::string& camera, const std::string& layers,
                                const Two& center_m, const Two& angle_rad,
                                const std::optional<double>& across_m, const std::string& color_by,
@@ -123,12 +131,13 @@ struct HeldModel {
   }
 };
 
-/// A swarm (a group of robots of a simulation) owned by Python. It keeps its simulation alive.
+/// A swarm (a group of robots of a simulation) owned by Python. It keeps its simulation alive, if `held` is
+/// not null.
 struct HeldSwarm {
-  Holder held;  ///< null for a swarm that a Python function for a measure gets as its argument
+  Holder held;  ///< the simulation; null for the swarm that is the argument of a measure written in Python
   Swarm swarm;
 
-  /// Returns the swarm. Throws as Held::use() does.
+  /// Returns the swarm. Throws as Held::use() does if `held` is not null.
   Swarm& use() {
     if (held) static_cast<void>(held->use());
     return swarm;
@@ -137,8 +146,8 @@ struct HeldSwarm {
 };
 
 /// Returns a read-only NumPy array that refers to the memory of a simulation. The array keeps the simulation
-/// (`owner`) alive. first: address of the first element. strides: distance of neighbouring elements along
-/// each axis, bytes.
+/// (`owner`) alive. first: address of the first element. strides: for each axis, the distance from one
+/// element to the next, bytes.
 py::array view(const py::dtype& type, std::vector<py::ssize_t> shape, std::vector<py::ssize_t> strides,
                const void* first, const Holder& owner);
 
@@ -155,21 +164,24 @@ std::span<T> elements(py::array_t<Element>& array) {
   return {reinterpret_cast<T*>(array.mutable_data()), static_cast<std::size_t>(array.nbytes()) / sizeof(T)};
 }
 
-/// Loads the controllers (functions that decide what the robots do) and measures (numbers computed from the
-/// state) of Python scripts (python/troupe/_script.py). sources: a list whose elements are names of scripts
-/// or classes of controllers. Throws InputError for an invalid script or class.
+/// Loads Python scripts (python/troupe/_script.py), which define controllers and measures. A controller is a
+/// class that decides what robots do; a measure is a function that computes a number from the state. Each
+/// element of `sources` is either the file name of a script or a class derived from troupe.Controller.
+///
+/// Throws py::error_already_set if an element cannot be loaded. It contains the Python exception InputError
+/// for an invalid script, and TypeError for an element of another type.
 std::vector<std::shared_ptr<const Script>> scripts_of(const py::list& sources);
 
-/// Returns the NumPy type that corresponds to a C++ element type of the tables in which the engine stores the
-/// state.
+/// Returns the NumPy type for an element type of the state of a simulation, such as float64 for Element::f64.
 py::dtype dtype_of(engine::Element element);
 
-/// Makes the exit of the interpreter wait for threads that have released its lock; Unlocked explains why.
+/// Makes the exit of the interpreter wait for threads that have released its lock. Unlocked explains why.
 void bind_exit();
 /// Adds the exceptions of the module and maps C++ exceptions to Python exceptions.
 void bind_errors(py::module_& module);
-/// Converts the data of power packs (batteries; energies in J, and two bools) to a dict whose keys are the
-/// names of the members of Model::Energy.
+/// Converts the energies of a power pack (the energy store of a body), or sums over several, to a dict. The
+/// keys are the names of the members of Model::Energy. The values are energies in J, and bools for `infinite`
+/// and `charging`.
 py::dict dict_of(const Model::Energy& energy);
 
 // Each of the following functions adds classes and functions to the module.

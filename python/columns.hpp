@@ -9,8 +9,12 @@
 #include <string_view>
 #include <vector>
 
-/// Conversions between NumPy arrays and the data of a group of robots, one row per robot. The Python classes
-/// of swarms (groups of robots) and of controllers use them.
+/// Conversions between NumPy arrays and the data of a group of robots. Unless stated otherwise, element i of
+/// the first axis of an array (its row i) belongs to robot i of the group. The Python classes of swarms
+/// (groups of robots) and of controllers use these functions.
+///
+/// A field is a variable in the state of each robot, such as the range readings of a sensor. It has one or
+/// more numbers per robot, which are called its columns. A command of a device is a list of fields.
 namespace troupe::python {
 
 using Numbers = py::array_t<double, py::array::c_style | py::array::forcecast>;
@@ -21,8 +25,8 @@ using Where = std::optional<py::array>;
 [[noreturn]] void refuse(std::string_view name, const py::array& given, std::size_t robots,
                          std::string_view wanted);
 
-/// An argument of a command for a swarm, which is one number for all robots or one number per robot. Element
-/// i is the number of robot i.
+/// An argument of a command for a swarm: one number for all robots, or one number per robot. Element i is the
+/// number for robot i. The object refers to the memory of the array.
 class Column {
  public:
   Column(std::string_view name, const Numbers& numbers, std::size_t robots)
@@ -37,41 +41,52 @@ class Column {
   std::size_t step_;
 };
 
-/// Converts the Python argument `where` of a command, which selects robots, to what the C++ class Swarm
-/// takes: one byte per robot, 0 if the command skips the robot. The result is empty if `where` is None; the
-/// command is then for all robots. Throws ValueError if `where` is neither None nor an array of one bool per
-/// robot.
+/// Converts the Python argument `where`, which selects the robots that get a command. It is an array of one
+/// bool per robot, or None, which selects all robots. Returns one byte per robot, 1 for a selected robot and
+/// 0 for others; for None, returns an empty vector. Throws ValueError for any other argument.
 std::vector<std::uint8_t> mask_of(const Where& where, std::size_t robots);
 
-/// Returns a new array for a field (a member of the state of each robot): shape (robots,) or, if the field
-/// has several columns, (robots, columns).
+/// Returns a new array for the values of a field, with the element type of the field. The shape is (robots,)
+/// for a field with one column, and otherwise (robots, columns). The elements are not initialised.
 py::array empty_rows(const engine::StateField& field, py::ssize_t robots);
-/// The memory of a contiguous array, as bytes; valid while the array exists.
+/// Returns the memory of a contiguous array, as bytes. The result is valid while the array exists.
 std::span<std::byte> bytes_of(py::array& array);
 std::span<const std::byte> const_bytes_of(const py::array& array);
 
-/// Returns the field of a command with this name. If there is none, throws std::out_of_range with a message
-/// that lists the known names.
-/// whose: the beginning of this message, such as `device "lamp"`
+/// Returns the field of a command that is called `name`. Throws std::out_of_range if there is none; the
+/// message lists the known names. whose: beginning of this message, such as `device "lamp"`.
 const engine::StateField& command_field(std::span<const engine::StateField> fields, std::string_view name,
                                         std::string_view whose);
 
-/// Converts a Python value to an array of the shape (robots, columns) with the element type of a field of a
-/// command. A single number sets all elements, and a single row sets the rows of all robots; any other value
-/// must have one row per robot. Throws ValueError if the shape does not fit, or if the element type is an
-/// integer type that cannot represent one of the numbers.
+/// Converts a Python value to the values of a field of a command: an array of the shape (robots, columns)
+/// with the element type of the field. The value may be:
+/// - a single number, for all elements
+/// - a row of `columns` numbers, for all robots
+/// - an array of one row per robot
+/// - a `bytes` object, or a list of them, instead of rows of bytes. Short ones are padded with zeros.
+/// Throws ValueError if the value has another shape, if a `bytes` object is too long, or if the field has
+/// integers and a number is not exactly representable.
 py::array rows_for(const engine::StateField& field, const py::handle& value, py::ssize_t robots);
 
-/// Returns the command that makes the radios named `device` send `message`, as a dict from names of fields to
-/// values. message: a Python `bytes` object, which all robots send, or an array with one row per robot.
-/// fields: all fields of the command of these radios.
+/// Returns the command that makes radios send `message`, as a dict from names of fields to values. message: a
+/// Python `bytes` object, which all robots send, or an array with one row per robot. In an array, the bytes
+/// of a row are the message of the robot. fields: all fields of the command of the radios. device: name of
+/// the radios, for the text of errors.
+///
+/// If `message` is an array, throws ValueError if it does not have one row per robot, if its elements are
+/// Python objects, or if a row is longer than the payload of a message; and std::out_of_range if `fields`
+/// contains no payload, because the device is not a radio.
 py::dict message_command(std::span<const engine::StateField> fields, const std::string& device,
                          const py::object& message, py::ssize_t robots);
-/// Converts the fields count, length and payload of the readings of radios to the result of Swarm.heard().
-/// This is a pair of arrays with one row per robot: the messages as elements of the NumPy type `type`, and
-/// bools, True where there is a message of exactly the size of this type. Throws ValueError, whose text names
-/// the radios by `device`, if an element of this type has no bytes, or more bytes than the payload of a
-/// message.
+/// Returns the messages that radios received, as Swarm.heard() in Python does. The result is a pair of arrays
+/// with one row per robot and one column per message that a radio can receive in a tick. The first array has
+/// the messages; the bytes of each message are interpreted as one element of the NumPy type `type`. The
+/// second array has bools: True if there is a message and its size is that of `type`. Where the bool is
+/// False, the element of the first array is meaningless.
+///
+/// count, length and payload: the fields with these names of the readings of the radios. device: name of the
+/// radios, for the text of errors. Throws ValueError if `type` has 0 bytes, or more bytes than the payload of
+/// a message.
 py::tuple messages_of(const py::object& type, const std::string& device, const py::array& count,
                       const py::array& length, const py::array& payload);
 

@@ -13,20 +13,21 @@
 
 namespace troupe::render {
 
-/// Selects the colour of a triangle of a mesh. `own` is the colour stored in its vertices. `body`, `edge` and
-/// `mark` are the members with these names of the instance that is drawn, so that instances with different
-/// colours can share a mesh. A triangle has the colour of its last corner.
+/// Selects the colour of a triangle of a mesh. `own` is the colour stored in the mesh, such as Vertex::own.
+/// `body`, `edge` and `mark` are the members with these names of the drawn Instance or SolidInstance, so that
+/// instances of one mesh can have different colours. The Paint and the colour of a triangle are those of the
+/// last of its three vertices.
 enum class Paint : std::uint32_t { own, body, edge, mark };
 
 // ---- flat layers, in the plane of the picture
 
 /// A corner of a triangle in a flat layer.
 struct Vertex {
-  /// Position, frame of the instance. x and y are in mesh units (Instance::size is the number of pixels per
-  /// unit). z is the height above the origin of the instance, m.
+  /// Position in the frame of the instance. x and y are in mesh units of Instance::size pixels. z is the
+  /// height above the origin of the instance, m.
   float x, y, z;
-  /// Offset added to x and y after scaling, pixels, frame of the instance. It gives lines a width that does
-  /// not depend on the scale.
+  /// Offset that is added to x and y after scaling, pixels, frame of the instance. It gives lines a width
+  /// that does not depend on the scale.
   float offset_x, offset_y;
   Rgba own;  ///< colour for Paint::own
   Paint paint;
@@ -44,8 +45,8 @@ struct Instance {
   Rgba body, edge, mark;  ///< its colours for Paint::body, edge and mark
 };
 
-/// Instances of one mesh. Higher triangles cover lower ones, also those of earlier layers. At equal height,
-/// later triangles cover earlier ones.
+/// Instances of one mesh. Where triangles overlap, the highest one is visible, even if it belongs to an
+/// earlier layer (see `on_top` for the exception). Of triangles at equal height, the last one is visible.
 struct Layer {
   Mesh mesh;
   std::vector<Instance> instances;
@@ -54,12 +55,13 @@ struct Layer {
 
 // ---- layers of solids in the world
 
-/// Type of a corner of a triangle in a solid mesh. The type determines the meaning of the vector a = (ax, ay,
-/// az) of a SolidVertex. The three corners of a triangle have the same type.
+/// What a triangle of a solid mesh shows: a part of a surface, or one of the two triangles that form a line.
+/// The three corners of a triangle have the same value. The value also determines the meaning of the vector
+/// a = (ax, ay, az) of a SolidVertex.
 enum class Corner : std::uint32_t {
   face,    ///< lit surface; a is its normal, of unit length
   plain,   ///< unlit surface, such as a mark on a face, drawn slightly nearer to the viewer; a is not used
-  stroke,  ///< one end of a line; a is the position of the other end
+  stroke,  ///< line from the position (x, y, z) to the position a
   rim,     ///< like `stroke`, but drawn slightly farther away, so that strokes cover it
 };
 
@@ -67,8 +69,9 @@ enum class Corner : std::uint32_t {
 struct SolidVertex {
   float x, y, z;     ///< position, frame of the instance, mesh units (SolidInstance::scale m per unit)
   float ax, ay, az;  ///< the vector a of Corner, frame of the instance; if a position, in mesh units
-  /// For strokes and rims: half the width of the line, pixels; positive for a corner to the left of the
-  /// direction to the other end, negative for a corner to the right. Otherwise not used.
+  /// For lines (Corner::stroke and Corner::rim): half the width of the line, pixels, with a sign. A positive
+  /// sign means that the corner is on the left side of the line, seen from (x, y, z) towards a; a negative
+  /// sign means the right side. Not used for surfaces.
   float side;
   Rgba own;  ///< colour for Paint::own
   Paint paint;
@@ -87,12 +90,12 @@ struct SolidInstance {
   Rgba body, edge, mark;  ///< its colours for Paint::body, edge and mark
 };
 
-/// Instances of one mesh in the world. Nearer triangles cover farther triangles.
+/// Instances of one mesh in the world. `depth` determines how the layer and other layers cover each other.
 struct SolidLayer {
   /// How the layer uses the depth buffer.
   enum class Depth : std::uint8_t {
-    solid,  ///< depth is tested and written
-    air,    ///< depth is tested but not written, for transparent overlays
+    solid,  ///< depth is tested and written: nearer triangles cover farther ones
+    air,    ///< depth is tested but not written, for transparent overlays: all later layers cover it
     floor,  ///< depth is neither tested nor written: covers all earlier layers, covered by all later ones
   };
   SolidMesh mesh;
@@ -114,7 +117,7 @@ struct Point {
   Rgba color;
 };
 
-/// Squares of one size that face the viewer. Each needs only one vertex, so that 100,000 robots are drawn
+/// Squares of one size that face the viewer. A square needs only one vertex, so that 100,000 robots are drawn
 /// quickly.
 struct PointLayer {
   std::vector<Point> points;
@@ -134,11 +137,11 @@ class Canvas {
   Canvas(const Canvas&) = delete;
   Canvas& operator=(const Canvas&) = delete;
 
-  /// Throws std::runtime_error, whose message names the limit, if the width or height of a picture (pixels)
-  /// is below 1 or above the limit of the OpenGL driver.
+  /// Throws std::runtime_error if the width or height of a picture (pixels) is below 1 or above the limit of
+  /// the OpenGL driver. The message of the error names the limit.
   void check_size(int width, int height) const;
-  /// Draws layers in order on a background of the colour `ground`, with 4 samples per pixel if the driver
-  /// supports that. The size of the picture is that of the projection. Throws std::runtime_error as
+  /// Draws layers in order on a background of the colour `ground`. The projection gives the size of the
+  /// picture. Each pixel is the mean of 4 samples, if the driver supports that. Throws std::runtime_error as
   /// check_size() does, and if OpenGL reports an error, such as too little memory.
   Picture paint(const Projection& projection, Rgba ground, std::span<const AnyLayer> layers);
 

@@ -10,19 +10,20 @@ struct Framing {
   int height = 0;  ///< height of the picture, pixels
   double pixels_per_metre = 1;
   Vec2 center = Vec2::Zero();  ///< world point in the centre of the picture, m
-  /// Pixels per stroke. Widths of lines and letters are given in strokes. A stroke is 1 pixel in pictures
-  /// whose smaller side has up to 900 pixels, and grows in proportion above, so that large pictures look like
+  /// Unit of the widths of lines and the sizes of letters, pixels. A stroke is 1 pixel if the smaller side of
+  /// the picture has at most 900 pixels. Otherwise it is 1/900 of this side, so that large pictures look like
   /// small ones.
   double stroke = 1;
 
-  /// Position of a world point: pixels right of and above the picture's centre.
+  /// Returns the position of a world point (m) in the picture: pixels right of and above the picture's
+  /// centre.
   Vec2 to_pixels(const Vec2& world) const { return pixels_per_metre * (world - center); }
-  /// The region of the world that the picture shows, m.
+  /// Returns the region of the world that the picture shows, m.
   Box world() const {
     const Vec2 half = Vec2(width, height) / (2 * pixels_per_metre);
     return {center - half, center + half};
   }
-  /// Whether the picture is large enough for the scale bar, the simulated time and the legends.
+  /// Returns whether the picture is large enough for the scale bar, the simulated time and the legends.
   bool has_furniture() const { return width >= 240 && height >= 160; }
 };
 

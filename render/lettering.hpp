@@ -11,9 +11,9 @@
 
 namespace troupe::render {
 
-/// Line segments; the ends are in pixels right of and above the picture's centre. mesh_of() draws each
-/// segment twice, first wide in the colour Theme::halo, then narrow in the colour Theme::ink, so that the
-/// segment is readable on any background.
+/// Line segments. Their ends are in pixels right of and above the picture's centre. mesh_of() draws each
+/// segment twice: first wide in the colour Theme::halo, then narrow in the colour Theme::ink. So the segment
+/// is readable on any background.
 using Lines = std::vector<std::pair<Vec2, Vec2>>;
 
 /// Usual height of capitals and digits, in strokes. A stroke is the unit of line widths: 1 pixel in small
@@ -21,11 +21,11 @@ using Lines = std::vector<std::pair<Vec2, Vec2>>;
 inline constexpr double k_cap_height = 11;
 
 /// Adds the letters of `text` to `lines`. pen: start of the baseline, pixels right of and above the picture's
-/// centre. unit: a sixth of the height of capitals, pixels; descenders reach 2 units below the baseline. Each
-/// character outside printable ASCII is drawn as an empty box.
+/// centre. unit: a sixth of the height of capitals, pixels; letters such as g reach 2 units below the
+/// baseline. Each character outside printable ASCII is drawn as an empty box.
 void add_text(Lines& lines, std::string_view text, const Vec2& pen, double unit);
-/// Width of a text from the pen to the right end of the last letter, pixels. unit: as for add_text(). The
-/// text must not be empty: the result would be negative.
+/// Returns the width of a text from the pen to the right end of the last letter, pixels. `unit` is that of
+/// add_text(). The text must not be empty, because the result would be negative.
 double text_width(std::string_view text, double unit);
 
 /// One line of text. Positions are in pixels right of and above the picture's centre.
@@ -50,8 +50,9 @@ struct Writing {
 inline constexpr double k_halo_strokes = 5;
 inline constexpr double k_ink_strokes = 1.4;
 
-/// The lettering as triangles, halos included, in pixels right of and above the picture's centre. stroke:
-/// pixels per stroke (Framing::stroke).
+/// Returns the lettering as triangles, each line and letter with a margin in the colour Theme::halo.
+/// Positions are in pixels right of and above the picture's centre. stroke: pixels per stroke
+/// (Framing::stroke).
 Mesh mesh_of(const Writing& writing, double stroke, const Theme& theme);
 
 }  // namespace troupe::render

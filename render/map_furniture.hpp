@@ -12,22 +12,22 @@ namespace troupe::render {
 /// is the unit of line widths: 1 pixel in small pictures, more in large ones (Framing::stroke).
 inline constexpr double k_furniture_margin = 14;
 
-/// A length of 1, 2 or 5 times a power of ten, in m.
+/// A length of 1, 2 or 5 times a power of ten, m.
 struct RoundLength {
   double metres = 1;
   int exponent = 0;  ///< exponent of the power of ten
 
-  /// The largest round length that is at most `metres`, which must be positive and finite. Rounding errors
-  /// have two effects. If `metres` is a power of ten, the result may be half of this power. If `metres` is
-  /// slightly less than a power of ten, by a rounding error, the result may be this power.
+  /// Returns the largest round length that is at most `metres`, which must be positive and finite. Rounding
+  /// errors have two effects: if `metres` is a power of ten, the result can be half of it; and the result can
+  /// be a power of ten that exceeds `metres` by a rounding error.
   static RoundLength at_most(double metres);
-  /// The length as text, such as "50 m", "0.2 m", "2 km" or "5 mm".
+  /// Returns the length as text, such as "50 m", "0.2 m", "2 km" or "5 mm".
   std::string text() const;
 };
 
-/// The lines of the floor grid of a map (a view from above). Positions are in pixels right of and above the
-/// picture's centre. The lines are one stroke wide, rounded to whole pixels. The distance between lines is a
-/// RoundLength that is at least 48 strokes long in the picture.
+/// Returns the lines of the floor grid of a map (a view from above) as rectangles. Positions are in pixels
+/// right of and above the picture's centre. The width of the lines is one stroke, rounded to whole pixels.
+/// The distance between neighbouring lines is a RoundLength, and at least 48 strokes in the picture.
 Mesh floor_grid(const Framing& framing, Rgba color);
 /// Selects the scale bar and the texts along the picture's lower edge.
 struct Furniture {
@@ -35,7 +35,7 @@ struct Furniture {
   std::string left;   ///< text right of the scale bar, or in the left corner if there is no scale bar
   std::string right;  ///< text in the right corner: the time
 };
-/// The text of the clock: "12.5 s", or "12.5 s  40 x real time" if `times_real_time` is above 0.
+/// Returns the text of the clock: "12.5 s", or "12.5 s  40 x real time" if `times_real_time` is above 0.
 std::string clock_text(double time_s, double times_real_time = 0);
 /// Adds the scale bar and the texts of `shown` to `writing`. Adds nothing if the picture is too small
 /// (Framing::has_furniture()). Empty texts are omitted.

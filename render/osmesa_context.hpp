@@ -26,8 +26,8 @@ class OsmesaContext {
   void release();
 
   using Procedure = void (*)();
-  /// The OpenGL function with this name, such as "glClear", which the caller casts to its true type. The
-  /// function is valid for all contexts. Throws std::runtime_error if the library has no such function.
+  /// Returns the OpenGL function with this name, such as "glClear". The caller must cast it to its true type.
+  /// The function is valid for all contexts. Throws std::runtime_error if the library has no such function.
   Procedure procedure(const char* name) const;
 
  private:

@@ -8,8 +8,8 @@
 
 namespace troupe::render {
 
-/// A scene (the data to draw that are constant during a run), which must outlive this object, and data that
-/// are computed once for all its pictures.
+/// A scene and its meshes. A scene has the data to draw that are constant during a run; it must outlive this
+/// object. The meshes are computed once and used for all pictures of the scene.
 struct SceneMeshes {
   const engine::FrameScene& scene;
   std::vector<Pieces> pieces;  ///< for each type of the scene, the convex pieces of its shapes (pieces_of())
@@ -19,13 +19,13 @@ struct SceneMeshes {
 inline constexpr Rgba k_stalled_edge = {224, 32, 32, 255};
 /// Width of the outline of a stalled robot divided by the width of the outlines of other robots.
 inline constexpr float k_stalled_widening = 1.3F;
-/// Width of the white line below the outline of a stalled robot divided by the width of this outline. On any
-/// background, either the outline or the white line has enough contrast.
+/// Width of the white line under the outline of a stalled robot divided by the width of this outline. The
+/// outline and the white line differ so much that one of them is visible on any background.
 inline constexpr float k_stalled_halo = 1.9F;
 
-/// Least width of a robot in the picture, in strokes, so that a swarm stays visible in a large world. A
-/// stroke is the unit of line widths: 1 pixel in small pictures, more in large ones (Framing::stroke).
-/// Narrower robots are drawn with this width.
+/// Least width of a robot in the picture, in strokes. Narrower robots are drawn with this width, so that a
+/// swarm stays visible in a large world. A stroke is the unit of line widths: 1 pixel in small pictures, more
+/// in large ones (Framing::stroke).
 inline constexpr double k_smallest_robot = 3.5;
 /// On a map (a view from above), robots narrower than this, in strokes (see k_smallest_robot), have no
 /// outline, because an outline would hide their colour.
@@ -34,8 +34,8 @@ inline constexpr double k_smallest_outlined = 7;
 /// heading mark, because a mark would be too small to see.
 inline constexpr double k_smallest_marked = 9;
 
-/// A layer with a single instance of a mesh whose units are pixels right of and above the picture's centre.
-/// on_top: whether the layer covers all earlier layers, at any height.
+/// Returns a layer with a single instance of a mesh whose units are pixels right of and above the picture's
+/// centre. on_top: whether the layer covers all earlier layers, at any height.
 Layer flat(Mesh mesh, bool on_top);
 
 /// Adds the layers of a view from above that show static bodies, such as the floor plan, and their shadows.
@@ -46,11 +46,13 @@ void add_flat_fixed(std::vector<AnyLayer>& layers, const SceneMeshes& meshes, co
 void add_flat_mobile(std::vector<AnyLayer>& layers, const SceneMeshes& meshes, const engine::Frame& frame,
                      std::span<const Rgba> colors, const Framing& framing, const Layers& shown);
 
-/// Adds the layers of a view that is not from above: shadows, static bodies and mobile bodies, in the order
-/// in which they must be drawn. The overlays `on_floor` are drawn over the shadows and below the bodies. The
-/// overlays `in_air` are hidden by static bodies but never hide mobile bodies, because a hundred overlapping
-/// range scans would cover the robots below. colors: one colour per body of Frame::mobile; if empty, bodies
-/// have their own colours.
+/// Adds the layers of a view that is not from above, in the order of drawing:
+/// - shadows of the bodies
+/// - the overlays `on_floor`, which cover the shadows
+/// - static bodies
+/// - the overlays `in_air`, which nearer static bodies hide
+/// - mobile bodies, over `in_air`, because a hundred overlapping range scans would hide the robots
+/// `colors` has one colour per body of Frame::mobile; if it is empty, bodies have their own colours.
 void add_solids(std::vector<AnyLayer>& layers, const SceneMeshes& meshes, const engine::Frame& frame,
                 std::span<const Rgba> colors, const Projection& projection, const Layers& shown,
                 const Theme& theme, std::vector<AnyLayer> on_floor, std::vector<AnyLayer> in_air);

@@ -16,7 +16,7 @@ struct Theme {
   Rgba square;  ///< outlines of cells of the spatial index
 };
 
-/// The colours that match a background.
+/// Returns the colours that match a background.
 const Theme& theme_of(Background background);
 
 }  // namespace troupe::render

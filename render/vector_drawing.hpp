@@ -13,7 +13,7 @@
 
 namespace troupe::render {
 
-/// A path of filled outlines, or of lines.
+/// A path: filled polygons if `width` is 0, otherwise lines.
 struct VectorPath {
   std::vector<Ring> rings;  ///< points in pixels from the picture's upper left corner, y down
   Rgba color{};
@@ -41,26 +41,30 @@ struct VectorDrawing {
   std::vector<std::variant<VectorPath, VectorText>> items;
 };
 
-/// Converts the layers and the lettering of a map, which is a view from above, to a drawing. The projection
-/// must be one from above (Projection::from_above()). Consecutive triangles of a triangle fan are joined to a
-/// polygon, and consecutive line segments to a polyline, if they have the same colour, line width and height.
-/// A drawing has no depth buffer: the paths of consecutive layers are sorted by height and drawn in that
-/// order. A layer with `on_top` begins a new group of paths, which is sorted separately and drawn after all
-/// earlier paths. The paths of a SolidLayer form a group that is not sorted. In texts, printable_utf8()
-/// replaces characters that SVG or PDF does not allow.
+/// Converts the layers and the lettering of a map to a drawing. A map is a view from above, so `projection`
+/// must come from Projection::from_above().
+///
+/// A drawing has no depth buffer: later paths cover earlier ones. Therefore consecutive layers form groups,
+/// and the paths of each group are sorted by height. A layer with `on_top` begins a new group. A SolidLayer
+/// is a group of its own, whose paths are not sorted.
+///
+/// Consecutive triangles of a triangle fan become one polygon, and consecutive line segments one line, if
+/// they have the same colour, line width and height. In texts, printable_utf8() replaces characters that SVG
+/// or PDF does not allow.
 VectorDrawing vector_drawing(const Projection& projection, std::span<const AnyLayer> layers,
                              const Writing& writing, const Theme& theme);
 
-/// Replaces characters that SVG or PDF does not allow by question marks, one per byte: bytes that are not
-/// valid UTF-8, control characters of ASCII (U+0000 to U+001F, U+007F) and Unicode noncharacters.
+/// Returns `text` with question marks instead of the characters that SVG or PDF does not allow: control
+/// characters of ASCII (U+0000 to U+001F, U+007F), Unicode noncharacters, and bytes that are not valid UTF-8.
+/// Each byte of such a character becomes one question mark.
 std::string printable_utf8(std::string_view text);
 
-/// The drawing as the content of an SVG 1.1 file with the metadata `texts`. The metadata and the texts of the
-/// drawing must be valid UTF-8. The texts of the drawing are stored as text, not as paths.
+/// Returns the drawing as the content of an SVG 1.1 file with the metadata `texts`. The metadata and the
+/// texts of the drawing must be valid UTF-8. The texts of the drawing are stored as text, not as paths.
 std::string svg_text(const VectorDrawing& drawing, const FileTexts& texts);
-/// The drawing as the content of a PDF file with embedded fonts and the metadata `texts`. The metadata and
-/// the texts of the drawing must be valid UTF-8. Throws std::runtime_error if cairo is missing or too old
-/// (the message names the package to install), or if cairo fails.
+/// Returns the drawing as the content of a PDF file with embedded fonts and the metadata `texts`. The
+/// metadata and the texts of the drawing must be valid UTF-8. Throws std::runtime_error if cairo is missing
+/// or too old (the message names the package to install), or if cairo fails.
 std::string pdf_text(const VectorDrawing& drawing, const FileTexts& texts);
 
 }  // namespace troupe::render

@@ -13,8 +13,7 @@ namespace troupe::sensors {
 /// Name of the first field of the state of a light, LightState::lit.
 inline constexpr std::string_view k_lit = "lit";
 
-/// The state of a light. A light is a device whose prepared data (explained at LightSource) has the type
-/// LightSource.
+/// The state of a light. LightSource explains which devices are lights.
 struct LightState {
   std::uint8_t lit = 0;  ///< 1 if the light is lit in this tick (time step), else 0
 
@@ -23,14 +22,15 @@ struct LightState {
   }
 };
 
-/// The prepared data of a light. Prepared data (engine::DeviceKind::Prepared::data) is the object that a
-/// device makes from its parameters when a world is loaded. To a light sensor, each device whose prepared
-/// data has the type LightSource is a light. The members period_s, dutycycle and `enabled` determine when the
-/// light is lit while no controller commands it.
+/// The properties of a light. A device is a light if it stores a LightSource as its prepared data
+/// (engine::DeviceKind::Prepared::data), whatever its kind. Prepared data is what a device computes from its
+/// parameters when a world is loaded. `period_s`, `dutycycle` and `enabled` determine when the light is lit.
+/// A command of a controller overrides them.
 struct LightSource {
-  /// Pose in the frame of the body or joint that carries the light. The heading has no effect: lights shine
-  /// in all directions. The light must be inside the circle about the body's origin that encloses the body
-  /// (engine::solids_radius()), because light sensors find lights by these circles.
+  /// Pose in the frame of the body or joint that carries the light, m and rad. The heading has no effect:
+  /// lights shine in all directions. The position must be inside the circle about the body's origin that
+  /// encloses the body (engine::solids_radius()). Reason: light sensors look for lights only inside such
+  /// circles.
   Pose pose_body_light;
   /// Reading (no unit) of a light sensor that faces the lit light at a distance of 1 m.
   double intensity = 1;
@@ -39,8 +39,8 @@ struct LightSource {
   bool enabled = false;  ///< false: the light is dark until a controller switches it on
 };
 
-/// Returns the data of a device that is a light; null if the device is not a light. The pointer is valid as
-/// long as `device` exists.
+/// Returns the properties of a device that is a light; null if the device is not a light. The pointer is
+/// valid as long as `device` exists.
 inline const LightSource* light_source(const engine::DeviceKind::Prepared& device) {
   return std::any_cast<LightSource>(&device.data);
 }

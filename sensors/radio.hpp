@@ -12,11 +12,11 @@
 
 namespace troupe::sensors {
 
-/// The fields of a radio's readings, in order. Each comment begins with the type of the field. Words in
-/// backquotes are parameters of the radio. Fields per message are arrays with `most_heard` entries, one for
-/// each message heard in the tick (time step). The messages are sorted by the id of the sending body;
-/// messages of several radios of one body, by the order of these radios. Entries after the last message are
-/// 0.
+/// The fields of the readings of a radio, in order. Each comment begins with the type of the field. Words in
+/// backquotes are parameters of the radio. A field "per message" is an array of `most_heard` entries, one for
+/// each message heard in the tick (time step). The messages are sorted by the id of the sending body. If one
+/// body has several radios, their messages are in the order of these radios. Entries after the last message
+/// are 0.
 enum RadioField : std::size_t {
   k_radio_count,     ///< u32: number of messages heard
   k_radio_lost,      ///< u32: number of messages that arrived but were too many or too long to be heard
@@ -30,8 +30,8 @@ enum RadioField : std::size_t {
   k_radio_payload,   ///< u8 [payload] per message: its bytes; 0 after its last byte
 };
 
-/// The offsets, in bytes, of the fields of a radio's command, by which a controller sets the message to send.
-/// The command stays in effect until a controller changes it.
+/// The offsets, in bytes, of the fields in the command of a radio. With this command, a controller sets the
+/// message to send. The command stays in effect until a controller changes it.
 enum RadioCommandField : std::size_t {
   k_radio_mode,   ///< u8: whether the radio sends, a RadioMode
   k_radio_bytes,  ///< u8: length of the message, bytes
@@ -45,15 +45,15 @@ enum class RadioMode : std::uint8_t {
 };
 
 /// Returns the length in bytes of the longest message that a radio can send or hear: its parameter `payload`.
-/// radio: the prepared data of a radio, which the engine computes from the radio's parameters when a world is
-/// loaded. For controllers that choose among several radios.
+/// Controllers use this function while a world is loaded, for example to choose a radio whose messages are
+/// long enough. radio: the data that the engine prepared from the parameters of the radio.
 inline std::size_t payload_of(const engine::DeviceKind::Prepared& radio) {
   return radio.percepts[k_radio_payload].columns / radio.percepts[k_radio_sender].columns;
 }
 
 /// The interface of a controller to a radio: reads the messages heard in this tick (time step) and sets the
-/// message to send. In the example, percept and actions are arguments of the controller, and devices[0] is
-/// the radio.
+/// message to send. In the example, percept and actions are arguments of the controller, and its first
+/// device, devices[0], is the radio.
 ///
 ///     sensors::RadioPort radio(percept.devices[0], actions.devices[0]);
 ///     for (std::size_t i = 0; i < radio.count(); ++i)
@@ -61,8 +61,9 @@ inline std::size_t payload_of(const engine::DeviceKind::Prepared& radio) {
 ///     radio.say(my_heading);
 class RadioPort {
  public:
-  /// heard: the readings of a device of the kind `radio`. asked: the bytes of the command of this device, to
-  /// which the port writes. The port is valid only until the controller returns.
+  /// Connects to a device of the kind `radio`. heard: the readings of the device. asked: the bytes of the
+  /// command to the device, which say(), say_bytes() and be_silent() overwrite. Both arguments, and so the
+  /// port, are valid only until the controller returns.
   RadioPort(const engine::Readings& heard, std::byte* asked) : heard_(heard), asked_(asked) {}
 
   /// A message heard in this tick.
@@ -74,9 +75,8 @@ class RadioPort {
     float quality = 0;                      ///< quality of the link, 0 (worst) to 1, see radio_kind()
     std::span<const std::uint8_t> payload;  ///< the bytes of the message; valid until the controller returns
 
-    /// Copies the bytes of the payload to the numbers `values`, one number after another, as say() wrote
-    /// them. Returns false and changes no number if the length of the payload is not the sum of the sizes of
-    /// `values`.
+    /// Copies the bytes of the payload to `values`, one number after another: the inverse of say(). If the
+    /// length of the payload is not the sum of the sizes of `values`, returns false and changes no number.
     template <class... T>
     bool read(T&... values) const {
       static_assert((std::is_arithmetic_v<T> && ...), "messages are made of numbers");
@@ -92,7 +92,8 @@ class RadioPort {
     const std::span<const std::uint32_t> senders = heard_.field<std::uint32_t>(k_radio_sender);
     return std::min<std::size_t>(heard_.field<std::uint32_t>(k_radio_count)[0], senders.size());
   }
-  /// The i-th message, in the order of the senders' ids; i must be below count(), which is not checked.
+  /// Returns the i-th message of this tick. The messages are sorted by the id of the sending body. `i` must
+  /// be below count(), which is not checked.
   Message operator[](std::size_t i) const {
     const std::size_t length =
         std::min<std::size_t>(heard_.field<std::uint8_t>(k_radio_length)[i], capacity());
@@ -110,7 +111,8 @@ class RadioPort {
   }
 
   /// Makes the radio send the message in every tick from the next one on, until the command changes. If the
-  /// message is longer than capacity(), makes the radio silent, as be_silent() does, and returns false.
+  /// message is longer than capacity(), makes the radio silent, as be_silent() does, and returns false;
+  /// otherwise returns true.
   bool say_bytes(std::span<const std::uint8_t> message) const {
     be_silent();
     if (message.size() > capacity()) return false;
@@ -120,8 +122,9 @@ class RadioPort {
     std::ranges::copy(message, out + k_radio_said);
     return true;
   }
-  /// Makes the radio send the bytes of the numbers, one number after another, as say_bytes() does. Without
-  /// numbers the message is empty.
+  /// Makes the radio send a message that consists of the bytes of `values`, one number after another. Without
+  /// `values`, the message is empty. Apart from this, it works as say_bytes(): it returns false, and makes
+  /// the radio silent, if the message is longer than capacity().
   template <class... T>
   bool say(const T&... values) const {
     static_assert((std::is_arithmetic_v<T> && ...), "messages are made of numbers");
@@ -142,43 +145,46 @@ class RadioPort {
   std::byte* asked_;
 };
 
-/// Returns the implementation of the sensor `radio`. A radio hears the messages that other radios on its
-/// channel (a parameter) sent in the previous tick, with range and bearing of the senders.
+/// Returns the implementation of the sensor `radio`. In each tick (time step), a radio hears the messages
+/// that other radios on its channel (a parameter) sent in the previous tick, with the range and the bearing
+/// of each sender. Below, the listener is the radio that hears a message, and the sender is the radio that
+/// sent it. Words in backquotes are parameters of radios.
 ///
-/// heard     The listener is the radio that hears, the sender the radio that sent the message. A message
-///           arrives if all of the following conditions hold. The horizontal distance is at most the sender's
-///           `range` and at most the listener's `hears` (the listener's `range` if `hears` is 0). The
-///           strength is at least the listener's `sensitivity_dBm`. Nothing hides the sender. The sender's
-///           body is neither the listener's body nor a body that moves with it (one carries the other, or a
-///           third body carries both).
-/// hides     An outline hides the sender if range sensors detect the outline (ranger_return >= 0) and the
-///           straight line between the two radios crosses the outline at a height within its z interval. The
-///           listener's `walls` says whether static geometry hides senders, its `bodies` whether other bodies
-///           do. The bodies of the two radios, and bodies that move with one of these two, never hide the
-///           sender. An outline that the line only touches hides the sender if the outline is to the right of
-///           the line. The direction of the line is from the radio on the body with the lower id to the other
-///           radio. Therefore an outline hides either both radios from each other or neither of them.
-/// chance    Each message that arrives is dropped with probability `drop_rate` of the listener. The random
-///           number depends only on the seed, the name of the listener's radio, the tick, the sender's body
-///           and the listener's body.
+/// arrives   A message arrives if all these conditions hold. The horizontal distance of the radios is at most
+///           the sender's `range`. The distance is also at most the listener's `hears` or, if `hears` is 0,
+///           the listener's `range`. The strength of the message is at least the listener's
+///           `sensitivity_dBm`. Nothing hides the sender. The body of the sender is neither the body of the
+///           listener nor a body that moves together with it (one of the two carries the other, or a third
+///           body carries both).
+/// hides     An outline hides the sender if the straight line between the two radios crosses it at a height
+///           within its z interval, and if range sensors detect the outline (ranger_return >= 0). Static
+///           geometry (walls and other bodies that never move) hides senders if the listener's `walls` is
+///           "block". Other bodies hide senders if the listener's `bodies` is "block". The bodies of the two
+///           radios never hide the sender. Neither do bodies that move together with one of these two.
+/// touches   An outline that the line only touches hides the sender if the outline is to the right of the
+///           line. For this rule, the line is directed from the radio on the body with the lower id to the
+///           other radio. The result is therefore the same in both directions.
+/// drops     Each message that arrives is dropped with the probability `drop_rate` of the listener. The
+///           random number depends only on the seed, the name of the listener's radio, the tick, and the ids
+///           of the two bodies.
 /// limits    A message that arrives and is not dropped is lost if it is longer than the listener's `payload`.
-///           The listener hears the `most_heard` nearest of the other messages (at equal ranges those of
-///           senders with lower ids), and the rest are lost.
-/// order     Messages are sorted by the id of the sender.
+///           If more than `most_heard` messages remain, the listener hears those of the nearest senders, and
+///           the others are lost. At equal distances, senders on bodies with lower ids are heard first.
 ///
-/// strength  The strength in dBm is the power of the sender minus the loss in dB, which the listener's
-///           parameter `law` determines. If the listener's parameter `walls` is "weaken", each wall between
-///           the radios adds `wall_loss_dB` to the loss. With the listener's frequency f in Hz, the distance
-///           d in m, and the speed of light c, the losses of the laws are:
+/// strength  The strength in dBm is the sender's `power_dBm` minus the loss in dB. The loss depends on the
+///           listener's `law`, on the frequency f in Hz (from the listener's `frequency_GHz`), on the
+///           horizontal distance d in m, and on the speed of light c in m/s:
 ///             disc          0
 ///             friis         20 log10(4 pi d f / c)                 (free space: Friis, 1946)
 ///             itu_indoor    20 log10(f / MHz) + N log10(d) - 28    (ITU-R P.1238, one floor)
 ///             log_distance  20 log10(4 pi f / c) + 10 n log10(d)   (Rappaport, 1 m as reference)
-///           A loss below 0 counts as 0. N is `power_loss_coefficient`, n is `path_loss_exponent`.
-/// quality   The quality is 1 - loss / (power of the sender - sensitivity of the listener). With `disc` the
-///           quality is at most 1 - distance / limit, where limit is the lesser of the sender's `range` and
-///           the listener's `hears` (its `range` if `hears` is 0). The quality is never below 0.
-/// edges     Radios at exactly the largest distance hear each other. Between radios at the same place the
+///           N is the listener's `power_loss_coefficient`, and n is its `path_loss_exponent`. A negative
+///           value counts as a loss of 0. If the listener's `walls` is "weaken", each wall between the radios
+///           then adds `wall_loss_dB` to the loss.
+/// quality   The quality of a link is 1 - loss / (`power_dBm` of the sender - `sensitivity_dBm` of the
+///           listener), but at least 0. With the law `disc`, it is also at most 1 - distance / limit. Here,
+///           limit is the largest distance at which the listener hears this sender (see "arrives").
+/// edges     Radios at exactly the largest distance hear each other. Between radios at the same place, the
 ///           bearing is 0.
 engine::DeviceKind radio_kind();
 

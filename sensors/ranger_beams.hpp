@@ -7,10 +7,12 @@
 
 namespace troupe::sensors {
 
-/// Beams of a ranger (range sensor) at one height that are cast together. Arrays have one entry per beam, in
-/// the order of the readings. The arrays from dx to `limits` are padded to partition::padded_beams(count)
-/// entries (`count` rounded up to a multiple of 16) by repeating the last beam, because the code that casts
-/// beams reads whole SIMD vectors.
+/// A group of beams of a ranger (range sensor) that are cast together. All beams of a group have the same
+/// height. Arrays have one entry per beam, in the order of the readings.
+///
+/// The arrays dx, dy, ox, oy, range_max and limits are padded, because the code that casts beams reads whole
+/// SIMD vectors. Their size is partition::padded_beams(count), which is `count` rounded up to a multiple of
+/// 16. The additional entries repeat the last beam.
 struct BeamGroup {
   std::size_t first = 0;         ///< index of the first beam among the readings of the ranger
   std::size_t count = 0;         ///< number of beams
@@ -18,26 +20,27 @@ struct BeamGroup {
   std::vector<double> dx, dy;    ///< unit directions, body frame
   std::vector<double> ox, oy;    ///< origins relative to RangerBeams::reference, body frame, m
   std::vector<float> range_max;  ///< reading of a beam that hits nothing, m
-  std::vector<float> limits;     ///< range_max plus margins for rounding errors, m
+  std::vector<float> limits;     ///< lengths of the beams: range_max plus margins for rounding errors, m
   float farthest = 0;            ///< the largest of the limits, m
-  /// Whether, for each beam i of the first half, beam i + count / 2 has the opposite direction, within 1e-9.
-  /// False if the group has an odd number of beams or angular noise.
+  /// True if the beams of the second half are opposite to those of the first: for each i below count / 2, the
+  /// beams i and i + count / 2 have opposite directions, within 1e-9. Always false if the number of beams is
+  /// odd or if the group has angular noise.
   bool mirrored = false;
-  /// True: the group consists of the beams of one transducer with more than partition::k_most_beams (32)
-  /// beams, which start at RangerBeams::reference, have equal angular steps, and have no angular noise. Only
-  /// then are middle, fov and step set.
+  /// True if the group is a scan. A scan contains all beams of one transducer (fan of beams), and these are
+  /// more than partition::k_most_beams (32). The beams of a scan start at RangerBeams::reference, have equal
+  /// angular steps, and have no angular noise. The members middle, fov and step are set only for a scan.
   bool scan = false;
   Vec2 middle = Vec2::UnitX();  ///< direction halfway between the first and the last beam, body frame
   double fov = 0;               ///< angle between the first and the last beam, rad
   double step = 0;              ///< angle between neighbouring beams, rad
-  /// Headings of the beams before noise is added, body frame, rad. This array and angular_noise are empty if
-  /// no beam of the group has angular noise.
+  /// Headings of the beams without noise, body frame, rad. This array and angular_noise are empty if no beam
+  /// of the group has angular noise.
   std::vector<double> headings;
   std::vector<double> angular_noise;  ///< bound of the uniformly distributed error of each heading, rad
 };
 
-/// The noise, the lower limit and the beam width of one transducer (fan of beams). add_extras() applies them
-/// to the readings of the transducer after its beams have been cast.
+/// The noise, the lower limit and the beam width of one transducer (fan of beams). add_extras()
+/// (sensors/ranger_noise.hpp) applies them to the readings of the transducer after its beams have been cast.
 struct TransducerExtras {
   std::size_t first = 0;      ///< index of its first reading among the readings of the ranger
   std::size_t count = 0;      ///< number of its readings
@@ -50,13 +53,14 @@ struct TransducerExtras {
   double beam_width = 0;          ///< opening angle of each beam, rad; 0: beams without width
   Vec2 origin = Vec2::Zero();     ///< point where its beams start, body frame, m
   double z = 0;                   ///< height of its beams, body frame, m
-  /// Headings of the beams before noise is added, body frame, rad; empty if the beams have no width.
+  /// Headings of the beams without noise, body frame, rad; empty if the beams have no width.
   std::vector<double> headings;
 };
 
-/// The beams of a ranger, prepared once from its parameters. They serve both ray engines: the exact engine,
-/// which intersects beams with outlines, and the grid engine, which follows rays through the cells of a grid.
-/// The body frame is that of the body, or of the joint, that carries the ranger.
+/// The beams of a ranger (range sensor), prepared once from its parameters. Both ray engines use them: the
+/// exact engine, which intersects beams with outlines, and the grid engine, which follows rays through the
+/// cells of a grid. In this file, the body frame is the frame of the body or joint that carries the ranger. A
+/// transducer is a fan of beams of the ranger.
 struct RangerBeams {
   std::size_t count = 0;           ///< number of beams of all transducers
   std::vector<BeamGroup> groups;   ///< all beams, in the order of the readings
@@ -66,7 +70,7 @@ struct RangerBeams {
   double reach = 0;                ///< bound on the distance from the reference to the end of any beam, m
   bool intensity = false;          ///< whether the readings contain intensities
   bool has_angular_noise = false;  ///< whether any beam has angular noise
-  /// One entry for each transducer with noise of readings, a lower limit or a beam width.
+  /// One entry for each transducer whose readings have noise, a lower limit or a beam width.
   std::vector<TransducerExtras> extras;
 };
 

@@ -14,21 +14,24 @@ namespace troupe::sensors {
 /// are within the cone. The result is std::nullopt if no point of the edge is within the cone.
 std::optional<double> nearest_in_cone(const Vec2& right, const Vec2& left, const Vec2& a, const Vec2& b);
 
-/// Gives the beams of a transducer (fan of beams of a ranger, which is a range sensor) a width, as those of a
-/// sonar have. Each reading was measured along the middle of its beam. It becomes the distance to the nearest
-/// surface point within the width of the beam, if that distance is less. Only surfaces that the middle of the
-/// beam could hit count: surfaces with ranger_return >= 0 at the height of the transducer, but no surface of
-/// the body that carries the ranger or of bodies that move with this body. The result is exact, not sampled
-/// with rays.
+/// Gives the beams of a transducer a width, like the width of a sonar beam. A transducer is a fan of beams of
+/// a ranger (range sensor). Call this function after the beams have been cast as thin rays. It lowers each
+/// range to the distance of the nearest surface point within the width of the beam. The function uses the
+/// same surfaces as the thin rays: those with ranger_return >= 0 whose z interval contains the height of the
+/// beams. It ignores the body that carries the ranger and all bodies that move together with this body. The
+/// distances are exact, not sampled with rays.
 ///
 /// view         read access to the state of the world
-/// own          the row (index in the state tables) of the body that carries the ranger
-/// mount        the frame in which the ranger's beams are given, relative to the world
+/// own          row (index in the state tables) of the body that carries the ranger
+/// mount        the frame in which extras.origin, extras.z and `headings` are given, relative to the world
+///              frame
 /// extras       the transducer; its beam_width must be above 0
-/// headings     the headings of the beams in this tick (time step), with angular noise, rad, in the frame
-///              `mount`
-/// ranges       the readings of the transducer along the middle of its beams, m, which are updated
-/// intensities  the intensities of the transducer, updated with the ranges; empty if it has none
+/// headings     the headings of the middle lines of the beams in this tick (time step), rad; they include
+///              angular noise
+/// ranges       before the call: the distances along the middle lines of the beams, m; after it: the
+///              distances within the widths of the beams
+/// intensities  the intensities of the surfaces at these distances, updated together with `ranges`; empty if
+///              the ranger reports no intensities
 void cast_cones(const engine::SensingView& view, Row own, const engine::Mount& mount,
                 const TransducerExtras& extras, std::span<const double> headings, std::span<float> ranges,
                 std::span<float> intensities);

@@ -27,22 +27,22 @@ class ActRefused : public std::invalid_argument {
   using std::invalid_argument::invalid_argument;
 };
 
-/// The held robots of a simulation: robots that a user or a program steers instead of their controllers (the
-/// code that normally commands them). Between the act that holds a robot and the act that releases it, the
-/// robot gets the same speed command before every tick (time step). This command overrides the controller of
-/// the robot.
+/// The held robots of a simulation. A held robot is steered by a user or a program instead of its controller
+/// (the code that normally commands it). An act of the kind `hold` holds a robot, and an act of the kind
+/// `release` releases it. In between, apply() gives the robot the same speed command before every tick (time
+/// step), which overrides the commands of its controller.
 class Holds {
  public:
-  /// Holds a robot from the next tick on; replaces the speeds of a robot that is already held. body: number
-  /// of the robot's BodyId; the robot must exist and have a drive, which is not checked. speed: forward and
-  /// left in m/s, turn in rad/s (for a car drive: the steering angle, rad), in the body frame.
+  /// Holds a robot. If the robot is already held, replaces its speeds. body: the number of the robot,
+  /// BodyId::value. The robot must exist and have a drive; this is not checked. speed: forward, left and
+  /// turn, body frame, m/s and rad/s; for a car drive, turn is the steering angle, rad.
   void set(std::uint32_t body, const std::array<double, 3>& speed) { speeds_[body] = speed; }
-  /// Releases a robot. Returns false if it was not held.
+  /// Releases a robot. Returns false if the robot was not held.
   bool release(std::uint32_t body) { return speeds_.erase(body) > 0; }
   void clear() { speeds_.clear(); }               ///< releases all robots
   bool empty() const { return speeds_.empty(); }  ///< whether no robot is held
-  /// Commands the speeds of all held robots, in the order of their ids, as Model::set_speed() does. Call it
-  /// once before every tick. Robots that are no longer in the world are released.
+  /// Commands the speeds of all held robots with Model::set_speed(), in the order of the robots' ids.
+  /// Releases robots that are no longer in the world. Call this function once before every tick.
   void apply(Simulation& simulation);
 
   /// Returns the held robots and their speeds as bytes, for a checkpoint.
@@ -56,8 +56,8 @@ class Holds {
   std::map<std::uint32_t, std::array<double, 3>> speeds_;  // by BodyId
 };
 
-/// Applies one act to a simulation. holds: the held robots of this simulation; an act that holds or releases
-/// a robot changes them. Throws ActRefused, and changes nothing, if the act is impossible.
+/// Applies one act to a simulation. If the act is impossible, throws ActRefused and changes nothing. holds:
+/// the held robots of this simulation; an act of the kind `hold` or `release` changes them.
 void carry_out(Simulation& simulation, const Act& act, Holds& holds);
 
 }  // namespace troupe

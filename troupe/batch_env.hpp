@@ -35,16 +35,19 @@ struct BatchPart {
   Of of = Of::reading;  ///< source of the columns
   std::string device;   ///< `reading`: name of the device; empty: the first device with this field
   std::string field;    ///< `reading`: name of the field
-  /// With `nearest`: the robots among which the nearest ones are searched, given as the name of a type of
-  /// bodies, of a population (bodies of one type that the world file creates with one entry) or of one robot;
-  /// empty: all robots. The observing robot itself and robots that are not in the world are skipped.
-  /// Distances are between the origins of the robots, in the plane. Each robot that is found has k_neighbour
-  /// columns: x, y (m, in the observing robot's frame), cosine and sine of its heading relative to the
-  /// observing robot's heading, and 1. If fewer than `count` robots are found, the remaining columns are 0.
-  /// If two robots are at the same distance, the one with the lower id comes first.
-  /// With `target`: if a body has this name, it is the target of all robots. Otherwise each robot has its own
-  /// target: the body whose name is `name` followed by the number at the end of the robot's name. For
-  /// example, if `name` is "goal" and no body has this name, the target of the robot "r3" is the body
+  /// A name; its meaning depends on the source `of`. Only the sources `nearest` and `target` use it.
+  ///
+  /// `nearest`: name of a type of bodies, of a population (the bodies that one entry of the world file
+  /// creates) or of one robot. The nearest robots are searched among the robots of this type or population;
+  /// empty: among all robots. The observing robot itself and robots that are not in the world are skipped.
+  /// Distances are horizontal, between the origins of the robots. If two robots are at the same distance, the
+  /// one with the lower id comes first. Each robot that is found has k_neighbour columns: x and y (m, in the
+  /// observing robot's frame), the cosine and sine of its heading relative to the observing robot's heading,
+  /// and 1. If fewer than `count` robots are found, the remaining columns are 0.
+  ///
+  /// `target`: name of the body that is the target of all robots. If no body has this name, each robot has
+  /// its own target: the body whose name is `name` followed by the number at the end of the robot's name. For
+  /// example, if `name` is "goal" and no body is called "goal", the target of the robot "r3" is the body
   /// "goal3". If a robot has no target, the constructor of BatchEnv throws std::out_of_range. The columns are
   /// 0 while the target is not in the world.
   std::string name;
@@ -56,25 +59,27 @@ struct BatchPart {
   double scale = 1;
 };
 
-/// An array of observations: copies of the world x robots of the team x columns, row-major. The columns of a
-/// robot that is not in the world are 0.
+/// An array of observations with the shape copies of the world x robots of the team x columns, row-major. The
+/// columns are 0 for a robot that is not in the world.
 struct BatchArraySpec {
   std::string name;              ///< unique among the arrays of its team
   std::vector<BatchPart> parts;  ///< one or more groups of columns, from the first column to the last
-  /// False: the elements are float32. True: the elements have the type of the field, and `scale` is applied
-  /// only if this type is float32; use this for images. Such an array must have exactly one part, of the
-  /// source `reading`.
+  /// False: the elements are float32. True: the elements have the type of the observed field, and `scale` is
+  /// applied only if this type is float32; use this for images. An array with raw = true must have exactly
+  /// one part, with the source `reading`.
   bool raw = false;
 };
 
-/// An action: a number that the policy sets for each robot in each step. It controls one component of a
-/// command of the robot. The number -1 commands `low`, 1 commands `high`, and numbers in between are
-/// interpolated linearly. Numbers outside this range are clipped to it. If at least one action of a team
-/// commands the drive, the components of the drive's command that no action controls are 0.
+/// An action: a number that the policy sets for each robot in each step. It determines one number of a
+/// command, to the drive or to another device of the robot. The action -1 commands the value `low`, and the
+/// action 1 commands the value `high`. Actions in between are interpolated linearly. Actions outside [-1, 1]
+/// are clipped to this range. If a team has actions for some of the speeds forward, left and turn of its
+/// drives, the other speeds are commanded to be 0.
 struct BatchAction {
   std::string device;  ///< name of a device that takes commands (Model::asked); empty: the drive
-  /// For the drive: "forward", "left" (m/s) or "turn" (rad/s; for a car drive the steering angle, rad). For a
-  /// device: a field of its command with a single column (Model::asked).
+  /// The number that the action determines. For the drive: "forward", "left" (m/s) or "turn" (rad/s; for a
+  /// car drive the steering angle, rad). For another device: the name of a field of its command
+  /// (Model::asked); the field must be a single number.
   std::string command;
   /// Value for -1, in the unit of the command; finite. Values of integer fields are rounded to the nearest
   /// integer and clamped to the range of their type.
@@ -82,9 +87,10 @@ struct BatchAction {
   double high = 1;  ///< value for 1, in the unit of the command; finite; may be less than `low`
 };
 
-/// A number that a BatchReward or a BatchEnd uses: either a column of an array, with one value per robot, or
-/// a measure (a number computed from the state of the world, troupe/measures.hpp), with one value per copy of
-/// the world.
+/// A number that a BatchReward or a BatchEnd uses. It is either a column of an array, with one value per
+/// robot, or a measure, with one value per copy of the world. A measure is a number computed from the state
+/// of the world (troupe/measures.hpp). If `array` is not empty, it selects a column; otherwise, `measure`
+/// selects a measure.
 struct BatchColumn {
   std::string array;       ///< name of an array of the team; empty: `measure` is used
   std::size_t column = 0;  ///< index of the column in the array, from 0
@@ -92,34 +98,37 @@ struct BatchColumn {
   std::string measure;
 };
 
-/// A term of the reward. The reward of a robot in a step is the sum of all terms, plus BatchEnd::reward of
-/// each condition (BatchEnd) that holds after the step. The reward is 0 for robots that were finished before
-/// the step or are not in the world.
+/// A term of the reward. The reward of a robot in a step is the sum of all terms of its team. Each condition
+/// (BatchEnd) that holds for the robot after the step adds BatchEnd::reward. The reward is 0 for a robot that
+/// was finished (see BatchEnd) before the step, or that is not in the world after the step.
 struct BatchReward {
   BatchColumn of;     ///< the number that is rewarded
   double weight = 1;  ///< factor by which the number is multiplied
-  /// True: the reward uses the change of the number since the previous step (or since the beginning of the
-  /// episode), not the number itself. The change is 0 for a robot that was not in the world after the
-  /// previous step.
+  /// False: the term uses the number itself. True: the term uses the change of the number since the previous
+  /// step or, in the first step of an episode, since the end of the tick with which the episode begins. The
+  /// change is 0 for a robot that was not in the world after the previous step.
   bool change = false;
 };
 
-/// A condition that finishes a robot, that is, ends its episode: a number is below (or above) a threshold. A
-/// condition that tests a measure finishes all robots of the team in its copy of the world, except robots
-/// that are not in the world (removed or not yet born). If the number is NaN, the condition does not hold.
+/// A condition that ends the episode of a robot; the robot is then *finished*. The condition compares a
+/// number with a threshold. It does not hold if the number is NaN. A column of an array is tested for each
+/// robot separately. A measure is tested for a whole copy of the world: the condition then holds for all
+/// robots of the team in this copy. A condition never finishes a robot that is not in the world (removed or
+/// not yet born).
 struct BatchEnd {
   BatchColumn of;         ///< the number that is tested
-  double below = 0;       ///< the threshold; unless `is_above`, the condition holds if the number is less
-  bool is_above = false;  ///< true: the condition holds if the number is greater than the threshold `below`
-  double reward = 0;      ///< added to the robot's reward of the step in which the condition holds
+  double below = 0;       ///< the threshold
+  bool is_above = false;  ///< true: holds if the number is greater than the threshold; false: if it is less
+  double reward = 0;      ///< added to the robot's reward in the step after which the condition holds
 };
 
 /// A group of robots that learn one policy. They have the same observations, actions and rewards.
 struct BatchTeam {
   std::string name;    ///< name of the team; no two teams have the same name
   std::string robots;  ///< name of a type of bodies, a population or a robot; empty: all robots
-  /// Name of the only robot of the team, also if a type or a population has this name; empty: the team has
-  /// the robots that `robots` names.
+  /// Name of a robot that is the only robot of the team; `robots` is then ignored. Use this member if the
+  /// name of the robot is also the name of a type or a population. Empty: the team has the robots that
+  /// `robots` names.
   std::string robot;
   std::vector<BatchArraySpec> arrays;  ///< observations, and arrays that only rewards and ends use
   std::vector<BatchAction> actions;    ///< the actions that each robot of the team has
@@ -130,23 +139,24 @@ struct BatchTeam {
 /// The options of a BatchEnv. Its constructor checks them.
 struct BatchSpec {
   std::size_t copies = 1;  ///< number of copies of the world, 1 to 1,000,000
-  /// Number of threads that step the copies, at most 1,024. 0: one per processor that the process may use.
-  /// The number changes no result.
+  /// Number of threads that step the copies, at most 1,024. 0: one thread per processor that the process may
+  /// use. The results are the same with any number of threads.
   unsigned threads = 0;
   std::size_t ticks = 1;  ///< number of ticks (time steps of the simulation) per step, 1 or more
   /// World time after which an episode is truncated, s: above 0 and at most 1e12, rounded up to whole ticks.
-  /// The time counts from the end of the first tick of the episode, in which the policies give no commands,
-  /// and is tested after each step.
+  /// The time is tested after each step. It is counted from the end of the first tick of the episode; in this
+  /// tick, the policies give no commands.
   double seconds = 60;
   std::vector<BatchTeam> teams;  ///< one or more teams; no robot may be in two teams
-  /// Measures (numbers computed from the state of the world) that are computed for each copy, named as for
-  /// the constructor of Measures. Empty: no measures.
+  /// Measures to compute for each copy. A measure is a number computed from the state of the world. Each text
+  /// names a measure, such as "stalls", in the format of the constructor of Measures (troupe/measures.hpp).
+  /// Empty: no measures.
   std::vector<std::string> measures;
 };
 
 /// Many copies of one world that step together, each with its own seed: a vectorised environment for
-/// learning. The robots of a team learn one policy. A step advances all copies by BatchSpec::ticks ticks
-/// (time steps of the simulation).
+/// learning. A team is a group of robots that learn one policy. A step advances each copy by BatchSpec::ticks
+/// ticks (time steps of the simulation).
 ///
 ///     troupe::BatchEnv batch("room.json", spec);
 ///     batch.reset();
@@ -155,40 +165,44 @@ struct BatchSpec {
 ///       batch.step(batch.over());  // copies that were over begin their next episode
 ///     }
 ///
-/// arrays   row-major. The spans that array(), actions() and the other functions return stay valid, and their
-///          content changes with each step() and reset()
-/// copies   each copy is a Simulation of the world with its own seed, which runs on one thread. Its results
-///          have the same bits for any number of threads and copies
-/// robots   the policies drive the robots of teams: these robots do not run their controllers of the world
-///          file, and all their sensors run. Other robots run their controllers
-/// end      a robot is finished when one of the ends of its team holds or when it dies, that is, leaves the
-///          world for good; its death itself gives no reward. In the steps after a robot has finished, its
-///          reward is 0, its actions are ignored, its drive is commanded to stop (if an action of the team
-///          commands the drive), and its devices keep their last commands. A program may finish further
-///          robots by writing 1 to terminated() between two steps
-/// over     a copy is over when its episode reaches `seconds`, or when all robots of its teams that are in
-///          the world are finished (over() has the exact rule). If a condition of the world's `stop_when`
-///          holds, all robots of the teams are finished, and so the copy is over. step() begins the next
-///          episode of a copy only if the caller requests it
-/// begin    each episode begins with one tick in which the policies give no commands, so that sensors have
-///          readings
-/// seeds    the first episode of a copy has the seed given to reset(), or else the seed of the world plus the
-///          index of the copy. The seeds of the later episodes of the copy are derived from that seed
-/// indices  `team` is an index in BatchSpec::teams, and `copy` a number from 0 to copies() - 1; other numbers
-///          throw std::out_of_range. In spans of copies x robots elements, robot i of copy c is element
-///          c * robots(team) + i. The robots of a team are in the order of their ids
-/// first    before the first reset(), all arrays of the teams contain 0
-/// threads  call all functions from one thread
+/// copies    Each copy is a Simulation, which runs on one thread. The results of a copy have the same bits
+///           for any number of threads and copies.
+/// robots    The policies command the robots of teams. The controllers that the world file gives these robots
+///           do not run, but all sensors of these robots run. The other robots run their controllers.
+/// begin     Each episode begins with one tick in which the policies give no commands, so that the sensors
+///           have readings for the first step.
+/// finished  A robot is finished if one of these conditions holds. A BatchEnd of its team holds. The robot
+///           dies, that is, leaves the world for good (its death itself gives no reward). A condition of the
+///           world's `stop_when` holds, which finishes all robots of teams in the copy. The program writes 1
+///           to terminated() between two steps. In later steps, the reward of a finished robot is 0, its
+///           actions are ignored, and its devices keep their last commands. Its drive is commanded to stop if
+///           an action of the team commands the drive.
+/// over      A copy is over when its episode has lasted for `seconds`, or when all robots of teams that are
+///           in the world are finished. over() has the exact rule. The next episode of a copy begins only
+///           when the program requests it, with step() or reset().
+/// seeds     The first episode of a copy has the seed given to reset() or, without such a seed, the seed of
+///           the world plus the index of the copy. The seeds of the later episodes of the copy are derived
+///           from the seed of its first episode.
+/// indices   The argument `team` is an index in BatchSpec::teams, and `copy` is a number from 0 to copies() -
+///           1. Any other number makes the function throw std::out_of_range. In a span with copies x robots
+///           elements, robot i of copy c is element c * robots(team) + i. The robots of a team are in the
+///           order of their ids.
+/// arrays    Arrays are row-major. The spans that array(), actions() and the other functions return stay
+///           valid. step() and reset() change their contents. Before the first reset(), all arrays of teams
+///           contain 0.
+/// threads   Call all functions from one thread.
 class BatchEnv {
  public:
-  /// Loads a world file and makes the copies. Throws InputError as the constructors of Simulation and
-  /// Measures do; std::out_of_range for unknown names of robots, devices, fields, commands, targets, arrays
-  /// and columns of measures in the spec; and std::invalid_argument for other errors in the spec, such as a
-  /// team without robots. options.threads is ignored.
+  /// Loads a world file and makes the copies. Ignores options.threads. Throws
+  /// - InputError for errors in the world file, as the constructor of Simulation does, and for unknown or
+  ///   wrong measures, as the constructor of Measures does
+  /// - std::out_of_range for unknown names in the spec: of robots, devices, fields, commands, targets, arrays
+  ///   or columns of measures
+  /// - std::invalid_argument for other errors in the spec, such as a team without robots
   BatchEnv(const std::filesystem::path& world, const BatchSpec& spec, const SimulationOptions& options = {});
-  /// Makes copies of the world of a simulation, at tick 0, as Simulation::another() does. The simulation is
-  /// not changed and need not outlive the batch. Several batches may be made from one simulation. Throws as
-  /// the other constructor and as Simulation::another().
+  /// Makes copies of the world of a simulation, at tick 0, with Simulation::another(). The simulation is not
+  /// changed and need not outlive the batch. Several batches may be made from one simulation. Throws the
+  /// exceptions of Simulation::another(), and those of the other constructor for errors in the spec.
   BatchEnv(const Simulation& world, const BatchSpec& spec);
   ~BatchEnv();
   BatchEnv(BatchEnv&&) noexcept;             ///< a moved-from object may only be destroyed or assigned to
@@ -199,8 +213,8 @@ class BatchEnv {
   std::size_t robots(std::size_t team) const;              ///< robots of a team per copy, in the world or not
   std::vector<std::string> names(std::size_t team) const;  ///< names of a team's robots, in order of ids
   const Simulation& simulation(std::size_t copy) const;    ///< the simulation of a copy, read-only
-  /// The simulation of a copy, for observers such as live::View, which shows a running world in a browser.
-  /// Only the batch may step and reset the simulation.
+  /// Returns the simulation of a copy, for observers such as live::View, which shows a running world in a
+  /// browser. Only the batch may step and reset the simulation.
   Simulation& simulation(std::size_t copy);
   unsigned threads() const;  ///< number of threads that step the copies
 
@@ -210,49 +224,60 @@ class BatchEnv {
     std::size_t columns = 0;                         ///< number of elements per robot
     std::span<std::byte> bytes;                      ///< copies x robots x columns elements
   };
-  /// Returns the array of this name of a team. Throws std::out_of_range, with the names of the arrays of the
-  /// team, if the team has no such array.
+  /// Returns the array with this name of a team. If the team has no such array, throws std::out_of_range with
+  /// the names of the team's arrays.
   Array array(std::size_t team, std::string_view name) const;
-  /// Returns the elements of the array of this name of a team: copies x robots x columns, row-major. Throws
-  /// as array() does, and std::invalid_argument if the elements are not float32.
+  /// Returns the elements of the array with this name of a team: copies x robots x columns, row-major. Throws
+  /// std::out_of_range if there is no such array, and std::invalid_argument if its elements are not float32.
   std::span<const float> floats(std::size_t team, std::string_view name) const;
-  /// The actions of a team, copies x robots x actions elements, row-major: the caller writes the numbers for
-  /// the next step. A step does not change them.
+  /// Returns the actions of a team: copies x robots x actions elements, row-major. The program writes the
+  /// numbers for the next step here. A step does not change them.
   std::span<double> actions(std::size_t team);
   std::span<double> rewards(std::size_t team);           ///< copies x robots: reward of the last step
   std::span<std::uint8_t> terminated(std::size_t team);  ///< copies x robots: 1 if the robot is finished
   /// Copies x robots: 1 if the robot is in the world after the last step, else 0.
   std::span<const std::uint8_t> alive(std::size_t team) const;
-  /// One per copy: 1 if the episode has reached BatchSpec::seconds, else 0.
+  /// One element per copy: 1 if the episode has reached BatchSpec::seconds, else 0.
   std::span<const std::uint8_t> truncated() const;
-  /// One per copy: 1 if the copy is over, else 0. A copy is over if its episode is truncated. It is also over
-  /// if at least one robot of its teams is finished (in the world or not) and all robots of its teams that
-  /// are in the world are finished. Each call takes into account what the caller has written to terminated().
+  /// One element per copy: 1 if the copy is over, else 0. A copy is over if its episode is truncated. A copy
+  /// is also over if both of these conditions hold: at least one robot of its teams is finished, and all
+  /// robots of its teams that are in the world are finished. Robots that have left the world or are not yet
+  /// born count only for the first condition. Each call takes into account what the program has written to
+  /// terminated().
   std::span<const std::uint8_t> over();
-  /// Names of the columns of measures(), with their units, as Measures::columns() returns them; empty if
+  /// Names of the columns of measures(), with their units, such as "displacement_m"; empty if
   /// BatchSpec::measures is empty.
   std::vector<std::string> measure_columns() const;
   /// Values of the measures after the last step: copies x measure_columns().size() elements, row-major.
   std::span<const double> measures() const;
   std::span<const std::uint64_t> seeds() const;  ///< one per copy: seed of its current episode
 
-  /// Begins an episode in all or some copies.
-  /// which  one byte per copy: 0 does not change the copy, another value begins an episode; empty: all copies
-  /// seeds  one element per copy: the seed of the episode, from which the seeds of later episodes are
-  ///        derived. If the element has no value, or if `seeds` is empty, the copy begins its next episode,
-  ///        whose seed is derived from the seed that the copy was last given
-  /// Throws std::invalid_argument for spans of other sizes, std::logic_error if `which` is 0 for a copy that
-  /// has not yet begun its first episode, InputError if the rules by which the world file places robots find
-  /// no place, and engine::StepError if the first tick of an episode throws.
+  /// Begins an episode in all or some copies. The arguments have one element per copy:
+  /// which  0: the copy does not change; another value: the copy begins an episode. An empty span means all
+  ///        copies
+  /// seeds  a value: the seed of the episode, which then counts as the first episode of the copy. No value:
+  ///        the copy begins its next episode, with a seed derived from the seed of its first episode. An
+  ///        empty span means no value for all copies
+  ///
+  /// Throws
+  /// - std::invalid_argument if a span has another size
+  /// - std::logic_error if `which` is 0 for a copy that has not yet begun its first episode
+  /// - InputError if the rules by which the world file places robots find no place for a robot
+  /// - engine::StepError if the first tick of an episode throws
   void reset(std::span<const std::uint8_t> which = {},
              std::span<const std::optional<std::uint64_t>> seeds = {});
-  /// Advances all copies by one step. begins: one byte per copy; if it is not 0, the copy begins its next
-  /// episode instead of making a step, and its rewards are 0; empty: all copies make a step. Throws
-  /// std::logic_error before the first reset(). Throws std::invalid_argument, before any copy makes its step,
-  /// if `begins` has another size or an action of a copy that makes a step is not finite. Throws
-  /// engine::StepError if the step of a copy throws, and as reset() does if a copy cannot begin its episode.
-  /// If the step of a copy throws or a copy cannot begin its episode, the other copies have made their step,
-  /// and the failed copy must be reset before it can step again.
+  /// Advances all copies by one step. begins: one element per copy. If it is not 0, the copy begins its next
+  /// episode instead of making a step, and its rewards are 0. An empty span means that all copies make a
+  /// step.
+  ///
+  /// Throws these exceptions before any copy has changed:
+  /// - std::logic_error if reset() has not yet been called
+  /// - std::invalid_argument if `begins` has another size, or if an action is not finite (the actions of
+  ///   copies that begin an episode are not tested)
+  ///
+  /// Throws engine::StepError if the step of a copy fails, and the exceptions of reset() if a copy cannot
+  /// begin its episode. The other copies have then made their step. The failed copy must be reset before its
+  /// next step.
   void step(std::span<const std::uint8_t> begins = {});
 
  private:

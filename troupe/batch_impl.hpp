@@ -17,16 +17,18 @@
 
 namespace troupe {
 
-/// The data of a BatchEnv, which steps many copies of one world. The constructor looks up all names in the
-/// BatchSpec (the options), so that a step works on ids and indices. A team is a group of robots that learn
-/// one policy; its arrays contain the observations.
+/// The data of a BatchEnv, which steps many copies of one world. A *team* is a group of robots that learn one
+/// policy. An *array* contains observations of a team: the same columns of numbers for each robot. A *part*
+/// of an array is a group of consecutive columns that have one source, such as a sensor.
+///
+/// The user describes teams, arrays and parts by names (BatchSpec). The constructor looks up all names, so
+/// that a step uses only ids and indices.
 struct BatchEnv::Impl {
   using Of = BatchPart::Of;
-  /// Number of commands of a drive: forward, left, turn.
+  /// Number of components of the command of a drive: forward, left, turn.
   static constexpr std::size_t k_drive = 3;
 
-  /// How the columns of one part of an array are computed. A part is a group of columns from one source
-  /// (BatchPart). plan() creates this object in the constructor, so that no step has to look up names.
+  /// A part of an array: its description by the user (`spec`), and what the constructor has looked up for it.
   struct Part {
     const BatchPart* spec = nullptr;
     std::size_t columns = 0;
@@ -35,7 +37,7 @@ struct BatchEnv::Impl {
     // and so in TeamCopy::readings, groups or targets. 0 for other sources.
     std::size_t of_kind = 0;
   };
-  /// An array of observations of a team, for all copies of the world.
+  /// An array of a team, with the numbers of its robots in all copies of the world.
   struct ArrayData {
     std::string name;
     engine::Element element = engine::Element::f32;
@@ -45,20 +47,23 @@ struct BatchEnv::Impl {
 
     std::size_t row_bytes() const { return columns * engine::element_size(element); }
   };
-  /// A BatchColumn whose names have been replaced by indices.
+  /// A number on which a reward or the end of an episode depends (BatchColumn): a column of an array or a
+  /// measure. If `of_measure` is true, `column` is an index into `measure_columns`. Otherwise `array` is the
+  /// index of the array in TeamData::arrays, and `column` is the index of the column in this array.
   struct Column {
     std::size_t array = 0;
     std::size_t column = 0;
     bool of_measure = false;
   };
-  /// An action (BatchAction) whose names have been replaced by indices.
+  /// An action (BatchAction): a number that the policy sets for each robot, and that controls one component
+  /// of a command. Names are replaced by indices.
   struct Action {
     std::size_t command = 0;  // 0 to 2: drive; from k_drive on: devices, see TeamCopy::commands
     engine::Element element = engine::Element::f64;
     double low = 0;
     double span = 0;  // BatchAction::high - low
   };
-  /// The data of a team that belong to all copies of the world.
+  /// The data of a team for all copies of the world together.
   struct TeamData {
     const BatchTeam* spec = nullptr;
     std::size_t robots = 0;
@@ -74,13 +79,14 @@ struct BatchEnv::Impl {
     std::vector<std::uint8_t> terminated;
     std::vector<std::uint8_t> alive;
   };
-  /// A field of a device: for a field of its readings, `field` is the index of the field; for a field of its
-  /// command, `field` is the offset in the command, bytes.
+  /// A field of a device. In TeamCopy::readings, `field` is the index of the field among the fields of the
+  /// device's readings. In TeamCopy::commands, `field` is the offset of the field in the device's command,
+  /// bytes.
   struct DeviceField {
     const engine::BodyType::Device* device;
     std::size_t field;
   };
-  /// The data of a team in one copy of the world.
+  /// The data of a team for one copy of the world.
   struct TeamCopy {
     std::vector<BodyId> ids;
     std::vector<DeviceField> readings;         // readings x robots

@@ -8,18 +8,18 @@
 
 namespace troupe {
 
-/// Returns true for the keys of Simulation::effective_options() that do not affect the simulated results.
-/// That function lists the options of a run as pairs of key and value. The keys that do not affect results
-/// state how the run is computed (number of threads, ...), or at which tick it was resumed.
+/// Returns true if an option of Simulation::effective_options() does not affect the simulated results. Such
+/// options state how the run is computed (for example the number of threads) and at which tick it was
+/// resumed. option: the key of the option.
 constexpr bool changes_no_result(std::string_view option) {
   constexpr std::array<std::string_view, 5> k_options{"threads", "tile_m", "simd", "ranks",
                                                       "resumed_at_tick"};
   return std::ranges::find(k_options, option) != k_options.end();
 }
 
-/// Returns a key or value of Simulation::effective_options() as it is written, in one line, in the header of
-/// a hash log (a file with the hash of the simulated state after every time step): a line break becomes `\n`,
-/// and a backslash `\\`.
+/// Returns `text` as one line: each line break is replaced by the two characters `\n`, and each backslash by
+/// `\\`. Hash logs (files with the hash of the simulated state after every time step) contain the options of
+/// the run in this form.
 inline std::string to_one_line(std::string_view text) {
   std::string line;
   for (const char c : text) {

@@ -10,14 +10,16 @@
 
 namespace troupe {
 
-/// Past positions of bodies, for the picture layer `trails`, which draws the path of each body as a line. The
-/// positions come from frames: a frame is the data that a viewer needs to draw the world at one tick (time
-/// step). A position is stored every k_seconds / 50 seconds, rounded up to whole ticks. At most 50 positions
-/// per body are kept, and none that is older than k_seconds. Pass frames to see() in the order of their
-/// ticks; a frame with an earlier tick than the last stored frame clears the history.
+/// The positions of bodies in the last k_seconds, from which the picture layer `trails` draws the path of
+/// each body as a line. see() takes the positions from frames. A frame has the data that a viewer needs to
+/// draw the world at one tick (time step).
+///
+/// see() stores at most 50 positions per body: one every 0.4 s (k_seconds / 50), rounded up to whole ticks.
+/// Pass frames to see() in the order of their ticks. A frame with an earlier tick than the last stored frame
+/// clears the history.
 class Trails {
  public:
-  /// Largest age of the positions of a trail, s, before rounding up to whole ticks.
+  /// How far a trail goes back in time, s; rounded up to whole ticks.
   static constexpr double k_seconds = 20;
 
   /// tick_s: length of a tick, s.
@@ -26,9 +28,9 @@ class Trails {
   /// number of points of a trail.
   bool wants(std::uint64_t tick) const;
   void see(const engine::Frame& frame);  ///< stores the positions of a frame's bodies if wants() is true
-  /// Replaces Frame::trails by one trail per body of Frame::mobile (the bodies that are not static): the
-  /// stored positions of the body in the last k_seconds before `frame`, oldest first, and then its position
-  /// in `frame`; m, world frame.
+  /// Replaces Frame::trails by one trail per body of Frame::mobile (the bodies that are in the world and not
+  /// static). A trail consists of the stored positions of the body in the last k_seconds before `frame`,
+  /// oldest first, and of its position in `frame`; m, world frame.
   void add_to(engine::Frame& frame) const;
 
  private:
@@ -37,7 +39,7 @@ class Trails {
     std::vector<std::uint32_t> ids;       // in rising order
     std::vector<Eigen::Vector3d> places;  // one per id
   };
-  /// Whether a stored position is too old for a trail that ends at `tick`.
+  /// Whether stored positions are too old to be part of a trail that ends at `tick`.
   bool is_too_old(const Seen& seen, std::uint64_t tick) const { return seen.tick + most_ticks_ < tick; }
 
   std::uint64_t every_ticks_;
@@ -45,20 +47,21 @@ class Trails {
   std::deque<Seen> seen_;
 };
 
-/// Squares of the floor that robots have visited, for the picture layer `coverage`. A square is visited if
-/// the origin of a robot was in it at a tick (time step) whose frame was passed to see(), as in the measure
-/// `coverage`. A frame is the data that a viewer needs to draw the world at one tick.
+/// The squares of the floor that robots have visited, for the picture layer `coverage`. see() takes the
+/// positions of the robots from frames. A frame has the data that a viewer needs to draw the world at one
+/// tick (time step). A square is visited if it contains the origin of a robot in a frame that see() has
+/// received.
 class Covered {
  public:
   static constexpr double k_square_m = 1;  ///< edge length of the squares, m
 
-  /// Stores the squares of all robots of a frame. Pass frames in the order of their ticks; a frame with an
-  /// earlier tick than the previous frame clears the history. scene: the constant data of the world, among
-  /// them the types of bodies to which `frame` refers.
+  /// Stores which squares the robots of a frame visit. Pass frames in the order of their ticks. A frame with
+  /// an earlier tick than the previous frame clears the history. scene: the constant data of the world, which
+  /// contain the body types that `frame` uses.
   void see(const engine::FrameScene& scene, const engine::Frame& frame);
   /// Replaces Frame::covered by the visited squares, sorted by x and then by y, and sets Frame::covered_m to
-  /// k_square_m. Each square has the time of its last visit as a number from 0 (first stored tick) to 1 (last
-  /// stored tick; also if only one tick was stored).
+  /// k_square_m. FrameSquare::freshness is the time of the last visit as a number from 0 (tick of the first
+  /// stored frame) to 1 (tick of the last stored frame). It is 1 if all stored frames have the same tick.
   void add_to(engine::Frame& frame) const;
 
  private:

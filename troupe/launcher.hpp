@@ -13,9 +13,9 @@ struct Launcher {
   std::string mpi;     ///< the MPI implementation that the launcher belongs to: "openmpi" or "mpich"
 };
 
-/// Returns the launcher that started this process, which is detected from environment variables; std::nullopt
-/// if there is none. Throws InputError if Slurm's srun started several processes without MPI: such processes
-/// cannot connect to each other.
+/// Returns the launcher that started this process; std::nullopt if no launcher did. Detects a launcher by the
+/// environment variables that it sets. Throws InputError if Slurm's srun started several processes without
+/// MPI: such processes cannot connect to each other.
 std::optional<Launcher> find_launcher();
 
 }  // namespace troupe

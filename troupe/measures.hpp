@@ -22,32 +22,39 @@ class Simulation;
 ///   }
 ///   std::cout << measures.value("coverage") << '\n';
 ///
-/// Measures do not change the state. They are computed on the worker threads of the simulation, which must
-/// outlive this object. Not thread-safe.
+/// Measures do not change the state. The simulation must outlive this object, which uses the worker threads
+/// of the simulation. Not thread-safe.
 class Measures {
  public:
-  /// wanted: one text per measure. The text is the name of a measure ("stalls"), or the name, a colon and the
-  /// robots for which the measure is computed ("stalls:leaders"). These robots are given as the name of a
-  /// type of bodies, of a population (an entry of the world file that creates many robots) or of a robot. The
-  /// text may also be a JSON object as in a world file (`{"kind": "coverage", "cell_m": 0.5}`). An empty list
-  /// means the measures of the world file, or, if it has none, all measures that need no parameters, except
-  /// those that are a second name (alias) of another measure. Throws InputError, whose text lists all errors:
-  /// unknown measures, parameters and robots, and two measures with the same column name.
+  /// Makes measures, and updates them with the current state, as see() does. Each text in `wanted` describes
+  /// one measure. It is one of:
+  /// - the name of a measure: "stalls";
+  /// - the name of a measure, a colon, and the robots for which it is computed: "stalls:leaders". The word
+  ///   after the colon is the name of a type of bodies, of a population (an entry of the world file that
+  ///   creates many robots) or of a robot;
+  /// - a JSON object as in a world file: `{"kind": "coverage", "cell_m": 0.5}`.
+  ///
+  /// If `wanted` is empty, the measures of the world file are computed. If the world file has none, all
+  /// measures that need no parameters are computed, except aliases (second names of other measures).
+  ///
+  /// Throws InputError, whose text lists all errors: unknown measures, parameters and robots, and two
+  /// measures with the same column name.
   explicit Measures(Simulation& simulation, const std::vector<std::string>& wanted = {});
   ~Measures();
   Measures(Measures&&) noexcept;             ///< a moved-from object may only be destroyed or assigned to
   Measures& operator=(Measures&&) noexcept;  ///< a moved-from object may only be destroyed or assigned to
 
-  /// Updates measures that depend on earlier ticks (time steps), such as the covered area, with the current
-  /// state. Call it after every step; the constructor has already called it for the current tick. If a tick
-  /// was left out, and after Simulation::reset(), these measures start again from the current state. A second
-  /// call in a tick has no effect.
+  /// Updates the measures with the current state. Call it after every step; the constructor has already
+  /// called it for the current tick (time step). A second call in a tick has no effect. Measures such as the
+  /// covered area depend on earlier ticks. They start again from the current state after a tick without a
+  /// call of see(), and after Simulation::reset(). Throws std::logic_error after a step that threw.
   void see();
-  /// Names of the values, in the order of the list `wanted`, with their units appended: `displacement_m`,
-  /// `displacement_m:leaders`, `stalls` (no unit).
+  /// Names of the values, in the order of the argument `wanted` of the constructor, with their units
+  /// appended: `displacement_m`, `displacement_m:leaders`, `stalls` (no unit).
   std::span<const std::string> columns() const;
-  /// Returns the index of a column; std::nullopt if there is none. The name may omit the unit:
-  /// `displacement_m` and `displacement`, `displacement_m:leaders` and `displacement:leaders`.
+  /// Returns the index of a column in columns(); std::nullopt if there is none. The name may omit the unit:
+  /// "displacement" finds the column `displacement_m`, and "displacement:leaders" finds
+  /// `displacement_m:leaders`.
   std::optional<std::size_t> find(std::string_view name) const;
   /// Returns one number per column for the current state; NaN if a measure has no value, for example a mean
   /// over robots when no robot is in the world. see() must have been called after the last step.
@@ -59,9 +66,10 @@ class Measures {
   /// Returns the data about earlier ticks that the measures store, as bytes, for a checkpoint (a file from
   /// which a run can be resumed).
   std::vector<std::byte> memory() const;
-  /// Restores the data that memory() returned. The measures must be the same as those that returned the
-  /// bytes, and the simulation must be in the state that it had when memory() was called. Returns false, and
-  /// changes nothing, if the number of bytes does not match these measures.
+  /// Restores the data that memory() returned. This object must have the same measures as the object that
+  /// returned the data. The simulation must be in the state that it had when memory() was called, and this
+  /// object must have been constructed or updated by see() in this state. Returns false, and changes nothing,
+  /// if the number of bytes does not match these measures.
   bool remember(std::span<const std::byte> memory);
 
  private:

@@ -8,28 +8,28 @@
 
 namespace troupe {
 
-/// What a Model, which is only a handle, refers to: a body of a world, or a part of a body. A device is a
-/// sensor or other equipment on a part. `part` is the index of the part; 0: the body itself. `name` is the
-/// result of Model::name().
+/// The body, or the part of a body, to which a Model refers. `part` is the index of the part; 0 is the body
+/// itself. `name` is the result of Model::name(). A device is a sensor or other equipment; each device
+/// belongs to a part of the body.
 struct Model::Place {
   engine::World* world;
   BodyId body;
   std::size_t part;
   std::string name;
 
-  /// Returns the row (index) of the body in the state tables, which hold the state of all bodies that are not
-  /// static. Throws std::logic_error for static geometry, which has no row, and if the state is incomplete
-  /// after a failed step.
+  /// Returns the row of the body, which is its index in the state tables. These tables hold the state of all
+  /// bodies that are not static. Throws std::logic_error for static geometry, which has no row, and after a
+  /// step that threw, because the state is then incomplete.
   Row row() const;
-  /// Returns the result of row(), for functions that do not apply to parts: also throws std::logic_error if
-  /// this model is a part.
+  /// Returns the row of the body, for functions that do not apply to parts. Throws std::logic_error if this
+  /// model is a part, and for static geometry. Does not check whether the last step threw, unlike row().
   Row whole() const;
   const engine::BodyType& type() const { return world->type(body); }
-  /// Returns the index of the body in the state tables that only bodies of its type have, such as those of
-  /// devices. Throws as row() does.
+  /// Returns the slot of the body, which is its index in the state tables that only bodies of its type have,
+  /// such as those of devices. Throws as row() does.
   std::size_t slot() const { return world->slot(row()); }
-  /// Returns the device `wheels` that drives this part; null if the part has none, and for the body itself,
-  /// whose drive is not a device.
+  /// Returns the device `wheels` of this part, a drive that moves only this part. Returns null if the part
+  /// has none. Also returns null for the body itself, because the drive of a body is not a device.
   const engine::BodyType::Device* wheels() const {
     for (const engine::BodyType::Device& device : type().devices)
       if (part > 0 && device.part == part && device.kind->drives) return &device;
@@ -40,16 +40,17 @@ struct Model::Place {
     const auto& parts = world->spec().type(body).parts;
     return part == 0 || device.name == parts[part].name;
   }
-  /// Returns the first device of this model that satisfies `wanted`; null if there is none.
+  /// Returns the first device of this model for which wanted(device) is true; null if there is none.
   template <class Wanted>
   const engine::BodyType::Device* find(Wanted&& wanted) const {
     for (const engine::BodyType::Device& device : type().devices)
       if (owns(device) && wanted(device)) return &device;
     return nullptr;
   }
-  /// Throws std::out_of_range for a device `wanted` that this model does not have: `"r0" has no sensor "eye";
-  /// it has: ...`. what: what was searched, such as "sensor". The text lists the devices of this model that
-  /// satisfy `counted`.
+  /// Throws std::out_of_range with the text `"r0" has no sensor "eye"; it has: ...`.
+  /// what: the sort of device that was searched for; in this example "sensor"
+  /// wanted: the name that was searched for; in this example "eye"
+  /// counted: the text lists the devices of this model for which counted(device) is true
   template <class Counted>
   [[noreturn]] void throw_unknown(std::string_view what, std::string_view wanted, Counted&& counted) const;
   /// Throws std::logic_error if `sensor`, a sensor of this model, does not run. A sensor runs only if the

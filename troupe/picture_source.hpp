@@ -12,8 +12,8 @@
 
 namespace troupe {
 
-/// A number that bodies have in their state: one column of a field of a component. Troupe stores the state of
-/// the bodies in tables, called components. Each component has named fields of one or more columns.
+/// The place of a number in the state of a body: component, field and column. Troupe stores the state of the
+/// bodies in tables, called components. A component has named fields, and a field has one or more columns.
 struct ChosenValue {
   std::string component;   ///< name of the component: "velocity", "wander/0" (StateTable::component())
   std::string field;       ///< name of the field in the component
@@ -22,8 +22,8 @@ struct ChosenValue {
 };
 
 /// The data that a caller requests from a PictureSource, in addition to the poses of bodies. The data are
-/// members of the struct engine::Frame, which contains what a viewer needs to draw the world at one tick
-/// (time step).
+/// members of engine::Frame, the struct with all that a viewer needs to draw the world at one tick (time
+/// step).
 struct FrameWishes {
   bool scans = false;                ///< readings of range sensors: Frame::scans and Frame::ranges
   bool sights = false;               ///< lines to detected markers: Frame::sights
@@ -35,8 +35,8 @@ struct FrameWishes {
   std::optional<ChosenValue> value;  ///< the value by which bodies are coloured: Frame::values; empty: none
 };
 
-/// A state to draw: the current state of a simulation, or a frame of a recording, which is what the recording
-/// contains for one tick (time step).
+/// A state to draw: the current state of a simulation, or a frame of a recording. A frame of a recording is
+/// the recorded state at one tick (time step).
 class PictureSource {
  public:
   virtual ~PictureSource() = default;
@@ -64,9 +64,10 @@ class PictureSource {
   // The state to draw.
   virtual double time_s() const = 0;             ///< world time, s
   virtual std::uint64_t state_hash() const = 0;  ///< hash of the whole state (docs/determinism.md)
-  /// Returns the poses of the mobile bodies (those that are in the world and not static) and the members of
-  /// engine::Frame that `wishes` request. For a body that lacks a requested item, lists with one number per
-  /// body contain NaN, and other lists have no entry.
+  /// Returns the poses of the mobile bodies (those that are in the world and not static), and the members of
+  /// engine::Frame that `wishes` request. Some of these members, such as Frame::charges, have one number per
+  /// mobile body; the number is NaN for a body that lacks it. The other members, such as Frame::scans, have
+  /// no entry for a body that lacks the data.
   virtual engine::Frame frame(const FrameWishes& wishes) const = 0;
 };
 

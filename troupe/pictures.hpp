@@ -25,16 +25,19 @@ struct PictureOptions {
   /// Height, pixels. 0 or less: 720, or, with the camera `window`, the height of the entry `window` of the
   /// world file.
   int height = 0;
-  /// `top`: looks straight down at the whole world, as a map. `fit`: straight down at the region that
-  /// contains the robots. `perspective`: the whole world from an oblique angle, with bodies drawn in three
-  /// dimensions. `follow:all`: perspective view of the region that contains the robots. `follow:NAME`:
-  /// perspective view centred on the body NAME. `window`: the view that the entry `window` of the world file
-  /// describes.
+  /// The view:
+  /// - `top`: the whole world, from straight above, as a map
+  /// - `fit`: like `top`, but only the region that contains the robots
+  /// - `perspective`: the whole world, in perspective, from an oblique angle
+  /// - `follow:all`: like `perspective`, but only the region that contains the robots
+  /// - `follow:NAME`: like `perspective`, but with the body NAME in the centre
+  /// - `window`: the view that the entry `window` of the world file describes
   std::string camera = "top";
   /// Point at the centre of the picture, m, in the world frame. Not given: the camera chooses it.
   std::optional<std::array<double, 2>> center_m;
-  /// Pitch (0: straight down, pi/2: horizontal) and yaw (counter-clockwise; 0: +y points away from the
-  /// viewer) of the camera, rad. Not given: the camera chooses them.
+  /// Pitch and yaw of the camera, rad. Pitch: 0 looks straight down, pi/2 looks horizontally. Yaw turns the
+  /// camera counter-clockwise, seen from above; with a yaw of 0, +y points away from the viewer (on a map:
+  /// up). Not given: the camera chooses both.
   std::optional<std::array<double, 2>> angle_rad;
   /// Width of the part of the world that the picture shows, measured through the centre of the picture, m.
   /// Not given: the camera chooses it.
@@ -88,9 +91,9 @@ Result<> check_camera(const std::string& camera);
 /// simulation passed to see() and take() must be that of the constructor or have the same world.
 class Pictures {
  public:
-  /// Throws InputError for unknown cameras, layers and backgrounds, and for options that name something that
-  /// the world does not have: a body to follow, an entry `window`, a field to colour by. Throws
-  /// std::runtime_error if the build has no renderer.
+  /// Throws InputError for unknown cameras, layers and backgrounds. Also throws InputError if the options
+  /// name something that the world does not have: a body to follow, an entry `window`, or a field to colour
+  /// by. Throws std::runtime_error if the build has no renderer.
   Pictures(const Simulation& simulation, PictureOptions options);
   /// Draws pictures of a recording or of another source (troupe/picture_source.hpp is the interface of
   /// sources). Throws as the constructor for a simulation does, and InputError also for layers and values
@@ -111,12 +114,12 @@ class Pictures {
   void see(const Simulation& simulation);
   void see(const PictureSource& source);  ///< collects the data for `trails` and `coverage` from `source`
   /// Discards the data that see() collected for the layers `trails` and `coverage`. Also discards the last
-  /// position and region of a camera that follows robots, which the camera would keep while no followed robot
-  /// is in the world.
+  /// view of a camera that follows robots: such a camera keeps its last view while none of these robots is in
+  /// the world.
   void forget();
-  /// The length of the simulated time before a picture, s, in which see() must be called after every step.
-  /// Layers such as `trails` show what happened in this time. 0: no layer needs see(); infinity: see() must
-  /// be called from the start of the run.
+  /// How far back in simulated time a picture looks, s. For a picture at the time t, see() must be called
+  /// after every step from t - history_s() to t. For example, the layer `trails` shows the last 20 s. 0:
+  /// see() need not be called. Infinity: see() must be called from the start of the run.
   double history_s() const;
 
   struct ShotData;
@@ -126,10 +129,11 @@ class Pictures {
   /// speed is shown.
   Shot take(const Simulation& simulation, double times_real_time = 0);
   Shot take(const PictureSource& source, double times_real_time = 0);  ///< copies the state of `source`
-  /// Interpolates between two ticks: the time, the poses of bodies that both shots contain, the ends of their
-  /// trails, and the region that the camera shows. All other data are copied from `earlier`, except the state
-  /// hash in the metadata, which is left out. Both shots must come from take() of the same Pictures. share:
-  /// position between the two ticks, from 0 (`earlier`) to 1 (`later`).
+  /// Returns a Shot for a time between two ticks. share: position of this time between the ticks, from 0
+  /// (`earlier`) to 1 (`later`). The time, the poses of bodies that both shots contain, and the region that
+  /// the camera shows are interpolated. Each trail ends at the interpolated position of its body. All other
+  /// data are copied from `earlier`. The metadata contain no state hash. `earlier` and `later` must come from
+  /// take() of the same Pictures.
   static Shot between(const Shot& earlier, const Shot& later, double share);
 
   /// Checks that write() can write a file of this name: writes a small picture to another file in the same
@@ -138,14 +142,17 @@ class Pictures {
   void rehearse(const std::filesystem::path& file);
   /// Returns a picture of width() x height() pixels: 8-bit RGBA, four bytes per pixel, row by row from the
   /// top. Throws std::runtime_error if the library OSMesa is missing (the text names the package to install),
-  /// and if the size exceeds the limit of OSMesa. Do not call it from two threads at once.
+  /// and if the size exceeds the limit of OSMesa. Do not call draw() or write() while another thread is in
+  /// one of them.
   std::vector<std::uint8_t> draw(const Shot& shot);
-  /// Writes a picture to a file, whose metadata state world, time, seed and state hash. A name ending in
-  /// `.svg` or `.pdf` selects vector graphics (docs/pictures.md); any other name selects PNG. The file is
-  /// written under a temporary name and renamed when complete. Throws InputError for vector graphics of a
-  /// view that is not from straight above. Throws std::runtime_error if the file cannot be written, for PNG
-  /// as draw() does, and for PDF if the library cairo is missing (the text names the package to install). Do
-  /// not call it from two threads at once.
+  /// Writes a picture to a file. A name ending in `.svg` or `.pdf` selects vector graphics
+  /// (docs/pictures.md); any other name selects PNG. The metadata of the file state world, time, seed and
+  /// state hash. The file is written under a temporary name and renamed when complete. Do not call draw() or
+  /// write() while another thread is in one of them.
+  ///
+  /// Throws InputError for vector graphics of a view that is not from straight above. Throws
+  /// std::runtime_error if the file cannot be written. For PNG, also throws as draw() does. For PDF, also
+  /// throws std::runtime_error if the library cairo is missing (the text names the package to install).
   void write(const Shot& shot, const std::filesystem::path& file);
 
  private:

@@ -17,8 +17,11 @@
 #include <vector>
 
 /// A plug-in is a shared library with kinds: implementations of controllers, measures, sensors or other
-/// devices (docs/controllers.md). This header is all that the sources of the library must include. A
-/// controller is a class whose objects are called to decide on the commands of one robot:
+/// devices (docs/controllers.md). This header is all that the sources of the library must include. The
+/// library links the CMake target troupe::plugin. Troupe looks for a kind "dancer" in a library file
+/// dancer.so.
+///
+/// A controller is a class whose objects are called to decide on the commands of one robot:
 ///
 ///     #include <troupe/plugin.hpp>
 ///
@@ -28,11 +31,12 @@
 ///     };
 ///     TROUPE_CONTROLLER("dancer", Dancer)
 ///
-/// The class may also have a description (`static constexpr std::string_view text`), parameters (`struct
-/// Params`, engine/fields/description.hpp), and the functions that engine/kinds/controller.hpp documents:
-/// `choose`, which selects the devices that the controller uses, and an operator() that decides for a batch
-/// of many robots in one call. The library links the CMake target troupe::plugin. Its file is called
-/// dancer.so, because Troupe looks for the kind "dancer" in a file of this name.
+/// The class may also have:
+/// - a description: `static constexpr std::string_view text`;
+/// - parameters: `struct Params` (engine/fields/description.hpp);
+/// - a function `choose`, which selects the devices that the controller uses (engine/kinds/controller.hpp);
+/// - instead of the operator() above, an operator() that decides for many robots in one call
+///   (engine/kinds/controller.hpp).
 ///
 /// A sensor or another device is a function that returns a DeviceKind (docs/extending.md). make_device_kind()
 /// makes one from a class (engine/kinds/device_kind.hpp); a function can also fill the members itself:
@@ -49,10 +53,10 @@
 ///     };
 ///     TROUPE_MEASURE("crowding", Crowding)
 ///
-/// engine/sensing/sensing_view.hpp and engine/sensing/sight.hpp document the functions by which a sensor or
-/// another device reads the world. engine/world/world.hpp documents the class World. A measure and the
-/// function `draw` of a DeviceKind read the world through this class; the functions `apply` and `born` of a
-/// DeviceKind read and change the world through it.
+/// Sensors and other devices read the world through the functions in engine/sensing/sensing_view.hpp and
+/// engine/sensing/sight.hpp. Measures, and the function `draw` of a DeviceKind, read the world through the
+/// class World (engine/world/world.hpp). The functions `apply` and `born` of a DeviceKind also use World, and
+/// may change the world.
 
 namespace troupe {
 
@@ -95,8 +99,8 @@ namespace facts = engine::facts;
 #pragma GCC visibility push(hidden)
 namespace plugin {
 
-/// An element of a linked list of the kinds that this library registers. There are three lists, of
-/// controllers, devices and measures; `Kind` is ControllerKind, DeviceKind or MeasureKind.
+/// An element of a linked list of the kinds that this library registers. There are three lists: of
+/// controllers, of devices and of measures. `Kind` is ControllerKind, DeviceKind or MeasureKind.
 template <class Kind>
 struct Entry {
   using Make = Kind (*)(std::string_view name);  ///< a function that returns a kind and gives it this name
@@ -153,11 +157,11 @@ inline void list(std::vector<engine::ControllerKind>& controllers, std::vector<e
   list_all(measures);
 }
 
-/// Whether the compiler contracts a product and a sum (x * y + z) to one fused multiply-add, which changes
-/// bits of results. The test computes x * y - z, where z is the product x * y rounded to a double. The result
-/// is 0 if the compiler rounds the product before the subtraction. A fused operation returns the rounding
-/// error of the product instead. The operands are volatile so that the expression is computed at run time, as
-/// the arithmetic of a controller is, and not by the compiler.
+/// Whether the compiler contracts x * y + z to one fused multiply-add, which changes bits of results because
+/// it rounds only once. The test computes x * y - z, where z is the product x * y rounded to a double.
+/// Without contraction, the difference is 0. With contraction, it is the rounding error of the product. The
+/// operands are volatile so that the processor computes the difference at run time, like the arithmetic of a
+/// controller.
 inline bool contracts() {
   const volatile double factor = 0x1.0000002p0;
   const volatile double rounded_square = 0x1.0000004p0;
@@ -195,11 +199,14 @@ troupe_plugin() {
   static const ::troupe::plugin::Entry<::troupe::engine::DeviceKind> TROUPE_PLUGIN_ENTRY(__COUNTER__)( \
       name, ::troupe::plugin::device_of<make>);
 
-/// Registers a class derived from Measure as the measure of this name. The class must have a constructor with
-/// the arguments (world, robots), or (world, params, robots) if it has a described `struct Params`, and a
-/// description `static constexpr std::string_view text`. It may have static members `unit`, `definition` and
-/// `formula`, with the meaning of these members of MeasureKind (engine/kinds/measure_kind.hpp). Use the macro
-/// at namespace scope, once per measure.
+/// Registers a class derived from Measure as the measure of this name. Use the macro at namespace scope, once
+/// per measure. The class must have
+/// - a description: `static constexpr std::string_view text`;
+/// - a constructor with the arguments (world, robots). If the class has parameters (a `struct Params`,
+///   engine/fields/description.hpp), the arguments are (world, params, robots).
+///
+/// It may have static members `unit`, `definition` and `formula`, which set the members of MeasureKind with
+/// the same names (engine/kinds/measure_kind.hpp).
 #define TROUPE_MEASURE(name, ...)                                                                       \
   static_assert(::troupe::plugin::is_name(name),                                                        \
                 "a measure's name is one word without / : = \\ \" and without a leading dot");          \

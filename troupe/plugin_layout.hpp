@@ -61,12 +61,11 @@ constexpr std::uint64_t of_sizes() {
 // guarantees it only for types of standard layout.
 #pragma GCC diagnostic push
 #pragma GCC diagnostic ignored "-Winvalid-offsetof"
-/// Returns a hash of the layouts of types: sizes, alignments, and for structs the offset of each member. The
-/// types are those that plug-in and program exchange. A plug-in reads the world through the classes
-/// SensingView and World; the types whose members their inline functions read are also included. If the
-/// hashes of plug-in and program differ although their version numbers are equal, plug-in and program were
-/// compiled with headers of different revisions of Troupe. tests/plugins/layouts.txt has the hash of each
-/// version of the interface.
+/// Returns a hash of the layouts of all types that plug-in and program exchange: sizes, alignments, and the
+/// offsets of public members. These types include those that inline functions of the classes SensingView and
+/// World access, because a plug-in reads the world through these functions. If plug-in and program have the
+/// same version of the plug-in interface but different hashes, they were compiled with headers of different
+/// revisions of Troupe. tests/plugins/layouts.txt has the hash of each version of the interface.
 constexpr std::uint64_t layout() {
   using namespace engine;
   using namespace detail;

@@ -13,10 +13,10 @@
 #include <string_view>
 #include <vector>
 
-/// This header serves to check that a plug-in matches the program that loads it. A plug-in is a shared
-/// library with kinds (implementations of controllers, sensors, other devices or measures). Plug-in and
-/// program both compile this header: the plug-in stores the versions and settings that it was compiled with
-/// (struct Library), and the loader (troupe/plugins.cpp) compares them with those of the program.
+/// This header lets the loader check that a plug-in matches the program. A plug-in is a shared library with
+/// kinds (implementations of controllers, sensors, other devices or measures). Plug-in and program both
+/// compile this header. The plug-in stores the versions and settings with which it was compiled (struct
+/// Library), and the loader (troupe/plugins.cpp) compares them with those of the program.
 
 #if defined(_LIBCPP_VERSION)
 #define TROUPE_PLUGIN_STANDARD_LIBRARY "libc++"
@@ -61,10 +61,10 @@ struct Library {
   /// that was given to the macro TROUPE_CONTROLLER, TROUPE_DEVICE or TROUPE_MEASURE.
   void (*list)(std::vector<engine::ControllerKind>& controllers, std::vector<engine::DeviceKind>& devices,
                std::vector<engine::MeasureKind>& measures);
-  /// Points to the hash of the bytes of the library file. The hash is 0 until the loader writes it at the
-  /// first load. A process loads a library only once, so further simulations get the library that is already
-  /// loaded. If its stored hash differs from the hash of the file, the file was rebuilt in the meantime, and
-  /// the loader rejects it.
+  /// Points to a variable of the plug-in that holds a hash of the bytes of the library file. The variable is
+  /// 0 until the loader sets it at the first load. A process loads a library only once, even if its file
+  /// changes. At each later load, the loader therefore compares the variable with the hash of the file. If
+  /// they differ, the file was rebuilt in the meantime, and the loader rejects it.
   std::atomic<std::uint64_t>* contents;
 };
 

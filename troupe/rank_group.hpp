@@ -6,9 +6,9 @@ class Replica;
 
 namespace troupe {
 
-/// The ranks (threads or processes, docs/cluster.md) that compute one world together with the calling thread.
-/// Each of these ranks has a replica, its own copy of the world, which is destroyed together with this
-/// object.
+/// The ranks that compute one world together: threads or processes with numbers from 0 (docs/cluster.md). The
+/// calling thread belongs to rank 0. Each rank has a replica, its own copy of the world. The replicas are
+/// destroyed together with this object.
 class RankGroup {
  public:
   RankGroup() = default;
@@ -17,7 +17,7 @@ class RankGroup {
   virtual ~RankGroup() = default;
 
   virtual unsigned nodes() const = 0;  ///< number of computers on which the ranks run
-  /// The replica of rank 0, the rank of the calling thread.
+  /// The replica of rank 0.
   ///@{
   virtual const engine::Replica& replica() const = 0;
   virtual engine::Replica& replica() = 0;

@@ -23,9 +23,9 @@ namespace troupe {
 class Plugins;
 
 /// The processes that execute one program together, for example on a cluster. Each process is a rank and has
-/// a number from 0 (docs/cluster.md). Rank 0 runs the program. For each world of the program, every other
-/// rank makes a replica (a copy of the world). The ranks divide the robots of the world among each other, and
-/// each rank computes its own robots. The ranks other than 0 only execute the orders that rank 0 sends them.
+/// a number from 0 (docs/cluster.md). Rank 0 runs the program and sends orders to the other ranks, which wait
+/// for orders and carry them out. For each world of the program, every rank has a replica (a copy of the
+/// world) and computes a part of the robots.
 class RankProcesses {
  public:
   /// transport: the connection to the other processes; it must outlive this object
@@ -33,7 +33,7 @@ class RankProcesses {
   /// threads: number of worker threads of each replica in this process if the user gives no number
   RankProcesses(partition::Transport& transport, unsigned nodes, unsigned threads)
       : transport_(transport), nodes_(nodes), threads_(threads) {}
-  /// On rank 0: tells the other processes that no order follows; their follow() then returns.
+  /// On rank 0: tells the other ranks that no order follows. Their calls of follow() then return.
   ~RankProcesses();
   RankProcesses(const RankProcesses&) = delete;
   RankProcesses& operator=(const RankProcesses&) = delete;
@@ -44,20 +44,20 @@ class RankProcesses {
   ///
   /// registry: the kinds of sensors, drives, controllers and so on that the world was made with
   /// plugins: the plug-ins (shared libraries with further kinds) that the world uses
-  /// options: options of all replicas; if their number of threads is 0, each process uses the number of
-  /// threads that was given to the constructor of its RankProcesses
+  /// options: options of the replicas on the other ranks; if the number of threads is 0, each of these ranks
+  /// uses the number that was given to the constructor of its RankProcesses
   /// seed: for tests; if set, robots move to random ranks during the run, and the seed determines the ranks
-  /// distribute: whether each rank has only the state of its own robots and of robots near them. Must be
-  /// false for a world that cannot be distributed in this way; for such a world, engine::why_replicated()
-  /// returns a text with the reason
+  /// distribute: true: each rank has only the state of its own robots and of robots near them. Only allowed
+  /// for a world for which engine::why_replicated() returns an empty text
   std::unique_ptr<RankGroup> add(engine::World& world, const engine::Registry& registry,
                                  const Plugins& plugins, const engine::WorldOptions& options,
                                  std::optional<std::uint64_t> seed, bool distribute);
-  /// On all other ranks: carries out orders of rank 0 until rank 0 destroys its RankProcesses. Throws
-  /// partition::RankError if a rank fails.
+  /// On the ranks other than 0: carries out the orders of rank 0 until rank 0 destroys its RankProcesses.
+  /// Throws partition::RankError if a rank fails.
   ///
   /// plugin_path: folders to search for the plug-ins that rank 0 uses
-  /// requests: returns how often this process has received the signal SIGUSR1, which requests a checkpoint
+  /// requests: a function that returns how often this process has received the signal SIGUSR1, which requests
+  /// a checkpoint
   void follow(const std::vector<std::filesystem::path>& plugin_path,
               const std::function<std::uint32_t()>& requests);
   unsigned threads() const { return threads_; }  ///< the argument `threads` of the constructor

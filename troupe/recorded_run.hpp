@@ -12,14 +12,20 @@
 
 namespace troupe {
 
-/// A recording (docs/recordings.md) as a source of pictures. A frame is what the recording contains for one
-/// tick. A tick is a time step of the simulation. Drawing a frame needs neither the world file nor its
-/// plug-ins, and simulates nothing. What pictures can show depends on the fields of the state that were
-/// recorded (the option --record-fields of `troupe run`): robots whose motion was blocked need `stall`, scans
-/// of rangers (range sensors) need `ranges`, charges of power packs (energy stores) need `power_pack`, and
-/// colours by a value need the field of that value. Parts on joints are drawn at their recorded positions if
-/// `joint` was recorded, else in their rest position. The layers `sights`, `blobs`, `grips` and `links` of
-/// pictures (detections of sensors, gripped and carried bodies) cannot be drawn.
+/// A recording (docs/recordings.md) as a source of pictures. A frame is the recorded state at one tick (time
+/// step). Drawing a frame simulates nothing, and needs neither the world file nor its plug-ins.
+///
+/// What pictures can show depends on the recorded fields of the state (the option --record-fields of
+/// `troupe run`):
+/// - `stall`: marks on robots whose motion was blocked
+/// - `ranges`: scans of rangers (range sensors)
+/// - `power_pack`: charges of power packs (energy stores)
+/// - `joint`: present positions of parts on joints; without this field, parts are drawn in their rest
+///   position
+/// - the field of a value: robots coloured by this value
+///
+/// The layers `sights`, `blobs`, `grips` and `links` of pictures (detections of sensors, gripped and carried
+/// bodies) cannot be drawn.
 class RecordedRun : public PictureSource {
  public:
   /// Throws InputError if the file is not a recording, has no poses or no frames, or was written by an old
@@ -32,8 +38,8 @@ class RecordedRun : public PictureSource {
   RecordedRun& operator=(RecordedRun&&) noexcept;
   ///@}
 
-  /// Makes the last frame at or before this world time, s, the current frame. Throws InputError if the time
-  /// is before the first frame or after the last frame.
+  /// Makes the last frame at or before this world time the current frame; time in s. Throws InputError if the
+  /// time is before the first frame or after the last frame.
   void go_to(double time_s);
   /// World times of all frames, s, in ascending order; never empty.
   std::span<const double> times_s() const;
@@ -52,13 +58,14 @@ class RecordedRun : public PictureSource {
   const engine::Record* window() const override;
   engine::FrameScene scene() const override;
   std::optional<std::uint32_t> find_body(std::string_view name) const override;
-  /// Finds a value by name among the recorded fields. Names in the form of earlier versions of Troupe are
-  /// also found if they have a dot before the field, as in `sensors/minibot/eye.ranges`. If such a name has a
-  /// slash before the field, as in `sensors/minibot/eye/ranges`, it is not found, and the error states the
-  /// present name.
+  /// Finds a value by name among the recorded fields: COMPONENT.FIELD or COMPONENT.FIELD.COLUMN
+  /// (troupe/picture_source.hpp). Earlier versions of Troupe spelled these names differently. Old names with
+  /// a dot before the field, such as `sensors/minibot/eye.ranges`, are also found. Old names with a slash
+  /// before the field, such as `sensors/minibot/eye/ranges`, are not found; the error then states the present
+  /// name.
   Result<ChosenValue> find_value(const std::string& name) const override;
-  /// Returns the present name of a value if `name` is its name in earlier versions of Troupe, such as
-  /// `eye.ranges.3` for `sensors/minibot/eye.ranges.3`. Empty for all other names.
+  /// Returns the present name of a value if `name` is its name in earlier versions of Troupe. For example,
+  /// the present name of `sensors/minibot/eye.ranges.3` is `eye.ranges.3`. Empty for all other names.
   std::optional<std::string> present_name(std::string_view name) const;
   Result<> check(const FrameWishes& wishes) const override;
   double time_s() const override;

@@ -11,9 +11,9 @@
 namespace troupe {
 
 /// What a recording contains, and how it is written. A recording contains fields, which are parts of the
-/// state of the bodies, at regular intervals of simulated time. Fields and interval that are not given here
-/// are taken from the key `record` of the world file. If the world file does not give them, the only field is
-/// `pose`, and the interval is 0.1 s.
+/// state of the bodies, at regular intervals of simulated time. If fields or interval are not given here, the
+/// key `record` of the world file determines them. If the world file does not give them either, the only
+/// field is `pose`, and the interval is 0.1 s.
 struct RecordingOptions {
   /// Names of components (tables of the state), or of fields of sensors: "pose", "velocity", "stall",
   /// "ranges", ...; "all" for all components and fields. Empty: not given.
@@ -21,14 +21,16 @@ struct RecordingOptions {
   /// Simulated time between two frames (entries of the recording), s; rounded up to whole ticks (time steps).
   /// 0 or less: not given.
   double every_s = 0;
-  /// Whether an existing file is replaced; if not, an existing file is an error. Recording::resume() ignores
+  /// True: an existing file is replaced. False: an existing file is an error. Recording::resume() ignores
   /// this option.
   bool replace = false;
   /// Whether the recording writes the file on a thread of its own while the simulation continues. Frames are
-  /// collected in memory and written in batches. If the process is killed, up to two batches are lost;
-  /// without this option, up to one. Troupe never calls HDF5 from two threads at once. Other code in the
-  /// process that uses the same HDF5 library, such as h5py, must wait until the recording is closed, unless
-  /// the library was built with thread safety (H5is_library_threadsafe).
+  /// collected in memory, and written in batches of several frames. If the process is killed, the frames of
+  /// up to two batches are lost. If this option is false, up to one batch is lost.
+  ///
+  /// Troupe never calls HDF5 from two threads at once. Other code in the process that uses the same HDF5
+  /// library, such as h5py, must wait until the recording is closed. It need not wait if the library was
+  /// built with thread safety (H5is_library_threadsafe).
   bool in_background = false;
 };
 
@@ -45,20 +47,22 @@ struct RecordingOptions {
 ///
 /// A recording does not change the simulation. If writing fails, observe(), flush(), start_flush() or close()
 /// throws std::runtime_error, whose text names the file. An error on the background thread is thrown by a
-/// later call of one of these functions. The file can then be read up to the last flushed frame. Nothing more
-/// is written to it: after the error has been thrown once, these functions do nothing.
+/// later call of one of these functions. After an error has been thrown, these functions do nothing. The file
+/// then contains all frames up to the last one that was flushed.
 class Recording {
  public:
   /// Creates the file. The current state is the first frame if its tick is a multiple of the recording
-  /// interval. Throws InputError if the world does not have one of the fields, if the file exists and
+  /// interval. Throws InputError if the world lacks one of the requested fields, if the file exists and
   /// `replace` is false, if the file cannot be written, and in builds without HDF5.
   Recording(const std::filesystem::path& file, const Simulation& simulation,
             const RecordingOptions& options = {});
-  /// Continues the recording of a run that was resumed from a checkpoint, with the fields and the interval of
-  /// the recording, and without a gap or a repeated frame. Frames after the current tick of the simulation
-  /// are removed from the file. `options` may leave fields and interval empty, or repeat those of the
-  /// recording. Throws std::runtime_error if the file is not a recording of this run, or if fields or
-  /// interval in `options` differ from those of the recording.
+  /// Continues a recording after its run was resumed from a checkpoint. The recording keeps its fields and
+  /// its interval: `options` may leave them empty or repeat them. Frames after the current tick of the
+  /// simulation are removed from the file, so that no frame is repeated. Throws std::runtime_error in these
+  /// cases:
+  /// - The file is not a recording of this run.
+  /// - Frames before the current tick are missing in the file; they can no longer be recorded.
+  /// - `options` state other fields or another interval than the recording has.
   static Recording resume(const std::filesystem::path& file, const Simulation& simulation,
                           const RecordingOptions& options = {});
   Recording(Recording&&) noexcept;             ///< a moved-from object may only be destroyed or assigned to
@@ -71,13 +75,12 @@ class Recording {
   /// After Simulation::reset() the ticks begin at 0 again, so make a new recording. Throws std::logic_error
   /// after a step that threw, until Simulation::reset().
   void observe(const Simulation& simulation);
-  /// Writes the frames that are still in memory to the file: other processes can then read them, and they are
-  /// not lost if this process dies. Full batches of frames are written without a call of flush(). Call it if
-  /// the recording interval is long, or before saving a checkpoint.
+  /// Writes the frames that are still in memory to the file. Other processes can then read these frames, and
+  /// they are not lost if this process dies. Full batches of frames are written without a call of flush().
+  /// Call it if the recording interval is long, or before saving a checkpoint.
   void flush();
-  /// Starts to write the frames that are still in memory, as flush() does. With the option `in_background`,
-  /// start_flush() returns before the frames are written. Without the option, it returns after they are
-  /// written.
+  /// Starts to write the frames that are still in memory. With the option `in_background`, start_flush()
+  /// returns before the frames are written. Without the option, it is the same as flush().
   void start_flush();
   /// Writes the frames that are still in memory and closes the file. All HDF5 tools can then read it, also
   /// those without SWMR mode. Further calls of the functions of this recording do nothing.

@@ -14,11 +14,13 @@
 
 namespace troupe {
 
-/// Controllers (code that commands robots) and measures (numbers computed from the state) that a program has
-/// read from a script, such as a Python file. A simulation uses them as if they came from a plug-in (a shared
-/// library) that has the name of the script: `my.py` with a class `Wander` gives the controller `my:Wander`,
-/// and with a class `my` the controller `my`. A checkpoint (a file with the whole state of a run) stores the
-/// name and the hash of the script. To resume the run, the script must be given again.
+/// A script, such as a Python file, with controllers (code that commands robots) and measures (numbers
+/// computed from the state). A simulation uses a script like a plug-in (a shared library) of the same name.
+/// For example, the class `Wander` in my.py is the controller `my:Wander`, and the class `my` in my.py is the
+/// controller `my`.
+///
+/// A checkpoint (a file with the whole state of a run) stores only the name and the hash of the script. To
+/// resume the run, the script must be given again.
 struct Script {
   /// A controller of the script, and the robots that get it.
   struct Controller {
@@ -31,16 +33,18 @@ struct Script {
   std::vector<Controller> controllers;        ///< controllers of the script, in the order of the file
   std::vector<engine::MeasureKind> measures;  ///< measures of the script, in the order of the file
 
-  /// The name under which simulations find the controllers and measures of the script, as if it were a
-  /// plug-in: "my" for my.py.
+  /// The name of the script, by which simulations find its controllers and measures: "my" for my.py.
   std::string name() const { return file.stem().string(); }
 };
 
-/// Makes the controllers of scripts the controllers of their robots, in place of those that the world gives
-/// them. Controllers belong to types (the properties that bodies of the same construction share). Therefore
-/// each controller replaces all controllers of the types of its robots. Reports an error to `diagnostics`, at
-/// the line of the class, for a controller whose robots do not exist or share their type with other robots,
-/// and for a second controller of one type.
+/// Gives each controller of the scripts to its robots (Script::Controller::robots). The controller replaces
+/// all controllers that the world gives to the types of these robots, because all robots of a type have the
+/// same controllers. A type states the properties that bodies of the same construction share.
+///
+/// Reports an error to `diagnostics`, at the line of the class of the controller, in these cases:
+/// - The world has no robots with the name that the script gives.
+/// - Other robots have the same type as the robots of the controller.
+/// - Another controller of a script has already been given to the type.
 void assign_controllers(std::span<const std::shared_ptr<const Script>> scripts, engine::WorldSpec& world,
                         Diagnostics& diagnostics);
 

@@ -21,7 +21,7 @@ class Simulation;
 class SessionLog {
  public:
   /// Creates the file NAME.session.jsonl in `folder`, where NAME is the name of the world file without its
-  /// ending. If the file exists, it is kept, and NAME.session-2.jsonl (-3, ...) is created instead. Throws
+  /// ending. If this file exists, creates NAME.session-2.jsonl instead (or -3, ...). Throws
   /// std::runtime_error if the file cannot be created or written.
   SessionLog(const std::filesystem::path& folder, const Simulation& simulation);
   ~SessionLog();
@@ -41,9 +41,9 @@ class SessionLog {
   std::unique_ptr<Impl> impl_;
 };
 
-/// Repeats a session, that is, a run with acts that SessionLog wrote to a file: applies each act at the tick
-/// at which it was applied in the original run. Call act() in the callback of Simulation::before_tick(),
-/// which is called in every tick before sensors and robots are computed:
+/// Repeats a session: a run with acts that SessionLog wrote to a file. Applies each act at the tick at which
+/// it was applied in the original run. Call act() in the callback of Simulation::before_tick(), which is
+/// called in every tick before sensors and robots are computed:
 ///
 ///   troupe::Simulation simulation("cave.world", {.seed = 7, .mortal = true});  // as in the original run
 ///   troupe::SessionReplay session("cave.session.jsonl", simulation);
@@ -51,25 +51,31 @@ class SessionLog {
 ///   simulation.run_for(60);
 class SessionReplay {
  public:
-  /// Reads a session file. Throws InputError, `cave.session.jsonl:1: error: ...`, if the file is not a
-  /// session or does not match the simulation. They do not match if the version of Troupe or an option that
-  /// affects results differs, if the simulation has not reached the first tick of the session, or if its
-  /// state hash (a hash of the whole state of the world) at that tick differs. A simulation that was resumed
-  /// from a checkpoint of the session may be past the first tick. Its state then already contains the acts of
-  /// earlier ticks: the constructor skips these acts and does not compare the state hash.
+  /// Reads a session file. Throws InputError, `cave.session.jsonl:1: error: ...`, in these cases:
+  /// - The file is not a session file.
+  /// - The session was recorded with another version of Troupe, or with other values of options that affect
+  ///   results.
+  /// - The simulation has not reached the first tick of the session.
+  /// - The simulation is at the first tick of the session, but its state hash (a hash of the whole state of
+  ///   the world) is not the one in the file.
+  ///
+  /// A simulation past the first tick of the session must have been resumed from a checkpoint of the session.
+  /// Its state then already contains the acts of earlier ticks, so the constructor skips these acts. The
+  /// state hash is not checked in this case.
   SessionReplay(const std::filesystem::path& file, const Simulation& simulation);
   ~SessionReplay();
   SessionReplay(const SessionReplay&) = delete;
   SessionReplay& operator=(const SessionReplay&) = delete;
 
   /// Applies the acts of the current tick of the simulation; does nothing if the session has none for this
-  /// tick. Must be called in every tick: the acts of a tick without a call, and all later acts, are never
+  /// tick. Call it in every tick. If a tick with acts is missed, these acts and all later acts are never
   /// applied. Throws InputError, with file and line, if an act is impossible.
   void act(Simulation& simulation);
   /// The tick at which the session ended. std::nullopt if the file does not state this tick, because the
   /// process died before SessionLog::end().
   std::optional<std::uint64_t> end_tick() const;
-  /// Number of acts of the session that act() has not applied and the constructor has not skipped.
+  /// Number of acts of the session that act() has not applied. Acts that the constructor skipped do not
+  /// count.
   std::size_t left() const;
   const std::vector<std::string>& warnings() const;  ///< warnings about the file, one line each
 

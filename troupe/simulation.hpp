@@ -57,10 +57,10 @@ using engine::RayHit;
 /// (SimulationOptions::ranks).
 inline constexpr unsigned k_most_ranks = 1024;  // = partition::k_most_ranks
 
-/// How a world is loaded and run. The class Simulation explains the terms that this file uses. Only the
-/// options `seed`, `ranging`, `robots`, `set`, `scripts` and `spare` change the simulated results;
-/// `search_path` and `plugin_path` decide which files are found, and `mortal` only allows calls of
-/// Simulation::remove(), disable() and enable().
+/// How a world is loaded and run. The class Simulation explains the terms that this file uses. The options
+/// `seed`, `ranging`, `robots`, `set`, `scripts` and `spare` can change the simulated results. `search_path`
+/// and `plugin_path` determine which files are found. `mortal` allows calls of Simulation::remove(),
+/// disable() and enable(). All other options change no result.
 struct SimulationOptions {
   /// Number of worker threads, at most 1,024; a larger number throws std::invalid_argument. 0: one thread per
   /// processor that the affinity mask and the control groups of the process allow.
@@ -74,15 +74,16 @@ struct SimulationOptions {
   std::optional<RangingEngine> ranging;
   /// New sizes of populations (groups of bodies of one type that a world file creates with one entry): pairs
   /// of the name of a population and its new number of robots. An empty name means the only population of the
-  /// world. Loading the world throws InputError if there is no population of one of these names, or if a name
-  /// is empty and the world does not have exactly one population.
+  /// world. Loading the world throws InputError for an unknown name, and for an empty name if the world does
+  /// not have exactly one population.
   std::vector<std::pair<std::string, std::size_t>> robots;
   /// Values of the world file to replace: pairs of a JSON pointer (a path in the file, RFC 6901) and a JSON
-  /// value, such as {"/populations/0/count", "500"}.
+  /// value, such as {"/populations/0/count", "500"}. A pointer that ends in `/-` appends the value to a list.
+  /// For a `.world` file, the pointers refer to the JSON world that Troupe makes of it.
   std::vector<std::pair<std::string, std::string>> set;
-  /// If a world file, or a file that the world includes, does not exist at the given path, Troupe searches
-  /// these directories for it, in their order. Only the name of the file is searched, without the folders of
-  /// the given path.
+  /// Directories in which Troupe searches for a world file that does not exist at the given path. It searches
+  /// them in their order, for a file of the same name. In the same way it searches for files that a `.world`
+  /// file includes, but not for files that a JSON world includes.
   std::vector<std::filesystem::path> search_path;
   /// Directories to search for plug-ins: shared libraries with controllers, measures, sensors or other
   /// devices that Troupe does not ship (docs/controllers.md).
@@ -91,39 +92,41 @@ struct SimulationOptions {
   /// replace those that the world file gives to the same robots.
   std::vector<std::shared_ptr<const Script>> scripts;
   /// Allows the program to call Simulation::remove(), disable() and enable(), as `"mortal": true` in the
-  /// world file does. The option changes no state hash as long as the program does not use it to remove or
-  /// disable a body.
+  /// world file does. The option itself changes no state hash; only the bodies that the program removes or
+  /// disables do.
   bool mortal = false;
-  /// Number of robots that spawn() can add to each population while the world runs (docs/lives.md). These
-  /// unborn robots are the reserve of the population. The option adds no robots to a population for which the
-  /// world file declares a reserve. The ids of the robots that the option adds follow those of all other
-  /// bodies. A world with a reserve has other state hashes (64-bit hashes of the whole state) than the same
-  /// world without a reserve.
+  /// Number of robots that spawn() can add to each population while the world runs (docs/lives.md). Loading
+  /// the world adds them to the population as its reserve, with ids after those of all other bodies.
+  /// Populations for which the world file declares a reserve get no further robots. A world with a reserve
+  /// has other state hashes (64-bit hashes of the whole state) than the same world without a reserve.
   std::uint32_t spare = 0;
-  /// Number of ranks among which the robots are divided, from 1 to 1,024; other numbers throw
-  /// std::invalid_argument, and so does more than one rank if a launcher such as mpirun started several
-  /// processes of this program. Each rank is a thread of this process that has its own copy of the world (its
-  /// replica) and its own worker threads (docs/cluster.md). With more than one rank, `threads` is the number
-  /// of worker threads per rank; 0: the number of available processors, divided by the number of ranks.
+  /// Number of ranks among which the robots are divided, from 1 to 1,024 (docs/cluster.md). Each rank is a
+  /// thread of this process that has its own copy of the world (its replica) and its own worker threads. With
+  /// more than one rank, `threads` is the number of worker threads per rank; 0: the number of available
+  /// processors, divided by the number of ranks.
+  ///
+  /// Loading the world throws std::invalid_argument for other numbers of ranks. It also throws for more than
+  /// one rank if a launcher such as mpirun started several processes of this program.
   unsigned ranks = 1;
-  /// For tests of the ranks: if a seed is given, messages between ranks arrive late and shuffled, and robots
-  /// move to random ranks during the run. The seed determines the delays, the order of the messages and the
-  /// ranks of the robots. No simulated result depends on it.
+  /// For tests of the ranks. If a seed is given, messages between ranks arrive late and in random order, and
+  /// robots move to random ranks during the run. The seed determines these random choices. No simulated
+  /// result depends on it.
   std::optional<std::uint64_t> rank_seed;
   /// A clock with which the ranks of this process measure how long the work for their own robots takes. The
   /// function returns the present time, s, from any fixed origin. It is called on the threads of all ranks,
   /// with the number of the calling rank as its argument. With a clock, robots move to other ranks if the
-  /// ranks take unequal times, and rank_work() and rank_statistics() contain times. Null: no clock. No result
-  /// depends on the clock.
+  /// ranks take unequal times, and rank_work() and rank_statistics() contain times. No result depends on the
+  /// clock. Null: no clock.
   std::function<double(unsigned rank)> rank_clock;
-  /// The processes that compute the world together; this process is rank 0 of them. Only the program `troupe`
-  /// sets this option (docs/cluster.md). Null: this process computes the world alone.
+  /// The processes that compute the world together. This process is rank 0. Only the program `troupe` sets
+  /// this option (docs/cluster.md). Null: this process computes the world alone.
   std::shared_ptr<RankProcesses> processes;
   /// True: each rank stores only the state of its own robots and of robots near them (docs/cluster.md). This
   /// process then has the state of all other robots only after a call of engine::World::gather(), which
-  /// fetches the state from the other ranks. The option has no effect if one rank computes the world. It also
-  /// has no effect if the world cannot be distributed in this way; RankStatistics::why_replicated then states
-  /// the reason. Only the program `troupe` sets this option.
+  /// fetches the state from the other ranks. Only the program `troupe` sets this option.
+  ///
+  /// The option has no effect if only one rank computes the world, or if the world cannot be distributed in
+  /// this way. In the second case RankStatistics::why_replicated states the reason.
   bool distribute = false;
 };
 
@@ -133,10 +136,10 @@ struct ResumeOptions {
   /// Number of worker threads, as in SimulationOptions.
   unsigned threads = 0;
   double tile_size_m = 0;  ///< edge length of the tiles, m, as in SimulationOptions
-  /// Values of the world to replace. The checkpoint is an HDF5 file, and its dataset /world stores the world
-  /// as JSON. Each pair consists of a JSON pointer (RFC 6901) into this JSON text and a new JSON value, such
-  /// as {"/types/1/drive/params/velocity_max_x_mps", "0.5"}. Only values that do not change the layout of the
-  /// state can be replaced; docs/checkpoints.md lists them. The resumed run then differs from the original.
+  /// Values of the world to replace: pairs of a JSON pointer (RFC 6901) and a new JSON value, such as
+  /// {"/types/1/drive/params/velocity_max_x_mps", "0.5"}. The pointers refer to the JSON text in the dataset
+  /// /world of the checkpoint, which is an HDF5 file. Only values that do not change the layout of the state
+  /// can be replaced; docs/checkpoints.md lists them. The resumed run then differs from the original.
   std::vector<std::pair<std::string, std::string>> set;
   /// Accepts a checkpoint that another version of Troupe wrote. The results may then differ, in their last
   /// bits or more, from those of that version.
@@ -174,9 +177,9 @@ struct Statistics {
   std::size_t held_at_bounds = 0;  ///< robots whose last motion would have left the bounds of the world
   /// Mean straight-line distance of the robots from their positions at tick 0 or at birth, m.
   double mean_displacement_m = 0;
-  /// Number of rounds in which conflicts between motions were resolved since tick 0. Motions conflict if
-  /// bodies would overlap after them. A tick needs more than one round if the motion of a body depends on the
-  /// outcome of another motion.
+  /// Number of rounds in which Troupe decided which motions happen, summed over all ticks. Two motions
+  /// conflict if the bodies would overlap at their new poses; then they cannot both happen. A tick has one
+  /// round, and more if the motion of a body must wait for the decision about a conflicting motion.
   std::uint64_t conflict_rounds = 0;
   std::size_t state_bytes = 0;  ///< memory of all state tables, which hold the state of the bodies, bytes
 };
@@ -189,7 +192,8 @@ struct RankStatistics {
   unsigned nodes = 1;          ///< number of computers on which the ranks run
   std::uint64_t messages = 0;  ///< number of messages that rank 0 has sent to other ranks
   std::uint64_t bytes = 0;     ///< total length of these messages, bytes
-  /// Time that rank 0 has waited, s; 0 if neither `rank_clock` nor `processes` of the options is set.
+  /// Time that rank 0 has waited, s; 0 if SimulationOptions::rank_clock and SimulationOptions::processes are
+  /// both null.
   double waited_s = 0;
   /// Number of times that robots were moved to other ranks because the slowest rank took more than 1.1 times
   /// the mean time of all ranks.
@@ -201,16 +205,15 @@ struct RankStatistics {
   bool is_distributed = false;
   /// Why the world is not distributed although SimulationOptions::distribute is true; else empty.
   std::string why_replicated;
-  /// If the world is distributed: number of times that its robots were divided among the ranks again during
-  /// the run.
+  /// If the world is distributed: how often its robots were divided among the ranks again during the run.
   std::uint64_t distributions = 0;
 };
 
 /// Number of bodies that a rank computed in the last tick, and the times of its phases sense, actuate and
 /// decide, s (engine/ranks/rank_work.hpp).
 using engine::RankWork;
-/// What a rank has counted: its own bodies, its copies of bodies of other ranks, messages
-/// (engine/ranks/rank_work.hpp).
+/// What a rank has counted so far: for example, how many bodies it has computed, and how many messages it has
+/// sent (engine/ranks/rank_work.hpp).
 using engine::RankCounts;
 
 class Recording;
@@ -227,9 +230,9 @@ struct RecordingOptions;
 /// that cannot be gripped or pushed.
 class Model {
  public:
-  /// The name: for a handle from Simulation::find(), the name given to find(), which may be an alias; else
-  /// the name in the world file. A model without a name there has the name that the simulator Stage would
-  /// generate, such as "position:0".
+  /// The name of the model. For a handle from Simulation::find(), it is the name given to find(), which may
+  /// be an alias. For other handles, it is the name in the world file. If the file gives the model no name,
+  /// it is the name that the simulator Stage would generate, such as "position:0".
   const std::string& name() const;
   /// Id of the body; for a part, the id of the body that it is mounted on. Simulation::cast() and sensors
   /// that identify bodies (fiducial finders, bumpers, radios) report this id, and Simulation::model() takes
@@ -242,11 +245,14 @@ class Model {
   Eigen::Vector3d size() const;
   /// Commands speeds in the body frame: forward and left in m/s, turn in rad/s (for a car drive: the steering
   /// angle, rad). They apply from the next tick on, within the limits of the drive, until another command
-  /// replaces them. If the robot has a controller, the controller overrides them. For a part that has a drive
-  /// of its own (a device `wheels`), the command goes to that drive, also in accelerate() and go_to(); for
-  /// any other part, it goes to the drive of the body. Numbers that are not finite make the next step in
-  /// which the drive runs throw StepError. Throws std::logic_error, as accelerate() and go_to() do, for a
-  /// model that has no drive, and for a body that is not in the world.
+  /// replaces them. If the robot has a controller, the controller overrides them.
+  ///
+  /// The command goes to the drive of the body. For a part that has a drive of its own (a device `wheels`),
+  /// it goes to that drive. accelerate() and go_to() use the same drive and throw the same exceptions as
+  /// set_speed().
+  ///
+  /// Throws std::logic_error for a model that has no drive, and for a body that is not in the world. A number
+  /// that is not finite makes the next step in which the drive runs throw StepError.
   void set_speed(double forward, double left, double turn);
   /// Commands speeds as the other set_speed() does, with left = 0.
   void set_speed(double forward, double turn) { set_speed(forward, 0, turn); }
@@ -279,13 +285,16 @@ class Model {
   /// Whether the robot's motion in the last tick was blocked by an obstacle or would have ended outside the
   /// bounds of the world; false before the first step.
   bool stalled() const;
-  /// Estimated pose of the body, m and rad. The drive parameter `localization` of the world file selects it:
-  /// with `gps` it is the true pose, with `odom` an estimate from wheel odometry. Both are in the frame that
-  /// the drive parameter `localization_origin` defines. Without `localization_origin`, the frame is the world
-  /// frame with `gps`, and the pose of the robot at tick 0 or at its birth with `odom`. For a body without a
-  /// drive, estimate() returns the true pose in the world frame. All numbers are 0 for a body that is not yet
-  /// born. For a part with a device `wheels`, estimate() returns the true pose of the part, pose(); for other
-  /// parts, the estimate of the body.
+  /// Estimated pose of the body, m and rad. The drive parameter `localization` of the world file selects the
+  /// estimate of a robot:
+  /// - `gps`: the true pose, by default in the world frame
+  /// - `odom`: an estimate from wheel odometry, by default in the frame of the robot's pose at tick 0 or at
+  ///   its birth
+  ///
+  /// If the drive parameter `localization_origin` is given, it defines the frame of the estimate instead. For
+  /// a body without a drive, the result is the true pose in the world frame. For a part with a device
+  /// `wheels`, it is the true pose of the part, pose(). For any other part, it is the estimate of the body.
+  /// The numbers are 0 for a body that is not yet born.
   Pose estimate() const;
   /// Overwrites the odometry estimate: m and rad, in the frame of estimate(); pose.z is ignored. Throws
   /// std::logic_error if the localization of the robot is not `odom`, and std::invalid_argument if a number
@@ -293,13 +302,19 @@ class Model {
   void set_estimate(const Pose& pose);
 
   /// Places the body at a pose in the world frame, m and rad, between two steps. Bodies that it carries move
-  /// with it. set_pose() is not a motion: odometry does not measure the change of pose, the speed does not
-  /// change, stalled() becomes false, and sensors see the new pose from the next step on. At the new pose the
-  /// body may overlap other bodies; is_free() tells whether it would. The body can then drive out of an
-  /// overlap, but not deeper into it. Throws std::invalid_argument if the pose is not finite or is outside
-  /// the bounds of the world, if another body carries this one, and if this body is not in the world. Throws
-  /// std::logic_error for a part of a body, for static geometry, and in the function that Swarm::for_each()
-  /// calls. Simulation::set_poses() moves many models faster.
+  /// with it. Sensors see the new pose from the next step on. Odometry does not measure the change of pose,
+  /// the speed does not change, and stalled() becomes false.
+  ///
+  /// At the new pose the body may overlap other bodies; is_free() tells whether it would. The body can then
+  /// drive out of an overlap, but not deeper into it. Simulation::set_poses() moves many models faster.
+  ///
+  /// Throws std::invalid_argument
+  /// - if the pose is not finite or is outside the bounds of the world,
+  /// - if the body is carried by another body, or
+  /// - if the body is not in the world.
+  ///
+  /// Throws std::logic_error for a part of a body, for static geometry, and in the function that
+  /// Swarm::for_each() calls.
   void set_pose(const Pose& pose);
   /// Whether the body could be placed at this pose in the world frame, m and rad: its origin would be inside
   /// the bounds of the world, and it would not overlap a wall or another body that is an obstacle. False if
@@ -314,12 +329,13 @@ class Model {
   /// Names of the sensors, in the order of the world file. If this model is a body, these are the sensors on
   /// all its parts; if it is a part, only the sensors on this part.
   std::vector<std::string> sensors() const;
-  /// Ranges that the ranger named `sensor` measured, m, one per beam, counter-clockwise within each
-  /// transducer (a fan of beams that start at one pose). An empty name means the first ranger. The span stays
-  /// valid while the simulation lives, and its content changes with each step. All ranges are 0 before the
-  /// first step and for a body that is not in the world. Throws std::out_of_range, with the known names, if
-  /// there is no such ranger. Throws std::logic_error if the sensor does not run; Simulation::subscribe()
-  /// makes all sensors of a robot run.
+  /// Ranges that a ranger measured, m, one per beam, counter-clockwise within each transducer (a fan of beams
+  /// that start at one pose). All ranges are 0 before the first step and for a body that is not in the world.
+  /// sensor: name of the ranger; empty: the first ranger. The span stays valid while the simulation lives,
+  /// and its content changes with each step.
+  ///
+  /// Throws std::out_of_range, with the known names, if there is no such ranger. Throws std::logic_error if
+  /// the ranger does not run; Simulation::subscribe() makes all sensors of a robot run.
   std::span<const float> ranges(std::string_view sensor = {}) const;
   /// Intensities that the ranger named `sensor` measured, one per value of ranges(); errors as in ranges().
   /// The span is empty unless the parameter `intensity` of the ranger is true.
@@ -355,14 +371,16 @@ class Model {
   /// The fields of a device that readings() can return, with their names, element types, numbers of values
   /// and units. Throws std::out_of_range, with the known names, if there is no such device.
   std::span<const engine::StateField> fields(std::string_view device) const;
-  /// Returns a reference to the command of a device, which a program may write between two steps. The command
-  /// applies from the next step on. The reference is valid while the simulation lives. A body is born with
-  /// commands of 0, whatever was written to the reference before its birth. `Command` is the command struct
-  /// of the kind of device (models::GripperCommand, models::LedCommand, ...). An empty `device` means the
-  /// first device that takes this struct. If a controller of the robot uses the device, the controller
-  /// overrides the command. Throws std::out_of_range, with the known names, if there is no such device,
-  /// std::invalid_argument if the device takes another struct, with other field names or another size, and
-  /// std::logic_error, as set_speed() does, for a body that is not in the world.
+  /// Returns a reference to the command of a device. A program may write the command between two steps; it
+  /// applies from the next step on. If a controller of the robot uses the device, the controller overrides
+  /// the command. The reference is valid while the simulation lives, also after reset(). If the body is not
+  /// yet born after a reset(), writing has no effect: a body is born with commands of 0.
+  ///
+  /// Command  the command struct of the kind of device: models::GripperCommand, models::LedCommand, ...
+  /// device   name of the device; empty: the first device that takes this struct
+  /// errors   std::out_of_range, with the known names, if there is no such device; std::invalid_argument if
+  ///          the device takes a struct with other field names or another size; std::logic_error for a body
+  ///          that is not in the world
   template <class Command>
   Command& command(std::string_view device = {}) {
     static const std::vector<engine::StateField> fields = engine::memory_fields<Command>();
@@ -373,10 +391,9 @@ class Model {
     std::span<const engine::StateField> fields;  ///< fields of the command, with their offsets in `bytes`
     std::span<std::byte> bytes;                  ///< the command, in the layout of its command struct
   };
-  /// Returns the command of the device of this name, which a program may write between two steps. The bytes
-  /// stay valid while the simulation lives; what is written before the birth of the body has no effect, as in
-  /// command(). Throws std::out_of_range if this model has no device of this name that takes commands, and
-  /// std::logic_error for a body that is not in the world.
+  /// Returns the command of the device of this name as bytes. A program may read and write the bytes like the
+  /// reference that command() returns. Throws std::out_of_range if this model has no device of this name that
+  /// takes commands, and std::logic_error for a body that is not in the world.
   Asked asked(std::string_view device);
   /// Returns descriptions of the fields of the command that the device of this name takes, also for a body
   /// that is not in the world. Throws std::out_of_range if this model has no device of this name that takes
@@ -384,11 +401,11 @@ class Model {
   std::span<const engine::StateField> command_fields(std::string_view device) const;
 
   /// State of a power pack (the energy store of a body): its charge, and the energy that it dissipated,
-  /// received and gave since tick 0, J (docs/energy.md).
+  /// received and gave since the body came into the world, J (docs/energy.md).
   using Energy = engine::Energy;
-  /// Energy of the power pack that supplies this model. This is the pack on this part. If the part has none,
-  /// it is the pack on the part that this part is mounted on, and so on up to the body itself. Empty if none
-  /// of them has a pack.
+  /// Energy of the power pack that supplies this model. The search for the pack begins with this part,
+  /// continues with the part on which it is mounted, and so on, and ends with the body itself. The first pack
+  /// that is found supplies the model. Empty if none is found.
   std::optional<Energy> energy() const;
   /// Number of flags (coloured tokens that bodies exchange, docs/energy.md) that the first device of the kind
   /// `flags` on this part holds; 0 if the part has no such device. Devices on other parts of the body do not
@@ -404,9 +421,9 @@ class Model {
   std::span<const std::byte> cell(std::string_view field, std::string_view device,
                                   engine::Element element) const;
   std::byte* asked(std::string_view device, std::size_t bytes, std::span<const engine::StateField> fields);
-  /// Protects the other robots while Swarm::for_each() calls the function of its caller for one robot. During
-  /// each such call, for_each() keeps an object of this class on the thread of the call. While the object
-  /// exists, functions on this thread that would change another robot throw std::logic_error.
+  /// The call of a function by Swarm::for_each() for one robot. for_each() keeps an object of this class on
+  /// the calling thread during the call. While the object exists, functions on this thread throw
+  /// std::logic_error if they would change anything but the commands and the estimate of this robot.
   class Visit {
    public:
     explicit Visit(const Model& robot);
@@ -471,30 +488,35 @@ class Simulation {
   Simulation(const WorldBuilder& world, const SimulationOptions& options, engine::Registry registry);
   /// Makes a world from a document: the content of a JSON world file as plain C++ data
   /// (worldio/json/world_document.hpp). `name` is used in place of a file name, as in from_text(). Throws
-  /// InputError as from_text() does; its text names the files and lines that the document states.
+  /// InputError as from_text() does, but with the file and line that the document stores for the wrong value.
   explicit Simulation(const worldio::WorldDocument& world, const std::filesystem::path& name = "world.json",
                       const SimulationOptions& options = {});
   /// Makes a world from a document, with the kinds in `registry`.
   Simulation(const worldio::WorldDocument& world, const std::filesystem::path& name,
              const SimulationOptions& options, engine::Registry registry);
   /// Makes a world from a spec, the description that the engine uses internally (engine/spec/world_spec.hpp).
-  /// A program fills the spec itself, or a function that reads a world file does. Throws InputError, whose
-  /// text lists all invalid values, each with its path in the spec and, if the spec states them, with file
-  /// and line: `types[0].parts[2].size: must be ..., found nan`. The options `robots`, `set` and
-  /// `search_path` apply to world files only: throws std::invalid_argument if one of them is given.
+  /// A program can make a spec itself, or get it from a function that reads a world file. Throws InputError,
+  /// whose text lists all invalid values: `types[0].parts[2].size: must be ..., found nan`. File and line
+  /// come first if the spec has them. Throws std::invalid_argument if the option `robots`, `set` or
+  /// `search_path` is given, because these apply to world files only.
   explicit Simulation(engine::WorldSpec world, const SimulationOptions& options = {});
   /// Makes a world from a spec, with the kinds in `registry`.
   Simulation(engine::WorldSpec world, const SimulationOptions& options, engine::Registry registry);
-  /// Resumes a run from a checkpoint that save() or `troupe run --checkpoint` wrote. The run then has the
-  /// same bits as if it had never stopped, on any number of threads. The files that the world was loaded from
-  /// are not needed. Throws InputError, `run.h5: error: ...`, if the file is not a checkpoint, is truncated
-  /// or damaged, or was written by another version of Troupe (unless ResumeOptions::across_versions is true);
-  /// if a plug-in or script of the run is missing, or has changed (unless ResumeOptions::across_plugins is
-  /// true); and if a value of ResumeOptions::set is invalid. Throws std::invalid_argument for numbers of
-  /// threads or ranks that are not allowed.
+  /// Resumes a run from a checkpoint that save() or `troupe run --checkpoint` wrote. All further results are
+  /// the same, bit for bit, as if the run had never stopped, on any number of threads. The files that the
+  /// world was loaded from are not needed, except plug-ins and scripts.
+  ///
+  /// Throws InputError, `run.h5: error: ...`, in these cases:
+  /// - The file is not a checkpoint, is truncated or is damaged.
+  /// - Another version of Troupe wrote the file, and ResumeOptions::across_versions is false.
+  /// - A plug-in or script of the run is missing.
+  /// - A plug-in or script of the run has changed, and ResumeOptions::across_plugins is false.
+  /// - A value of ResumeOptions::set is invalid.
+  ///
+  /// Throws std::invalid_argument for numbers of threads or ranks that are not allowed.
   static Simulation resume(const std::filesystem::path& checkpoint, const ResumeOptions& options = {});
-  /// Resumes a run whose world was loaded with a registry of the program. `registry` must have the same kinds
-  /// as that registry.
+  /// Resumes a run whose world was loaded with a registry that the program made. `registry` must have the
+  /// same kinds as that registry.
   static Simulation resume(const std::filesystem::path& checkpoint, const ResumeOptions& options,
                            engine::Registry registry);
   ~Simulation();
@@ -505,14 +527,17 @@ class Simulation {
   Simulation& operator=(Simulation&&) noexcept;
   ///@}
 
-  /// Warnings that loading the world or the checkpoint has produced: about the world file, `file:line:
-  /// warning: ...`, and about plug-ins and the checkpoint, `file: warning: ...`.
+  /// Warnings that loading the world or the checkpoint has produced. Warnings about the world file have the
+  /// form `file:line: warning: ...`. Warnings about plug-ins and the checkpoint have the form
+  /// `file: warning: ...`.
   const std::vector<std::string>& warnings() const;
   /// The options that the simulation uses (world, seed, number of threads, ...), as pairs of key and value,
-  /// for logs. They include the values of SimulationOptions::set, with keys such as `set
-  /// /populations/0/count`. All keys differ: if `set` has several values for one JSON pointer, only the last
-  /// is listed. A pointer that ends in `/-` appends a value to a list. Such values are all listed, with
-  /// numbers in their keys, as in `set /models/- #2`.
+  /// for logs. All keys differ.
+  ///
+  /// The pairs include the values of SimulationOptions::set, with keys such as `set /populations/0/count`. If
+  /// `set` has several values for one JSON pointer, only the last is listed. Values that are appended to a
+  /// list (their pointer ends in `/-`) are all listed: the first with the key `set /models/-`, the second
+  /// with `set /models/- #2`, and so on.
   std::vector<std::pair<std::string, std::string>> effective_options() const;
 
   /// The condition in the world's list `stop_when` that ended the run, such as `coverage >= 0.9`
@@ -527,25 +552,29 @@ class Simulation {
   /// an exception the state is incomplete. Until reset(), all functions that read or advance the state then
   /// throw std::logic_error, also those of models, swarms and observers of this simulation.
   void step();
-  /// Steps until `seconds` more of world time have passed, rounded up to whole ticks, or until a stop
-  /// condition ends the run (stopped()). An excess over a whole number of ticks counts as a rounding error
-  /// and adds no tick if it is at most 1e-9 of `seconds` or 1e-9 of a tick. Makes no step if a stop condition
-  /// already holds. Throws std::invalid_argument if `seconds` is negative, NaN or more than 1e12.
+  /// Steps until `seconds` more of world time have passed, or until a stop condition ends the run
+  /// (stopped()). The time is rounded up to whole ticks, but with a tolerance for rounding errors: 0.07 s are
+  /// 7 ticks of 0.01 s, although 0.07 / 0.01 is slightly above 7 in floating point. The tolerance is 1e-9 of
+  /// `seconds` or of a tick, whichever is longer. Makes no step if a stop condition already holds. Throws
+  /// std::invalid_argument if `seconds` is negative, NaN or more than 1e12.
   void run_for(double seconds);
   /// Makes steps, and calls `done` after each step. Returns true as soon as `done` returns true. Returns
-  /// false if `at_most_s` seconds of world time pass first, or if a stop condition ends the run first
-  /// (stopped()). If a stop condition already holds, makes no step and returns false. Throws
-  /// std::invalid_argument if `at_most_s` is negative, NaN or more than 1e12.
+  /// false if `at_most_s` seconds of world time (rounded as in run_for()) pass first, or if a stop condition
+  /// ends the run first (stopped()). If a stop condition already holds, makes no step and returns false.
+  /// Throws std::invalid_argument if `at_most_s` is negative, NaN or more than 1e12.
   bool run_until(const std::function<bool(const Simulation&)>& done, double at_most_s);
-  /// Adds a callback that is called at the end of every step, also in run_for() and run_until(). Callbacks
-  /// are called in the order in which they were added, after the stop conditions have been evaluated and the
-  /// recording of record() has received the tick. A callback may do everything that a program may do between
-  /// two steps (read, command, set_poses(), spawn(), remove(), save()), except step(), reset() and on_tick(),
-  /// which throw std::logic_error. If a callback throws, step() passes the exception on and calls no further
-  /// callbacks; the state is that after a complete tick. A null callback removes all callbacks.
+  /// Adds a callback that is called at the end of every step, also in run_for() and run_until(). Before the
+  /// callbacks are called, the stop conditions have been evaluated, and the recording of record() has
+  /// received the tick. Callbacks are called in the order in which they were added. A null callback removes
+  /// all callbacks.
+  ///
+  /// A callback may do everything that a program may do between two steps (read, command, set_poses(),
+  /// spawn(), remove(), save()). Only step(), reset() and on_tick() are not allowed: they throw
+  /// std::logic_error. If a callback throws, step() passes the exception on and calls no further callbacks;
+  /// the state is that after a complete tick.
   void on_tick(std::function<void(Simulation&)> callback);
-  /// Sets the callback that is called in every step at the end of the phase intervene, after the events of
-  /// the world file (the list `at`, and faults). tick() is then still the number of the previous tick. The
+  /// Sets the callback that is called in every step at the end of the phase intervene, after the
+  /// interventions and faults of the world file. tick() is then still the number of the previous tick. The
   /// callback may do everything that a program may do between two steps, and may call act(). It must not call
   /// step() or reset(); Troupe does not check this. If the callback throws, step() passes the exception on,
   /// and the state is then incomplete, as described at step(). A second call replaces the callback; a null
@@ -557,19 +586,20 @@ class Simulation {
   /// releases the robot, until the robot leaves the world, or until reset(). Checkpoints contain holds.
   /// Throws ActRefused (troupe/acts.hpp), and changes nothing, if the act is impossible.
   void act(const engine::Act& act);
-  /// Returns to the state after loading, or after the last reset(seed), bit for bit: the tick is 0, the
-  /// hashes are those of that state, and the same run follows. Models, swarms, callbacks and subscriptions
-  /// stay valid; commanded speeds are discarded. A recording of record() is closed. After a step that threw,
-  /// call reset() to continue. reset() reads no file, and allocates no memory unless the world has
-  /// `stop_when`. Therefore a program can run thousands of trials of one world for little more than the cost
-  /// of their steps.
+  /// Returns to the state after loading, or after the last reset(seed), bit for bit. The tick is 0, and the
+  /// same run follows. Models, swarms, callbacks and subscriptions stay valid. Commanded speeds and the
+  /// changes of set() are discarded, and a recording of record() is closed. After a step that threw, call
+  /// reset() to continue.
+  ///
+  /// reset() reads no file, and allocates no memory unless the world has `stop_when`. Therefore a program can
+  /// run thousands of trials of one world for little more than the cost of their steps.
   void reset();
-  /// Returns to the state that the world has after loading with the given seed, bit for bit: populations are
+  /// Returns to the state that the world has after loading with the given seed, bit for bit. Populations are
   /// placed again, and all random numbers depend on the new seed. In a world made from a WorldSpec, which has
-  /// no placement rules, all bodies keep their places. In all other respects reset(seed) is like reset(), but
-  /// it allocates memory. Throws InputError, and changes nothing, if the placement rules find no place for a
-  /// robot with this seed. Throws std::logic_error for a run that was resumed, because a checkpoint does not
-  /// store the placement rules.
+  /// no placement rules, all bodies start at the same places as before. Apart from this, reset(seed) is like
+  /// reset(), but it allocates memory. Throws InputError, and changes nothing, if the placement rules find no
+  /// place for a robot with this seed. Throws std::logic_error for a run that was resumed, because a
+  /// checkpoint does not store the placement rules.
   void reset(std::uint64_t seed);
   /// Makes another simulation of the same world at tick 0, as if it had been loaded with this seed. Reads no
   /// file. The new simulation may outlive this one and is computed by one rank. It has no callbacks, no
@@ -577,13 +607,16 @@ class Simulation {
   /// threads, as in SimulationOptions. Throws as reset(seed) does.
   Simulation another(std::uint64_t seed, unsigned threads) const;
 
-  /// Saves the whole state between two steps in a checkpoint, one HDF5 file. resume() then needs neither the
-  /// world file nor the images and other files that it refers to. Subscriptions and commanded speeds are
-  /// saved, callbacks are not. The file is written under a temporary name and renamed once it is complete and
-  /// on the disk: if the process dies, `checkpoint` is either the previous checkpoint or the new one. Throws
-  /// std::runtime_error, `run.h5: error: ...`, if the file cannot be written, if it is a file that the
-  /// simulation was read from (world, image, plug-in, ...), or if the build has no HDF5; a previous
-  /// checkpoint then remains. Passes on exceptions of callbacks of on_save().
+  /// Saves the whole state between two steps in a checkpoint, one HDF5 file. To resume the run, resume()
+  /// needs no other files, except the plug-ins and scripts of the run. Subscriptions and commanded speeds are
+  /// saved, callbacks are not.
+  ///
+  /// The file is written under a temporary name and renamed once it is complete and on the disk. If save()
+  /// throws or the process dies, a previous file `checkpoint` therefore remains unchanged.
+  ///
+  /// Throws std::runtime_error, `run.h5: error: ...`, if the file cannot be written, if it is a file that the
+  /// simulation was read from (world, image, plug-in, ...), or if the build has no HDF5. Passes on exceptions
+  /// of callbacks of on_save().
   void save(const std::filesystem::path& checkpoint) const;
 
   /// Sets a callback that provides data of the program for the checkpoint, such as the state of an observer.
@@ -605,8 +638,8 @@ class Simulation {
   std::size_t robots() const;
   std::uint64_t seed() const;  ///< seed of all random numbers of the run
   std::string title() const;   ///< title in the world file, or else the name of the file
-  /// The time at which the world file ends the run (`quit_time_s`), s; empty if it states none. run_for() and
-  /// step() do not end at this time.
+  /// The time at which the world file ends the run (`quit_time_s`), s; empty if the world file states no
+  /// time. run_for() and step() do not end at this time.
   std::optional<double> quit_time_s() const;
 
   /// Finds a model by name: a body ("r0"), or a part that is mounted on a body ("r0.ranger:1"). The name is
@@ -622,14 +655,14 @@ class Simulation {
   /// from       start of the ray, m, and its direction, rad, in the world frame; the ray stays at the height
   ///            from.z
   /// range_max  length of the ray, m; the ray does not meet surfaces at this distance or farther
-  /// without    a body that the ray ignores, for rays that start within a robot; the ray also ignores all
-  ///            bodies that move with this body, because one carries the other or a third body carries both.
-  ///            Null, or static geometry: the ray ignores no body
+  /// without    a body that the ray ignores, for rays that start within a robot. The ray also ignores all
+  ///            bodies that move together with this body because one carries another, such as a box in the
+  ///            gripper of the robot. Null, or static geometry: the ray ignores no body
   /// meets      surfaces that rangers detect (ranger_return >= 0) and whose z interval, including both ends,
   ///            contains from.z; both sides of a surface count. The distance is computed in double precision,
   ///            so it may differ from the float32 reading of a ranger in its last bits
-  /// ties       of two surfaces at the same distance, the ray meets the surface of the body with the lower
-  ///            id; on one body, it meets the surface of the part with the lower index
+  /// ties       if two surfaces are at the same distance, the ray meets the surface of the body with the
+  ///            lower id; on one body, it meets the surface of the part with the lower index
   /// errors     std::invalid_argument if `from` is not finite, or if range_max is below 0 or above 300 km;
   ///            std::logic_error if `without` is a model of another simulation
   /// threads    several threads may cast rays at once, between two steps; nothing is changed
@@ -638,7 +671,7 @@ class Simulation {
   /// population or of one robot; empty: all robots. Throws std::out_of_range, with the known names, for an
   /// unknown name.
   Swarm swarm(std::string_view of = {});
-  /// Returns the group of this one robot, also if a type or a population has its name. Throws
+  /// Returns a group that contains only this robot, even if a type or a population has the same name. Throws
   /// std::out_of_range if the body of the model has no drive, and std::logic_error for a model of another
   /// simulation.
   Swarm swarm(const Model& robot);
@@ -654,39 +687,52 @@ class Simulation {
   /// reserve, and std::invalid_argument for a pose that is not finite. Each birth rebuilds the spatial index
   /// of all bodies.
   std::optional<Model> spawn(std::string_view population, const Pose& pose);
-  /// Number of bodies in the reserve of a population that spawn() can still add. Throws std::out_of_range for
-  /// a population without a reserve.
+  /// Number of bodies that spawn() can still add to a population. Throws std::out_of_range for a population
+  /// without a reserve.
   std::size_t unborn(std::string_view population) const;
-  /// Removes a body from the world for good, between two steps: other bodies no longer collide with it or
-  /// sense it, bodies that it carried stay where they were, and its id is never used again. Does nothing if
-  /// the body is not in the world. Throws std::logic_error for a part of a body, for static geometry, for a
-  /// model of another simulation, and if no body of the world can be removed: the world has no reserve, no
-  /// device and no event that removes bodies, and neither `"mortal": true` nor SimulationOptions::mortal.
-  /// Each call rebuilds the spatial index of all bodies.
+  /// Removes a body from the world for good, between two steps. Other bodies no longer collide with it or
+  /// sense it. Bodies that it carried stay where they are. Its id is never used again. Does nothing if the
+  /// body is not in the world. Each call rebuilds the spatial index of all bodies.
+  ///
+  /// Throws std::logic_error for a part of a body, for static geometry, for a model of another simulation,
+  /// and in a world whose bodies cannot be removed. Bodies can be removed if at least one of these conditions
+  /// holds:
+  /// - The option SimulationOptions::mortal or `"mortal": true` in the world file is set.
+  /// - A population has a reserve.
+  /// - The world has a device or an intervention that removes bodies.
   void remove(const Model& model);
   /// Disables a body between two steps: its controller, drive, sensors and other devices stop; sensors keep
   /// their last readings. The body stays where it is, and other bodies still collide with it and sense it.
-  /// Returns false if the body is already disabled or is not in the world. Throws std::logic_error for a part
-  /// of a body, for static geometry, for a model of another simulation, and if the world has neither faults,
-  /// nor an event `disable` or `enable` in its list `at`, nor `"mortal": true` or SimulationOptions::mortal.
+  /// Returns false if the body is already disabled or is not in the world.
+  ///
+  /// Throws std::logic_error for a part of a body, for static geometry, for a model of another simulation,
+  /// and in a world whose bodies cannot be disabled. Bodies can be disabled if at least one of these
+  /// conditions holds:
+  /// - The option SimulationOptions::mortal or `"mortal": true` in the world file is set.
+  /// - The world has faults.
+  /// - The world has an intervention `disable` or `enable`.
   bool disable(const Model& model);
   /// Enables a disabled body, between two steps; it continues with its last commands. Returns false if the
   /// body is not disabled or is not in the world. Throws as disable() does.
   bool enable(const Model& model);
-  /// Changes parameters of a type, for all its bodies, between two steps, as the intervention `set` of a
-  /// world file does (docs/experiments.md).
+  /// Changes parameters of a type, for all its bodies, between two steps. The intervention `set` of a world
+  /// file does the same (docs/experiments.md). The change lasts until reset(). Checkpoints contain it.
+  ///
   /// type     name of the type
-  /// setting  JSON with the new values; other parameters keep theirs. {"drive": {"velocity_max_x_mps": 0.5}},
-  ///          {"device": {"name": "eye", "range_max_m": 3}} or {"controller": {"kind": "wander",
-  ///          "cruise_speed_mps": 0.2}}
-  /// The change lasts until reset(). Checkpoints contain it. Throws std::invalid_argument, and changes
-  /// nothing, if there is no such type, if the type has no such parameter, or if a value is not allowed or
-  /// would change the layout of the state, such as a number of beams.
+  /// setting  JSON object with the new values; other parameters keep their values. Examples:
+  ///            {"drive": {"velocity_max_x_mps": 0.5}}
+  ///            {"device": {"name": "eye", "range_max_m": 3}}
+  ///            {"controller": {"kind": "wander", "cruise_speed_mps": 0.2}}
+  ///
+  /// Throws std::invalid_argument, and changes nothing, if there is no such type, if the type has no such
+  /// parameter, if a value is not allowed, or if the parameter determines the layout of the state, such as
+  /// the number of beams of a ranger.
   void set(std::string_view type, std::string_view setting);
-  /// The parameters of a type, with the changes that set() and the interventions `set` of the world have made
-  /// up to now, as JSON: a list of objects like those for set(), one for the drive and one for each device
-  /// and controller. Infinite values, and lists of objects such as the transducers of a ranger, are left out.
-  /// Throws std::out_of_range, with the known names, if there is no such type.
+  /// The present parameters of a type, with the changes by set() and by interventions `set`. The result is a
+  /// JSON list with one object for the drive and one for each device and controller that has parameters. The
+  /// objects have the form of the argument `setting` of set(). Infinite values, and lists of objects such as
+  /// the transducers of a ranger, are left out. Throws std::out_of_range, with the known names, if there is
+  /// no such type.
   std::string parameters(std::string_view type) const;
   /// Names of all robots in the world, in the order of their ids.
   std::vector<std::string> robot_names() const;
@@ -697,10 +743,11 @@ class Simulation {
   /// model.
   void subscribe(std::string_view model);
 
-  /// Starts to record this run in a file (troupe/recording.hpp): the current state, and then the state at
-  /// every recording interval, until stop_recording(), reset() or the destruction of the simulation. Throws
-  /// as the constructor of Recording does, std::logic_error if a recording is already running, and
-  /// std::runtime_error if the file is one that the simulation was read from (world, image, plug-in, ...).
+  /// Starts to record this run in a file (troupe/recording.hpp). The state is recorded in each tick that is a
+  /// multiple of the recording interval, from the current tick on, until stop_recording(), reset() or the
+  /// destruction of the simulation. Throws as the constructor of Recording does. Throws std::logic_error if a
+  /// recording is already running. Throws std::runtime_error if the file is one that the simulation was read
+  /// from (world, image, plug-in, ...).
   void record(const std::filesystem::path& file);
   /// Starts to record this run, as the other record() does, with the fields, the interval and the other
   /// options that `options` states.
@@ -730,8 +777,8 @@ class Simulation {
   std::string hash_log_line() const;
 
   Statistics statistics() const;  ///< numbers that describe the run, computed in a loop over all robots
-  /// The sums of the energies of all power packs of the world, J; all 0 if there is no pack. `infinite` and
-  /// `charging` are true if they are true for at least one pack.
+  /// The sums of the energies of all power packs of the world, J; all 0 if there is no pack. Energy::infinite
+  /// is true if at least one pack is infinite, and Energy::charging is true if at least one pack is charging.
   Model::Energy energy() const;
   unsigned threads() const;                ///< number of worker threads, per rank
   unsigned ranks() const;                  ///< number of ranks, threads or processes, that compute the world
@@ -740,9 +787,8 @@ class Simulation {
   /// the ranks; empty with one rank. The times are 0 if neither SimulationOptions::rank_clock nor
   /// SimulationOptions::processes is set. Valid until the next step.
   std::span<const RankWork> rank_work() const;
-  /// Returns what each rank has counted so far (its own bodies, its copies of bodies of other ranks,
-  /// messages), in the order of the ranks; empty with one rank. The function gets the numbers of the other
-  /// ranks by messages. It must not be called during a step.
+  /// Returns what each rank has counted so far, in the order of the ranks; empty with one rank. Must not be
+  /// called during a step, because it exchanges messages with the other ranks.
   std::vector<RankCounts> rank_counts();
   /// Sets a callback, for example to measure the time of phases. It is called with the phase when a phase of
   /// a tick begins, and with std::nullopt when the tick ends, on the thread that calls step(). A second call
@@ -768,9 +814,9 @@ class Simulation {
   const engine::Registry& registry() const;
 
   /// Draws the world from above into a PNG file, or into an SVG or PDF file if the name ends in .svg or .pdf.
-  /// width, height: size in pixels; 0 or less: the default size. Throws std::runtime_error if the library
-  /// OSMesa (for PDF: cairo) is missing, if the build has no renderer, if the file cannot be written, or if
-  /// it is a file that the simulation was read from (world, image, plug-in, ...).
+  /// width, height: size in pixels; 0 or less: the default, 1280 x 720. Throws std::runtime_error if the
+  /// library OSMesa (for PDF: cairo) is missing, if the build has no renderer, if the file cannot be written,
+  /// or if it is a file that the simulation was read from (world, image, plug-in, ...).
   void snapshot(const std::filesystem::path& png, int width = 1280, int height = 720) const;
   /// Draws the world into a file with the camera, size and layers of `options` (troupe/pictures.hpp); the
   /// ending of the name selects the format, as in the other snapshot(). Throws std::runtime_error as the

@@ -27,33 +27,35 @@
 
 namespace troupe {
 
-/// The data of a Simulation. A registry lists the kinds that the world can use: the implementations of
-/// sensors, other devices, drives, controllers, measures and faults. The ranks are the threads or processes
-/// that compute the world together.
+/// The data of a Simulation. A kind is an implementation of a sensor, another device, a drive, a controller,
+/// a measure or a fault; a registry lists the kinds that the world can use. A rank is a thread or process
+/// that computes the world together with other ranks.
 struct Simulation::Impl {
   std::shared_ptr<engine::Registry> registry;  ///< shared with simulations from another()
   std::shared_ptr<Plugins> plugins;            ///< loads kinds from shared libraries for `registry`
   std::unique_ptr<engine::World> world;
-  /// The ranks that compute `world` together with this thread; null if it is computed by one rank.
+  /// The ranks that compute `world`; the thread that calls the functions of Simulation is rank 0. Null if
+  /// there is only one rank.
   std::unique_ptr<RankGroup> ranks;
   std::string why_replicated;  ///< why SimulationOptions::distribute has no effect; else empty
   std::vector<std::string> warnings;
   std::filesystem::path file;       ///< path of the world file
   double tile_size_m = 0;           ///< SimulationOptions::tile_size_m: edge of the tiles of the world, m
   worldio::PlaceAgain place_again;  ///< places bodies for another seed; empty if no pose depends on seeds
-  /// Changes to the world, as pairs of key and value for effective_options(): the values of the option `set`,
-  /// and the option `spare`. For a value of ResumeOptions::set, the key contains the tick of the checkpoint.
-  /// All keys differ.
+  /// Changes that options made to the world, as pairs of a key and a value, for effective_options(). These
+  /// are the values of the option `set` and the value of the option `spare`. If ResumeOptions::set made a
+  /// change, its key contains the tick of the checkpoint. Each key occurs only once.
   std::vector<std::pair<std::string, std::string>> changes;
   /// Tick of the checkpoint that the run was resumed from; std::nullopt if it was not resumed.
   std::optional<std::uint64_t> resumed_at;
-  /// The data that the checkpoint contains by name, if the run was resumed from one: those that callbacks of
-  /// on_save() returned, and data of Troupe.
+  /// If the run was resumed from a checkpoint: the data that the checkpoint stores under names. Callbacks of
+  /// Simulation::on_save() returned most of these data. Troupe adds data of its own, such as the list of held
+  /// robots. Empty if the run was not resumed.
   worldio::Memories memories;
-  /// The callbacks of on_save(), by name.
+  /// The callbacks that Simulation::on_save() registered, by name.
   std::map<std::string, std::function<std::vector<std::byte>()>> on_save;
-  /// Evaluates the conditions under the key `stop_when` of the world file, which end the run; null if the
-  /// world has none.
+  /// Evaluates the stop conditions, which end the run: the value of the key `stop_when` of the world file.
+  /// Null if the world has no stop conditions.
   std::unique_ptr<engine::StopConditions> stop;
   /// The recording that record() started; null if none is running.
   std::unique_ptr<Recording> recording;
@@ -64,31 +66,33 @@ struct Simulation::Impl {
   PictureOptions picture_options;
 
   std::function<void(Simulation&)> before_tick;  ///< callback of Simulation::before_tick(); may be empty
-  /// The held robots: those that a user or a program steers instead of their controllers, because of an act
-  /// (a change of the running world, Simulation::act()).
+  /// The held robots: robots that get their speeds from a user or a program instead of from their
+  /// controllers. Simulation::act() holds and releases robots.
   Holds holds;
 
-  /// Throws std::logic_error if a callback of on_tick() is running. `what`: the call that is not allowed in
-  /// these callbacks, for the error.
+  /// Throws std::logic_error if a callback of on_tick() is running. what: name of the calling function, which
+  /// is not allowed in these callbacks, for the error.
   void refuse_in_callbacks(std::string_view what) const;
   /// Throws std::logic_error for a model of another simulation.
   void require_own(const Model& model) const;
-  /// Throws std::runtime_error if an output would replace a file that the simulation was read from.
+  /// Throws std::runtime_error if `output` is a file that the simulation was read from.
   void refuse_to_replace_inputs(const std::filesystem::path& output) const;
-  /// Returns `pictures`. Makes `pictures` again if the last call had other options.
+  /// Returns `pictures`, which draws with `options`. Creates `pictures` at the first call, and again if
+  /// `options` differ from those of the previous call.
   Pictures& pictures_of(const Simulation& simulation, const PictureOptions& options);
 
   // troupe/simulation_files.cpp
-  /// Makes the world of a valid spec (the description of a world that the engine uses internally), and
-  /// collects the warnings about this world and about plug-ins in `warnings`. populations: the names of the
-  /// populations of a JSON world, for the option `spare`, which adds unborn robots to them.
+  /// Makes the world from a valid spec, which is the engine's description of a world. Stores the warnings
+  /// about the world and about plug-ins in `warnings`. populations: names of the populations of a JSON world,
+  /// to which the option `spare` adds unborn robots.
   void start(engine::WorldSpec spec, const SimulationOptions& options, Diagnostics& diagnostics,
              std::span<const std::string> populations = {});
-  /// Makes `world` from its spec, and makes its replicas (copies of the world) on the other ranks. options:
+  /// Makes `world` from its spec, and a copy of the world (a replica) for each of the other ranks. options:
   /// SimulationOptions or ResumeOptions.
   template <class Options>
   void make_world(engine::WorldSpec spec, const Options& options, Diagnostics& diagnostics);
-  /// Sets up the stop conditions (`stop_when`). `world` must already be set.
+  /// Makes `stop` for the stop conditions of `world`, which must already be made. Leaves `stop` null if there
+  /// are no stop conditions. Throws InputError if a condition is wrong.
   void watch_for_the_end(Diagnostics& diagnostics);
   /// Restores the state of `world`, the stop conditions and the held robots from a checkpoint. `world` must
   /// already be made.

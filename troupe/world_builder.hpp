@@ -96,11 +96,13 @@ class Settings {
 ///     for (int i = 0; i < 10; ++i) world.add("r" + std::to_string(i), "bot", {.x = 0.5 * i});
 ///     troupe::Simulation simulation(world);
 ///
-/// The names and values are those of a JSON world file, which docs/world-format.md and `troupe describe`
-/// document; json() returns this file as text. This class does not check whether names and values are
-/// allowed, except that a number that is not finite throws std::invalid_argument. The constructor of
-/// Simulation checks them: it throws InputError, whose text lists all errors, each as `world.json:7: error:
-/// /types/bot/drive/kind: unknown drive ...`, with the line numbers of json().
+/// The functions take the keys and values of a JSON world file, which docs/world-format.md and `troupe
+/// describe` document. json() returns the world as the text of such a file. A number that is not finite
+/// throws std::invalid_argument. Other mistakes in keys and values are found later, by the constructor of
+/// Simulation. It throws InputError, whose text lists all errors. Each error states a line number in the text
+/// that json() returns:
+///
+///     world.json:7: error: /types/bot/drive/kind: unknown drive ...
 class WorldBuilder {
  public:
   /// A type: the shape, drive, sensors and other properties that bodies of the same construction share. Made
@@ -118,7 +120,7 @@ class WorldBuilder {
     /// Makes the body a box with these edge lengths along x, y and z, m. The base of the box is centred on
     /// the origin of the body.
     Type& size(double x, double y, double z);
-    /// Sets the colour: a name, "SteelBlue", or {red, green, blue}, each from 0 to 1.
+    /// Sets the colour: an X11 name such as "SteelBlue", or {red, green, blue}, each from 0 to 1.
     Type& color(const Setting& color);
     /// Sets the drive, which replaces an earlier drive of the type. kind: "diff", "omni", "car", ...;
     /// parameters: the parameters of this kind of drive.
@@ -136,9 +138,10 @@ class WorldBuilder {
     /// an earlier controller. kind: "wander", ...; parameters: those of this kind of controller. Robots
     /// without a controller do only what the program commands.
     Type& controller(std::string_view kind, const Settings& parameters = {});
-    /// Sets any key that a type can have in the world file, in place of an earlier value of the key. Do not
-    /// set "sensors" of a type that also gets sensors from sensor(), nor "devices" together with device():
-    /// the key would occur twice, and the constructor of Simulation reports this as an error.
+    /// Sets any key that a type can have in the world file; replaces an earlier value of the key. Do not use
+    /// the key "sensors" in a type that has sensors from sensor(): the key would occur twice, and the
+    /// constructor of Simulation would report an error. The same applies to the key "devices" and to
+    /// device().
     Type& set(std::string_view key, const Setting& value);
 
    private:
@@ -148,52 +151,54 @@ class WorldBuilder {
     std::vector<Setting> sensors_, devices_;
   };
 
-  /// name: a name that is used in place of a file name. Errors begin with the name, its stem is the title of
-  /// the world, and relative paths of bitmaps are resolved from its folder. `.json` is appended if the name
-  /// has another ending.
+  /// Makes a world without bodies. `name` takes the place of the name of a world file: errors begin with it,
+  /// its stem is the default title of the world, and paths of images are relative to its folder. If `name`
+  /// does not end in `.json`, this ending is appended.
   explicit WorldBuilder(std::filesystem::path name = "world.json");
 
-  /// Sets a key of the top level of the world file, in place of an earlier value: "seed", "tick_s",
-  /// "bounds_m", "stop_when", ...
+  /// Sets a key of the top level of the world file, such as "seed", "tick_s", "bounds_m" or "stop_when".
+  /// Replaces an earlier value of the key.
   WorldBuilder& set(std::string_view key, const Setting& value);
   /// Returns the type of this name; the first call with this name creates it. The reference stays valid when
   /// further types are created.
   Type& type(std::string_view name);
-  /// Adds a body named `name` of a type, at a pose in the world frame, m and rad. more: further keys that a
-  /// model can have in the world file.
+  /// Adds a body. name: name of the body; type: name of its type; pose: its pose in the world frame, m and
+  /// rad; more: further keys of an entry of the list "models" in the world file, such as "color".
   WorldBuilder& add(std::string_view name, std::string_view type, const Pose& pose,
                     const Settings& more = {});
-  /// Adds `count` bodies of a type with the names NAME0, NAME1, ... (NAME is `name`). place: the placement
-  /// rule, as under "place" in the world file, such as {{"rule", "uniform"}, ...}. more: further keys that a
-  /// population has in the world file, such as "color", or "reserve", the number of further bodies that can
-  /// be added while the world runs.
+  /// Adds a population: `count` bodies of a type that a rule places. The bodies have the names NAME0, NAME1,
+  /// ..., where NAME is `name`. place: the placement rule, the value of the key "place" in the world file,
+  /// such as {{"rule", "uniform"}}. more: further keys of an entry of the list "populations" in the world
+  /// file, such as "color". The key "reserve" is the number of additional bodies that can enter the world
+  /// while it runs.
   WorldBuilder& population(std::string_view name, std::string_view type, std::size_t count,
                            const Settings& place, const Settings& more = {});
   /// Adds a straight wall between two points in the world frame; points, thickness and height in m. Each call
-  /// adds a type and a body of this type, both with the name `wall1`, `wall2`, ... in the order of the calls.
-  /// Throws std::invalid_argument if the points are equal or a number is not finite.
+  /// adds a type and a body of this type. Both have the name `wall1` in the first call, `wall2` in the
+  /// second, and so on. Throws std::invalid_argument if the points are equal or a number is not finite.
   WorldBuilder& wall(const Vec2& from, const Vec2& to, double thickness = 0.1, double height = 0.5);
-  /// Adds the walls of a floor plan: the dark pixels of the image file `bitmap`. The bounding box of these
-  /// pixels is scaled to x by y metres. If `more` contains {"margins", "keep"}, the whole image is scaled
-  /// instead. height: height of the walls, m. more: further keys that a floor plan has in the world file,
-  /// such as "pose", the pose of the centre of the image (by default the origin of the world).
+  /// Adds a floor plan: a body whose walls are the dark pixels of the image file `bitmap`. The bounding box
+  /// of the dark pixels is scaled to x by y metres and centred on the origin of the body. If `more` contains
+  /// {"margins", "keep"}, the whole image is scaled and centred instead. height: height of the walls, m.
+  /// more: further keys of an entry of the list "floorplans" in the world file. The key "pose" is the pose of
+  /// the body in the world frame; without it, the body is at the origin.
   WorldBuilder& floorplan(std::string_view name, const std::filesystem::path& bitmap, double x, double y,
                           double height = 0.5, const Settings& more = {});
 
-  /// The name given to the constructor, with the ending `.json`.
+  /// The name given to the constructor, with `.json` appended if it had another ending.
   const std::filesystem::path& name() const { return name_; }
-  /// The text of the JSON world file, which the program `troupe run` can load, with one line per body or
-  /// sensor. Throws std::runtime_error if a text in the world is not valid UTF-8. The constructor of
-  /// Simulation then throws this error, too.
+  /// The text of the JSON world file, which the program `troupe run` can load. Each body, sensor and device
+  /// has a line of its own. Throws std::runtime_error if a text in the world is not valid UTF-8. The
+  /// constructor of Simulation also throws this error.
   std::string json() const;
 
  private:
   friend class Simulation;
-  /// Returns the content of json() as a tree, in which each value refers to its line in json(), for errors.
-  /// file: index of the world's name in the list of source files.
+  /// Returns the content of json() as a tree. Each value of the tree stores its line in json(), for errors.
+  /// file: number of the world's name in SourceFiles (base/diagnostics.hpp).
   worldio::JsonNode node(std::uint32_t file) const;
-  /// Returns the content of json() as a tree. Its line numbers are not those of json(): they only mark the
-  /// values that json() writes on several lines.
+  /// Returns the content of json() as a tree without the line numbers of json(). In this tree, a special line
+  /// number marks each value that json() writes on several lines.
   worldio::JsonNode unplaced() const;
   std::filesystem::path name_;
   Settings values_;

@@ -10,14 +10,14 @@
 
 namespace troupe::worldio {
 
-/// Default colour, dark grey, of floor plans (bodies that consist of walls) and of body types that cannot
-/// move, sense or be moved, such as walls: see default_colors().
+/// Default colour of walls, dark grey: of floor plans (bodies that consist of walls), and of the types that
+/// default_colors() treats as walls.
 inline constexpr Color k_wall_color{0.3f, 0.3f, 0.3f, 1};
 
 /// Returns the opaque colour of an X11 colour name, such as "red", "DarkSlateGray", "dark slate grey",
-/// "SteelBlue3" or "gray30". Names are case-sensitive: "Red" is unknown. In a name with blanks, however, each
-/// word may begin with an upper-case or a lower-case letter. The spellings "grey" and "gray" mean the same.
-/// Returns nothing for an unknown name.
+/// "SteelBlue3" or "gray30". Names are case-sensitive: "Red" is unknown. There is one exception: in a name
+/// with blanks, each word may begin with an upper-case or a lower-case letter. The spellings "grey" and
+/// "gray" mean the same. Returns nothing for an unknown name.
 std::optional<Color> color_by_name(std::string_view name);
 
 /// Returns the names of all colours, without numbered shades ("SteelBlue3") and without alternative
@@ -26,10 +26,10 @@ std::optional<Color> color_by_name(std::string_view name);
 std::span<const std::string_view> color_names();
 
 /// Returns the default colours of the types of a JSON world, one per type. A type describes bodies of the
-/// same construction. Types that have a drive, a device, a controller, or a part that can be pushed or
-/// gripped get a colour of the colour-blind-safe palette of Okabe and Ito, "Color Universal Design" (2008).
-/// The first of these types is blue, the next ones are orange, green, vermilion, sky blue, purple and yellow.
-/// The eighth is blue again, and so on. Each of the other types, such as a wall, gets k_wall_color.
+/// same construction. A type is treated as a wall, and gets k_wall_color, if it has no drive, no device, no
+/// controller, and no part that can be pushed or gripped. The other types get the colours of a
+/// colour-blind-safe palette (Okabe and Ito, "Color Universal Design", 2008). The first of them is blue; the
+/// next ones are orange, green, vermilion, sky blue, purple and yellow. The eighth is blue again, and so on.
 std::vector<Color> default_colors(std::span<const engine::TypeSpec> types);
 
 }  // namespace troupe::worldio

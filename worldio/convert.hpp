@@ -18,25 +18,30 @@ struct ConvertedWorld {
   std::size_t types = 0;
 };
 
-/// Reads the world file `from` and returns its world as the text of a world file named `to`. Does not write
-/// the file `to`. Both names must end in `.world` (the syntax of Stage, an older robot simulator) or `.json`
-/// (Troupe's own format). The ending selects the format. Paths of images in the text are relative to the
-/// folder of `to`. Macros of a `.world` file, and presets (named sets of parameters for controllers) of a
-/// JSON world, are replaced by their content. A population (a group of bodies that a rule places) becomes one
-/// entry per body. The function reports an error for everything in `from` that the new format cannot express.
-/// If the new format is `.world`, it also reports a warning for each outline, size or pose that is rounded,
-/// for each heading that is wrapped into [-pi, pi], and for bounds (the box in which bodies must stay) that a
-/// JSON world takes from its floor plans, because a `.world` file has no bounds. Without such a warning, a
-/// run of the new world has the same state hash at every tick (simulation step) as a run of the old world. Do
-/// not use the result if `diagnostics` has errors.
+/// Converts a world file. Reads the file `from`, and returns its world as the text of a file with the name
+/// `to`. Does not write the file `to`. Each of the two names must end in `.world` (the syntax of Stage, an
+/// older robot simulator) or `.json` (Troupe's own format). The ending selects the format.
 ///
-/// registry: the kinds (sorts) of drives, devices, controllers, measures and faults that both worlds may use.
+/// The text differs from the file `from`:
+/// - Paths of images are relative to the folder of `to`.
+/// - The content of a macro (in `.world` files) or of a preset (in JSON, a named set of parameters for a
+///   controller) replaces its name.
+/// - A population (in JSON, a group of bodies that a rule places) becomes one entry per body.
 ///
-/// options: the options with which `from` is loaded.
+/// Everything in `from` that the new format cannot express is an error. Do not use the result if
+/// `diagnostics` has errors. If the new format is `.world`, there is a warning for
+/// - each outline, size or pose that is rounded,
+/// - each heading that is wrapped into [-pi, pi],
+/// - bounds (the box in which bodies must stay) that follow from floor plans or from an arena with walls,
+///   because a `.world` file has no bounds.
 ///
-/// loaded: a function that is called with the world of `from` before the conversion. `loaded` may be empty.
-/// It is not called if loading `from` reports errors. convert_world() does not catch exceptions that `loaded`
-/// throws.
+/// If there is none of these warnings, runs of both worlds have the same state hash at every tick (simulation
+/// step).
+///
+/// registry  the kinds (sorts) of drives, devices, controllers, measures and faults that both worlds may use
+/// options   the options with which `from` is loaded
+/// loaded    a function that is called with the world of `from` before the conversion; may be empty. It is
+///           not called if `from` has errors. convert_world() does not catch its exceptions.
 ConvertedWorld convert_world(const std::filesystem::path& from, const std::filesystem::path& to,
                              const engine::Registry& registry, const LoadOptions& options,
                              Diagnostics& diagnostics,

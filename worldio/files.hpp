@@ -10,9 +10,8 @@
 
 namespace troupe::worldio {
 
-/// Size of the largest text or image file that is read, in bytes (4 GiB). The decoder of images,
-/// decode_bitmap(), has a lower limit, 2^31 - 1 bytes. No world needs a larger file, so a larger file is a
-/// mistake.
+/// Greatest size of a text or image file that is read, in bytes (4 GiB). Image files have a further limit of
+/// 2^31 - 1 bytes (decode_bitmap()).
 inline constexpr std::uintmax_t k_most_input_bytes = std::uintmax_t{4} << 30;
 
 /// Checks that a file is a readable regular file of at most `most_bytes` bytes, without opening the file. A
@@ -22,8 +21,8 @@ inline constexpr std::uintmax_t k_most_input_bytes = std::uintmax_t{4} << 30;
 Result<> check_readable(const std::filesystem::path& file,
                         std::uintmax_t most_bytes = std::numeric_limits<std::uintmax_t>::max());
 
-/// The content of a regular file of at most k_most_input_bytes bytes. Returns nothing if the file is larger,
-/// is not a regular file or cannot be read.
+/// Returns the content of a regular file of at most k_most_input_bytes bytes. Returns nothing if the file is
+/// larger, is not a regular file or cannot be read.
 std::optional<std::string> read_file(const std::filesystem::path& path);
 
 }  // namespace troupe::worldio

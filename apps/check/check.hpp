@@ -6,13 +6,15 @@
 
 namespace troupe::apps {
 
-/// `troupe check`: loads a world in several variants (numbers of threads, sizes of the tiles that threads
-/// process, ...), simulates them step by step and compares their states after each step. Prints the variants
-/// and the first difference on standard output, and warnings and errors on standard error. Returns k_finished
-/// if all variants agree, k_failed if one differs, and k_bad_input after an InputError. Throws
-/// engine::StepError if the step of every variant ends with an error. registry: the kinds (implementations of
-/// sensors, drives, controllers and so on) that worlds may use: those of make_registry(), and those that the
-/// program adds.
+/// `troupe check`: loads a world in several variants, which differ for example in the number of threads.
+/// Simulates all variants step by step, and compares their states after each step. Prints the variants and
+/// the first difference on standard output, and warnings and errors on standard error.
+///
+/// Returns k_finished if all variants agree, and k_failed if one differs. After an InputError, prints it and
+/// returns k_bad_input. If the same step ends with an error in every variant, throws engine::StepError.
+///
+/// registry: the kinds that the world may use. A kind is an implementation of a sensor, a drive, a controller
+/// and so on.
 ExitCode check(const CheckOptions& options, const engine::Registry& registry);
 
 }  // namespace troupe::apps

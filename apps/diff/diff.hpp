@@ -10,21 +10,22 @@ class App;
 
 namespace troupe::apps {
 
-/// Options of `troupe diff`.
+/// Options of `troupe diff`, which compares two files. A hash log is a text file with hashes of the state
+/// after each tick (simulation step). A recording is an HDF5 file with fields of the state over time.
 struct DiffOptions {
-  std::filesystem::path first;   ///< hash log or recording, named A in --help
-  std::filesystem::path second;  ///< file of the same type, named B in --help
-  bool across_domains = false;   ///< compare even if versions, compilers, flags or instruction sets differ
-  bool across_runs = false;      ///< compare even if worlds, seeds or options differ
+  std::filesystem::path first;   ///< a hash log or a recording; argument A
+  std::filesystem::path second;  ///< another file of the same type; argument B
+  bool across_domains = false;   ///< allow different versions, compilers, flags and instruction sets
+  bool across_runs = false;      ///< allow different worlds, seeds and options
 };
 
 /// Adds the options of `diff`; parsing fills `options`, which must outlive `command`.
 void add_diff_options(CLI::App& command, DiffOptions& options);
 
-/// `troupe diff`: compares two hash logs (text files with a hash of the state after each simulation step) or
-/// two recordings up to the first step that differs, and prints the result on standard output. Returns
-/// k_finished if all compared data are equal bit for bit, k_failed if there is a difference, and k_bad_input
-/// after printing an error.
+/// `troupe diff`: compares two hash logs or two recordings tick by tick. Stops at the first tick that
+/// differs, and prints the result on standard output. Returns k_finished if all compared data are equal bit
+/// for bit, and k_failed if there is a difference. If the files cannot be compared, prints an error and
+/// returns k_bad_input.
 ExitCode diff(const DiffOptions& options);
 
 }  // namespace troupe::apps

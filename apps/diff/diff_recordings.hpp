@@ -10,11 +10,13 @@ namespace troupe::apps {
 /// Whether a file starts with the HDF5 signature; false if the file cannot be read.
 bool is_hdf5(const std::filesystem::path& file);
 
-/// `troupe diff` for two recordings: compares the ticks (simulation steps) that both files have, up to the
-/// first tick that differs, and prints the result. Two ticks are compared by their state hashes and by the
-/// fields that both files have. Returns k_failed if a tick differs, or if one recording ends earlier than the
-/// other by at least one of its recording intervals; else k_finished. Throws InputError for files that are
-/// not comparable recordings.
+/// `troupe diff` for two recordings, which are HDF5 files with fields of the state over time. Compares the
+/// ticks (simulation steps) that both files contain: the hash of the state, and the fields that both files
+/// contain. Stops at the first tick that differs, and prints the result.
+///
+/// Returns k_failed if a tick differs, or if one recording ends too early; else k_finished. For example, a
+/// recording of every 10th tick that ends at tick 100 ends too early if the other recording ends at tick 110
+/// or later. Throws InputError if the files are not recordings, or if they cannot be compared.
 ExitCode diff_recordings(const DiffOptions& options);
 
 }  // namespace troupe::apps

@@ -20,10 +20,15 @@ struct InfoOptions {
 /// Adds the options of `info`; parsing fills `options`, which must outlive `command`.
 void add_info_options(CLI::App& command, InfoOptions& options);
 
-/// `troupe info FILE`: prints the type of a file, detected from its content, and a summary of the file on
-/// standard output. The file may be a world (Stage's or JSON), a hash log, a recording, a checkpoint (saved
-/// state of a run), a table of measures (numbers computed during a run) or of events, or a profile (timing of
-/// a run). Throws InputError for any other file and for a file that cannot be read.
+/// `troupe info FILE`: detects the type of a file from its content, and prints the type and a summary on
+/// standard output. Throws InputError if the file cannot be read, or if it is not one of these:
+///
+/// - a world, in Stage's syntax or in JSON
+/// - a hash log: hashes of the state after each tick (simulation step)
+/// - a recording: fields of the state over time
+/// - a checkpoint: saved state of a run
+/// - a table of measures (numbers computed from the state) or of events
+/// - a profile: timing of a run
 ExitCode info(const InfoOptions& options);
 
 }  // namespace troupe::apps

@@ -21,16 +21,21 @@ Summary summary_of_events(const std::filesystem::path& file);
 Summary summary_of_profile(const std::filesystem::path& file);
 Summary summary_of_recording(const std::filesystem::path& file);
 Summary summary_of_checkpoint(const std::filesystem::path& file);
-/// Returns the summary of a world file. text: content of the file. json: true if it is a JSON world, false if
-/// it is a Stage world. plugins: folders that are searched for plug-ins (shared libraries) before those of
-/// TROUPE_PLUGIN_PATH and STAGEPATH. Throws InputError if the world has errors.
+/// Returns the summary of a world file. Throws InputError if the world has errors.
+///
+/// file: name of the world file, for errors and for the files to which it refers
+/// text: content of the world file
+/// json: whether the world is in JSON; otherwise it is in Stage's syntax
+/// plugins: folders to search for plug-ins (shared libraries). The folders in the environment variables
+/// TROUPE_PLUGIN_PATH and STAGEPATH are searched afterwards.
 Summary summary_of_world(const std::filesystem::path& file, const std::string& text, bool json,
                          const std::vector<std::filesystem::path>& plugins);
 
-/// Returns a range of ticks (simulation steps) and the range of their simulated times, s, as text: "0 to 20,
-/// 0 to 2 s".
+/// Returns a range of ticks (simulation steps) and of simulated times as text, such as "0 to 20, 0 to 2 s".
+/// first_s, last_s: the simulated times of the ticks `first` and `last`, s.
 std::string ticks_text(std::uint64_t first, std::uint64_t last, double first_s, double last_s);
-/// Returns a count with the noun `what`, to which `s` is added unless the count is 1: "1 robot", "2 robots".
+/// Returns a count and a noun as text: "1 robot", "2 robots". what: the noun in the singular; `s` is appended
+/// if the count is not 1.
 std::string counted(std::size_t count, std::string_view what);
 
 }  // namespace troupe::apps

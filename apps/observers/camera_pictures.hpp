@@ -10,16 +10,19 @@
 
 namespace troupe::apps {
 
-/// Writes camera images into a folder: for each running camera, at each tick (simulation step) above 0 that
-/// is a multiple of `every_ticks`, one PNG with the colours (`r0.eye-000012.300s-color.png`: body, camera,
-/// simulated time) and one with the depths (`...-depth.png`; docs/sensing.md). A camera runs if the world
-/// file sets it active, if a controller reads it, or after a call of Simulation::subscribe() for its body.
-/// The bytes of a file depend only on the readings of the camera, its name and the tick. No image is written
-/// for a camera that has no reading yet, or whose robot is not in the world (unborn or dead).
+/// Writes the images of robots' cameras into a folder, as PNG files. Images are written at each tick
+/// (simulation step) above 0 that is a multiple of `every_ticks`. Each running camera then has two files.
+/// `r0.eye-000012.300s-color.png` has the colours, and `r0.eye-000012.300s-depth.png` the depths
+/// (docs/sensing.md). In these names, `r0` is the robot, `eye` the camera, and 12.3 s the simulated time.
+///
+/// A camera runs if the world file sets it active, if a controller reads it, or if Simulation::subscribe()
+/// was called for its robot. No image is written before the first reading of the camera, or while its robot
+/// is not in the world (unborn or dead). The bytes of a file depend only on the tick, and on the name and the
+/// readings of the camera.
 class CameraPictures : public Observer {
  public:
   /// Creates the folder if it does not exist; its parent folder must exist. every_ticks: interval of the
-  /// images, ticks, at least 1. Throws OutputError if creating the folder fails.
+  /// images, ticks, at least 1. Throws OutputError if the folder cannot be created.
   CameraPictures(std::filesystem::path folder, std::uint64_t every_ticks);
 
   void observe(const Simulation& simulation) override;
@@ -29,9 +32,9 @@ class CameraPictures : public Observer {
   std::uint64_t every_ticks_;
 };
 
-/// Returns the output of a run (an object with command-line options, see RunOutput) that writes camera images
-/// (CameraPictures). It adds the options --camera-png and --camera-every to the command line, and writes the
-/// images into the folder that --camera-png names. Without --camera-png, nothing is written.
+/// Returns the RunOutput for camera images (CameraPictures). A RunOutput is one output of a run, together
+/// with its command-line options. The option --camera-png names the folder, and --camera-every sets the
+/// interval of the images in simulated seconds. Without --camera-png, nothing is written.
 std::unique_ptr<RunOutput> camera_output();
 
 }  // namespace troupe::apps

@@ -16,9 +16,12 @@ namespace troupe::apps {
 /// process of the run.
 class SaveRequests {
  public:
-  /// Whether a request has arrived since the previous call. Requests within one second after a call that
-  /// returned true are ignored: a launcher passes a signal on to all processes, so that one request of the
-  /// user arrives several times.
+  /// Returns true if SIGUSR1 has arrived at a process of the run since the previous call. One request of the
+  /// user may arrive several times, because a launcher such as mpirun passes the signal on to all processes.
+  /// Therefore the function returns false for one second after a call that returned true, and ignores the
+  /// signals in this time.
+  ///
+  /// simulation: the simulation of the run, which counts the signals at the other processes
   bool has_new(const Simulation& simulation);
 
  private:
@@ -26,16 +29,19 @@ class SaveRequests {
   std::optional<std::chrono::steady_clock::time_point> last_;
 };
 
-/// Saves checkpoints of a run, that is, files with its whole state, from which it can be resumed:
-/// periodically, on SIGUSR1, and when the run ends or is stopped.
+/// Saves checkpoints of a run. A checkpoint is a file with the whole state, from which the run can be
+/// resumed. The class saves a checkpoint periodically, on SIGUSR1, and when the run ends or is stopped.
 class Checkpointing : public Observer {
  public:
-  /// file: the checkpoint, which each save replaces. every_s: the period in simulated seconds; not given: no
-  /// periodic checkpoints. others: the other observers of the run, which must outlive this object; their
-  /// before_save() is called before each checkpoint during the run, so that they write what they have
-  /// observed to their files. The constructor writes a trial checkpoint next to `file` and removes it, so
-  /// that a full disk or a world that cannot be saved is reported before the run. Throws OutputError if this
-  /// fails.
+  /// Tests whether checkpoints can be saved: writes a checkpoint next to `file`, and removes it again. Throws
+  /// OutputError if this fails, for example because the disk is full. The user then sees the error before the
+  /// run.
+  ///
+  /// file: the checkpoint. Each save replaces it.
+  /// every_s: interval of the periodic checkpoints, simulated seconds; not given: no periodic checkpoints
+  /// simulation: the simulation of the run
+  /// others: the other observers of the run, which must outlive this object. Before each checkpoint during
+  /// the run, this object calls their before_save().
   Checkpointing(std::filesystem::path file, std::optional<double> every_s, const Simulation& simulation,
                 std::vector<Observer*> others);
 
@@ -55,10 +61,10 @@ class Checkpointing : public Observer {
   SaveRequests requests_;
 };
 
-/// Returns the output of a run (an object with command-line options, see RunOutput) that saves checkpoints
-/// (Checkpointing). It adds the options --checkpoint, --checkpoint-every and --wall-limit to the command
-/// line. Parsing stores their values in RunOptions::checkpoint, checkpoint_every_s and wall_limit_s. Without
-/// --checkpoint, nothing is saved.
+/// Returns the RunOutput for checkpoints (Checkpointing). A RunOutput is one output of a run, together with
+/// its command-line options. The options are --checkpoint, --checkpoint-every and --wall-limit. Parsing
+/// stores their values in RunOptions::checkpoint, checkpoint_every_s and wall_limit_s. Without --checkpoint,
+/// nothing is saved.
 std::unique_ptr<RunOutput> checkpoint_output();
 
 }  // namespace troupe::apps

@@ -8,13 +8,13 @@
 namespace troupe::apps {
 
 /// Prints the progress of a run on standard error, one line for every tick (simulation step) that is a
-/// multiple of `every_ticks`: the title of the world, the world time (simulated time), and the mean speed
-/// since the run began: `arena: 60 s, 812.4 x real time`. The line of the tick at which the run begins has no
-/// speed.
+/// multiple of `every_ticks`. An example is `arena: 60 s, 812.4 x real time`: the title of the world, the
+/// world time (simulated time), and the mean speed since the run began. The line for the tick at which the
+/// run begins has no speed.
 class ClockLines : public Observer {
  public:
-  /// every_ticks: interval of the lines, ticks, at least 1. simulation: the simulation at the beginning of
-  /// the run.
+  /// every_ticks: interval of the lines, ticks, at least 1
+  /// simulation: the simulation at the beginning of the run
   ClockLines(std::uint64_t every_ticks, const Simulation& simulation);
 
   void observe(const Simulation& simulation) override;

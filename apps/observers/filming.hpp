@@ -23,10 +23,10 @@ namespace troupe::apps {
 /// Measures the mean speed of a run, in multiples of real time, since the construction of this object.
 class RunSpeed {
  public:
-  /// begin_s: the simulated time that the run has reached now, s.
+  /// begin_s: simulated time of the run when this object is constructed, s
   explicit RunSpeed(double begin_s) : begin_s_(begin_s) {}
-  /// Mean speed from the construction of this object until now, in multiples of real time; 0 if no wall time
-  /// has passed. time_s: the simulated time that the run has reached now, s.
+  /// Returns the mean speed from the construction of this object until now, in multiples of real time; 0 if
+  /// no wall time has passed. time_s: simulated time of the run now, s.
   double at(double time_s) const;
 
  private:
@@ -38,17 +38,21 @@ class RunSpeed {
 /// continues.
 class Snapshots : public Observer {
  public:
-  /// files: must request at least one snapshot. end_tick: last tick of the run. Throws InputError for options
-  /// that do not fit the world, and for times outside the run.
+  /// Prepares the snapshots. Throws InputError if a requested time is outside the run, or if `files.look`
+  /// names something that does not exist, such as a body to follow. Throws std::runtime_error if the program
+  /// was built without a renderer.
+  ///
+  /// files: must request at least one snapshot
+  /// end_tick: last tick of the run
   Snapshots(const PictureFiles& files, const Simulation& simulation, std::uint64_t end_tick);
 
-  /// Writes a small picture next to the first file and removes it, so that errors of drawing or writing are
-  /// reported before the run. Throws the errors of Pictures::write(), which draws and writes a picture.
+  /// Writes a small picture next to the first snapshot file and removes it. Call it before the run, to find
+  /// errors of drawing or writing early. Throws the errors of Pictures::rehearse().
   void rehearse() { pictures_.rehearse(first_); }
   void observe(const Simulation& simulation) override;
   void finish(const Simulation& simulation) override;
-  /// If --snapshot-at was not given, draws the state at the end of the run and waits until the picture is
-  /// written. Throws if drawing or writing fails.
+  /// If --snapshot-at was not given, draws the state at the end of the run and writes the picture. Throws if
+  /// drawing or writing fails.
   void after_summary(const Simulation& simulation) override;
 
  private:
@@ -63,19 +67,25 @@ class Snapshots : public Observer {
 /// Films a run or a recording. A separate thread draws the frames while the run continues.
 class Filming : public Observer {
  public:
-  /// Throws InputError for options that do not fit the world.
+  /// Prepares the film. Throws InputError if `files.look` names something that does not exist in `source`,
+  /// such as a body to follow. Throws std::runtime_error if the program was built without a renderer.
+  ///
+  /// files: must request a film
+  /// source: the run or the recording to film
   Filming(const PictureFiles& files, const PictureSource& source);
-  /// Writes a small picture next to the film and removes it, so that errors of drawing or writing are
-  /// reported before the run. Throws the errors of Pictures::write(), which draws and writes a picture.
+  /// Writes a small picture next to the film and removes it. Call it before the run, to find errors of
+  /// drawing or writing early. Throws the errors of Pictures::rehearse().
   void rehearse() { pictures_.rehearse(film_); }
-  /// Starts ffmpeg, unless the film is written as one picture per frame. Call it once, before observe().
+  /// Starts ffmpeg, unless the film is written as one picture file per frame. Call it once, before observe().
   /// Throws OutputError if ffmpeg is not found or the file cannot be written.
   void open();
 
   void observe(const Simulation& simulation) override;
-  /// Adds the frames of the film up to the current time of `source`. A frame between the times of two calls
-  /// is interpolated between the states at these times. next_s: simulated time of the next call, s; infinity
-  /// if there is no next call.
+  /// Adds the frames of the film up to the current time of `source`. Call it repeatedly, with increasing
+  /// times. A frame between two calls is interpolated between the states at these calls.
+  ///
+  /// next_s: simulated time of the next call, s; infinity if there is no next call. If no frame before this
+  /// time needs the current state, the state is not copied.
   void observe(const PictureSource& source, double next_s);
   void finish(const Simulation& simulation) override;
   /// Waits until the film is complete. Throws if drawing or writing failed.
@@ -101,9 +111,9 @@ class Filming : public Observer {
   partition::JobThread thread_;     // last, because it uses all members above
 };
 
-/// Returns the output of a run (an object with command-line options, see RunOutput) that writes pictures and
-/// a film (Snapshots and Filming). It adds the options of add_picture_options() to the command line. Among
-/// them, --snapshot and --film name the files; without these two, nothing is written.
+/// Returns the RunOutput for pictures and films (Snapshots and Filming). A RunOutput is one output of a run,
+/// together with its command-line options. The options are those of add_picture_options(). Without --snapshot
+/// and --film, which name the files, nothing is written.
 std::unique_ptr<RunOutput> pictures_output();
 
 }  // namespace troupe::apps

@@ -27,33 +27,34 @@ inline constexpr std::string_view k_profile_mark = "{\"displayTimeUnit\":\"ms\",
 struct ProfileLimits {
   std::uint64_t first_tick = 1;                 ///< first tick in the profile
   std::uint64_t last_tick = ~std::uint64_t{0};  ///< last tick in the profile
-  /// Largest number of tasks in the file, about 100 bytes each. If a tick has more tasks than fit into the
-  /// rest of this number, the tick is written without its tasks.
+  /// Largest number of tasks in the file; each takes about 100 bytes. If a tick has more tasks than may still
+  /// be written, the tick is written without its tasks.
   std::size_t most_tasks = 1'000'000;
-  /// Largest number of ticks in the file, about 1 kB each. Later ticks are omitted.
+  /// Largest number of ticks in the file; each takes about 1 kB. Later ticks are omitted.
   std::size_t most_ticks = 20'000;
 };
 
-/// Writes the timing of a run in the Trace Event Format, which the trace viewers of browsers read. One track
-/// shows the ticks (simulation steps) and their phases, such as sense and move. For each worker thread, a
-/// track shows its tasks (batches of robots). Ranks are processes, or groups of threads, that each compute
-/// some of the robots; with several ranks, there is also a track for each rank. Counters show memory and
-/// robots.
+/// Writes the timing of a run in the Trace Event Format, which the trace viewers of browsers read. The file
+/// has several tracks:
 ///
-/// file    the file is complete JSON after each tick: it can be read during the run, and after the program
-///         was killed
-/// tasks   the argument `task` of a task is its index in its parallel loop; in the sense phase, tasks are
-///         batches of neighbouring robots, in the order of the tiles (squares of the world). A phase may run
-///         several parallel loops
-/// ranks   in each tick, the track of a rank shows the times that the rank spent in the phases sense, actuate
-///         and decide for its own robots. The phase sense is drawn at the time at which it began on rank 0,
-///         because the clocks of processes differ
-/// load    the argument `imbalance` of a phase is the time that the busiest worker spent in tasks, divided by
-///         the mean over all workers (1: equal work; the number of threads: one worker did everything);
-///         `busy_us` is the time of all workers together, microseconds. Both are absent if the phase ran no
-///         task
-/// errors  the constructor throws OutputError if the file cannot be opened; observe() throws
-///         std::runtime_error if writing to the file fails
+/// - One track shows the ticks (simulation steps) and their phases, such as sense and move.
+/// - Each worker thread has a track for its tasks. A task is a part of a parallel loop; in the phase sense,
+///   it is a batch of neighbouring robots. The argument `task` is the index of the task in its loop. A phase
+///   may run several loops.
+/// - A rank is a process, or a group of threads, that computes some of the robots. With several ranks, each
+///   rank has a track. The track shows how long the phases sense, actuate and decide took in each tick for
+///   the robots of the rank. It shows these three durations one after the other, from the time at which the
+///   phase sense began on rank 0. The true start times are unknown, because the clocks of processes differ.
+///
+/// Counters show memory and numbers of robots. Each phase of a tick has two arguments, unless it ran no task:
+///
+/// - `busy_us` is the time that all workers together spent in tasks, microseconds.
+/// - `imbalance` is the time of the busiest worker, divided by the mean over all workers. It is 1 if the work
+///   was equal, and the number of workers if one worker did everything.
+///
+/// After each tick, the file is complete JSON, so it can be read during the run, and after the program was
+/// killed. The constructor throws OutputError if the file cannot be opened. observe() throws
+/// std::runtime_error if writing fails.
 class Profile : public Observer, public TickWatcher {
  public:
   Profile(const std::filesystem::path& file, const Simulation& simulation, const ProfileLimits& limits);
@@ -62,12 +63,13 @@ class Profile : public Observer, public TickWatcher {
   void task(std::size_t index, bool begins) override;
   TickWatcher* tick_watcher() override { return this; }
 
-  /// Writes the tick that has just ended, if the profile is to contain this tick. Does nothing before the
-  /// first tick.
+  /// Writes the tick that has just ended, if the limits of the profile (ProfileLimits) include this tick.
+  /// Does nothing before the first tick.
   void observe(const Simulation& simulation) override;
   bool reads_robots() const override { return false; }
 
-  /// Returns a line that states which ticks and tasks were omitted because of the limits; empty: none.
+  /// Returns one line that states which ticks and tasks were omitted because of the limits. The text is empty
+  /// if none were omitted.
   std::string warning() const override;
 
  private:
@@ -80,8 +82,8 @@ class Profile : public Observer, public TickWatcher {
     std::size_t index;
     Phase phase;
   };
-  /// The tasks that one thread has run in this tick. Each thread writes only its own track. The thread that
-  /// calls observe() reads all tracks between loops.
+  /// The tasks that one thread has run in this tick. During a parallel loop, each thread writes only its own
+  /// track. Between loops, the thread that calls observe() reads all tracks.
   struct Track {
     Clock::time_point begin;
     std::vector<Task> tasks;
@@ -97,8 +99,8 @@ class Profile : public Observer, public TickWatcher {
   void write_rank(std::size_t rank, const RankWork& work);
   /// Returns the arguments `imbalance` and `busy_us` of a phase as JSON; empty if the phase ran no task.
   std::string load(Phase phase) const;
-  /// Writes the pending events over the closing brackets of the file, and then the brackets again, so that
-  /// the file is complete.
+  /// Appends the pending events to the file. They overwrite the closing brackets at its end, which are then
+  /// written again, so that the file is complete.
   void flush();
 
   std::filesystem::path file_;
@@ -124,9 +126,9 @@ class Profile : public Observer, public TickWatcher {
   PerThread<Track> tracks_;
 };
 
-/// Returns the output of a run (an object with command-line options, see RunOutput) that writes a Profile. It
-/// adds the options --profile and --profile-ticks to the command line, and writes the profile to the file
-/// that --profile names. Without --profile, nothing is written.
+/// Returns the RunOutput for a profile (Profile). A RunOutput is one output of a run, together with its
+/// command-line options. The option --profile names the file, and --profile-ticks selects the ticks. Without
+/// --profile, nothing is written.
 std::unique_ptr<RunOutput> profile_output();
 
 }  // namespace troupe::apps

@@ -12,21 +12,23 @@ namespace troupe::apps {
 
 struct RunOptions;
 
-/// Returns the file to which a run is recorded: the file that the command line names, or else the file that
-/// `record` in the world file names; empty if neither names a file. Throws InputError if the world names a
-/// file outside the working folder.
+/// Returns the file to which a run is recorded. This is the file that the command line names, or else the
+/// file that the entry `record` of the world file names. The result is empty if neither names a file. Throws
+/// InputError if the world file names a file outside the working folder.
 std::filesystem::path recording_file(const RunOptions& options, const Simulation& simulation);
 
 class Recorder;
-/// Opens the recording of a run (recording_file()). Returns null if the run is not recorded. If the
-/// simulation was resumed from a checkpoint (saved state of a run), an existing recording is continued,
-/// unless --force was given. Throws InputError, before anything is written, if the file or the fields are
-/// invalid, or if an interval or fields are given for a run that is not recorded.
+/// Opens the recording of a run (recording_file()). Returns null if the run is not recorded. In a run that
+/// was resumed from a checkpoint (saved state of a run), continues an existing recording. With the option
+/// --force, replaces it instead.
+///
+/// Throws InputError, before anything is written, if the file or the fields of the recording are invalid.
+/// Also throws InputError if the command line gives an interval or fields, but the run is not recorded.
 std::unique_ptr<Recorder> make_recorder(const RunOptions& options, const Simulation& simulation);
 
 /// Writes the recording of a run: an HDF5 file with one frame per recorded tick (simulation step). A frame
-/// contains the chosen fields of the state. The recorder starts to flush the frames to the disk every 2 s of
-/// wall time, so that readers of the growing file see recent frames and a killed run loses few frames.
+/// contains the chosen fields of the state. About every 2 s of wall time, the new frames are flushed to the
+/// disk. Programs that read the growing file then see recent frames, and a killed run loses few frames.
 class Recorder : public Observer {
  public:
   explicit Recorder(Recording recording) : recording_(std::move(recording)) {}

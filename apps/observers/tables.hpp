@@ -14,16 +14,19 @@
 
 namespace troupe::apps {
 
-/// Writes the table of --measures: the tick (number of the simulation step), the time and the values of the
-/// measures (numbers computed from the state), with the columns `tick,time_s,coverage,...`. The table has one
-/// line for every tick that is a multiple of `every`, counted from the start of the simulation. So a resumed
-/// run writes the same lines as an uninterrupted run.
+/// Writes the table of the option --measures. A measure is a number that is computed from the state. The
+/// columns are `tick`, `time_s` (simulated time) and the measures, as in `tick,time_s,coverage`. There is one
+/// line for every tick (simulation step) that is a multiple of `every`. A resumed run continues the count of
+/// ticks, so it writes the same lines as an uninterrupted run.
 class MeasuresTable : public Observer {
  public:
-  /// Creates the table. If the simulation was resumed from a checkpoint (saved state of a run), an existing
-  /// table is continued and the data that the measures keep from earlier ticks are restored from the
-  /// checkpoint. every: interval of the lines, ticks, at least 1. Throws OutputError if the file cannot be
-  /// written or continued, or if the checkpoint lacks these data. The simulation must outlive this object.
+  /// Creates the table. If the run was resumed from a checkpoint (saved state of a run), continues an
+  /// existing table. Some measures need data from earlier ticks, which are then restored from the checkpoint.
+  /// Throws OutputError if the file cannot be written or continued, or if the data in the checkpoint do not
+  /// fit the measures.
+  ///
+  /// simulation: must outlive this object
+  /// every: interval of the lines, ticks, at least 1
   MeasuresTable(const std::filesystem::path& file, Simulation& simulation, Measures measures,
                 std::uint64_t every);
   ~MeasuresTable() override;
@@ -38,15 +41,22 @@ class MeasuresTable : public Observer {
   CsvFile csv_;
 };
 
-/// Writes the table of --events: one line per event (a robot stalls, is born, dies, ...),
-/// `tick,time_s,event,robot,id,x_m,y_m,heading_rad,other,other_id`, in the order of ticks and ids. The pose
-/// is that of the robot at the end of the tick. `other` and `other_id` are empty if no other body is
-/// involved.
+/// Writes the table of the option --events, with one line per event. An event is, for example, that a robot
+/// stalls, is born or dies. The lines are sorted by tick (simulation step), and then by the id of the robot.
+/// k_events_header lists the columns:
+///
+/// - `time_s`: simulated time, s
+/// - `event`: type of the event, such as `stall_begins`
+/// - `robot`, `id`: name and id of the robot
+/// - `x_m`, `y_m`, `heading_rad`: pose of the robot at the end of the tick, in the world frame
+/// - `other`, `other_id`: name and id of another body that is involved; empty if there is none
 class EventsTable : public Observer {
  public:
-  /// Creates the table, which will contain the events after the current tick. If the simulation was resumed
-  /// from a checkpoint, an existing table is continued. Throws OutputError if the file cannot be written or
-  /// continued. The simulation must outlive this object.
+  /// Creates the table. The first events are those of the next tick. If the run was resumed from a checkpoint
+  /// (saved state of a run), continues an existing table. Throws OutputError if the file cannot be written or
+  /// continued.
+  ///
+  /// simulation: must outlive this object
   EventsTable(const std::filesystem::path& file, Simulation& simulation);
   ~EventsTable() override;
 
@@ -58,21 +68,21 @@ class EventsTable : public Observer {
   CsvFile csv_;
 };
 
-/// The beginnings of the first lines of a table of measures and of a table of events, by which `troupe info`
-/// detects the type of a file. A table of events begins with both, so k_events_mark must be tested first.
+/// The beginnings of a table of measures and of a table of events. `troupe info` detects these two types of
+/// files by them. Test for k_events_mark first, because tables of events also begin with k_measures_mark.
 inline constexpr std::string_view k_measures_mark = "tick,time_s,";
 inline constexpr std::string_view k_events_mark = "tick,time_s,event,robot,";
 /// The first line of a table of events: the names of its columns.
 inline constexpr std::string_view k_events_header =
     "tick,time_s,event,robot,id,x_m,y_m,heading_rad,other,other_id";
 
-/// Returns the output of a run (an object with command-line options, see RunOutput) that writes a
-/// MeasuresTable. It adds the options --measures, --measure and --measure-every to the command line, and
-/// writes the table to the file that --measures names. Without --measures, nothing is written.
+/// Returns the RunOutput for a table of measures (MeasuresTable). A RunOutput is one output of a run,
+/// together with its command-line options. The option --measures names the file, --measure the measures, and
+/// --measure-every sets the interval of the lines in simulated seconds. Without --measures, nothing is
+/// written.
 std::unique_ptr<RunOutput> measures_output();
-/// Returns the output of a run (an object with command-line options, see RunOutput) that writes an
-/// EventsTable. It adds the option --events to the command line, and writes the table to the file that
-/// --events names. Without --events, nothing is written.
+/// Returns the RunOutput for a table of events (EventsTable). A RunOutput is one output of a run, together
+/// with its command-line options. The option --events names the file. Without --events, nothing is written.
 std::unique_ptr<RunOutput> events_output();
 
 }  // namespace troupe::apps

@@ -14,9 +14,11 @@
 namespace troupe::apps {
 
 /// Writes a film: passes pictures to ffmpeg, a child process, which encodes them. ffmpeg writes a temporary
-/// file in the folder of the film; when the film is complete, the file gets the film's name and replaces an
-/// older film. The temporary file of an unfinished film is removed. If SIGKILL prevents this, the next film
-/// with the same name replaces the file.
+/// file in the folder of the film. finish() gives this file the name of the film, and replaces an older film.
+/// If the film is not finished, the destructor removes the temporary file.
+///
+/// A program that is killed may leave the temporary file. The next film of the same name overwrites it,
+/// except on file systems without locks.
 class Ffmpeg {
  public:
   /// Starts ffmpeg. film: file to write; width, height: size of the pictures, pixels; fps: pictures per
@@ -46,10 +48,10 @@ class Ffmpeg {
   int process_ = -1;
 };
 
-/// Searches ffmpeg in the folders of the environment variable PATH and returns its path; empty if it is not
-/// found.
+/// Searches for the program ffmpeg in the folders of the environment variable PATH. Returns the path of the
+/// program, or an empty text if it is not found.
 std::string find_ffmpeg();
-/// Throws OutputError if the film that `pictures` requests cannot be made, because ffmpeg is missing or the
+/// Checks that the film that `pictures` requests can be made. Throws OutputError if ffmpeg is missing or the
 /// background is transparent. Does nothing if no film is requested, or if the film is written as one picture
 /// file per frame. Writes no file.
 void check_film(const PictureFiles& pictures);

@@ -13,17 +13,18 @@ class App;
 
 namespace troupe::apps {
 
-/// Options of `troupe render`.
+/// Options of `troupe render`. The member `world` names a world, a checkpoint (saved state of a run) or a
+/// recording (file with the state over time).
 struct RenderOptions : WorldOptions {
-  PictureFiles pictures;  ///< pictures of the file `world`, which is a world, a checkpoint or a recording
-  std::vector<std::string> given;  ///< the given options that only some input types allow; for errors
+  PictureFiles pictures;           ///< the pictures and the film to write
+  std::vector<std::string> given;  ///< given options that are not allowed for every type of input
 };
 
 /// Adds the options of `render`; parsing fills `options`, which must outlive `command`.
 void add_render_options(CLI::App& command, RenderOptions& options);
-/// `troupe render`: draws the requested pictures of a world, a checkpoint (saved state of a run) or a
-/// recording, and makes the requested film. Returns k_stopped after Ctrl-C or SIGTERM, k_bad_input after
-/// printing an InputError or OutputError, else k_finished.
+/// `troupe render`: draws the requested pictures of a world, a checkpoint or a recording, and makes the
+/// requested film. Returns k_stopped after Ctrl-C or SIGTERM, k_bad_input after printing an InputError or
+/// OutputError, else k_finished.
 ExitCode render_pictures(const RenderOptions& options);
 
 }  // namespace troupe::apps

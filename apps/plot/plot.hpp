@@ -11,21 +11,22 @@ class App;
 
 namespace troupe::apps {
 
-/// Options of `troupe plot`. Empty options are not passed to python/troupe/plot.py, which has defaults.
+/// Options of `troupe plot`, which plots a measure (a number computed from the state) over time. The data are
+/// results of `troupe sweep`, which runs a world many times with different parameters. If an option is empty,
+/// the script python/troupe/plot.py uses a default.
 struct PlotOptions {
-  std::filesystem::path folder;  ///< folder with the results of a sweep
+  std::filesystem::path folder;  ///< folder with the results of the sweep
   std::string measure;           ///< name of the measure
-  std::string by;                ///< parameters whose values distinguish the lines of the plot: "A,B"
+  std::string by;                ///< parameters, "A,B": one line in the plot per combination of values
   std::string title;             ///< title above the plot
   std::filesystem::path out;     ///< picture to write
 };
 
 /// Adds the options of `plot`; parsing fills `options`, which must outlive `command`.
 void add_plot_options(CLI::App& command, PlotOptions& options);
-/// `troupe plot`: plots a measure of a sweep. Replaces the process by Python (the interpreter that the
-/// environment variable TROUPE_PYTHON names, else python3), which runs the script plot.py that is embedded in
-/// this program. If Python cannot be started, prints an error and returns k_failed; otherwise does not
-/// return.
+/// `troupe plot`: replaces this process by a Python interpreter, which runs the script k_plot_script. The
+/// environment variable TROUPE_PYTHON names the interpreter; the default is python3. If Python cannot be
+/// started, prints an error and returns k_failed; otherwise does not return.
 ExitCode plot(const PlotOptions& options);
 
 }  // namespace troupe::apps

@@ -4,7 +4,7 @@
 
 namespace troupe::apps {
 
-/// The text of python/troupe/plot.py.
+/// The text of the script python/troupe/plot.py, which is embedded in this program.
 extern const std::string_view k_plot_script;
 
 }  // namespace troupe::apps

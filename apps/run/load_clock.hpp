@@ -7,10 +7,12 @@
 
 namespace troupe::apps {
 
-/// Measures how evenly the ticks (simulation steps) of a run load the worker threads. Its functions are
-/// called from the callbacks on_phase(), on_loop() and on_task() of a simulation. Parallel loops between
-/// ticks (hashes, measures) are not counted. The cost is two clock readings per task; a task takes tens of
-/// microseconds.
+/// Measures how evenly the ticks (simulation steps) of a run load the worker threads. A task is a part of a
+/// parallel loop; one thread runs the task. A run calls tick(), loop() and task() from its callbacks of
+/// Simulation::on_phase(), on_loop() and on_task(). Loops between ticks, such as those for hashes and
+/// measures, are not counted.
+///
+/// The cost is two clock readings per task. This is little, because a task takes tens of microseconds.
 class LoadClock {
  public:
   /// Call it with true when a tick begins and with false when it has ended. Repeated calls with the same
@@ -40,13 +42,13 @@ class LoadClock {
     mark(worker.begin, begins, worker.busy_s);
   }
 
-  /// Fraction of the wall time of all ticks that was spent outside parallel loops, from 0 to 1; 0 before the
-  /// first tick. More worker threads do not shorten this part.
+  /// Returns the fraction of the wall time of all ticks that was spent outside parallel loops, from 0 to 1; 0
+  /// before the first tick. More worker threads do not shorten this part of the time.
   double serial_share() const { return ticks_s_ > 0 ? 1 - loops_s_ / ticks_s_ : 0; }
-  /// How unevenly the parallel loops loaded the workers. The numerator is the time that the busiest worker of
-  /// a loop spent in its tasks, summed over all loops; the denominator is the time of all tasks, divided by
-  /// the number of workers, `threads`. The result is 1 if all workers had equal work, `threads` if one worker
-  /// did everything, and 0 if no task was run.
+  /// Returns how unevenly the loops loaded the workers: 1 if all workers had equal work, `threads` if one
+  /// worker did everything, 0 if no task was run. The result is a ratio. The numerator is the time of the
+  /// busiest worker in a loop, summed over all loops. The denominator is the time of all tasks, divided by
+  /// `threads`, the number of workers.
   double imbalance(unsigned threads) const { return busy_s_ > 0 ? threads * longest_s_ / busy_s_ : 0; }
 
  private:

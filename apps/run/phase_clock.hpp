@@ -9,9 +9,9 @@
 
 namespace troupe::apps {
 
-/// Sums the wall time of each phase over all ticks. A tick is a simulation step; a phase is a part of it,
-/// such as sense or move. Call it, in a callback of Simulation::on_phase(), with the phase that begins, and
-/// with std::nullopt when a tick ends.
+/// Measures how much wall time each phase of the ticks takes. A tick is a simulation step; a phase is a part
+/// of a tick, such as sense or move. A callback of Simulation::on_phase() must call operator() with each
+/// value that the callback receives: the phase that begins, or std::nullopt when a tick ends.
 class PhaseClock {
  public:
   using Clock = std::chrono::steady_clock;
@@ -23,7 +23,8 @@ class PhaseClock {
     current_ = phase;
     since_ = now;
   }
-  /// Wall time of each phase, s.
+  /// Returns the wall time of each phase, summed over all ticks so far, s. The array is indexed by
+  /// engine::Phase.
   const std::array<double, engine::k_phases>& seconds() const { return seconds_; }
 
  private:

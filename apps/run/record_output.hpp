@@ -4,11 +4,9 @@
 
 namespace troupe::apps {
 
-/// Returns the output of a run (an object with command-line options, see RunOutput) that records the run into
-/// an HDF5 file (Recorder). It adds the options --record, --record-every and --record-fields to the command
-/// line. Parsing stores their values in RunOptions::record and RunOptions::recording, with which
-/// make_recorder() opens the recording. Without --record, the run is recorded only if the world file names a
-/// recording.
+/// Returns the output that records a run into an HDF5 file. An output writes files of a run and has
+/// command-line options (class RunOutput); this output has --record, --record-every and --record-fields.
+/// Without --record, it records the run only if the world file names a file for the recording.
 std::unique_ptr<RunOutput> record_output();
 
 }  // namespace troupe::apps

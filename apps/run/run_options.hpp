@@ -12,12 +12,13 @@
 
 namespace troupe::apps {
 
-/// Options of `troupe run` and `troupe resume`.
+/// Options of `troupe run` and `troupe resume`. A rank is a process or a group of threads; several ranks can
+/// compute a world together.
 struct RunOptions : WorldOptions {
-  /// All worlds of the command line, or the checkpoint. Each of them is run with a copy of these options, in
-  /// which `world` is the world to run.
+  /// The world files to run or, for `troupe resume`, the checkpoint to resume. Each world is run with its own
+  /// copy of these options, whose member `world` names its file.
   std::vector<std::filesystem::path> worlds;
-  RunOutputs outputs;  ///< all outputs; most of them store the values of their options themselves
+  RunOutputs outputs;  ///< the kinds of output (hash log, pictures, ...), with most of their options
   std::filesystem::path checkpoint;  ///< file for checkpoints (saved states); empty: none
   /// Simulated time between checkpoints, s; not given: checkpoints are saved only on SIGUSR1 and at the end.
   std::optional<double> checkpoint_every_s;
@@ -37,24 +38,22 @@ struct RunOptions : WorldOptions {
 
   bool dry_run = false;  ///< --dry-run: load the world, print what the run would need, and end
   /// Whether slower ranks pass robots to faster ranks (--rank-balance time) or not (--rank-balance off).
-  /// Ranks are processes, or groups of threads, that compute the world together.
   bool balances_ranks = true;
   bool json = false;   ///< print the summary as JSON
   bool quiet = false;  ///< print neither progress, warnings nor the summary as text
 };
 
-/// Placeholder in the names of outputs, which is replaced by the name of the world without folder and
-/// extension.
+/// Placeholder in the names of outputs. It stands for the name of the world: the name of the world file
+/// without folder and extension.
 inline constexpr std::string_view k_world_mark = "{world}";
-/// Returns the name of an output with each k_world_mark replaced by the name of the world, without folder and
-/// extension.
+/// Returns `name` with each k_world_mark replaced by the name of the world. world: path of the world file
 std::string with_world(std::string name, const std::filesystem::path& world);
 
-/// Adds the options of `run`; parsing fills `options`, which must outlive `command`.
-/// Parsing throws CLI::ValidationError with the allowed values for an invalid value.
+/// Adds the options of `run` to `command`. Parsing fills `options`, which must outlive `command`. Parsing
+/// throws CLI::ValidationError for an invalid value; the error states the allowed values.
 void add_run_options(CLI::App& command, RunOptions& options);
-/// Adds the options of `resume`, among them the outputs that `run` has. Parsing fills `options`, which must
-/// outlive `command`.
+/// Adds the options of `resume` to `command`, including all options for outputs that `run` has. Parsing fills
+/// `options` and throws as for add_run_options(). `options` must outlive `command`.
 void add_resume_options(CLI::App& command, RunOptions& options);
 
 }  // namespace troupe::apps

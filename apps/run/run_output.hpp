@@ -18,41 +18,46 @@ struct RunOptions;
 
 using Observers = std::vector<std::unique_ptr<Observer>>;
 /// A function that opens the files of an output. It makes the observers that write these files, and appends
-/// the observers to its argument.
+/// them to its argument. An observer is an object that reads the state after each tick (simulation step).
 using OpenOutput = std::function<void(Observers&)>;
 
-/// Base class of the kinds of output of a run, such as the hash log, with their command-line options. To add
-/// a kind, derive a class in a file of its own and add a row to the table in run_outputs.cpp.
+/// Base class of the outputs of a run, with their command-line options. Each kind of output, such as the hash
+/// log (a text file with the hash of the state after each tick), is a derived class. To add a kind, add a
+/// derived class in a source file of its own, and a row to the table in run_outputs.cpp.
 class RunOutput {
  public:
   virtual ~RunOutput() = default;
-  /// Returns a copy of this object with the values of its options.
+  /// Returns a copy of this output, including the values of its options.
   virtual std::unique_ptr<RunOutput> clone() const = 0;
 
-  /// Adds the options of this output to the command `app`, which is `run` or `resume`. Parsing fills this
-  /// object and `options`; both must outlive `app`.
+  /// Adds the options of this output to `app`, the command `run` or `resume`. Parsing stores the values in
+  /// this output and in `options`; both must outlive `app`.
   virtual void add_options(CLI::App& app, RunOptions& options) = 0;
-  /// Returns pointers to the names of the output's files and folders, so that the caller can replace {world}
-  /// in them. A file with an empty name is not written. options: the options whose member `outputs` contains
-  /// this output.
+  /// Returns pointers to the file and folder names of this output. The caller can then replace {world} in the
+  /// names by the name of the world. The names are members of this output or of `options`. An empty name
+  /// means that the output does not write that file.
   virtual std::vector<std::filesystem::path*> names(RunOptions& options) = 0;
-  /// Returns the files that the output will write. The caller checks that they can be written. Throws
-  /// OutputError if the output finds another error, such as a checkpoint (saved state of a run) that exists
-  /// already. Creates nothing.
+  /// Returns the files that the output will write, so that the caller can check that they can be written. An
+  /// empty path stands for no file. Creates nothing. Throws OutputError if the output itself finds an error,
+  /// for example that a checkpoint (a saved state of a run) exists already.
   virtual std::vector<std::filesystem::path> files(const RunOptions& options) const = 0;
-  /// Takes the name of the output's file from the loaded world, if the world names a file and the command
-  /// line does not. Throws InputError if that name is not allowed. The default implementation does nothing;
-  /// it is for kinds of output whose file a world cannot name.
+  /// If the command line names no file for this output, stores the file name that the world gives, if any, in
+  /// `options`. Throws InputError if the name in the world is not allowed. The default implementation does
+  /// nothing; it is for outputs that a world cannot name.
   virtual void take_name_from_world(RunOptions& /*options*/, const Simulation& /*simulation*/) const {}
-  /// Checks the output before any file is opened, so that errors in drawing, measuring or writing are
-  /// reported before the run. Returns a function that opens the files; null if there is nothing to open.
-  /// simulation: must outlive the opened observers. end_tick: last tick (simulation step) of the run. Throws
-  /// InputError if the options do not fit the world.
+  /// Checks, before any file is opened, that the output can be made with these options and this world. For
+  /// example, the output for films draws a test picture. Returns a function that opens the files; null if
+  /// there is nothing to open. Throws InputError if the options do not fit the world.
+  ///
+  /// options: must outlive the returned function
+  /// simulation: must outlive the observers that the returned function makes
+  /// end_tick: last tick of the run
   virtual OpenOutput prepare(const RunOptions& options, Simulation& simulation,
                              std::uint64_t end_tick) const = 0;
 };
 
-/// Base class of outputs that implements RunOutput::clone() with the copy constructor of `Output`.
+/// Base class of `Output`, a class of outputs; implements RunOutput::clone() with the copy constructor of
+/// `Output`.
 template <class Output>
 class ClonedOutput : public RunOutput {
  public:
@@ -61,7 +66,8 @@ class ClonedOutput : public RunOutput {
   }
 };
 
-/// All outputs of a run, one of each kind. Each function calls the function of the same name of all outputs.
+/// All outputs of a run, one of each kind. Each function calls the RunOutput function of the same name for
+/// every output, and returns all results in one list.
 class RunOutputs {
  public:
   RunOutputs();
@@ -74,7 +80,8 @@ class RunOutputs {
   std::vector<std::filesystem::path*> names(RunOptions& options);
   std::vector<std::filesystem::path> files(const RunOptions& options) const;
   void take_names_from_world(RunOptions& options, const Simulation& simulation) const;
-  /// Returns the functions that open the outputs, in the order in which their observers observe a tick.
+  /// Returns the functions that open the outputs. They have the order in which the observers must observe a
+  /// tick.
   std::vector<OpenOutput> prepare(const RunOptions& options, Simulation& simulation,
                                   std::uint64_t end_tick) const;
 

@@ -20,15 +20,19 @@ namespace troupe::apps {
 
 class Pacer;
 
-/// One loaded world of a run, with the observers that write its outputs. A tick is a step of the simulation;
-/// an observer is an object that reads the state after each tick, for example to record it. The caller calls,
-/// in this order: take_names_from_world(), rehearse(), open_outputs(), open_view() if the run is shown in
-/// browsers, begin(), step() until is_done(), finish(), print_summary(), after_summary().
+/// One loaded world of a run, with the observers that write its outputs. A tick is a step of the simulation.
+/// An observer is an object that reads the state after each tick, for example to record it. The caller calls
+/// in this order:
+///
+/// - take_names_from_world(), rehearse(), open_outputs();
+/// - open_view(), only if the run is shown in browsers;
+/// - begin(), and then step() until is_done() returns true;
+/// - finish(), print_summary(), after_summary().
 class WorldRun {
  public:
-  /// Loads or resumes the world and prints its warnings. options: the options of one world; {world} must
-  /// already be replaced in the names of its outputs. Throws InputError if the world, the checkpoint or the
-  /// session is invalid, if the run has no end, or if the end is earlier than the checkpoint.
+  /// Loads or resumes the world and prints its warnings. In the output names of `options`, {world} must
+  /// already be replaced. Throws InputError if the world, the checkpoint or the session is invalid, if the
+  /// run has no end, or if the checkpoint was saved after the end of the run.
   explicit WorldRun(RunOptions options);
   ~WorldRun();
   WorldRun(const WorldRun&) = delete;
@@ -36,33 +40,37 @@ class WorldRun {
 
   const RunOptions& options() const { return options_; }
   const Simulation& simulation() const { return simulation_; }
-  /// Takes the file names of outputs from the world if the world has them and the command line does not.
-  /// Returns the options with these names. Throws InputError if a name is not allowed.
+  /// For each output without a file name on the command line, takes the name that the world gives, if any.
+  /// Returns the options with these names. Throws InputError if a name in the world is not allowed.
   const RunOptions& take_names_from_world();
 
-  /// Prepares the outputs (RunOutput::prepare()), so that errors in them are reported before any file is
-  /// opened.
+  /// Calls RunOutput::prepare() for all outputs, so that errors are reported before any file is opened.
   void rehearse();
-  /// Opens the outputs. is_over: a function that returns true if the run was asked to stop; waiting because
-  /// of RunOptions::rate then ends early.
+  /// Opens the outputs. If the speed of the run is limited (RunOptions::rate), step() waits after each tick.
+  /// It stops waiting when is_over() returns true.
+  ///
+  /// is_over: a function that returns true once the run must stop
   void open_outputs(std::function<bool()> is_over);
-  /// Shows the run in browsers and prints the addresses on standard error. is_over: a function that returns
-  /// true if the run was asked to stop. It is also called while a user has paused the run; if it then returns
-  /// true, the run ends.
+  /// Shows the run in browsers and prints the addresses on standard error. While a user has paused the run,
+  /// step() waits. It stops waiting when is_over() returns true.
+  ///
+  /// is_over: a function that returns true once the run must stop
   void open_view(const std::function<bool()>& is_over);
-  /// Whether the run prints lines with the simulated time (--clock); a progress bar would interfere with
-  /// them.
+  /// Whether the run prints lines with the simulated time (--clock). The caller must then show no progress
+  /// bar, because it would interfere with the lines.
   bool tells_time() const;
-  /// Prints the effective options on standard output.
+  /// Prints the options of the run and their values, including defaults, on standard output.
   void print_options() const;
 
-  /// Prints on standard output what the run would need (--dry-run), as text or JSON. Call it instead of the
-  /// functions below.
+  /// Prints on standard output what the run would need, such as the number of ticks and the memory, as text
+  /// or JSON. For --dry-run, call it after rehearse(), in place of all functions that follow in the class
+  /// comment.
   void print_dry_run() const;
 
-  /// Calls observe() of all observers for the current tick. Call it once, before the first step().
+  /// Notifies all observers of the first state, with Observer::observe(). Call it once, before the first
+  /// step().
   void begin();
-  /// Makes one step, and then calls observe() of all observers.
+  /// Computes one tick, and then notifies all observers, with Observer::observe().
   void step();
   /// Whether the run has reached its last tick, or a condition in the world's `stop_when` holds.
   bool is_done() const { return simulation_.tick() >= ticks_ || simulation_.stopped(); }
@@ -70,16 +78,20 @@ class WorldRun {
   double next_s() const { return static_cast<double>(simulation_.tick() + 1) * simulation_.tick_s(); }
   /// Calls finish() of all observers and fills the report.
   void finish();
-  /// Saves the checkpoint although the run has failed, for example because an output could not be written.
-  /// Does nothing without --checkpoint or if the last step itself failed. Ignores errors of writing.
+  /// For a run that fails, for example because an output cannot be written: saves the state after the last
+  /// tick to the file of --checkpoint. Does nothing if there is no such file or if the last step itself
+  /// failed. Ignores errors of writing.
   void save_at_least() const;
 
   const Report& report() const { return report_; }
-  /// Prints warnings on standard error, and the summary on standard output, as text or JSON (with
-  /// RunOptions::quiet, only as JSON). Throws std::runtime_error if standard output cannot be written.
-  /// is_one_of_several: the run has several worlds, so the summary begins with the name of the world.
+  /// Prints warnings on standard error and the summary on standard output. The summary is JSON if
+  /// RunOptions::json is set, otherwise text. If RunOptions::quiet is set, neither warnings nor a text
+  /// summary are printed. Throws std::runtime_error if standard output cannot be written.
+  ///
+  /// is_one_of_several: whether the run has several worlds; a text summary then begins with the name of its
+  /// world
   void print_summary(bool is_one_of_several) const;
-  /// Calls after_summary() of the observers.
+  /// Calls Observer::after_summary() of all observers, for example to finish slow work.
   void after_summary() const;
 
  private:

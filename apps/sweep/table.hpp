@@ -11,37 +11,41 @@
 
 namespace troupe::apps {
 
-/// The results of all runs of a study (a file that describes many runs of a world), from which the tables are
-/// written.
+/// The results of all runs of a study, from which the tables are written. A study is a file that describes
+/// many runs of a world. A measure is a number that is computed from the state at intervals.
 struct SweepTable {
   const worldio::Study& study;        ///< study to which the runs belong
   std::vector<std::string> measures;  ///< names of the columns of SweepOutcome::values
   SweepResults results = {};
 };
 
-/// Writes a table with one row per run, in the order of runs:
-/// `run,PARAMETERS...,seed,ticks,time_s,MEASURES...,stopped_by,state_hash,error`. pandas reads the table
-/// without options. A run without an outcome, because it failed, has 0 as its number of ticks (simulation
-/// steps), and `nan` or empty cells for its results. Replaces the file only when the new table is complete.
-/// Throws OutputError if writing fails.
+/// Writes a table with one row per run, in the order of the runs in the study. The columns are
+/// `run,PARAMETERS...,seed,ticks,time_s,MEASURES...,stopped_by,state_hash,error`. pandas.read_csv() reads the
+/// table without options. For a failed run, `ticks` is 0, and `seed` is 0 if the study gives no seed; the
+/// other results are `nan` or empty. Replaces the file only when the new table is complete. Throws
+/// OutputError if writing fails.
 void write_csv(const SweepTable& table, const std::filesystem::path& file);
-/// Writes the table `run,time_s,MEASURES...` to the file series.csv of the folder, with one row for each time
-/// at which a run was measured (Study::measure_every_s), by concatenating the files of all finished runs
-/// (series_file()). measures: names of the columns of measures (Measures::columns()). Replaces the file only
-/// when the new table is complete. Throws OutputError if the file of a finished run is missing or writing
-/// fails.
+/// Writes the file series.csv in `folder`: the table `run,time_s,MEASURES...`. It has one row for each time
+/// at which the measures of a run were computed (Study::measure_every_s). The rows come from the files of the
+/// finished runs, which series_file() names. Replaces series.csv only when the new table is complete. Throws
+/// OutputError if the file of a finished run is missing or writing fails.
+///
+/// measures: names of the columns of measures, as Measures::columns() returns them
 void write_series(const SweepTable& table, const std::vector<std::string>& measures,
                   const std::filesystem::path& folder);
-/// Returns the path of the file with the rows of one run for write_series(), which concatenates these files.
-/// The file has no line of column names.
+/// Returns the path of the file that has the rows of one run for write_series(). This file has no line of
+/// column names. run: index of the run in the study
 std::filesystem::path series_file(const std::filesystem::path& folder, std::size_t run);
-/// Appends one row of the table of write_series() to `rows`. time_s: simulated time at which the run was
-/// measured, s; values: the values of the measures at this time.
+/// Appends one row of the table of write_series() to the text `rows`.
+///
+/// run: index of the run in the study
+/// time_s: simulated time at which the measures were computed, s
+/// values: values of the measures at this time
 void add_series_row(std::string& rows, std::size_t run, double time_s, const std::vector<double>& values);
 
-/// Writes the table of write_csv() to an HDF5 file (docs/sweeps.md): each column as a dataset of the group
-/// /table, and the names of the columns, in their order, as the dataset /columns. Replaces the file only when
-/// it is complete. Throws OutputError if writing fails.
+/// Writes the table of write_csv() to an HDF5 file (docs/sweeps.md). Each column is a dataset in the group
+/// /table. The dataset /columns has the names of the columns, in their order. Replaces the file only when the
+/// new file is complete. Throws OutputError if writing fails.
 void write_hdf5(const SweepTable& table, const std::filesystem::path& file);
 
 }  // namespace troupe::apps

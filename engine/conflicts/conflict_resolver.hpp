@@ -13,10 +13,24 @@
 #include <optional>
 #include <utility>
 
-/// The resolution of conflicts between the motions that bodies propose for one tick (time step), for
-/// conflicts.cpp and pushing.cpp. A row is the index of a body in the state tables. The comments also use
-/// "row" for the body of the row. Bodies take turns in the order of a random priority. A mover is a body
-/// whose motion is tested.
+/// Conflict resolution: finds out which of the motions that bodies propose for one tick (time step) happen.
+/// engine/conflicts/conflicts.hpp describes the rules; conflicts.cpp and pushing.cpp use this header. Terms:
+///
+/// - row: the index of a body in the state tables; also used for the body itself.
+/// - mover: a body whose motion is tested.
+/// - sample: one of the poses at which a motion is tested. The last sample is the proposed pose.
+/// - static scene: the geometry of all bodies that never move.
+/// - free circle: a circle into which the static scene does not reach (Crowd::free).
+/// - priority: a random number for each body and tick. The outcomes are those that result if the bodies move
+///   one after another, in the order of their priorities.
+/// - outcome: whether the body moves to its proposed pose, or keeps its old pose because its motion is
+///   blocked or would leave the world.
+/// - resolved: a row is resolved if its outcome is known.
+/// - waiting: a row waits if its outcome depends on rows that are not resolved yet.
+/// - round: in the first round, all motions are tested; in each further round, only those of waiting rows.
+/// - zone: a circle that contains everything that the motion of a row could touch or push. A zone of kind
+///   Zone::pushes contains a body that the row can push. A zone of kind Zone::may_push contains no such body,
+///   but another mover may push a body into it. All other zones are of kind Zone::plain.
 
 namespace troupe::engine {
 
@@ -40,9 +54,9 @@ std::atomic_ref<T> atomic(T& value) {
   return std::atomic_ref(value);
 }
 
-/// Atomically sets `most`, which holds the bits of a double, to the maximum of that double and `value`. Both
-/// must be non-negative, because the bit patterns of negative numbers do not have the order of the values.
-/// value_of() returns the double.
+/// Atomically raises a double to `value`, if `value` is greater. `most` holds the bits of the double;
+/// value_of() returns the double. Both numbers must be non-negative: the function compares their bits as
+/// integers, which is correct only for non-negative doubles.
 inline void raise_to(std::atomic<std::uint64_t>& most, double value) {
   const auto bits = std::bit_cast<std::uint64_t>(value);
   std::uint64_t known = most.load(std::memory_order_relaxed);
@@ -53,11 +67,11 @@ inline double value_of(const std::atomic<std::uint64_t>& most) {
   return std::bit_cast<double>(most.load(std::memory_order_relaxed));
 }
 
-/// Number of poses at which a motion is tested (class Conflicts, `samples`): `displacement` divided by a
-/// quarter of `thinnest`, rounded up, from 1 to a million.
+/// Returns the number of samples of a motion: `displacement` divided by a quarter of `thinnest`, rounded up.
+/// The result is at least 1 and at most a million.
 ///
-/// displacement: upper bound on the motion of any vertex of the body, m
-/// thinnest: width of the body's thinnest part, m
+/// displacement: upper bound on the distance that any vertex of the body moves, m
+/// thinnest: width of the thinnest part of the body, m
 inline std::size_t motion_samples(double displacement, double thinnest) {
   const double samples = displacement / (0.25 * thinnest);
   constexpr double k_most = 1e6;  // a very thin body at a very high speed must not stall the step
@@ -66,10 +80,12 @@ inline std::size_t motion_samples(double displacement, double thinnest) {
   return std::max<std::size_t>(1, static_cast<double>(whole) < n ? whole + 1 : whole);
 }
 
-/// A row that proposes a motion, with its old pose `from`, its `motion` and its `shape`. `crowd` has the data
-/// of all bodies of the tick. The number of samples (the poses at which the motion is tested) and the shapes
-/// placed at the old pose, here(), and at the proposed pose, there(), are computed on first use, because only
-/// some rows need them. The crowd must outlive the object. Not thread-safe.
+/// A row that proposes a motion, with its old pose `from`, its `motion` and its `shape`. here() returns the
+/// shape at the old pose, and there() the shape at the proposed pose. samples() returns the number of
+/// samples. These results are computed on first use, because only some rows need them. Not thread-safe.
+///
+/// crowd: the bodies of the tick; must outlive the object
+/// r: the row
 class Mover {
  public:
   Mover(const Conflicts::Crowd& crowd, std::uint32_t r)
@@ -83,8 +99,8 @@ class Mover {
     if (samples_ == 0) samples_ = motion_samples(displacement(), shape.thinnest);
     return samples_;
   }
-  /// Pose at sample k of the motion, world frame, for 1 <= k < n, where n is the number of samples. Sample n
-  /// is Motion::to.
+  /// Returns the pose at sample k of the motion, world frame. k must be at least 1 and less than the number
+  /// of samples, n; sample n is Motion::to.
   Pose between(std::size_t k) { return between(k, samples()); }
   Pose between(std::size_t k, std::size_t n) const {
     const double t = static_cast<double>(k) / static_cast<double>(n);
@@ -107,11 +123,13 @@ class Mover {
   std::optional<PlacedShape> there_;
 };
 
-/// Returns a range of samples of a motion, as its first and its last sample. The range contains every sample
-/// at which the mover's origin lies within the distance `reach` (m) of a point (world frame, m), and possibly
-/// further samples. The range is empty if its first sample is greater than its last. If the motion has at
-/// most eight samples, or does not change the position, returns all samples. The function saves time for fast
-/// bodies, whose motions can have thousands of samples.
+/// Returns the first and the last sample of the motion that may be near a point. At all other samples, the
+/// distance between the mover's origin and the point is greater than `reach`. If the first sample is greater
+/// than the last, there is no sample near the point. Returns all samples if the motion has at most eight
+/// samples or does not change the position.
+///
+/// point: world frame, m
+/// reach: a distance, m
 inline std::pair<std::size_t, std::size_t> samples_near(Mover& mover, const Vec2& point, double reach) {
   constexpr std::size_t k_few = 8;
   const std::size_t n = mover.samples();
@@ -126,10 +144,17 @@ inline std::pair<std::size_t, std::size_t> samples_near(Mover& mover, const Vec2
   return {static_cast<std::size_t>(first), static_cast<std::size_t>(last)};
 }
 
-/// The resolution of the motions of one tick. All threads share one object. Conflicts::resolve() calls
-/// bound_motions() for all rows, finish_bounds() once, and propose_and_check() for each row in the spatial
-/// index. It then repeats these calls until no row waits: next_round(), and resolve_waiting() for each
-/// waiting row. Several threads may at the same time call the functions that take rows, for different rows.
+/// Resolves the motions of one tick. All threads share one object. Conflicts::resolve() calls its functions
+/// in this order:
+///
+/// 1. bound_motions() for all rows, then finish_bounds() once;
+/// 2. propose_and_check() for each row in the spatial index (the first round);
+/// 3. next_round(), and then resolve_waiting() for each waiting row (a further round). This step is repeated
+///    until no row waits.
+///
+/// If the world has pushable bodies, bound_zones(), find_zone() and widen_zone() are called before the first
+/// round, each for all rows. Functions that take rows may be called by several threads at the same time, for
+/// different rows.
 class Conflicts::Resolver {
  public:
   Resolver(Conflicts& conflicts, const Crowd& crowd, const partition::StaticScene& scene,
@@ -141,9 +166,9 @@ class Conflicts::Resolver {
         round_(conflicts.base_ + 1),
         mixture_(mix(crowd.seed, crowd.tick)) {}
 
-  /// Called before the first round, for the rows [first, last): finds the longest motion, and lists the far
-  /// motions, which are longer than k_far_m. The length of the longest motion that is not on the list
-  /// determines how far to search for neighbours.
+  /// Finds the longest motion of the rows [first, last), and lists the far motions, which are longer than
+  /// k_far_m. Later, each mover is tested against all listed rows. Of the other rows, it is tested only
+  /// against those nearby; how near depends on the longest motion that is not listed.
   void bound_motions(std::size_t first, std::size_t last) {
     double longest2 = 0;
     for (std::size_t row = first; row < last; ++row) {
@@ -160,7 +185,8 @@ class Conflicts::Resolver {
     }
     raise_to(longest2_, longest2);
   }
-  /// Completes bound_motions(), after all its calls.
+  /// Combines the results of all calls of bound_motions(). If there are more than k_max_far far motions, none
+  /// of them stays on the list.
   void finish_bounds() {
     const bool all_listed = far_count_.load() <= k_max_far;
     far_ = std::span(conflicts_.far_).first(all_listed ? far_count_.load() : 0);
@@ -169,9 +195,9 @@ class Conflicts::Resolver {
     conflicts_.longest_ = sqrt(std::max(longest2, value_of(longest_far2_))) + partition::k_rounding_m;
   }
 
-  /// First round, for one row: tests its motion against the static scene and all other bodies. Does nothing
-  /// if the row proposes no motion. If the outcome depends on whether certain bodies of higher priority move,
-  /// the row is put on the list of waiting rows. Otherwise it is resolved.
+  /// Tests the motion of a row against the static scene and all other bodies, in the first round. If the
+  /// outcome depends on whether bodies of higher priority move, the row is put on the list of waiting rows.
+  /// Otherwise it is resolved. Does nothing if the row proposes no motion.
   void propose_and_check(std::uint32_t row) {
     const Motion& motion = crowd_.motions[row];
     if (!motion.moves) return;
@@ -200,10 +226,10 @@ class Conflicts::Resolver {
     wait(conflicts_.waiting_.get(), waiting);
   }
 
-  /// A further round, for one waiting row. The row is resolved if earlier rounds have resolved all bodies
-  /// that it depends on, or if a resolved body blocks it. Each round resolves at least the waiting body of
-  /// highest priority, so the rounds end. A round reads only outcomes of earlier rounds, so the number of
-  /// rounds does not depend on the number of threads.
+  /// Tries to resolve a waiting row, in a round after the first. The row is blocked if one of the bodies on
+  /// which it depends has been resolved and is in its way. The row moves if all these bodies have been
+  /// resolved and none is in its way. Otherwise it waits for the next round. The function uses only outcomes
+  /// of earlier rounds, so the number of rounds does not depend on the number of threads.
   void resolve_waiting(const Waiting& waiting) {
     if (waiting.count == k_in_zone) return resolve_in_zone(waiting.row, conflicts_.still_waiting_.get());
     bool open = false;
@@ -228,8 +254,8 @@ class Conflicts::Resolver {
     else
       wait(conflicts_.still_waiting_.get(), waiting);
   }
-  /// Begins the next round. Returns the number of rows that the previous round left waiting; 0: all rows are
-  /// resolved.
+  /// Begins the next round. Returns the number of rows that still wait after the previous round; 0: all rows
+  /// are resolved.
   std::size_t next_round() {
     ++round_;
     return waiting_count_.exchange(0, std::memory_order_relaxed);
@@ -239,21 +265,20 @@ class Conflicts::Resolver {
   // ---- Only if the world has pushable bodies: engine/conflicts/pushing.cpp. The *zone* of a row is a circle
   // that contains everything that its motion could touch or push (class Conflicts, `source`).
 
-  /// Called before find_zone(), for the rows [first, last): finds the radius of the largest of their zones.
-  /// The largest radius of all rows determines how far to search for overlapping zones.
+  /// Finds the largest radius of the zones of the rows [first, last). The maximum over all rows determines
+  /// how far to search for overlapping zones. Call it for all rows before find_zone().
   void bound_zones(std::size_t first, std::size_t last);
   /// Sets the kind of the row's zone: Zone::pushes if the row can push and a pushable body is in the zone,
-  /// otherwise Zone::plain.
+  /// otherwise Zone::plain. Call it for all rows before widen_zone().
   void find_zone(std::uint32_t row);
-  /// Called after find_zone() for all rows. Changes the kind of the row's zone from Zone::plain to
-  /// Zone::may_push if the zone overlaps a zone of kind Zone::pushes: a pushable body of that other zone may
-  /// be pushed into this zone.
+  /// Changes the kind of the row's zone from Zone::plain to Zone::may_push if the zone overlaps a zone of
+  /// kind Zone::pushes: the row of that other zone may push a body into this row's zone.
   void widen_zone(std::uint32_t row);
   bool is_plain(std::uint32_t row) const { return conflicts_.zones_[row] == Zone::plain; }
-  /// First round, in place of propose_and_check(), for one row whose zone is not plain.
+  /// Does the work of propose_and_check() for a row whose zone is of kind Zone::pushes or Zone::may_push.
   void propose_and_check_in_zone(std::uint32_t row);
-  /// Resolves the row if earlier rounds have resolved all movers of higher priority whose zones overlap its
-  /// zone. Otherwise appends it to `list`, the list of waiting rows.
+  /// Resolves the row if earlier rounds have resolved all movers of higher priority whose zones overlap the
+  /// row's zone. Otherwise appends the row to `list`, a list of waiting rows.
   void resolve_in_zone(std::uint32_t row, Waiting* list);
 
  private:
@@ -312,8 +337,9 @@ class Conflicts::Resolver {
     list[waiting_count_.fetch_add(1, std::memory_order_relaxed)] = waiting;
   }
 
-  /// Whether the mover's free circle (Crowd::free) contains the whole motion, so that the static scene cannot
-  /// block it. Computes a new circle if the present one is too small and a new one may suffice.
+  /// Whether the mover's free circle contains the whole motion, so that the static scene cannot block the
+  /// motion. If the stored circle does not contain the motion, the function computes and stores a new circle,
+  /// unless that would certainly be too small as well.
   bool clear_of_scene(Mover& mover) const {
     FreeCircle& free = crowd_.free[mover.row];
     const auto holds = [&](const Vec2& p) {
@@ -356,9 +382,9 @@ class Conflicts::Resolver {
     return is_blocked(mover.there());
   }
 
-  /// Calls visit(row) for the rows of all bodies whose motions may come near the motion of the mover, for the
-  /// mover itself, and possibly for bodies farther away. If there are more than 32 rows to visit, a row may
-  /// be visited more than once.
+  /// Calls visit(row) for the row of every body that may come near the mover during the tick. Some visited
+  /// bodies may be farther away, and the mover itself is also visited. If more than 32 rows are visited, a
+  /// row may be visited several times.
   template <class Visit>
   void for_each_near(const Mover& mover, Visit&& visit) const {
     const Vec2 from = mover.from.position();
@@ -404,10 +430,11 @@ class Conflicts::Resolver {
     return motion.moves && length2_of(row) > k_far_m * k_far_m && !leaves_world(motion);
   }
 
-  /// Whether another body blocks the mover for certain. A body of higher priority that proposes a motion has
-  /// two possible poses, the old and the new one. If it would block the mover at only one of them, the
-  /// outcome for the mover depends on that body. For each such body, depends(row, blocks_at_new_pose) is
-  /// called. The call must return true if that body is already known to block the mover.
+  /// Whether another body blocks the mover in any case. A body of higher priority that proposes a motion may
+  /// be at its old or at its new pose when the mover moves. If it is in the mover's way at both poses, it
+  /// blocks the mover. If it is in the way at only one of them, the function calls depends(row, if_moved)
+  /// with the row of the body; `if_moved` is true if it is in the way at its new pose. depends() must return
+  /// true if it is already known that the body blocks the mover.
   template <class Depends>
   bool blocked_by_others(Mover& mover, Depends&& depends) const {
     const Box mine = swept(mover.row, mover.shape.radius + partition::k_rounding_m);
@@ -428,18 +455,25 @@ class Conflicts::Resolver {
     return blocked;
   }
 
-  /// `shape` is the shape of another body, at the transform `at`. Returns false only if, during the whole
-  /// motion, no piece (convex prism) of the mover comes near any piece of `shape`. This saves exact tests:
-  /// most bodies near a shape of many pieces are not near any single piece.
+  /// A fast test of whether pieces (convex prisms) of two bodies may come near each other. If it returns
+  /// false, no piece of the mover comes near a piece of the other body during the whole motion, and no exact
+  /// test is needed. If it returns true, they may.
+  ///
+  /// shape: shape of the other body
+  /// at: transform of the other body, world frame
   bool parts_come_near(const Mover& mover, const ObstacleShape& shape, const Transform& at) const {
     if (mover.shape.pieces.size() == 1 && shape.pieces.size() == 1) return true;
     return partition::pieces_in_reach(mover.shape, crowd_.transforms[mover.row], shape, at,
                                       mover.displacement() + partition::k_rounding_m);
   }
 
-  /// Whether the row `other`, at height z (m) and transform `at`, blocks the motion of the mover. The motion
-  /// is blocked if the row overlaps the mover at a sample, unless the two already overlap at the mover's old
-  /// pose and the motion moves them apart (class Conflicts, `rule`).
+  /// Whether another body is in the way of the mover: whether the two overlap at a sample of the motion.
+  /// There is one exception: if they already overlap at the old pose of the mover, the other body does not
+  /// block a motion that increases the distance between their origins.
+  ///
+  /// other: row of the other body
+  /// z: height of the other body, m
+  /// at: transform of the other body, world frame
   bool blocks(Mover& mover, std::uint32_t other, double z, const Transform& at) const {
     const ObstacleShape& shape = *crowd_.shapes[other];
     const bool first = crowd_.ids[mover.row] < crowd_.ids[other];

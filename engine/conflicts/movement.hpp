@@ -12,10 +12,13 @@
 
 namespace troupe::engine {
 
-/// The motions of bodies in a tick (time step): from velocities to new poses. A robot is a body with a drive.
-/// A body is stalled if its last motion was blocked or would have ended out of bounds. This part of World
-/// writes the components (state tables) `pose`, `stall` and `odometry`. A row is the index of a body in the
-/// state tables.
+/// The motions of all bodies in a tick (time step), from velocities to new poses. In each tick, World calls
+/// propose(), resolve() and commit(), in this order. commit() writes the results to the components (state
+/// tables) `pose`, `stall` and `odometry`.
+///
+/// A *row* is the index of a body in the state tables. A *robot* is a body with a drive. A body is *stalled*
+/// if its motion in the last tick was blocked by another body, or would have ended outside the bounds of the
+/// world (*out of bounds*).
 class Movement {
  public:
   /// The arguments must outlive the object.
@@ -23,43 +26,47 @@ class Movement {
   Movement(const Movement&) = delete;
   Movement& operator=(const Movement&) = delete;
 
-  /// Allocates the lists. Call this after the rows of the state were made, and again after bodies have
-  /// changed their rows. The caller must then compute all other data with draw_odometry_errors(), rest() and
-  /// count_stalls().
+  /// Allocates the lists that have one entry per row. Call this after the rows of the state were made, and
+  /// again after bodies have changed their rows. Afterwards call draw_odometry_errors(), rest() for each row,
+  /// and count_stalls(), which compute the contents.
   void build();
-  /// Computes the odometry error of each robot, also of robots that are not yet born: a given error, or a
-  /// random error that depends on the seed of the world (Localization::error_of()).
+  /// Computes the odometry error of each robot, including robots that are not yet born. It is the error that
+  /// the world file gives, or else a random error that depends on the seed of the world and the id of the
+  /// robot (Localization::error_of()).
   void draw_odometry_errors();
-  /// Discards the proposed motion of a row, and the cached circle free of static obstacles (FreeCircle,
-  /// engine/conflicts/conflicts.hpp). Call this when code other than commit() sets the pose of the row's
-  /// body.
+  /// Discards the proposed motion of a row and its cached FreeCircle (engine/conflicts/conflicts.hpp). Call
+  /// this after code other than commit() has set the pose of the row's body.
   void rest(Row row);
-  /// Counts the stalled bodies again. Call this after other code has written the component `stall`.
+  /// Computes stalled() and out_of_bounds() from the component `stall`. Call this after other code has
+  /// written that component.
   void count_stalls();
-  /// Overwrites with junk all data that are neither constant nor state. World::forget() calls this to test
-  /// that the data can be computed again from the state. The caller must then compute them again with
-  /// draw_odometry_errors(), rest() and count_stalls().
+  /// Overwrites with junk all data of this object that are neither constant nor part of the state.
+  /// World::forget() calls this to test that these data can be computed again from the state. The caller must
+  /// then compute them with draw_odometry_errors(), rest() for each row, and count_stalls().
   void forget();
-  /// Overwrites the motions of the last tick with junk. The next tick must not read these motions.
+  /// Overwrites the proposed motions of the last tick with junk. World::forget() calls this to test that the
+  /// next tick does not read them.
   void forget_motions();
 
-  /// Computes the pose that each robot proposes from its velocity. Carried robots, and robots with velocity
-  /// 0, propose no motion.
+  /// Computes the motion that each robot proposes from its velocity. A robot proposes no motion if its
+  /// velocity is 0 or another body carries it.
   void propose();
-  /// Resolves the conflicts of all proposed motions: see Conflicts. composites: rows of bodies whose shape
-  /// can change (Links::composites()). border: the connection to the other ranks (threads or processes that
-  /// compute the same world), if the rows include ghosts (copies of rows that other ranks compute);
-  /// otherwise null
+  /// Decides which of the proposed motions happen: see Conflicts.
+  ///
+  /// composites: rows of the bodies whose shape can change (Links::composites())
+  /// border: the connection to the other ranks (threads or processes that compute the same world), if the
+  /// rows include ghosts (copies of rows that other ranks compute); otherwise null
   void resolve(std::span<const std::uint32_t> composites, Conflicts::Border* border);
   /// Writes the poses of the bodies that moved or were pushed, their transforms and outlines, the component
-  /// `stall`, and the odometry estimates. The spatial index keeps the old poses. Carried bodies keep their
-  /// old poses until Links::carry() moves them with their carriers.
+  /// `stall`, and the odometry estimates. The spatial index still has the old poses afterwards. Carried
+  /// bodies keep their old poses until Links::carry() moves them with their carriers.
   void commit();
 
   /// Number of rounds in which the last resolve() resolved the motions: 1 if no body had to wait for the
   /// outcome of another, 0 before the first resolve(). See Conflicts::rounds().
   std::uint64_t rounds() const { return conflicts_.rounds(); }
-  /// Upper bound on the distance that any body moved in the last resolution, m: Conflicts::longest().
+  /// Upper bound on the distance that the origin of any body moved in the last resolution, m; 0 before the
+  /// first resolution. See Conflicts::longest().
   double longest() const { return conflicts_.longest(); }
   /// Number of bodies whose motion in the last resolution was blocked or would have ended out of bounds. Only
   /// own rows count: those with an index less than WorldState::own_rows.
@@ -68,8 +75,8 @@ class Movement {
   std::size_t out_of_bounds() const { return out_of_bounds_; }
 
  private:
-  /// Adds the motion of this tick to the odometry estimate of a robot. It is called only if the motion was
-  /// not blocked.
+  /// Adds the motion of this tick, with the error of the robot's odometry, to the robot's odometry estimate.
+  /// Called only if the robot has moved.
   void count_way(Row row, const BodyType::Drive& drive);
   void commit_pushes();
 

@@ -23,8 +23,8 @@
 #include <vector>
 
 /// A struct, such as the parameters of a kind (a sort of sensor, drive or controller), describes its members
-/// once, in a function `describe` that fills a FieldTable. Parsing, validation and storage use this table.
-/// Example:
+/// once, in a function `describe`. The result is a FieldTable: a list of fields, each with the name, type,
+/// default, limits and unit of a member. Parsing, validation and storage use this table. Example:
 ///
 ///     enum class Law : std::uint8_t { disc, walls };
 ///     constexpr std::array<std::string_view, 2> names_of(Law) { return {"disc", "walls"}; }
@@ -47,29 +47,40 @@
 ///       }
 ///     };
 ///
-/// `described<Transducer>()` returns the table, `from_record<Transducer>(record)` makes the struct from a
-/// record of values, and `to_record(transducer)` makes a record from the struct. A record is a list of
-/// values, one per field of the table (engine/fields/fields.hpp). A member that is not described, or
-/// described twice, is a compile error. The struct must have no constructors, and at most 128 members. Fields
-/// have the order of the description. A struct of another folder can be described next to the code that needs
-/// it, by a function such as `constexpr void describe(Description<Pose>&)` in namespace troupe::engine.
+/// `described<Transducer>()` returns the table. A *record* is a list of values, one per field of a table, in
+/// the order of the fields (engine/fields/fields.hpp). `from_record<Transducer>(record)` makes the struct
+/// from a record, and `to_record(transducer)` makes a record from the struct.
 ///
-/// members   bool; integers; float, double; std::string; enums whose values count from 0, with a function
-///           names_of(Enum) that returns the names in the order of the values; std::vector<double>;
-///           std::vector<std::string>; std::array and Eigen vectors of numbers; Color, std::vector<Color>;
-///           Id; Pose and any other described struct (a record), std::vector of described structs (records);
-///           std::optional of any of these except std::vector of described structs; std::vector of Eigen
-///           vectors, and std::vector of such vectors (numbers in lists of lists); Record (a record of a
-///           table that only the reader of the struct knows)
-/// defaults  A member has the default that it has in T{}. A `required` member has no default. A std::optional
-///           has no default either, but may be missing, and must be empty in T{}.
-/// limits    A member has the limits that its description gives, and never wider ones than those of its type.
-///           The readers of files report a value outside the limits as an error.
+/// structs   The struct must have no constructors, and at most 128 members. `describe` must describe each
+///           member exactly once; otherwise the code does not compile. The fields have the order in which
+///           `describe` describes them. A struct that is declared elsewhere, such as Pose, can be described
+///           by a free function instead: `constexpr void describe(Description<Pose>&)` in namespace
+///           troupe::engine.
 ///
-/// A struct that is part of the state of a world (a controller's memory, a device's state or commands) is
-/// described in the same way. Its members are numbers, bools and arrays of numbers or bools. memory_fields()
-/// in engine/kinds/controller.hpp makes the list of its state fields. Recordings store the units and texts of
-/// the description.
+/// members   A member has one of these types:
+///           - bool, integer types, float, double, std::string, Color, Id;
+///           - an enum whose values count from 0; a function names_of(Enum) must return the names of the
+///             values, in their order;
+///           - std::array or Eigen vector of numbers;
+///           - std::vector of double, std::string or Color;
+///           - a described struct, such as Pose, and std::vector of a described struct;
+///           - a list of lists of numbers: std::vector of std::array or Eigen vectors, std::vector of such
+///             lists, and so on;
+///           - Record, if only the code that reads the struct knows the table of this record;
+///           - std::optional of any of these types, except std::vector of described structs and lists of
+///             lists.
+///
+/// defaults  The default of a member is its value in T{}, where T is the struct. A `required` member has no
+///           default. A std::optional member has no default either: a file may omit it, and it must be empty
+///           in T{}.
+///
+/// limits    A member has the limits of its description, and also those of its type. The readers of files
+///           report a value outside the limits as an error.
+///
+/// state     A struct that is part of the state of a world (a controller's memory, a device's state or
+///           commands) is described in the same way. Its members must be numbers, bools or arrays of these.
+///           memory_fields() in engine/kinds/controller.hpp makes the list of its state fields. Recordings
+///           store the units and texts of the description.
 
 namespace troupe::engine {
 
@@ -82,9 +93,9 @@ class Description;
 template <class T>
 TROUPE_OF_TYPE const FieldTable& described();
 
-/// A fact about a described member: a unit, a limit, a text or another property of its Field. The functions
-/// and constants in the namespace `facts` make facts. A text or a Unit converts to a fact implicitly. "State"
-/// is the state of a world, which is hashed, saved and recorded.
+/// One fact about a described member: a unit, a limit, a text or another property of its Field. The functions
+/// and constants in the namespace `facts` make facts. In addition, a string and a Unit convert to a fact
+/// implicitly. "State" means the state of a world, which is hashed, saved and recorded.
 class Fact {
  public:
   /// What the fact specifies.
@@ -104,17 +115,17 @@ class Fact {
     appearance,       ///< sets Field::appearance
   };
 
-  /// Sets Field::text. The characters must live as long as the field, as those of a string literal do.
+  /// Sets Field::text. The characters must live as long as the field; those of a string literal do.
   ///@{
   constexpr Fact(const char* text) : kind(Kind::text), words(text) {}
   constexpr Fact(std::string_view text) : kind(Kind::text), words(text) {}
   ///@}
   constexpr Fact(Unit u) : kind(Kind::unit), unit(u) {}  ///< sets Field::unit
-  /// A fact of kind k, with x as its `number` and y as its `high`. Kind::at_least needs both; other kinds
-  /// ignore y.
+  /// Makes a fact of kind k with `number` x and `high` y. Kind::at_least needs both; the other kinds ignore
+  /// y.
   constexpr explicit Fact(Kind k, double x = 0, double y = 0) : kind(k), number(x), high(y) {}
-  /// Sets the allowed values, Field::choices. The list must live until the call that takes the fact returns;
-  /// the characters of the values must live as long as the field.
+  /// Sets the allowed values, Field::choices. The list must live until the call that takes the fact, such as
+  /// Description::member(), returns. The characters of the values must live as long as the field.
   constexpr explicit Fact(std::span<const std::string_view> list) : kind(Kind::choices), choices(list) {}
 
   Kind kind;               ///< what the fact specifies
@@ -128,9 +139,10 @@ class Fact {
 /// The facts that a description can give, in addition to units.
 namespace facts {
 
-/// Limits of a number in SI units. The limits themselves are allowed values, except that of above(). For a
-/// list, the limits apply to each number. If several facts limit the same side, or a fact and the type of the
-/// member do, the narrowest limit counts.
+/// Limits of a number, or of each number of a list, in SI units. at_least() and above() give a lower limit,
+/// at_most() an upper limit, and within() both. The number may equal a limit, except that of above(). If a
+/// member has several lower limits, including that of its type, the highest one counts; of several upper
+/// limits, the lowest one counts.
 ///@{
 constexpr Fact at_least(double min) {
   return Fact(Fact::Kind::at_least, min, std::numeric_limits<double>::infinity());
@@ -145,7 +157,7 @@ constexpr Fact one_of(std::initializer_list<std::string_view> choices) {
   return Fact(std::span<const std::string_view>(choices.begin(), choices.size()));
 }
 /// Allowed values of a std::string, from an existing list. The list must live until the call that takes the
-/// fact returns; the characters of the values must live as long as the field.
+/// fact, such as Description::member(), returns. The characters of the values must live as long as the field.
 constexpr Fact one_of(std::span<const std::string_view> choices) { return Fact(choices); }
 /// Required length of a std::vector<double>; without this fact, any length is allowed. The lengths of arrays
 /// and Eigen vectors follow from their types.
@@ -158,53 +170,54 @@ inline constexpr Fact counts_readings{Fact::Kind::counts_readings};
 /// lists) nor by World::set(). The fact has an effect only on the parameters of drives and devices
 /// (Field::fixed).
 inline constexpr Fact fixed{Fact::Kind::fixed};
-/// The member records where the other members come from (a file and a line). It is stored, but comparisons
-/// ignore it (Field::provenance).
+/// The member tells where the data come from, for example the file and the line. It is stored, but ignored
+/// when two structs are compared (Field::provenance).
 inline constexpr Fact provenance{Fact::Kind::provenance};
 /// For members of a struct that is state: the member adds nothing to the hash of the state while it is zero
-/// (StateField::sparse). For members of other structs: a stored record may lack the field, which then gets
-/// its default.
+/// (StateField::sparse). For members of other structs: a stored record may lack the field of the member, and
+/// the member then has its default.
 inline constexpr Fact is_sparse{Fact::Kind::sparse};
 /// For members of a struct that is state: the appearance of a body depends on the member, so recordings of
 /// poses contain it (StateField::appearance).
 inline constexpr Fact is_appearance{Fact::Kind::appearance};
 }  // namespace facts
 
-/// Access to members of one C++ type through `void` pointers. The argument `member` of the functions points
-/// to a member of that type.
+/// Describes one type that members can have, such as std::vector<double>. Generic code reads and writes a
+/// member of this type through a `void` pointer: the argument `member` of the functions.
 struct MemberType {
   FieldType type = FieldType::number;  ///< type of the field that describes such a member
   std::size_t columns = 0;             ///< length of a fixed array; 0: not a fixed array
-  /// Smallest value of a float, of an Id, of an integer of at most 32 bits, or of each element of a fixed
-  /// array of such integers. -infinity for all other types.
+  /// Smallest number that the type can hold. Set for float, Id, integers of at most 32 bits, and fixed arrays
+  /// of such integers. For all other types, -infinity.
   double min = -std::numeric_limits<double>::infinity();
-  /// Largest value of such a number, if `min` is finite; otherwise infinity.
+  /// Largest number that the type can hold. Set for the same types as `min`. For all other types, infinity.
   double max = std::numeric_limits<double>::infinity();
   bool optional = false;     ///< whether the member is a std::optional
   bool is_unsigned = false;  ///< true: std::uint64_t; a Value stores its bits in a std::int64_t
   std::span<const std::string_view> choices = {};  ///< for enums: the names of the values
-  /// Returns described<T>() for a member that is a described struct T, or a std::optional or list of such
-  /// structs. Null for all other members.
+  /// Returns described<T>(), if the member is a described struct T, or a std::optional or std::vector of T.
+  /// Null for all other members.
   const FieldTable& (*table)() = nullptr;
-  /// Returns the value of a member; for an empty std::optional, a value whose given() is false. Null if the
-  /// member holds described structs (`table` is not null).
+  /// Returns the value of a member. For an empty std::optional, the result has no value: Value::given() is
+  /// false. Null if `table` is not null.
   Value (*get)(const void* member) = nullptr;
-  /// Sets a member to a value. Throws std::bad_variant_access if the value has another type, and
-  /// std::invalid_argument if the member cannot hold it, such as a number that is too large for an integer
-  /// type. The limits of floating-point types are not checked. Null if `table` or `each` is not null.
+  /// Sets a member to a value. Throws std::bad_variant_access if the value has another type than the member.
+  /// Throws std::invalid_argument if the member cannot hold the value, such as a number that is too large for
+  /// an integer type. The limits of floating-point types are not checked. Null if `table` or `each` is not
+  /// null.
   void (*set)(void* member, const Value& value) = nullptr;
-  /// Functions that access the structs (if `table` is not null) or the inner lists (if `each` is not null)
-  /// that a member holds. A member that is a struct holds one struct (itself), a std::optional holds none or
-  /// one, and a list holds any number. Null for all other members.
+  /// Functions that access the elements of a member. The elements are structs if `table` is not null, and
+  /// inner lists if `each` is not null. A struct has one element, itself; a std::optional has none or one; a
+  /// std::vector has any number. The functions are null for all other members.
   ///@{
-  std::size_t (*size)(const void* member) = nullptr;  ///< number of structs that a member holds
-  /// Sets the number of structs to n; new ones are T{}. Null: the number is always 1.
+  std::size_t (*size)(const void* member) = nullptr;  ///< number of elements of a member
+  /// Sets the number of elements to n. New structs have their default values; new inner lists must be set by
+  /// the caller. Null: the number is always 1.
   void (*resize)(void* member, std::size_t n) = nullptr;
-  void* (*block)(void* member, std::size_t i) = nullptr;  ///< address of struct i, which must exist
+  void* (*block)(void* member, std::size_t i) = nullptr;  ///< address of element i, which must exist
   ///@}
-  /// For lists of lists of numbers: the type of an inner list. The functions above then access the inner
-  /// lists in place of structs, get() returns all numbers concatenated, and set() is null. Null for all other
-  /// members.
+  /// For lists of lists of numbers: the type of an inner list. get() then returns the numbers of all inner
+  /// lists in one list, and `set` is null. Null for all other members.
   const MemberType* each = nullptr;
   bool is_state = false;           ///< whether the member can be part of a struct that is state
   Element element = Element::f64;  ///< type of the number, or of the numbers of an array, if is_state is true
@@ -212,8 +225,7 @@ struct MemberType {
 
 namespace detail {
 
-/// Converts to any type, in expressions that are never evaluated. member_count() uses it in place of an
-/// initialiser of each member.
+/// Stands for an initialiser of any type in member_count(). Its conversion is never executed.
 struct Anything {
   template <class T>
   operator T() const;
@@ -231,9 +243,10 @@ constexpr bool takes(std::index_sequence<I...>) {
   return Takes<T, Any, I...>;
 }
 
-/// Returns the number of members of an aggregate T (a struct without constructors). A base class counts as
-/// one member. The number is the largest number of initialisers that T accepts. Any: a type that converts to
-/// the type of each member.
+/// Returns the number of members of an aggregate T (a struct without constructors): the largest number of
+/// initialisers that T accepts. A base class counts as one member.
+///
+/// Any: a type that converts to the type of each member
 template <class T, class Any = Anything, std::size_t N = 0>
 constexpr std::size_t member_count() {
   if constexpr (takes<T, Any>(std::make_index_sequence<N + 1>{}))
@@ -259,14 +272,17 @@ constexpr void describe_members(Description<T>& d) {
     describe(d);
 }
 
-/// A text that is different for each member, so that constant expressions can tell members apart. (Constant
-/// expressions cannot compare addresses of variables when gcc instruments null pointers.)
+/// Returns a text that identifies a member. Constant expressions compare the texts of two members to tell
+/// whether they are the same member. They do not compare addresses, because gcc rejects this in builds with
+/// -fsanitize=undefined.
+///
+/// k_member: pointer to the member
 template <auto k_member>
 constexpr std::string_view tag() {
   return __PRETTY_FUNCTION__;
 }
 
-/// The class C and the member type M of a pointer to member `M C::*`.
+/// Gives the class C and the member type M of a pointer to member `M C::*`.
 template <class M>
 struct Pointed;
 template <class C, class M>
@@ -282,7 +298,7 @@ Value numbers_value(const double* numbers, std::size_t count);
 std::span<const double> numbers_of(const Value& value, std::size_t count);
 std::int64_t integer_of(const Value& value, std::int64_t least, std::int64_t most);
 /// Throws std::invalid_argument if `number` is not a whole number from `least` to `most`. Called for each
-/// element of an array of integers, because a Value stores such an array as doubles.
+/// element of an array of integers, because the elements of such an array are doubles in a Value.
 void check_integer(double number, std::int64_t least, std::uint64_t most);
 std::size_t choice_of(const Value& value, std::span<const std::string_view> choices);
 Value color_value(const Color& color);
@@ -293,8 +309,8 @@ void set_colors(std::vector<Color>& colors, const Value& value);
 template <class E>
 TROUPE_OF_TYPE inline constexpr auto k_names = names_of(E{});
 
-/// Describes the type M. For a fixed array (std::array or Eigen column vector), Element is the type of its
-/// elements, and size is their number. For other types, size is 0 and there is no Element.
+/// Properties of a fixed array type M (std::array or Eigen column vector): Element is the type of its
+/// elements, and `size` is their number. For all other types, `size` is 0 and Element is not defined.
 template <class M>
 struct Fixed {
   static constexpr std::size_t size = 0;
@@ -448,8 +464,8 @@ struct TROUPE_OF_TYPE TypeOf {
   static constexpr MemberType value = plain_type<M>();
 };
 
-/// Whether std::vector<M> is a list of lists of numbers: M is a fixed array of numbers, a std::vector of such
-/// arrays, a std::vector of such vectors, and so on.
+/// Whether std::vector<M> is a list of lists of numbers. This holds if M is a fixed array of numbers, a
+/// std::vector of such arrays, a std::vector of such vectors, and so on.
 template <class M>
 inline constexpr bool k_is_listed = Fixed<M>::size > 0;
 template <class M>
@@ -516,18 +532,26 @@ struct TROUPE_OF_TYPE TypeOf<std::optional<M>> {
   static constexpr MemberType value = optional_type<M>();
 };
 
-/// Appends the field of a member to a table. `object` is the struct with its default values, and `member` is
-/// the address of the member in that struct. `type` must outlive the table. Throws std::logic_error if the
-/// facts contradict one another or the type, or if the table already has a field with the name `name`.
+/// Appends the field of a member to a table. Throws std::logic_error if the facts contradict one another or
+/// the type, or if the table already has a field with the name `name`.
+///
+/// type: the type of the member; must outlive the table
+/// object: address of the struct with its default values
+/// member: address of the member in `object`
 void add_field(FieldTable& table, std::string_view name, const MemberType& type, const void* object,
                const void* member, std::initializer_list<Fact> facts);
 /// Appends a field for a member that generic code cannot read or write (Description::apart()): Field::member
 /// is null. Throws std::logic_error if the table already has a field with the name `name`.
 void add_apart(FieldTable& table, std::string_view name);
-/// Appends the fields of `part` to `table`. `part` is the table of a described struct, and `member` is the
-/// address of such a struct in the struct `object`, which `table` describes. The offsets of the new fields
-/// are relative to `object`. Fields that have a default, and fields of type record, get the value in `member`
-/// as their default. Throws std::logic_error if `table` already has a field with the name of one of them.
+/// Appends the fields of a member that is itself a described struct (Description::part()). They are copies of
+/// the fields of `part`, with two changes. Their offsets are relative to `object`. Their defaults, if they
+/// have any, are the values in the struct `member`; fields of type record always count as having a default.
+/// Throws std::logic_error if `table` already has a field with the name of a new field.
+///
+/// table: the table of the outer struct
+/// part: the table of the member's struct
+/// object: address of the outer struct with its default values
+/// member: address of the member in `object`
 void add_part(FieldTable& table, const FieldTable& part, const void* object, const void* member);
 
 }  // namespace detail
@@ -537,15 +561,17 @@ void add_part(FieldTable& table, const FieldTable& part, const void* object, con
 template <class T>
 class Description {
  public:
-  /// A description that only counts the described members, for use in constant expressions.
+  /// Makes a description without a table, which only counts the described members. For use in constant
+  /// expressions.
   constexpr Description() = default;
-  /// A description that appends a field to `table` for each described member. `example` is T{}, whose values
-  /// become the defaults. `table` and `example` must outlive the description.
+  /// Makes a description that appends a field to `table` for each described member. `example` is T{}, whose
+  /// values become the defaults. `table` and `example` must outlive the description.
   constexpr Description(FieldTable& table, const T& example) : table_(&table), example_(&example) {}
 
-  /// Describes a member as a field. The text `name` must be unique in the struct, and must live as long as
-  /// the program or the plug-in. The facts may have any order. Throws std::logic_error if the facts
-  /// contradict one another or the type of the member, or if the table already has a field of this name.
+  /// Describes a member as a field with the name `name`. The characters of the name must live as long as the
+  /// program or the plug-in; those of a string literal do. The facts may have any order. Throws
+  /// std::logic_error if the facts contradict one another or the type of the member, or if the table already
+  /// has a field of this name.
   template <auto k_member, class... Facts>
   [[gnu::cold]] constexpr void member(std::string_view name, Facts... facts) {
     using Type = typename detail::Pointed<decltype(k_member)>::Type;
@@ -555,9 +581,9 @@ class Description {
       detail::add_field(*table_, name, detail::TypeOf<Type>::value, example_, &(example_->*k_member),
                         {Fact(facts)...});
   }
-  /// Describes a member that is itself a described struct. The fields of that struct become fields of T
-  /// itself, at this position in the table, and their names must differ from those of the other fields. Kinds
-  /// use this to extend the parameters of another kind. Not for structs that are state.
+  /// Describes a member that is itself a described struct. The fields of that struct become fields of T, at
+  /// this position in the table. Their names must differ from those of the other fields of T. Kinds use this
+  /// to extend the parameters of another kind. Not for structs that are state.
   template <auto k_member>
   [[gnu::cold]] constexpr void part() {
     using Type = typename detail::Pointed<decltype(k_member)>::Type;
@@ -574,8 +600,8 @@ class Description {
   }
 
   /// Describes a member that generic code cannot read or write. Its field has a name and a position in the
-  /// table, but Field::member is null. Each function that walks over the fields (to store, compare or check
-  /// them) needs code of its own for such a member; get() and set() throw std::logic_error. Not for structs
+  /// table, but Field::member is null, and get() and set() throw std::logic_error. Functions that visit all
+  /// fields, for example to store or compare them, need code of their own for such a member. Not for structs
   /// that are state.
   template <auto k_member>
   [[gnu::cold]] constexpr void apart(std::string_view name) {
@@ -589,9 +615,9 @@ class Description {
   constexpr std::size_t members() const { return count_; }
   /// Whether any member was described more than once. Only for a description without a table.
   constexpr bool repeats() const { return repeats_; }
-  /// Whether all members described so far may be members of a struct that is state. Each must be a bool, a
-  /// number of a type that a state table can store (std::int16_t, for example, is none), or an array of such
-  /// numbers or bools. Only for a description without a table.
+  /// Whether a struct that is state may have all the members described so far. Each must be a bool, a number
+  /// of one of the types listed at Element (engine/fields/state_table.hpp), or an array of these. Only for a
+  /// description without a table.
   constexpr bool is_state() const { return is_state_; }
 
  private:
@@ -622,9 +648,13 @@ constexpr Description<T> described_members() {
 }  // namespace detail
 
 /// Returns the fields of a described struct, in the order of its description. The table has static storage.
-/// The first call builds it, and throws std::logic_error if the description contradicts itself: two fields
-/// have the same name, a lower limit is above an upper limit, a std::optional has a default, or a fact does
-/// not suit the type of its member. Thread-safe.
+/// Thread-safe.
+///
+/// The first call builds the table. It throws std::logic_error if the description contradicts itself:
+/// - two fields have the same name;
+/// - a lower limit is above an upper limit;
+/// - a std::optional has a default or is `required`;
+/// - a unit, columns() or `required` does not suit the type of the member.
 template <class T>
 TROUPE_OF_TYPE const FieldTable& described() {
   static_assert(std::is_aggregate_v<T>,
@@ -642,8 +672,8 @@ TROUPE_OF_TYPE const FieldTable& described() {
   return table;
 }
 
-/// Describes a pose: x, y and z from -100 km to 100 km, and a heading of up to ten turns in either direction.
-/// Each is 0 by default. pose_fields() returns the resulting table.
+/// Describes a pose. x, y and z are from -100 km to 100 km, and the heading is up to ten turns in either
+/// direction. Each is 0 by default. pose_fields() returns the resulting table.
 constexpr void describe(Description<Pose>& d) {
   using namespace facts;
   using enum Unit;
@@ -656,29 +686,30 @@ constexpr void describe(Description<Pose>& d) {
 }
 
 /// Returns the values of the struct at `object`, which `table` describes, as a record: one value per field.
-/// An empty std::optional gives a value whose given() is false. Throws std::logic_error if the table has a
-/// field without access to its member (Description::apart()).
+/// An empty std::optional gives a value whose given() is false. Throws std::logic_error if generic code
+/// cannot read one of the members (Description::apart()).
 Record record_of(const FieldTable& table, const void* object);
-/// Sets the members of the struct at `object`, which `table` describes, from a record with one value per
-/// field. Members for which the record has no value (Value::given() is false) keep their values. A list of
-/// structs, and a std::optional struct, is replaced as a whole: in each new struct, members without a value
-/// have their defaults. Limits of the table are not checked. Throws
-/// - std::bad_variant_access if a value has another type than its member, and for each value of a list of
-///   lists of numbers (MemberType::each), which this function cannot set;
-/// - std::invalid_argument if a member cannot hold its value;
-/// - std::logic_error if the record gives a value for a field without access (Description::apart()).
+/// Sets the members of the struct at `object`, which `table` describes. The record has one value per field.
+/// Members for which it has no value (Value::given() is false) stay as they are. A std::vector of structs and
+/// a std::optional struct are replaced by new structs, in which members without a value have their defaults.
+/// The limits of the table are not checked. Throws
+/// - std::bad_variant_access if a value has another type than its member. This includes any value of a list
+///   of lists of numbers (MemberType::each), which this function cannot set;
+/// - std::invalid_argument if a member cannot hold its value, such as 300 for a std::uint8_t;
+/// - std::logic_error if there is a value for a member that generic code cannot write (Description::apart()).
 ///
-/// After an exception, the members before the one with the error are set. In a record that a reader of files
-/// has checked against the table, each value has the type of its field and is within its limits. The first
-/// two exceptions are then possible only for a list of lists of numbers, and for a fixed array of integers.
-/// Readers do not check that the numbers of such an array are integers of the type of its elements.
+/// After an exception, the members before the one with the error are set.
+///
+/// If a reader of files has checked the record against the table, a value can cause one of the first two
+/// exceptions only in two cases: it belongs to a list of lists of numbers; or it belongs to a fixed array of
+/// integers, and one of its numbers is not an integer in the range of the type.
 void fill(const FieldTable& table, void* object, const Record& record);
 
 /// Returns the value of one member of the struct at `object`. For an empty std::optional, Value::given() is
-/// false. Throws std::logic_error if the field has no access to the member (Description::apart()).
+/// false. Throws std::logic_error if generic code cannot read the member (Description::apart()).
 Value get(const Field& field, const void* object);
-/// Sets one member of the struct at `object`. A value whose given() is false empties a std::optional; a
-/// member of any other type then keeps its value. Throws the exceptions of fill().
+/// Sets one member of the struct at `object`. If `value` has no value (Value::given() is false), a
+/// std::optional becomes empty, and any other member stays as it is. Throws the exceptions of fill().
 void set(const Field& field, void* object, const Value& value);
 
 /// Returns a T with the values of a record, which has one value per field of described<T>(). Members for
@@ -697,8 +728,8 @@ Record to_record(const T& object) {
 }
 
 /// Converts the table of a described struct to the fields of a StateTable whose rows are such structs. Every
-/// member must be a number, a bool or an array of these. This function does not check that; memory_fields()
-/// in engine/kinds/controller.hpp calls it and checks that at compile time.
+/// member must be a number, a bool or an array of these. This function does not check this condition; its
+/// caller memory_fields() in engine/kinds/controller.hpp checks it at compile time.
 std::vector<StateField> state_fields(const FieldTable& table);
 
 }  // namespace troupe::engine

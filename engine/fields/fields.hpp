@@ -13,8 +13,8 @@ namespace troupe::engine {
 
 struct Value;
 
-/// The values of a parameter block, such as the parameters of a sensor: one value for each field of the
-/// block's FieldTable, in the order of the fields.
+/// The values of a parameter block, which is a group of named parameters, such as those of a sensor. The
+/// record has one value for each field of the block's FieldTable, in the order of the fields.
 using Record = std::vector<Value>;
 
 /// The value of a parameter, in SI units, or no value.
@@ -32,8 +32,8 @@ struct Value {
   Value& operator=(const Value&);      ///< copies the value
   Value& operator=(Value&&) noexcept;  ///< moves the value
   ~Value();
-  /// Makes a value of the type of the argument: 1 becomes an integer and 1.0 a number. A `const char*` must
-  /// not be null.
+  /// Makes a value that holds the argument. An int is stored as a std::int64_t. A `const char*`, which must
+  /// not be null, is stored as a std::string.
   ///@{
   Value(bool x);
   Value(int x);
@@ -48,9 +48,10 @@ struct Value {
 
   /// Whether there is a value.
   bool given() const { return !std::holds_alternative<std::monostate>(v); }
-  /// The value, which must have the type that the function names: an integer is not a number. Throws
-  /// std::bad_variant_access if it has another type or none. In a record that a reader has checked against a
-  /// field table, each value has the type of its field, or none.
+  /// Returns the value, without conversion: number(), for example, does not accept an integer. Throws
+  /// std::bad_variant_access if the value has another type, or if there is no value. In a record that a
+  /// reader of files has checked against a FieldTable, every value has the type of its field, or is not
+  /// given().
   ///@{
   bool boolean() const { return std::get<bool>(v); }
   std::int64_t integer() const { return std::get<std::int64_t>(v); }
@@ -81,8 +82,9 @@ enum class Unit {
   watts,                       ///< W
 };
 
-/// The type of a parameter. Unless stated otherwise, a Value stores the parameter in the C++ type that its
-/// function of the same name returns: Value::boolean() for `boolean`, for example.
+/// The type of a parameter. A Value stores a parameter of the type `boolean` in the C++ type that
+/// Value::boolean() returns. The same holds for the other types that have the name of a function of Value.
+/// The remaining types are stored as their comments say.
 enum class FieldType {
   boolean,  ///< true or false
   integer,  ///< an integer of 64 bits
@@ -90,10 +92,11 @@ enum class FieldType {
   text,     ///< a string; if Field::choices is not empty, one of these
   texts,    ///< a list of strings, of any length
   numbers,  ///< a list of numbers of one unit; its length is Field::columns, or any if that is 0
-  /// A colour; files may also give its name. Stored as four numbers, 0 to 1: red, green, blue, opacity.
+  /// A colour; files may also give its name. Stored as four numbers (Value::numbers()) from 0 to 1: red,
+  /// green, blue, opacity.
   color,
-  /// A list of opaque colours of any length. Stored as three numbers, 0 to 1, for each colour: red, green,
-  /// blue, red, ...
+  /// A list of opaque colours, of any length. Stored as three numbers from 0 to 1 for each colour: red,
+  /// green, blue of the first colour, then of the second, and so on.
   colors,
   record,   ///< one parameter block, described by Field::record; stored as a list of one record
   records,  ///< a list of parameter blocks, described by Field::record
@@ -102,16 +105,18 @@ enum class FieldType {
 struct FieldTable;
 struct MemberType;
 
-/// The description of a parameter of a kind (a sort of sensor, drive or controller), or of a member of a
-/// described struct (engine/fields/description.hpp). Parsing, validation, error messages, `troupe describe`
-/// and the reference page are derived from it. The strings must live as long as the field.
+/// Describes a parameter of a kind (a sort of sensor, drive or controller), or a member of a described struct
+/// (engine/fields/description.hpp). Parsing, validation, error messages, `troupe describe` and the reference
+/// page use these descriptions. The characters of all strings must live as long as the field.
 struct Field {
   std::string_view name;               ///< lower case with underscores; keys in files append the unit
   FieldType type = FieldType::number;  ///< type of the value
   Unit unit = Unit::none;              ///< unit of the number, or of each number of a list
-  /// Default value, in SI units. If this member has no value (Value::given() is false), the field has no
-  /// default and is required, with two exceptions. A field with `optional` may be missing. A missing field of
-  /// type record has the defaults of the fields of the table `record`.
+  /// Default value, in SI units. It may be empty (Value::given() is false). What happens if a file lacks the
+  /// field then depends on the field:
+  /// - If `optional` is true, the parameter has no value.
+  /// - If the type is record, the parameter has the defaults of the table `record`.
+  /// - Otherwise a missing field is an error (required()).
   Value fallback;
   /// Lower limit of the number, or of each number of a list, in SI units. The limit itself is allowed, unless
   /// above_min is set.
@@ -121,22 +126,23 @@ struct Field {
   std::string_view text;                  ///< meaning in one sentence, for documentation and errors
   std::size_t columns = 0;                ///< for type numbers: length of the list; 0: any length
   std::vector<std::string_view> choices;  ///< for type text: the allowed values; empty: any text
-  /// For types record and records: the fields of a block. The table must outlive this object. Null for all
-  /// other types, and for a block whose table only the code that reads the field knows.
+  /// For types record and records: the table of the fields of a block. The table must outlive this object.
+  /// Null for all other types, and for members of the C++ type Record, whose table only the code that reads
+  /// them knows.
   const FieldTable* record = nullptr;
   /// True: the number must be greater than `min`, not equal to it (for example a size or a period).
   bool above_min = false;
   /// For type integer: the value is a number of readings of a sensor. The sum of all such fields of a device
   /// must not exceed 1,000,000. The engine checks this limit before it allocates the memory of the sensor.
   bool counts_readings = false;
-  /// True: the field may be missing in a file, and then has no value (Value::given() is false). It is not
-  /// required and has no default.
+  /// True: a file may omit the field. The parameter then has no value (Value::given() is false). The field
+  /// has no default.
   bool optional = false;
   /// True: the parameter cannot change while the world runs, neither by an intervention (a change that the
   /// world file lists) nor by World::set(). For parameters of controllers, this member has no effect.
   bool fixed = false;
-  /// True: the field records where the other fields come from (a file and a line). It is stored, but
-  /// comparisons of records ignore it.
+  /// True: the field tells where the data come from, for example the file and the line. It is stored, but
+  /// ignored when two records are compared.
   bool provenance = false;
   /// For a field of the state of a world: the field adds nothing to the hash of the state while it is zero
   /// (StateField::sparse). For other fields: a stored record may lack the field, which then has its default.
@@ -144,8 +150,8 @@ struct Field {
   /// For a field of the state of a world: the appearance of a body depends on it (StateField::appearance).
   bool appearance = false;
   /// For a member of a described struct (engine/fields/description.hpp): functions that read and write the
-  /// member, and its offset in the struct. `member` points to static storage. It is null for fields that do
-  /// not describe a member of a struct, and for members that generic code cannot read or write
+  /// member, and its offset in the struct. `member` points to static storage. It is null if the field does
+  /// not describe a member of a struct, or if generic code cannot read or write the member
   /// (Description::apart()).
   ///@{
   const MemberType* member = nullptr;
@@ -161,11 +167,11 @@ struct Field {
 struct FieldTable {
   std::vector<Field> fields;  ///< the fields; a Record has its values in the same order
 
-  /// Index of the field with this name; -1 if there is none.
+  /// Returns the index of the field with this name; -1 if there is none.
   int find(std::string_view name) const;
-  /// Returns a record of the default values. For required and optional fields, which have no default,
-  /// Value::given() is false. A field of type record that is not optional and has no default gets the
-  /// defaults() of its table Field::record.
+  /// Returns a record with the default Field::fallback of each field. Required and optional fields have no
+  /// default: Value::given() is false. If a field of type record has no fallback and is not optional, its
+  /// value is the record of the defaults() of its table Field::record.
   Record defaults() const;
 };
 
@@ -176,18 +182,18 @@ struct UnitSuffix {
   std::string_view symbol;  ///< symbol of the unit in messages: "rad", "deg", "m/s"
   double to_si;  ///< factor from this unit to SI: a value in the file times `to_si` is the value in SI
 };
-/// The key suffixes for a unit; the suffix for the SI unit is the first. Never empty: for Unit::none, one
-/// suffix with empty strings. The list has static storage.
+/// Returns the key suffixes for a unit. The first one is the suffix for the SI unit. For Unit::none, the list
+/// has one suffix with empty strings. The list has static storage.
 std::span<const UnitSuffix> unit_suffixes(Unit unit);
 
-/// The value of the field with this name in `record`, a record of `table`. The table must have the field;
-/// this function does not check that.
+/// Returns the value of the field with this name. `record` must be a record of `table`, and the table must
+/// have the field; neither is checked.
 inline const Value& get(const FieldTable& table, const Record& record, std::string_view name) {
   return record[static_cast<std::size_t>(table.find(name))];
 }
 
-/// The table of the fields of a pose: x, y, z (m) and heading (rad), each 0 by default. Each call returns the
-/// same object. Code can therefore recognise a field that is a pose by this address in Field::record.
+/// Returns the table of the fields of a pose: x, y, z (m) and heading (rad), each 0 by default. Every call
+/// returns the same object. A field is therefore a pose if its Field::record has the address of this object.
 const FieldTable& pose_fields();
 
 }  // namespace troupe::engine

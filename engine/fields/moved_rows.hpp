@@ -7,8 +7,8 @@
 
 namespace troupe::engine {
 
-/// Returns the indices i, ascending, for which to[i] differs from i. These elements of a list change their
-/// places when each element i moves to the place to[i].
+/// Returns the indices of the elements that change their places if each element i of a list moves to the
+/// place to[i]: all i with to[i] != i, in ascending order.
 inline std::vector<std::uint32_t> moved_places(std::span<const std::uint32_t> to) {
   std::vector<std::uint32_t> moved;
   for (std::uint32_t i = 0; i < to.size(); ++i)
@@ -16,8 +16,8 @@ inline std::vector<std::uint32_t> moved_places(std::span<const std::uint32_t> to
   return moved;
 }
 
-/// Moves each element i of a list to the place to[i]. `to` must have each index of the list once, and `moved`
-/// must be moved_places(to). An empty list stays empty.
+/// Moves each element i of `column` to the place to[i]. If the column is empty, it stays empty. Otherwise
+/// `to` must contain each index of the column once, and `moved` must be moved_places(to).
 template <class T>
 void move_elements(std::vector<T>& column, std::span<const std::uint32_t> moved,
                    std::span<const std::uint32_t> to) {

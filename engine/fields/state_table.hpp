@@ -25,7 +25,8 @@ enum class Element : std::uint8_t {
 std::size_t element_size(Element element);       ///< size of a value, bytes: 8, 4 or 1
 std::string_view element_name(Element element);  ///< name of the type in NumPy: "float64", "int32", ...
 
-/// The element type for a C++ type T. Does not compile if T is none of the types listed at Element.
+/// Returns the element type for a C++ type T. Does not compile unless T is one of the types listed at
+/// Element.
 template <class T>
 constexpr Element element_of() {
   if constexpr (std::is_same_v<T, double>)
@@ -54,12 +55,12 @@ struct StateField {
   std::uint32_t columns = 1;       ///< values per row
   std::string unit;                ///< unit of the values: "m", "rad/s"; empty: none
   std::string text;                ///< meaning, in one line, for documentation and recordings
-  /// Offset of the field within a row, bytes; only for tables with StateTable::Layout::rows. If the rows are
-  /// not structs, the constructor of StateTable sets the offset.
+  /// Offset of the field within a row, bytes. Used only in tables with StateTable::Layout::rows. If the rows
+  /// are structs, it is the offset of the member in the struct. Otherwise the constructor of StateTable sets
+  /// it.
   std::uint32_t offset = 0;
-  /// True: in rows in which all bytes of this field are 0, the field adds nothing to the hash of the row.
-  /// When a new version of Troupe adds such a field to the state, worlds that do not use it keep their
-  /// hashes.
+  /// True: the field adds nothing to the hash of a row in which all its bytes are 0. A new version of Troupe
+  /// can thus add a field to the state without a change of the hashes of worlds that do not use the field.
   bool sparse = false;
   /// True: the appearance of a body depends on the field. A recording of poses therefore also contains the
   /// field.
@@ -68,8 +69,8 @@ struct StateField {
 /// Returns a copy of `fields` in which StateField::sparse is true for every field.
 std::vector<StateField> sparse(std::vector<StateField> fields);
 
-/// Groups of state components (state tables). A hash log is a text file with the hashes of the state after
-/// every tick (docs/determinism.md). It has one column per group, with the sum of the hashes of the group's
+/// Groups of state components (state tables). A hash log is a text file with hashes of the state after every
+/// tick (docs/determinism.md). For each group it has one column: the sum of the hashes of the group's
 /// components.
 enum class HashGroup : std::uint8_t {
   pose,      ///< poses of bodies and joints, which body carries which, births and deaths
@@ -80,13 +81,17 @@ enum class HashGroup : std::uint8_t {
 inline constexpr std::size_t k_hash_groups = 4;     ///< number of hash groups
 std::string_view hash_group_name(HashGroup group);  ///< name of the group's column in a hash log
 
-/// The state of one component ("pose", "ranger/eye", ...): a table with one row for each body that has the
-/// component, or for each body of one body type that has it. All code that allocates, hashes, stores or
-/// compares states uses the list of fields of the table. Therefore no part of the state can be missing from
-/// the determinism tests.
+/// One component of the state of a world: a table with one row per body. Examples are `pose`, the poses of
+/// the bodies, and `ranger/eye`, the readings of the sensors of kind `ranger` with the name `eye`. Some
+/// tables have rows for the bodies of only one body type. A list of fields describes the columns of a table.
+/// All code that allocates, hashes, stores or compares states uses this list, so that it leaves out no part
+/// of the state.
 ///
 /// There are two layouts: `columns` keeps each field contiguous, for loops that read one field of every
 /// robot; `rows` keeps each row contiguous, for sensor readings and controller memories.
+///
+/// In the functions, `row` is the index of a row, and `field` is an index into fields(). T must be the C++
+/// type of the field's values (StateField::element). None of this is checked.
 class StateTable {
  public:
   /// Memory layout of the rows.
@@ -96,14 +101,16 @@ class StateTable {
   };
 
   StateTable() = default;  ///< a table without rows
-  /// A table with one row for each of `ids`. All bytes are 0. With Layout::rows and row_bytes > 0, each row
-  /// is a struct of row_bytes bytes, and the fields have the offsets StateField::offset. With Layout::rows
-  /// and row_bytes 0, the constructor computes the offsets and the size of a row. Layout::columns uses
-  /// neither offsets nor row_bytes.
+  /// Makes a table with one row for each of `ids`. All bytes are 0.
+  ///
+  /// row_bytes: only used for Layout::rows. If it is greater than 0, each row is a struct of this size,
+  /// bytes, with the fields at their offsets StateField::offset. If it is 0, the constructor computes the
+  /// offsets and the size of a row.
   StateTable(std::string component, HashGroup group, Layout layout, std::vector<StateField> fields,
              std::vector<BodyId> ids, std::size_t row_bytes = 0);
 
-  /// Name of the component: "pose", "ranger/eye". Tables of different body types may have the same name.
+  /// Name of the component, such as "pose" or "ranger/eye". Tables of different body types may have the same
+  /// name.
   const std::string& component() const { return component_; }
   HashGroup group() const { return group_; }  ///< group of the component, which has a column in the hash log
   std::span<const StateField> fields() const { return fields_; }  ///< fields in declared order
@@ -111,19 +118,18 @@ class StateTable {
   std::size_t rows() const { return ids_.size(); }
   std::span<const BodyId> ids() const { return ids_; }  ///< body of each row
 
-  /// The values of a field in all rows, row after row; Layout::columns only. Here and below, `field` is an
-  /// index into fields(), T must be the C++ type of the field's element (Element), and indices are not
-  /// checked.
+  /// The values of a field in all rows, ordered by row; a row has StateField::columns values. Layout::columns
+  /// only.
   template <class T>
   std::span<T> column(std::size_t field) {
     return {reinterpret_cast<T*>(data_.data() + starts_[field]), rows() * fields_[field].columns};
   }
-  /// The values of a field in all rows, read-only; Layout::columns only.
+  /// The values of a field in all rows, ordered by row, read-only; Layout::columns only.
   template <class T>
   std::span<const T> column(std::size_t field) const {
     return {reinterpret_cast<const T*>(data_.data() + starts_[field]), rows() * fields_[field].columns};
   }
-  /// The values of a field in one row, one per column; for both layouts.
+  /// The values of a field in one row (StateField::columns values); for both layouts.
   template <class T>
   std::span<T> cell(std::size_t row, std::size_t field) {
     return {reinterpret_cast<T*>(data_.data() + starts_[field] + row * strides_[field]),
@@ -135,17 +141,17 @@ class StateTable {
     return {reinterpret_cast<const T*>(data_.data() + starts_[field] + row * strides_[field]),
             fields_[field].columns};
   }
-  /// Distance between the values of a field in consecutive rows, bytes.
+  /// Distance in memory between the values of a field in consecutive rows, bytes.
   std::size_t stride(std::size_t field) const { return strides_[field]; }
-  /// Size of a row, bytes; Layout::rows only.
+  /// Size of a row, including padding, bytes; Layout::rows only.
   std::size_t row_bytes() const { return row_bytes_; }
   /// First byte of a row; Layout::rows only.
   std::byte* row(std::size_t row) { return data_.data() + row * row_bytes_; }
   /// First byte of a row, read-only; Layout::rows only.
   const std::byte* row(std::size_t row) const { return data_.data() + row * row_bytes_; }
 
-  /// A row as the struct T, whose members must be the fields of the table at the same offsets; Layout::rows
-  /// only. row_bytes() must be sizeof(T). Neither is checked.
+  /// A row as the struct T; Layout::rows only. The size of T must be row_bytes(), and its members must be the
+  /// fields of the table, at the same offsets. Neither is checked.
   template <class T>
   T& as(std::size_t r) {
     return *reinterpret_cast<T*>(row(r));
@@ -156,35 +162,38 @@ class StateTable {
     return *reinterpret_cast<const T*>(row(r));
   }
 
-  /// Hash of a row, which does not depend on the layout. It is a sum modulo 2^64. The first term is the hash
-  /// of (component name, id of the body, all fields that are not sparse, in declared order); it is 0 if all
-  /// fields are sparse (StateField::sparse). Each sparse field that is not zero adds one term: the hash of
-  /// (component name and field name, id of the body, field).
+  /// Hash of a row; it does not depend on the layout. It is the sum, modulo 2^64, of these hashes:
+  /// - the hash of (component name, id of the body, all fields that are not sparse, in declared order),
+  ///   unless all fields are sparse (StateField::sparse);
+  /// - for each sparse field that is not zero, the hash of (component name, field name, id of the body,
+  ///   field).
   std::uint64_t hash_row(std::size_t row) const { return hash_rows(row, row + 1); }
   /// Sum of the hashes of rows [first, last), modulo 2^64.
   std::uint64_t hash_rows(std::size_t first, std::size_t last) const;
   std::size_t bytes() const { return data_.size(); }  ///< size of data(), bytes
-  /// The memory of all rows, including padding and unused memory for more rows (see make_room()).
+  /// The memory of all rows, including padding and memory that is reserved for more rows (make_room()).
   std::span<std::byte> data() { return data_; }
   /// Sets every byte of all rows to 0, as in a new table.
   void clear() { std::ranges::fill(data_, std::byte{0}); }
-  /// Sets every byte of a row's fields to 0; bytes between the fields stay.
+  /// Sets every byte of a row's fields to 0. Padding between the fields does not change.
   void clear_row(std::size_t row) { fill_row(row, std::byte{0}); }
   void fill_row(std::size_t row, std::byte value);  ///< sets every byte of a row's fields to `value`
-  /// Overwrites the fields of a row with those of the row of the same index in the table `from`. That table
-  /// must have the same fields and layout.
+  /// Overwrites the fields of a row with those of the row of the same index in the table `from`, which must
+  /// have the same fields and layout.
   void copy_row(std::size_t row, const StateTable& from);
   /// Gives the table memory for at least `rows` rows, and frees memory if too much of it is unused
-  /// (room_for() in base/room.hpp). `rows` must be at least rows(). The rows may move in memory.
+  /// (room_for() in base/room.hpp). `rows` must be at least rows(). Earlier pointers and spans into the table
+  /// may become invalid.
   void make_room(std::size_t rows);
-  /// add_rows() adds a row for each of the bodies `ids` at the end, with all fields 0. The table must have
-  /// memory for these rows, see make_room(). keep_rows() removes rows from the end, so that `count` rows
+  /// add_rows() adds a row at the end for each of the bodies `ids`, with all fields 0. The table must already
+  /// have memory for these rows, see make_room(). keep_rows() removes rows from the end, so that `count` rows
   /// remain; `count` must not exceed rows().
   ///@{
   void add_rows(std::span<const BodyId> ids);
   void keep_rows(std::size_t count) { ids_.resize(count); }
   ///@}
-  /// Moves each row r, with its body, to the row to[r]. `to` has each number below rows() once.
+  /// Moves each row r, with its body, to the row to[r]. `to` must contain each number below rows() exactly
+  /// once.
   void move_rows(std::span<const std::uint32_t> to);
 
  private:
@@ -219,15 +228,17 @@ class StateTable {
   std::vector<std::byte> data_;
 };
 
-/// Returns the end of a component's name, from the name that the world file gives the device or joint. The
-/// result is `ir` for `ranger/ir`, `arm` for `joint/arm`, `eye` for `sensors/minibot/eye` (a component of a
-/// recording), and `lamp/command` for `led/lamp/command` (the commands to the device `lamp`). If the
-/// component's name has no slash (`pose`), or if its second part is a number (`wander/0`, the memory of a
-/// controller), the result is the whole name.
+/// Returns the short name of a component, which contains the name that the world file gives the device or
+/// joint:
+/// - In general, it is the part after the first slash: `ir` for `ranger/ir`, `arm` for `joint/arm`, and
+///   `lamp/command` for `led/lamp/command` (the commands to the device `lamp`).
+/// - For a component `sensors/TYPE/NAME` of a recording, it is NAME: `eye` for `sensors/minibot/eye`.
+/// - If the name of the component has no slash (`pose`), or if only a number follows the slash (`wander/0`,
+///   the memory of a controller), it is the whole name.
 std::string_view given_name(std::string_view component);
-/// Whether a name that a user gives, such as a field to record, selects a component. A name selects the
-/// component if it is the component's whole name, its given_name(), or the part of its name before the first
-/// slash, which is the kind (`ranger` in `ranger/ir`).
+/// Whether a name that a user gives, for example as a field to record, selects a component. A component has
+/// three such names: its whole name (`ranger/ir`), its given_name() (`ir`), and its kind, which is the part
+/// before the first slash (`ranger`).
 bool selects(std::string_view name, std::string_view component);
 
 }  // namespace troupe::engine

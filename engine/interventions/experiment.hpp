@@ -13,50 +13,58 @@
 
 namespace troupe::engine {
 
-/// The compiled interventions and faults of a world, and which of them are applied next. An intervention is a
-/// change of the world at a given time, such as removing robots; a fault is a random failure of a robot. A
-/// kind is a table of functions that implements one sort of device, drive, controller or fault. A random
-/// stream is a sequence of random numbers with a number of its own. A tick is a time step. These data are not
-/// part of the state, because they follow from the spec (the description of the world) and the tick.
+/// The interventions and faults of a world, compiled from its spec (the description of the world), and which
+/// of them are applied next. World can compute these data again from the spec and the number of the tick, so
+/// they are not part of the state.
+///
+/// - A *tick* is a time step.
+/// - An *intervention* is a change of the world at a given time, such as removing robots.
+/// - A *fault* is a random failure of a robot. A *fault event* is the beginning or the end of a fault in a
+///   body.
+/// - A *kind* is the implementation of one sort of device, drive, controller or fault.
+/// - A *random stream* is a sequence of random numbers. It is identified by a number, which stream_id()
+///   computes from two names.
 struct Experiment {
-  /// The value of `due` if no intervention or fault event follows: larger than the number of any tick.
+  /// The value of `due` if no intervention or fault event follows. It is larger than the number of any tick.
   static constexpr std::uint64_t k_never = std::numeric_limits<std::uint64_t>::max();
 
   /// An intervention, compiled from its InterventionSpec.
   struct Intervention {
     std::uint64_t tick = 0;  ///< applied after this tick, at the beginning of the next one
     std::size_t spec = 0;    ///< its InterventionSpec: index into ExperimentSpec::at
-    /// Random stream of the intervention: stream_id("at", INDEX), with `spec` as INDEX; 0 if World::set() has
-    /// added the intervention.
+    /// Random stream of the intervention: stream_id("at", I), where I is the index `spec`, as a decimal
+    /// number. 0 if World::set() has added the intervention, which then needs no random numbers.
     std::uint32_t stream = 0;
-    /// All bodies of the group InterventionSpec::whom, in order of ids, whether or not they are in the world.
-    /// Empty for the interventions `add` (spawns bodies) and `set` (changes parameters).
+    /// Ids of all bodies of the group InterventionSpec::whom, in ascending order, including bodies that are
+    /// not in the world. Empty for the interventions `add` (spawns bodies) and `set` (changes parameters).
     std::vector<BodyId> whom;
     std::size_t reserve = 0;  ///< for `add`: list of bodies to spawn, index into WorldSpec::reserves
-    /// For `set` of a drive or controller: the data that its kind prepared from the new parameters. Applying
-    /// the intervention swaps these data with those in BodyType; `data` then holds the data of the old
-    /// parameters.
+    /// For `set` of a drive or controller. Before the intervention is applied: the data that the kind of the
+    /// drive or controller has prepared from the new parameters. Afterwards: the data of the old parameters.
+    /// To apply the intervention, World swaps `data` with the data in BodyType.
     std::any data;
-    DeviceKind::Prepared device;  ///< for `set` of a device: used like `data`, which is then empty
-    /// For `set` of a drive: the data of the controllers of the type, prepared again because controllers may
-    /// have stored limits of the drive. Used like `data`. Empty if no kind of these controllers has the
-    /// function `bind_world`, which reads the description of the world.
+    DeviceKind::Prepared device;  ///< for `set` of a device: used in place of `data`
+    /// For `set` of a drive: new data of all controllers of the type, because controllers may have stored
+    /// limits of the drive. Swapped in the same way as `data`. Empty if no controller kind of the type has
+    /// the function `bind_world`: controllers can read the drive only in that function.
     std::vector<std::any> controllers;
   };
   /// Sorted by tick; within a tick in the order of ExperimentSpec::at.
   std::vector<Intervention> interventions;
   std::size_t next = 0;  ///< index of the next intervention to be applied; interventions.size(): none
   /// Number of interventions that World::set() has added since construction, World::reset() or
-  /// World::restart(). Their specs are the last ones of ExperimentSpec::at.
+  /// World::restart(). Their specs are the last elements of ExperimentSpec::at.
   std::size_t made = 0;
-  /// A copy of the interventions of the world file, in the state before the first tick. World::reset() and
-  /// World::restart() restore it. Empty while World::set() has added no intervention.
+  /// A copy of `interventions` as they were before World::set() added the first one, with none of them
+  /// applied. World::reset() and World::restart() restore this copy. Empty while World::set() has added no
+  /// intervention.
   std::vector<Intervention> declared;
 
   /// One impairment (effect on a body) of a FaultSpec, compiled for the bodies of one type.
   struct Fault {
     Impairment impairment;  ///< effect of the fault on a body, and how often it occurs
-    /// Random stream of the fault: stream_id() of the name of its kind and of the index of its FaultSpec.
+    /// Random stream of the fault: stream_id(KIND, I), where KIND is the name of the kind of fault, and I is
+    /// the index of its FaultSpec in ExperimentSpec::faults, as a decimal number.
     std::uint32_t stream = 0;
   };
   /// One entry for each impairment of each FaultSpec and each type of the selected bodies, in the order of
@@ -70,11 +78,11 @@ struct Experiment {
     BodyId body;              ///< the impaired body
     bool begins = true;       ///< true: the fault begins; false: it ends
   };
-  /// For each fault, and for each body that was selected for this fault, the first event of a run: a heap
-  /// with the earliest event on top. At tick 0, `fault_events` is a copy of this heap.
+  /// The first event of each fault in each body that was selected for this fault: a heap with the earliest
+  /// event on top. Each run begins with a copy of this heap in `fault_events`.
   std::vector<FaultEvent> first_fault_events;
-  /// The next event of each fault in each body, after those that were applied so far: a heap with the
-  /// earliest event on top. A fault that occurs no more has no event.
+  /// The next event of each fault in each body: a heap with the earliest event on top. A fault that no longer
+  /// occurs in a body has no event there.
   std::vector<FaultEvent> fault_events;
 
   std::uint64_t due = k_never;  ///< tick after which the next intervention or fault event is applied

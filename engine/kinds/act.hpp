@@ -12,9 +12,9 @@
 namespace troupe::engine {
 
 /// An action that a person or a program applies to a running world between two ticks (time steps), with
-/// Simulation::act() (docs/live.md). It is plain data: names, and numbers in SI units. For an action that is
-/// impossible, such as a move to an occupied pose, Simulation::act() throws troupe::ActRefused and changes
-/// nothing. The members that a kind of action does not use are ignored.
+/// Simulation::act() (docs/live.md). It is plain data: names, and numbers in SI units. Each kind of action
+/// uses only some of the members; the others are ignored. If an action is impossible, such as a move to an
+/// occupied pose, Simulation::act() throws troupe::ActRefused and changes nothing.
 ///
 /// All bodies of a body type have the same parts, devices (sensors and actuators), drive and controllers. A
 /// population is a group of bodies of one type with the names NAME0, NAME1, ... . The reserve of a population
@@ -26,12 +26,13 @@ struct Act {
     /// gives a robot the command `speed` once; the robot keeps this command until its controller gives the
     /// next one
     speed,
-    /// gives a robot the command `speed` before every tick, and so overrides its controller; ends with
-    /// `release`, with a reset of the simulation, or when the robot is no longer in the world
+    /// gives a robot the command `speed` before every tick, which overrides the commands of its controller.
+    /// The hold ends with `release`, with a reset of the simulation, or when the robot is no longer in the
+    /// world.
     hold,
     release,  ///< ends the `hold` of a robot: the robot follows the commands of its controller again
-    /// changes the command to `device`, a device of the body `whom`: sets the fields of the command that
-    /// `values` names, and keeps its other fields. A controller that uses the device may overwrite the
+    /// changes the command to `device`, a device of the body `whom`: sets the fields that `values` names; the
+    /// other fields of the command do not change. A controller that uses the device may overwrite the
     /// command.
     command,
     /// spawns the next body of the reserve of the population `whom` at `pose`, which must be free
@@ -48,11 +49,13 @@ struct Act {
   /// 1e6. For a drive of kind `car`, `turn` is the steering angle, rad.
   std::array<double, 3> speed{};
   std::string device;  ///< for `command`: name of the device, which must take commands
-  /// For `command`: names of fields of the device's command struct, each with its new numbers. A field takes
-  /// one finite number; an array takes as many as it has elements. An integer field takes only whole numbers
-  /// within its range. For a field of 64 bits, the range is -2^53 to 2^53 - 1 (signed) or 0 to 2^53 - 1
-  /// (unsigned). A number for a field of type float is rounded to float. Its magnitude must not exceed that
-  /// of the largest float.
+  /// For `command`: names of fields of the device's command struct, each with its new numbers. A field needs
+  /// one number, or one per element if it is an array. All numbers must be finite. Further rules depend on
+  /// the type of the field:
+  /// - integers of 8 or 32 bits: whole numbers within the range of the type
+  /// - signed integers of 64 bits: whole numbers from -2^53 to 2^53 - 1
+  /// - unsigned integers of 64 bits: whole numbers from 0 to 2^53 - 1
+  /// - float: numbers of at most the magnitude of the largest float; they are rounded to float
   std::vector<std::pair<std::string, std::vector<double>>> values;
   /// For `set`: JSON text with the new values of parameters, in the format of Simulation::set(). Example:
   /// `{"drive": {"velocity_max_x_mps": 0.5}}`.

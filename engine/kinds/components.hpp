@@ -12,10 +12,10 @@ namespace troupe::engine {
 // structs are the rows of components that the engine itself defines. Time advances in ticks, steps of equal
 // length; tick 0 is the initial state.
 
-/// Names of the components (tables of the state) that the engine itself defines, sorted. In place of `joint`,
-/// there is one component `joint/NAME` for each joint. Saved states and recordings store the components of a
-/// kind (an implementation of a device or controller) in a group with the name of the kind. The name of a
-/// kind must therefore differ from all these names; worldio::check_kind_name() checks this.
+/// Names of the components (tables of the state) that the engine itself defines, in alphabetical order.
+/// `joint` stands for the components `joint/NAME`, one for each joint. A kind (an implementation of a device
+/// or controller) must not have one of these names, because saved states and recordings store the components
+/// of a kind in a group with its name. worldio::check_kind_name() checks this.
 inline constexpr std::array<std::string_view, 9> k_engine_components{
     "carrier", "command", "condition", "joint", "life", "odometry", "pose", "stall", "velocity"};
 
@@ -25,7 +25,7 @@ struct Carried {
   std::uint32_t carrier = 0;  ///< id of the carrier plus 1; 0: the body is not carried
   std::uint32_t joint = 0;    ///< index of the carrier's joint that holds the body, plus 1; 0: no joint
   /// Pose of the carried body, m and rad, in the body frame of the carrier. If `joint` is not 0, the carried
-  /// body moves with that joint, and `pose` is the pose that the body would have with the joint at rest.
+  /// body moves with that joint. `pose` is then the pose that the body would have if the joint were at rest.
   Pose pose;
 };
 
@@ -51,8 +51,8 @@ struct Life {
 };
 
 /// A row of the component (state table) `condition`: whether a body is disabled, and the effects of the
-/// faults that have occurred in it. All members are zero for an unimpaired body, and for a body that is not
-/// in the world.
+/// faults that have occurred in it. All members are zero for a body that is neither disabled nor affected by
+/// a fault, and for a body that is not in the world.
 struct Condition {
   /// The reasons why all devices, controllers and the drive of a body are stopped, as bits of Condition::out.
   /// Both reasons may apply at once.
@@ -64,15 +64,15 @@ struct Condition {
     /// this bit, even if another drop-out of the body still lasts.
     k_dropped_out = 2,
   };
-  /// Factor by which faults scale the velocity that the drive of the body produces, above 0 and at most 1.
-  /// The value 0 means that no fault scales the velocity.
+  /// Factor by which faults scale the velocity that the drive of the body produces: greater than 0, at most
+  /// 1. If no fault scales the velocity, the member is 0.
   double speed = 0;
-  /// Devices that faults have broken: bit d for the device with index d in the list of devices of the body's
-  /// type (BodyType::devices). Devices with an index of 32 or more cannot break.
+  /// Devices that faults have broken: bit d stands for the device with index d in BodyType::devices, the list
+  /// of devices of the body's type. Devices with an index of 32 or more cannot break.
   std::uint32_t dead = 0;
   std::uint8_t out = 0;  ///< bits of Out; each alone stops devices, controllers and drive
 
-  /// Whether the body is neither disabled nor affected by a fault.
+  /// Whether no fault affects the body and the body is not disabled.
   bool is_sound() const { return speed == 0 && dead == 0 && out == 0; }
 };
 

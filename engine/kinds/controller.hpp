@@ -12,13 +12,16 @@
 #include <type_traits>
 #include <utility>
 
-/// Lists the members of a controller's Memory (the data that the controller keeps for each robot), or of
-/// another struct that belongs to the state of a world. Example: `TROUPE_FIELDS(heading, steps)` in the body
-/// of the struct. The macro is the short form of a function `describe` (engine/fields/description.hpp), which
-/// also gives each member a unit and a text. The state is hashed, compared, saved and recorded field by
-/// field, in the order of the list. The list must have each member of the struct once. Each member must be a
-/// number, a bool or a std::array of these. Numbers are double, float, std::uint8_t and integers of 32 or 64
-/// bits. A struct that breaks these rules does not compile as a Memory.
+/// Lists the members of a struct that belongs to the state of a world, such as a controller's Memory (the
+/// data that the controller keeps for each robot). Example: `TROUPE_FIELDS(heading, steps)` in the body of
+/// the struct. The state is hashed, compared, saved and recorded field by field, in the order of the list.
+///
+/// The list must have each member of the struct once. Each member must be a number, a bool or a std::array of
+/// these. Numbers are double, float, std::uint8_t and integers of 32 or 64 bits. If a Memory breaks these
+/// rules, the code does not compile.
+///
+/// The macro is the short form of a function `describe` (engine/fields/description.hpp). `describe` also
+/// gives each member a unit and a text.
 #define TROUPE_FIELDS(...)                                         \
   constexpr auto troupe_fields() { return std::tie(__VA_ARGS__); } \
   static constexpr std::string_view troupe_field_names() { return #__VA_ARGS__; }
@@ -26,9 +29,8 @@
 namespace troupe::engine {
 namespace detail {
 
-/// Returns true if the macro TROUPE_FIELDS of the struct Memory lists no member twice. The caller also checks
-/// that the list has as many entries as the struct has members. Both checks together ensure that the list has
-/// each member once.
+/// Returns true if the macro TROUPE_FIELDS of the struct Memory lists no member twice. Does not check that
+/// the list has all members.
 template <class Memory>
 constexpr bool lists_distinct_members() {
   Memory example{};
@@ -54,8 +56,8 @@ struct Shape<std::array<T, N>> {
   static constexpr std::uint32_t columns = N;
 };
 
-/// Returns the name with index n (from 0) in a comma-separated list of names, without leading spaces. The
-/// list must have more than n names.
+/// Returns the name with index n, counted from 0, in a comma-separated list of names. The result has no
+/// leading spaces. The list must have more than n names.
 constexpr std::string_view nth_name(std::string_view names, std::size_t n) {
   for (; n > 0; --n) names.remove_prefix(names.find(',') + 1);
   names = names.substr(0, names.find(','));
@@ -183,11 +185,13 @@ std::vector<StateField> listed_fields() {
 
 }  // namespace detail
 
-/// Returns one StateField (name, type, unit, text and offset in the struct) for each member of a memory
-/// struct, in the order in which its function `describe` describes the members or TROUPE_FIELDS lists them.
-/// The struct must have `describe` or TROUPE_FIELDS; if it has both, the function uses `describe`. The struct
-/// must be trivially copyable and have no constructors. Otherwise the call does not compile. The result is
-/// empty for a struct without members.
+/// Returns the fields of a struct that belongs to the state, such as a controller's Memory: one StateField
+/// (name, type, unit, text and offset in the struct) for each member. The result is empty for a struct
+/// without members.
+///
+/// The struct must have a function `describe` or the macro TROUPE_FIELDS. If it has both, `describe` is used.
+/// The fields have the order in which `describe` or TROUPE_FIELDS names them. The struct must be trivially
+/// copyable and must have no constructors. If it breaks one of these rules, the code does not compile.
 template <class Memory>
 std::vector<StateField> memory_fields() {
   static_assert(std::is_trivially_copyable_v<Memory>,
@@ -202,42 +206,42 @@ std::vector<StateField> memory_fields() {
 }
 
 /// Makes a controller kind from a class C. A controller kind is a table of functions that implements one sort
-/// of controller (ControllerKind in engine/kinds/kinds.hpp). One object of C serves all robots of a body
-/// type. Several threads call this object at once, each for different robots, so operator() must not change
-/// the object. Data that a robot keeps from one decision to the next belong in Memory. A batch is a list of
-/// robots that decide in the same tick (time step). `name` and `text` must live as long as the kind. C must
-/// be copyable. It has
+/// of controller (ControllerKind in engine/kinds/kinds.hpp). `name` and `text` must live as long as the kind.
 ///
-///     void operator()([Memory&,] const Percept&, Random&, Actions&) const;  // for one robot, or
+/// C must be copyable. One object of C serves all robots of a body type. Several threads call this object at
+/// once, each for different robots, so operator() must not change the object. The data that a robot keeps
+/// from one decision to the next belong in Memory. If operator() for one robot throws, the error message of
+/// the step names that robot.
+///
+/// C must have one of these functions. A batch is a list of robots that decide in the same tick (time step).
+///
+///     void operator()([Memory&,] const Percept&, Random&, Actions&) const;  // for one robot
 ///     void operator()(const DecideBatch&) const;                            // for a batch of robots
 ///
-/// and may have
+/// C may have these members:
 ///
 ///     struct Params { ...; describe };            // its parameters; default: none
 ///     struct Memory { ...; TROUPE_FIELDS(...) };  // memory of each robot; may have `describe` instead
 ///     static constexpr bool needs_drive = false;  // default: true, the robot must have a drive
 ///     static constexpr bool switches = true;      // default: false; true: it switches devices on and off
-///     static C make(const Params&);               // default: C{params}
-///         // without Params: static C make(), by default C{}
+///     static C make(const Params&);               // makes the object; default: C{params}
+///         // If C has no Params: static C make(); default: C{}
 ///     Result<std::vector<std::size_t>> choose(std::span<const DeviceInfo>, std::vector<bool>& claimed);
-///         // returns the indices of the devices that it uses. The first argument lists the devices on the
-///         // part of the controller and on the parts mounted on that part, except devices that
-///         // drive a part (DeviceKind::drives).
-///         // claimed[d] is true if an earlier controller has reserved device d for itself; the function may
-///         // set it to reserve the device. Default: uses all devices of the list, also reserved ones, and
-///         // reserves none
+///         // Chooses the devices that the controller uses, at most k_most_devices_read (16), and returns
+///         // their indices in the first argument. That argument lists the devices on the part of the body
+///         // to which the controller belongs, and on the parts mounted on that part. Devices that move a
+///         // part (DeviceKind::drives) are not listed. claimed[d] is true if an earlier controller has
+///         // reserved device d for itself. The function may set claimed[d] to reserve the device.
+///         // Default: uses all listed devices, including reserved ones, and reserves none.
 ///     static constexpr std::array k_uses{std::string_view("ranger")};
-///         // instead of choose: the kinds of the devices that it uses, in this order; a kind that is listed
-///         // twice stands for two devices. It is an error if the robot has too few devices of a kind. The
-///         // controller also uses devices that other controllers have reserved, and reserves none
+///         // Instead of choose: the kinds of the devices that the controller uses, in this order. A kind
+///         // that is listed twice stands for two devices. It is an error if the robot has too few devices
+///         // of a kind. The controller may use reserved devices, and reserves none.
 ///     Result<> bind_world(const WorldSpec&, const TypeSpec&, std::uint32_t part);
-///         // completes the object from the world: ControllerKind::bind_world
+///         // Completes the object from the world: ControllerKind::bind_world.
 ///     static constexpr std::array<std::string_view, N> brings;
-///         // kinds of devices that the loader of Stage worlds adds to each model with this controller:
-///         // ControllerKind::brings
-///
-/// A controller can use at most k_most_devices_read (16) devices. If operator() for one robot throws, the
-/// error message of the step names that robot.
+///         // Kinds of devices that the loader of Stage worlds adds to each model with this controller:
+///         // ControllerKind::brings.
 template <class C>
 ControllerKind make_controller_kind(std::string_view name, std::string_view text) {
   using Memory = typename detail::MemoryOf<C>::type;

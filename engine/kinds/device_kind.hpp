@@ -32,31 +32,38 @@ DeviceKind::Prepared prepare_device(const Record& record, const Pose& pose_body_
 
 }  // namespace detail
 
-/// Makes the kind of a sensor, or of another device, from a class C. A kind is a table of functions, its
-/// hooks; DeviceKind in engine/kinds/kinds.hpp says when the engine calls each hook and what it must do. The
-/// hooks call the members of C with the same names; the argument `data` of the hooks contains a C. All bodies
-/// of a body type have the same devices. Each device of a type has one object of C. This object serves all
-/// bodies of the type, and several threads call it at once. C must be copyable. `name` and `text` must live
-/// as long as the kind. C may have
+/// Makes a device kind from a class C. A *kind* of sensor or other device is a table of functions, its
+/// *hooks* (DeviceKind in engine/kinds/kinds.hpp, which says when the engine calls each hook and what the
+/// hook must do). The hooks of the result call the members of C with the same names. `name` and `text` must
+/// live as long as the kind.
+///
+/// C must be copyable. All bodies of a body type have the same devices. For each device of a type there is
+/// one object of C. It serves all bodies of the type, and several threads call it at once.
+///
+/// C may have these members to define the data of a device:
 ///
 ///     struct Params { ...; describe };            // its parameters; default: none
 ///     struct State { ...; describe };             // its state, such as readings (percepts), one per body
 ///     struct Command { ...; describe };           // its commands from controllers, one struct per body
 ///         // `describe` is a function that lists the members of the struct with units and texts
-///         // (engine/fields/description.hpp). State and Command may have the macro TROUPE_FIELDS instead
-///     static DeviceKind::Prepared prepare(const Params&, const Pose& pose_body_device);
-///         // DeviceKind::prepare: compiles the parameters. The member `data` of the result must be a C:
-///         // otherwise the hook throws std::logic_error. If the result has no percepts, the hook sets them
-///         // to the fields of State. If the result has no commands, the hook sets them to the fields of
-///         // Command. If C has no Params, the pose is the only argument
+///         // (engine/fields/description.hpp). State and Command may have the macro TROUPE_FIELDS instead.
 ///     static C make(const Params&, const Pose& pose_body_device);
-///         // instead of prepare, if `data` is the only member to be set; only if C has Params
-///         // default, without prepare and make: C{params}, or C{} if C has no Params
+///         // Makes the object from the parameters. Only if C has Params.
+///         // Default: C{params}, or C{} if C has no Params.
+///     static DeviceKind::Prepared prepare(const Params&, const Pose& pose_body_device);
+///         // Instead of make, to set further members of DeviceKind::Prepared. The hook
+///         // DeviceKind::prepare completes the result: it sets an empty list `percepts` to the fields of
+///         // State, and an empty list `commands` to the fields of Command. The hook throws
+///         // std::logic_error if the member `data` of the result does not hold a C.
+///         // If C has no Params, the pose is the only argument.
 ///
-/// C may also have the following functions and constants. The functions are the hooks of DeviceKind, without
-/// the argument `data`; a hook that C lacks is null. The constants are members of DeviceKind; a constant that
-/// C lacks has its default value. If C has a State, the functions marked "row" may take a reference to the
-/// State of one body instead of the table and the slot (the index of the body's row in the table).
+/// C may have the following functions. Each implements the hook of DeviceKind with the same name. The
+/// argument `data` of the hook is omitted, because the function is called for the object of C that `data`
+/// contains. If C lacks a function, the hook is null.
+///
+/// The functions marked "row" take the state of one body as a StateTable and a slot (the index of the body's
+/// row in this table). If C has a State, they may take a reference to the State of the body instead of these
+/// two arguments.
 ///
 ///     std::uint64_t sense(const SenseBatch&) const;                      // or a const DeviceBatch&
 ///     void act(const DeviceBatch&) const;
@@ -73,6 +80,10 @@ DeviceKind::Prepared prepare_device(const Record& record, const Pose& pose_body_
 ///     Result<> bind_world(const WorldSpec&);
 ///     double reach_m() const;
 ///     static std::vector<DeviceKind::Fixture> body(const Params&);       // only if C has Params
+///
+/// C may have the following constants. They set the members of DeviceKind with the same names. If C lacks a
+/// constant, the member has its default.
+///
 ///     static constexpr std::array<std::string_view, N> joints;
 ///     static constexpr std::array<std::string_view, N> reads;
 ///     static constexpr ApplyScope scope;

@@ -8,24 +8,29 @@
 
 namespace troupe::engine {
 
-/// Makes the kind of a drive from a class D. A kind is a table of functions, its hooks; DriveKind in
-/// engine/kinds/kinds.hpp says when the engine calls each hook and what it must do. One object of D serves
-/// all robots of a body type, and several threads call this object at once. D must be copyable. `name` and
-/// `text` must live as long as the kind. D has
+/// Makes the kind of a drive from a class D. A kind is a table of functions, its hooks. DriveKind in
+/// engine/kinds/kinds.hpp says when the engine calls each hook and what the hook must do.
 ///
-///     struct Params { ...; describe };         // its parameters (engine/fields/description.hpp)
+/// name: name of the kind in files, such as "diff"
+/// text: description in one sentence, which `troupe describe` prints
+///
+/// Both strings must live as long as the kind. D must be copyable. All robots of a body type share one object
+/// of D, and several threads call this object at once. D must have these members:
+///
+///     struct Params { ...; describe };         // parameters of the drive (engine/fields/description.hpp)
 ///     void drive(const DriveBatch&) const;     // computes the velocities of several robots
 ///
-/// `describe` is a function that lists the members of Params with units, limits and texts. D may have the
-/// following members for the other hooks of DriveKind. If D lacks start, localization, pushes or top_speed,
-/// the hook of that name is null.
+/// `describe` is a function that lists the members of Params with units, limits and texts. D may also have
+/// these members:
 ///
 ///     static D make(const Params&);            // makes the object; default: D{params}
 ///     static Result<> check(const Params&);    // finds inconsistent parameters; default: no error
-///     Velocity start() const;                  // velocity until the drive runs for the first time
-///     static Result<Localization> localization(const Params&);  // how robots estimate their poses
-///     static std::int64_t pushes(const Params&);  // number of bodies that a robot can push at once
-///     static double top_speed(const Params&);     // highest speed, m/s
+///     Velocity start() const;                  // velocity until the drive first runs; default: 0
+///     static Result<Localization> localization(const Params&);
+///         // how robots estimate their poses; default: the estimates are the true poses
+///     static std::int64_t pushes(const Params&);
+///         // number of bodies that a robot can push at once; default: 0
+///     static double top_speed(const Params&);  // highest speed, m/s; default: unknown
 template <class D>
 DriveKind make_drive_kind(std::string_view name, std::string_view text) {
   using Params = typename D::Params;

@@ -13,13 +13,14 @@ namespace troupe::engine {
 // The verbs (Effect::verb) of births and deaths. Devices of all kinds may emit them; a kind that emits deaths
 // must set the flag DeviceKind::Prepared::ends_lives. The engine itself applies them after all other effects
 // of the tick (time step): first all deaths, then all births, each in the order of Effects::sorted().
-/// Value of Effect::verb: birth of the next body of the reserve Effect::reserve, which holds bodies that are
-/// not yet in the world. The payload is the pose at birth: x, y, z (m), heading (rad), world frame. If
-/// Effect::source dies in the same tick (time step), the birth does not take place.
+/// Value of Effect::verb: the next body of a reserve is born. A reserve is a list of bodies that are not yet
+/// in the world. They are born in the order of their ids. Effect::reserve selects the reserve.
+/// Effect::payload is the pose at birth: x, y, z (m), heading (rad), world frame. If Effect::source dies in
+/// the same tick (time step), no body is born.
 inline constexpr std::uint32_t k_birth = ~0u;
-/// Value of Effect::verb: death of Effect::target. Nothing happens if the target is not valid(), is not in
-/// the world, or is a static body. A static body has no drive, device or controller, and cannot be gripped or
-/// pushed.
+/// Value of Effect::verb: the body Effect::target dies. Nothing happens if the target is not valid(), is not
+/// in the world, or is a static body. A static body has no drive, device or controller, and cannot be gripped
+/// or pushed.
 inline constexpr std::uint32_t k_death = ~0u - 1;
 
 /// The outcome of a request for a birth. Devices store the numerical values in their state, which is saved to
@@ -30,24 +31,24 @@ enum class BirthStatus : std::uint8_t {
   occupied,  ///< no birth: the pose is occupied, outside the bounds of the world, or not finite
   used_up,   ///< no birth: all bodies of the reserve (bodies that may be born later) have been born
 };
-/// The result of a requested birth. If a device requested the birth, its function DeviceKind::born receives
-/// the result. If a program requested the birth with World::spawn(), this function returns the result.
+/// The result of a requested birth. If a device requested the birth, the engine passes the result to the hook
+/// DeviceKind::born. If a program requested the birth, World::spawn() returns the result.
 struct Birth {
   BirthStatus status = BirthStatus::unasked;  ///< whether a body was born, or why not
   BodyId body;                                ///< the new body; invalid if none was born
 };
 
-/// An action of one body on another in a tick (time step), such as gripping, charging or releasing it. A
-/// device (sensor or actuator) must not write to the state of other bodies. Instead, the device emits an
-/// effect, which is a record of the action. Devices emit effects in the phase `actuate` of the tick, in which
-/// drives and devices run, in any order and on any thread. After all bodies have moved, the effects are
-/// applied one by one, in an order that does not depend on the threads. The function DeviceKind::apply of the
-/// device's kind (the table of functions that implements the device) applies an effect.
+/// An action of a device on a body, such as gripping, charging or releasing it. A device is equipment of a
+/// body, such as a gripper. While a device runs, it must not write to the state of other bodies. Instead it
+/// emits an effect, which is a record of the action. Devices emit effects in any order and on any thread.
+/// After all bodies have moved in the tick (time step), the effects are applied one by one, in an order that
+/// does not depend on the threads. The function DeviceKind::apply applies an effect. DeviceKind is the table
+/// of functions that implements one sort of device.
 struct Effect {
   BodyId source;             ///< the acting body
   std::uint32_t device = 0;  ///< the acting device: index in BodyType::devices of the type of `source`
-  /// Orders the effects that one device of one body emits in a tick. Each of these effects needs a number of
-  /// its own, because the order of effects with equal numbers is unspecified.
+  /// Number that orders the effects of one device of one body in a tick. Each of these effects must have a
+  /// different number, because the order of effects with equal numbers is unspecified.
   std::uint32_t sequence = 0;
   std::uint32_t verb = 0;  ///< the action: k_birth, k_death, or a number that the device's kind defines
   BodyId target;           ///< the affected body; not valid() if there is none
@@ -65,8 +66,8 @@ class Effects {
  public:
   /// Allocates room for `most` effects in a tick, and removes all effects. Not thread-safe.
   void reserve(std::size_t most);
-  /// Adds an effect; thread-safe. Throws std::length_error if there are more effects than reserve() allowed:
-  /// a device then emitted more than its kind declared (DeviceKind::Prepared::most_effects). After that, only
+  /// Adds an effect. Thread-safe. Throws std::length_error if the list is full. A device has then emitted
+  /// more effects than its kind declares (DeviceKind::Prepared::most_effects). After such an exception, only
   /// clear() and reserve() may be called.
   void emit(const Effect& effect);
   /// Sorts the effects emitted since the last clear() by (source, device, sequence) and returns them. Not

@@ -12,21 +12,20 @@ struct BodyType;
 
 /// The effect of a fault on a body, and how often the fault occurs. A drop-out is a fault that stops the
 /// whole body, for a limited time or for good (`drops_out`). Any other fault lasts until the end of the run,
-/// or until the body dies. A tick is a time step.
+/// or until the body dies.
 struct Impairment {
   /// Devices that stop working: bit d for the device with index d in the list of devices of the body's type
   /// (BodyType::devices).
   std::uint32_t dead = 0;
   double speed = 1;        ///< factor on the velocity of the body's drive; above 0, at most 1
   bool drops_out = false;  ///< true: a drop-out, which stops all devices, all controllers and the drive
-  /// The rate at which the fault occurs, 1/s. The time until the fault occurs is exponentially distributed
-  /// with the mean 1 / per_s, and rounded up to whole ticks (time steps). The time counts from
-  /// FaultSpec::from_s, the world time before which the fault cannot occur. After a drop-out, it counts from
-  /// the end of that drop-out. If the rate is 0, the fault occurs at FaultSpec::from_s.
+  /// The rate at which the fault occurs, 1/s. The fault cannot occur before the world time FaultSpec::from_s.
+  /// After that, the waiting time until the fault is random: exponentially distributed with the mean 1 /
+  /// per_s, and rounded up to whole ticks (time steps). When a drop-out ends, a new waiting time begins. If
+  /// the rate is 0, the fault occurs once, at FaultSpec::from_s.
   double per_s = 0;
   /// Duration of a drop-out, s, rounded up to whole ticks (time steps); 0: the drop-out never ends. Not used
-  /// by other faults. A drop-out that ends can occur again if per_s is above 0. Any other fault occurs at
-  /// most once per body.
+  /// for other faults: they do not end, so each of them occurs at most once per body.
   double lasts_s = 0;
 };
 
@@ -43,19 +42,20 @@ struct FaultKind {
   /// long as the kind.
   std::string_view text;
   FieldTable params;  ///< table of the parameters of a fault of this kind, with their limits and defaults
-  /// Computes the Impairment for the bodies of a type from the parameters of a fault. Called when a world is
-  /// built or restarted, once for each fault of the world file and each type with bodies that may have the
-  /// fault. The parameters are within the limits of `params`. The error says why bodies of the type cannot
-  /// have the fault.
+  /// Computes the Impairment for the bodies of a type from the parameters of a fault. The parameters are
+  /// within the limits of `params`. The error says why bodies of the type cannot have the fault. Called when
+  /// a world is built or restarted, for each fault of the world file: once for each type whose bodies may
+  /// have that fault.
   Result<Impairment> (*prepare)(const Record& params, const BodyType& type) = nullptr;
 };
 
-/// Makes a fault kind from a class F. F has a `struct Params` with a function `describe` that lists its
-/// members (engine/fields/description.hpp), and a function that FaultKind::prepare calls:
+/// Makes a fault kind from a class F. F must have a `struct Params` and the function
 ///
 ///     static Result<Impairment> prepare(const Params&, const BodyType&);
 ///
-/// `name` and `text` must live as long as the kind.
+/// FaultKind::prepare calls this function. Params must have a function `describe`, which lists the members of
+/// Params (engine/fields/description.hpp). `name` and `text` are the members of FaultKind, and must live as
+/// long as the kind.
 template <class F>
 FaultKind make_fault_kind(std::string_view name, std::string_view text) {
   return {name, text, described<typename F::Params>(), [](const Record& record, const BodyType& type) {

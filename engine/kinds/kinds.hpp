@@ -38,26 +38,31 @@ struct Registry;
 struct TypeSpec;
 struct WorldSpec;
 
-/// A *kind* is a table of functions (hooks) that implements one sort of sensor, other device, drive or
-/// controller. The engine itself implements no sensor, device, drive or controller: it only calls the hooks.
-/// When the world is built, the hook `prepare` converts the parameters to data of a type that the kind
-/// chooses. Most other hooks receive these data, and either a batch of bodies, given as a list of rows, or a
-/// single body. Several threads call the hooks at once, so a hook may write only to its arguments. If a hook
-/// other than DeviceKind::is_spent throws an exception during a step, World::step() throws a StepError.
+/// The kinds of devices, drives and controllers, and the data that the engine passes to them.
 ///
-/// A *body* is a robot or an object of the world. All bodies of a *type* have the same rigid parts, joints,
-/// devices, drive and controllers. The state of the world is stored in tables. A body that is not *static*
-/// (fixed for the whole run) has a *row*, its index in the state tables of the world, and a *slot*, its index
-/// in the state tables of its type. A *device* is a sensor or an actuator on a part of a body; its state is
-/// also called its *percepts* or readings. A sensor only reads the world.
+/// A *body* is a robot or another object of the world. A *static* body is fixed for the whole run. All bodies
+/// of a *type* have the same rigid parts, joints, devices, drive and controllers. A *device* is equipment on
+/// a part of a body. It is either a *sensor*, which only reads the world, or another device, such as a
+/// gripper or a battery. The state of a device is also called its *percepts* or readings. A *drive* moves the
+/// whole body. A *drive device* is a device that moves one part of the body in the same way
+/// (DeviceKind::drives). A *reserve* is a list of bodies that are not yet in the world and can be born later.
 ///
-/// Time advances in *ticks*, steps of equal length; tick 0 is the initial state. A tick has several phases.
+/// The state of the world is stored in tables. A body that is not static has a *row*, its index in the state
+/// tables of the world. It also has a *slot*, its index in the state tables of its type. A *batch* is a list
+/// of rows for which the engine calls a function. Several *ranks* (threads or processes) can compute one
+/// world together. Each rank then has the rows of some bodies.
+///
+/// Time advances in *ticks*, steps of equal length. Tick 0 is the initial state. A tick has several phases.
 /// In the phase `sense` the sensors read the state at the end of the last tick. In `actuate` the drives
 /// compute velocities and the other devices act. In `decide` the controllers compute commands, which take
 /// effect in the next tick. Then the bodies move. A device, drive or controller is *due* once per period. It
-/// runs in the ticks in which it is due, unless it is stopped, for example by a fault. A *reserve* is a list
-/// of bodies that are not yet in the world and can be born later. Several *ranks* (threads or processes) can
-/// compute one world together; each rank then has the rows of some bodies.
+/// runs in the ticks in which it is due, unless it is stopped, for example by a fault.
+///
+/// A *kind* is a table of functions, called *hooks*, that implements one sort of device, drive or controller.
+/// When the world is built, the hook `prepare` converts the parameters to data of a type that the kind
+/// chooses. Most other hooks receive these data, together with a batch or a single body. Several threads call
+/// the hooks at once, so a hook may write only to its arguments. If a hook throws an exception during a step,
+/// World::step() throws a StepError. Only the hook DeviceKind::is_spent must not throw.
 
 /// A model type of world files of the simulator Stage, such as `position` or `ranger`, with its defaults. All
 /// loaders of world files use the model kinds in the list Registry::models, and therefore the same defaults.
@@ -66,11 +71,12 @@ struct ModelKind {
   std::string_view text;                ///< description in one sentence, which `troupe describe` prints
   Eigen::Vector3d size{0.4, 0.4, 1.0};  ///< default size x, y, z, m
   Color color{1, 0, 0, 1};              ///< default colour
-  /// The shape of a model for which the file gives neither blocks nor a bitmap. True: a box of its size;
-  /// false: no solids.
+  /// Default shape of a model. True: a box of the model's size. False: no solids. A file can give a model
+  /// another shape, by blocks (extruded polygons) or by a bitmap (an image of walls).
   bool has_default_body = true;
   std::string_view device;  ///< DeviceKind::name of the device that such a model adds; empty: none
-  /// Table of the parameters of that device; if `device` is empty, of the parameters of the model itself.
+  /// Table of the parameters of the device kind `device`. If `device` is empty: table of the parameters of
+  /// the model itself.
   FieldTable params;
 };
 
@@ -84,12 +90,12 @@ struct DeviceBatch {
   std::span<const Row> rows;   ///< rows of the batch; all of one type
   StateTable& state;           ///< state of the device, by slot; hooks may write only to the slots of `rows`
   const StateTable* commands;  ///< commands from controllers, by slot; null if the kind takes none
-  Effects& effects;            ///< receives effects on other bodies: see emit()
+  Effects& effects;            ///< receives the effects of the device: see emit()
   Links& links;                ///< receives the poses to which joints shall move: see move_joint()
   std::uint32_t device = 0;    ///< index of the device within the type
   std::uint32_t stream = 0;    ///< number of the device's random stream: see random()
-  /// Time from one run of the device to the next, s: its period, rounded up to whole ticks. If the device was
-  /// switched off, broken or without power meanwhile, the time since its last run is longer than this value.
+  /// Period of the device, rounded up to whole ticks, s. The time from one run of the device to the next is
+  /// equal to this period, or longer if the device was switched off, broken or without power in between.
   double period_s = 0;
 
   BodyId body(std::size_t i) const;       ///< id of the row's body
@@ -97,18 +103,19 @@ struct DeviceBatch {
   /// The random numbers of a row in this tick: a function of the seed of the world, `stream`, the id of the
   /// body and the tick. Each call returns the same sequence from its beginning.
   Random random(std::size_t i) const;
-  /// The random numbers of a row in this tick, from an independent stream with this name. If a kind wraps
-  /// another kind and uses such a stream, the wrapped kind gets the same random numbers as without the
-  /// wrapper.
+  /// The random numbers of a row in this tick, from a stream that `name` selects. They are independent of the
+  /// numbers of random(i). For example, a kind that adds noise to the readings of another kind draws from a
+  /// stream of its own: the other kind then gets the same random numbers as without the noise.
   Random random(std::size_t i, std::string_view name) const;
-  /// Transform from the body frame of row i to the world frame. If the device is mounted on a joint, the
-  /// transform includes the present displacement of the joint from rest. compose(mount(i), p) is the present
-  /// pose of the device in the world frame, where p is the pose of the device in the body frame with joints
-  /// at rest (the argument `pose_body_device` of DeviceKind::prepare).
+  /// Transform that gives the present pose of the device of row i in the world frame: compose(mount(i), p).
+  /// Here, p is the argument `pose_body_device` of DeviceKind::prepare: the pose of the device in the body
+  /// frame, with all joints at rest. For a device on no joint, the transform is the pose of the body. For a
+  /// device on a joint, it also contains the present displacement of the joint from rest.
   Mount mount(std::size_t i) const;
-  /// Velocity that the drive of the row's body computed last, after its reduction by faults, body frame, m/s
-  /// and rad/s; 0 if the body has no drive or its drive has no power. If the drive runs in this tick, it has
-  /// computed the velocity before the hook `act` is called.
+  /// Velocity that the drive of the row's body computed last, body frame, m/s and rad/s. If a fault slows
+  /// down the drive, this is the reduced velocity. It is 0 if the body has no drive or the drive has no
+  /// power. The drives run before the hook `act`: if the drive is due in this tick, `act` gets the new
+  /// velocity.
   const Velocity& velocity(std::size_t i) const;
   /// Command to the drive of the row's body. The numbers have no meaning if the body has no drive.
   const Command& command(std::size_t i) const;
@@ -123,64 +130,69 @@ struct DeviceBatch {
   /// runs if senses() and is_on() are true, no fault has broken it, it has power, and its body is neither
   /// disabled nor stopped by a fault.
   bool runs(std::size_t i, std::size_t its_device) const;
-  /// State table of another device of the same bodies, with one row per slot. A hook may read only the slots
-  /// of the bodies in `rows`.
+  /// State table of the device `its_device` of the bodies of this type. The state of row i of the batch is in
+  /// row slot(i) of the table. A hook may read only the states of rows of the batch.
   const StateTable& percepts(std::size_t its_device) const;
-  /// Present pose of joint n relative to its rest pose, m and rad. Here and below, n counts the joints that
-  /// this device moves (DeviceKind::joints), from 0.
+  /// Present pose of joint n relative to its rest pose, m and rad. Here and below, joint n is the joint with
+  /// the index n in DeviceKind::joints.
   const Pose& joint(std::size_t i, std::size_t n) const;
-  /// Sets the goal of joint n for this tick: a pose relative to the rest pose of the joint, m and rad; the
+  /// Sets the goal of joint n for this tick: a pose relative to the rest pose of the joint, m and rad. The
   /// heading is not wrapped. A second call in the same tick replaces the goal. Only the hook `act` may call
-  /// this. The joints of one device move together or not at all: if the motion of one joint is blocked, no
-  /// joint of the device moves. If the body carries other bodies or is carried, a blocked motion also stops
-  /// joints of the bodies that move together with this body. Links::resolve_joints() has the exact rule.
-  /// Throws StepError if a number of `to` is not finite.
+  /// this. Throws StepError if a number of `to` is not finite.
+  ///
+  /// After the bodies have moved, the joints of the device move to their goals together. If an obstacle
+  /// blocks one of these joints, none of them moves. A blocked motion can also stop joints of bodies that
+  /// this body carries, or of bodies that carry it: see Links::resolve_joints().
   void move_joint(std::size_t i, std::size_t n, const Pose& to) const;
   /// Whether the hook `act` set a goal of joint n with move_joint() in this tick. Only the hook
   /// `joints_moved` may call this.
   bool asked_joint(std::size_t i, std::size_t n) const;
-  /// Whether joint n is at its goal of this tick: it moved there, or already was there. Only the hook
-  /// `joints_moved` may call this.
+  /// Whether joint n is at its goal of this tick. The result is also true if the joint already was at the
+  /// goal. It is false if the joint has no goal. Only the hook `joints_moved` may call this.
   bool moved_joint(std::size_t i, std::size_t n) const;
-  /// Emits an effect of row i: a record of an action of the device on another body. The hook
-  /// DeviceKind::apply applies the effect after all bodies have moved. Only the hook `act` may call this.
-  /// Throws std::length_error if all devices of the world together emit more effects in a tick than their
-  /// kinds declare (DeviceKind::Prepared::most_effects).
+  /// Emits an effect of row i: a record of an action of the device on a body. After all bodies have moved,
+  /// the hook DeviceKind::apply applies the effect. Only the hook `act` may call this. Throws
+  /// std::length_error if all devices of the world together emit more effects in a tick than their kinds
+  /// declare (DeviceKind::Prepared::most_effects).
   ///
-  /// sequence: position of this effect among the effects that the device of one body emits in a tick; each
-  /// of these effects has a number of its own
-  /// verb, payload: their meaning is defined by the kind; the verb must be neither k_birth nor k_death
+  /// sequence: number that orders the effects of the device of one body in a tick; each of these effects must
+  /// have a different number
+  /// verb, payload: the kind defines their meaning; the verb must be neither k_birth nor k_death
   /// target: the affected body; not valid() if there is none
   void emit(std::size_t i, std::uint32_t sequence, std::uint32_t verb, BodyId target,
             const std::array<double, 4>& payload = {}) const {
     effects.emit({body(i), device, sequence, verb, target, payload});
   }
-  /// Requests the birth of the next body of a reserve (bodies that are not yet in the world) at the pose
-  /// `at`, m and rad, world frame. Births come after all other effects and all deaths of the tick. The hook
-  /// DeviceKind::born receives the result, which says whether the body was born. There is neither a birth nor
-  /// a result if the requesting body died in this tick. Only the hook `act` may call this. A birth counts as
-  /// an effect, so emit_birth() throws the exceptions of emit(). If no body of the world can be born or die
-  /// (World::has_lives() is false), World::step() throws std::logic_error.
+  /// Requests the birth of the next body of a reserve. Only the hook `act` may call this. The birth comes
+  /// after all other effects and all deaths of the tick. Then the hook DeviceKind::born receives the result,
+  /// which says whether a body was born. If the body of row i dies in this tick, there is no birth, and
+  /// `born` is not called.
   ///
-  /// sequence: position of this request among the effects of the device of one body in a tick; see emit()
+  /// The request counts as an effect: std::length_error is thrown as in emit(). If World::has_lives() is
+  /// false, no body of the world can be born or die, and World::step() throws std::logic_error.
+  ///
+  /// sequence: as in emit(); each effect of the device of one body in a tick must have a different number
   /// reserve: index into WorldSpec::reserves; must exist
+  /// at: pose at birth, world frame, m and rad
   void emit_birth(std::size_t i, std::uint32_t sequence, std::uint32_t reserve, const Pose& at) const {
     effects.emit({body(i), device, sequence, k_birth, BodyId(), {at.x, at.y, at.z, at.heading}, reserve});
   }
-  /// Requests the death of the body `whose`. The kind must have set DeviceKind::Prepared::ends_lives. The
-  /// request has no effect if the body has no row (it is static) or is not in the world. Only the hook `act`
-  /// may call this. A death counts as an effect: `sequence` and the exceptions are those of emit().
+  /// Requests the death of the body `whose`. Only the hook `act` may call this. The hook `prepare` of the
+  /// kind must have set DeviceKind::Prepared::ends_lives. Nothing happens if the body is static or is not in
+  /// the world. The request counts as an effect: std::length_error is thrown as in emit().
+  ///
+  /// sequence: as in emit(); each effect of the device of one body in a tick must have a different number
   void emit_death(std::size_t i, std::uint32_t sequence, BodyId whose) const {
     effects.emit({body(i), device, sequence, k_death, whose});
   }
 };
 
-/// The argument of the hook `sense`. In addition to the data of a DeviceBatch, it has the velocities,
-/// commands and device states of all bodies at the end of the last tick. A class from which
-/// make_device_kind() makes a kind may declare `sense(const DeviceBatch&)` if it does not read these
-/// additional data.
+/// The argument of the hook `sense`. In addition to the data of a DeviceBatch, it gives access to the
+/// velocities, commands and device states of all bodies at the end of the last tick. If a class C does not
+/// read these additional data, it may declare `sense(const DeviceBatch&)`: make_device_kind() accepts both.
 struct SenseBatch : DeviceBatch {
-  /// View of the same world as `view`, with the velocities, commands and device states of all bodies.
+  /// View of the same world as `view`. It also gives access to the velocities, commands and device states of
+  /// all bodies.
   const CommittedView& committed;
 };
 
@@ -213,20 +225,20 @@ struct SoughtMarks {
   bool at_any_height = true;  ///< false: only parts whose height interval contains the height of the sensor
 };
 
-/// The flags that a device holds. As in Stage, a flag is a coloured token that bodies hold and exchange.
+/// The flags that a device holds. A flag is a coloured token that bodies hold and exchange, as in Stage.
 struct HeldFlags {
-  std::size_t count = 0;       ///< number of flags that it holds now
+  std::size_t count = 0;       ///< number of flags that the device holds now
   std::uint64_t received = 0;  ///< number received from other bodies since the device came into the world
 };
 
-/// The argument of the hook DeviceKind::draw: the device of one body. A Frame contains what a viewer draws of
-/// the world at one tick; Frame::mobile is its list of bodies.
+/// The argument of the hook DeviceKind::draw, which draws the device of one body. The hook adds its drawings
+/// to a Frame, the picture of the world at one tick.
 struct DeviceView {
   const World& world;       ///< the world, between two ticks
   const std::any& data;     ///< the compiled parameters of the device (DeviceKind::Prepared::data)
   const StateTable& state;  ///< state of the device, by slot
   std::size_t slot = 0;     ///< slot of the body: index of its row in `state`
-  std::uint32_t body = 0;   ///< index of the device's body in Frame::mobile
+  std::uint32_t body = 0;   ///< index of the body in Frame::mobile, the list of bodies
   Pose pose_world_device;   ///< present pose, world frame, m and rad; includes the displacement of joints
 
   /// Converts a point from the device frame to the world frame, m.
@@ -234,7 +246,7 @@ struct DeviceView {
 };
 
 /// The list to which the devices of a kind add their drawings (DeviceKind::draw). The list is a member of
-/// Frame, which contains what a viewer draws of the world at one tick.
+/// Frame, the picture of the world at one tick.
 enum class FrameLayer : std::uint8_t {
   none,    ///< not drawn
   sights,  ///< detections: Frame::sights
@@ -253,13 +265,12 @@ enum class ApplyScope : std::uint8_t {
 // Names for DeviceKind::reads, which lists the data that a device reads of other bodies.
 inline constexpr std::string_view k_velocity_of_others = "velocity";  ///< velocities that drives computed
 inline constexpr std::string_view k_command_of_others = "command";    ///< commands to drives
-/// Whether devices run, and why not: the results of CommittedView::runs(), senses(), is_on(), works() and
-/// is_supplied().
+/// Whether the devices of other bodies run, and why not: the results of CommittedView::runs(), senses(),
+/// is_on(), works() and is_supplied().
 inline constexpr std::string_view k_runs_of_others = "runs";
 
 /// A kind of device: a sensor, which only reads the world, or another device (gripper, light, power pack),
-/// which acts on its own body or on others. A device is mounted on a part of a body and has a state of its
-/// own.
+/// which acts on its own body or on other bodies. Each device is on a part of a body and has a state.
 struct DeviceKind {
   std::string_view name;  ///< name in files: "ranger"
   std::string_view text;  ///< description in one sentence, which `troupe describe` prints
@@ -270,59 +281,68 @@ struct DeviceKind {
   /// Whether the device can pick up other bodies (World::attach()).
   bool carries = false;
   /// Whether the device is a drive device: it moves a part of the body, in the same way as a drive moves the
-  /// whole body. A controller commands the drive device on its own part. If that part has none, the
-  /// controller commands the drive device on the nearest part that carries its part. If no such part has one
-  /// either, the controller commands the body's drive. The command struct of a drive device must be a Command
-  /// (command_fields()), and the state must begin with a Pose, the estimated pose of the device.
+  /// whole body. The command struct of a drive device must be a Command (command_fields()), and its state
+  /// must begin with a Pose, the estimated pose of the device.
+  ///
+  /// A controller on a part P commands the drive device on P. If P has no drive device, the controller
+  /// commands the drive device on the nearest part that carries P. If no part that carries P has a drive
+  /// device, the controller commands the drive of the body.
   bool drives = false;
   /// A solid (a rigid shape) of a device, with the joints of the device at rest.
   struct Fixture {
     Solid solid;              ///< the solid, device frame
     std::int32_t joint = -1;  ///< index of the device's joint that moves the solid; -1: none
   };
-  /// The data that `sense` and `act` read of other bodies, in addition to the places of these bodies
-  /// (SensingView). Each name is one of these:
+  /// Names of the data of other bodies that `sense` and `act` read. The places of other bodies (SensingView)
+  /// need no name. Each name is one of these:
   /// - one of the constants k_..._of_others above;
-  /// - `KIND`: the states of the devices of a kind;
-  /// - `KIND/command`: the commands to the devices of a kind;
-  /// - the name of a field: the states of all devices whose first field has this name.
+  /// - the name of a device kind, such as "radio": the states of all devices of this kind;
+  /// - the name of a device kind with the ending "/command", such as "radio/command": the commands to all
+  ///   devices of this kind;
+  /// - the name of a field, such as "lit": the states of all devices whose first field has this name
+  ///   (Prepared::percepts).
   ///
-  /// If several ranks (threads or processes) compute a world together, they send one another these data. A
-  /// hook must read no other data of other bodies. Tests enforce this with the mode
-  /// World::hide_beyond_reach(), which overwrites all other data of other bodies.
+  /// A hook must not read other data of other bodies. If several ranks compute the world together, such data
+  /// may be out of date. Tests find wrong reads with the mode World::hide_beyond_reach(), which overwrites
+  /// all data of other bodies that have no name in this list.
   std::vector<std::string_view> reads;
-  /// The bodies that `apply` may change. Tests enforce this with the mode World::hide_beyond_reach(), in
-  /// which the step throws a StepError if the hook changes another body.
+  /// The bodies that `apply` may change. Tests check this rule with the mode World::hide_beyond_reach(): a
+  /// step then throws a StepError if `apply` changes any other body.
   ApplyScope scope = ApplyScope::anything;
-  /// Returns the solids that the device adds to its body. Null: it adds none.
+  /// Returns the solids that the device adds to its body, in the device frame. Null: it adds none.
   std::vector<Fixture> (*body)(const Record& params) = nullptr;
   /// A device compiled from its parameters: the data of its hooks and the layout of its state.
   struct Prepared {
     std::any data;                     ///< the argument `data` of the hooks
     std::vector<StateField> percepts;  ///< fields of the device's state table
-    /// Size of a row of the state table, bytes, if each row is a struct; otherwise 0. If it is a struct,
-    /// `percepts` must be what memory_fields() (engine/kinds/controller.hpp) returns for this struct.
+    /// Size of one row of the state table, bytes, if the state of a body is a struct; otherwise 0. For a
+    /// struct, `percepts` must be the list that memory_fields() (engine/kinds/controller.hpp) returns for
+    /// this struct.
     std::size_t percept_bytes = 0;
-    /// Fields of the command struct, in which controllers write commands to the device. memory_fields() in
-    /// engine/kinds/controller.hpp returns the fields of a struct. Empty: the device takes no commands.
+    /// Fields of the command struct, in which controllers write commands to the device. Empty: the device
+    /// takes no commands. memory_fields() in engine/kinds/controller.hpp returns the fields of a struct.
     std::vector<StateField> commands;
     std::size_t command_bytes = 0;  ///< size of the command struct, bytes
-    /// The reach of the device: radius of a disc around the origin of its body, m. `sense` and `act` must not
-    /// read the data of a body whose enclosing circle is outside the disc. Bodies that move together with the
-    /// device's own body, because one carries the other, are exempt (SensingView::same_tree()). If the
-    /// device's body has joints, the engine enlarges the radius by the larger of two distances. The first is
-    /// BodyType::joint_reach, the largest shift of all joints together. The second is the length of the
-    /// translation that is stored in PublicColumns::joint_mounts for the joint on which the device is
-    /// mounted. Tests enforce the rule with the mode World::hide_beyond_reach(), which overwrites the data of
-    /// bodies outside the disc.
+    /// The reach of the device, m: radius of a disc around the origin of the device's body. `sense` and `act`
+    /// must not read the data of a body whose enclosing circle is outside the disc. Bodies that move together
+    /// with the device's body, because one carries the other, are exempt (SensingView::same_tree()). Tests
+    /// check this rule with the mode World::hide_beyond_reach(), which overwrites the data of bodies outside
+    /// the disc.
+    ///
+    /// Joints of the body can shift the device. The engine therefore enlarges the radius by the larger of two
+    /// lengths:
+    /// - BodyType::joint_reach, a bound on the shift by all joints of the body together;
+    /// - if the device is on a joint, the present length of the translation of this joint in
+    ///   PublicColumns::joint_mounts.
     double reach_m = 0;
-    /// The search radius from which the engine chooses the width of the cells of its spatial index, m; not
-    /// set: reach_m. A large value makes the cells wide, also for all other devices of the world. A device
-    /// that rarely searches as far as its reach therefore sets a smaller value.
+    /// The distance from which the engine chooses the width of the cells of its spatial index, m; not set:
+    /// reach_m. The value affects only the speed of a run. Wide cells make short searches slow, for all
+    /// devices of the world. A device with a long reach that mostly searches near its body should therefore
+    /// set a short distance.
     std::optional<double> cell_hint_m = {};
-    /// Number of rays that the device casts each time it runs. Used only to check a limit: the devices of all
-    /// types of a world together may cast at most 10 million rays. Each type counts once, however many bodies
-    /// it has.
+    /// Number of rays that the device casts each time it runs. The value is used only to check a limit: the
+    /// sum over all devices of all types of a world must not exceed 10 million rays. Each type counts once,
+    /// however many bodies it has.
     std::size_t beams = 0;
     /// Largest number of effects that the device of one body may emit in a tick (DeviceBatch::emit()),
     /// including the births and deaths that it requests.
@@ -331,8 +351,8 @@ struct DeviceKind {
     /// Power that the device draws from its power supply, W. It draws this power while it is in use
     /// (DeviceBatch::senses()) and switched on (DeviceBatch::is_on()), even if a fault has broken it.
     double watts = 0;
-    /// Poses of its joints at tick 0 or at the birth of the body, relative to rest, m and rad: one for each
-    /// name of DeviceKind::joints. Empty: all joints are at rest.
+    /// Poses of the device's joints at tick 0 or at the birth of the body, relative to rest, m and rad: one
+    /// for each name of DeviceKind::joints. Empty: all joints are at rest.
     std::vector<Pose> joints;
     double joint_reach_m = 0;  ///< largest horizontal shift of its joints from rest, m; turns do not count
     /// For rangers (range sensors): heading of the beam of each reading in the sensor frame, rad. Field 0 of
@@ -345,56 +365,57 @@ struct DeviceKind {
     std::optional<SoughtMarks> seeks;  ///< for fiducial finders: the parts that they detect
   };
   /// Compiles the parameters, which the caller has checked against the limits of `DeviceKind::params`. The
-  /// hook must be a pure function. If the hook throws, building the world reports an error at the position of
-  /// the device in the world file.
+  /// hook must be a pure function. If it throws, building the world reports an error at the position of the
+  /// device in the world file.
   ///
-  /// pose_body_device: the frame in which the parameters are given, as a pose in the body frame
+  /// pose_body_device: pose of the device in the body frame, with all joints at rest; poses in the parameters
+  /// are relative to this pose
   Prepared (*prepare)(const Record& params, const Pose& pose_body_device);
-  /// Called after each call of `prepare`: completes `data` (the result of `prepare`) from the type and from
-  /// the part that carries the device. `part` is an index into TypeSpec::parts. The error says why the type
-  /// or the part does not suit the device. Null: not needed.
+  /// Called after each call of `prepare`: completes `data` (Prepared::data) from the type and from the part
+  /// that carries the device. `part` is the index of this part in TypeSpec::parts. The error says why the
+  /// type or the part does not suit the device. Null: not needed.
   Result<> (*bind_part)(std::any& data, const TypeSpec& type, std::uint32_t part) = nullptr;
-  /// Called after each call of `bind_part`: completes `data` from the world. The error says why the world
-  /// does not suit the device. Null: not needed.
+  /// Called after `prepare` and `bind_part`: completes `data` (Prepared::data) from the world. The error says
+  /// why the world does not suit the device. Null: not needed.
   Result<> (*bind_world)(std::any& data, const WorldSpec& world) = nullptr;
   /// Called after `bind_part` and `bind_world`: returns a reach, m, that replaces Prepared::reach_m. Kinds
   /// whose reach depends on the part or the world have this hook. Null: the reach is Prepared::reach_m.
   double (*reach_m)(const std::any& data) = nullptr;
-  /// Sets the device's state in row `slot` of `state` when the body enters the world, at tick 0 or at its
-  /// birth. All bytes of the row are 0 before the call. Null: they stay 0.
+  /// Sets the state of the device of one body: row `slot` of `state`. Called when the body enters the world,
+  /// at tick 0 or at its birth. All bytes of the row are 0 before the call. Null: they stay 0.
   void (*start)(const std::any& data, StateTable& state, std::size_t slot) = nullptr;
   /// Called in the phase `sense`: writes the percepts of every row of the batch. The hook must read only the
   /// state at the end of the last tick. Returns the number of rays cast. Null: the device senses nothing.
   std::uint64_t (*sense)(const SenseBatch& batch) = nullptr;
-  /// Called in the phase `actuate`, in which the drives also run, before the controllers decide: executes the
-  /// commands of the previous tick. Null: the device has no actions.
+  /// Called in the phase `actuate`: executes the commands that controllers gave in earlier ticks. The drives
+  /// have already run for the bodies of the batch. Null: the device has no actions.
   void (*act)(const DeviceBatch& batch) = nullptr;
   /// For drive devices (`drives`): sets the velocity in the state of the device to 0, so that the device
-  /// starts from rest when it runs again. Called in the phase `actuate` of each tick in which the device is
-  /// stopped: its body is disabled or stopped by a fault, a fault has broken the device, or its power supply
-  /// is empty. Null: the state has no velocity.
+  /// starts from rest when it runs again. Called in the phase `actuate`, in each tick in which the device is
+  /// stopped for one of these reasons: its body is disabled, a fault has stopped the body or broken the
+  /// device, or the power supply of the device is empty. Null: the state has no velocity.
   void (*halt)(StateTable& state, std::size_t slot) = nullptr;
-  /// Called after bodies and joints have moved, in each tick in which any device of the world called
-  /// DeviceBatch::move_joint(). The batches contain all devices of the kind that move joints and whose bodies
-  /// are in the world. The hook can read with DeviceBatch::moved_joint() whether the joints of a device
-  /// reached their goals. Null: not needed.
+  /// Called after bodies and joints have moved, but only in ticks in which a device of the world called
+  /// DeviceBatch::move_joint(). The batches contain all bodies in the world with a device of this kind that
+  /// moves joints. DeviceBatch::moved_joint() says whether a joint reached its goal. Null: not needed.
   void (*joints_moved)(const DeviceBatch& batch) = nullptr;
   /// Called after the bodies have moved: applies one effect that a device of this kind emitted with
-  /// DeviceBatch::emit(). Effects are applied one by one, in the order of (Effect::source, device,
-  /// sequence). Each call sees the results of the effects applied before. Null: the device must not call
-  /// emit().
+  /// DeviceBatch::emit(). Effects are applied one by one, in ascending order of (Effect::source,
+  /// Effect::device, Effect::sequence). Each call sees the results of the earlier calls. Null: the device
+  /// must not call emit().
   void (*apply)(World& world, const std::any& data, const Effect& effect) = nullptr;
-  /// Called after all other effects and all deaths of the tick were applied, once for each birth that the
-  /// device requested, unless the body of the device died in this tick: receives the result of the birth. The
-  /// hook may change only the state of its device. If several ranks (threads or processes) compute the
-  /// world, the row of the new body may be on another rank. Null: not needed.
+  /// Receives the result of a birth that the device requested with DeviceBatch::emit_birth(). Called once for
+  /// each request, after all other effects and all deaths of the tick. Not called if the body of the device
+  /// died in this tick. The hook may change only the state of the device that requested the birth. If several
+  /// ranks compute the world, the row of the new body may be on another rank. Null: not needed.
   void (*born)(World& world, const std::any& data, const Effect& effect, const Birth& birth) = nullptr;
 
-  /// For power supplies: returns whether the supply with its state in row `slot` of `state` is empty. The
-  /// devices that an empty supply serves do not run. A supply serves the devices of its part and of the parts
-  /// mounted on that part, except parts with a supply of their own and the parts mounted on them. A supply of
-  /// the root part (part 0 of the body) also serves the drive. The hook must not throw. Null: the device is
-  /// not a power supply.
+  /// For power supplies: returns whether the supply whose state is row `slot` of `state` is empty. The hook
+  /// must not throw. Null: the device is not a power supply.
+  ///
+  /// An empty supply stops the devices that it serves. The devices of a part are served by the supply on that
+  /// part or, if the part has none, by the supply on the nearest part that carries it. The supply on the root
+  /// part (part 0 of the body) also serves the drive.
   bool (*is_spent)(const std::any& data, const StateTable& state, std::size_t slot) = nullptr;
 
   bool needs_supply = false;  ///< true: it is an error if no power supply of the body serves the device
@@ -405,13 +426,13 @@ struct DeviceKind {
   /// flags.
   HeldFlags (*flags)(const StateTable& state, std::size_t slot) = nullptr;
 
-  /// True: the device sets the colour of its part. Its state must then begin with that colour: three f32,
-  /// red, green and blue, in a field named k_shown_color (engine/sensing/shown_color.hpp). Code that reads
-  /// recordings finds the field by this name.
+  /// True: the device sets the colour of its part. The first field of its state must then have the name
+  /// k_shown_color (engine/sensing/shown_color.hpp) and contain the colour: three f32, red, green and blue.
+  /// Code that reads recordings finds the field by this name.
   bool shows_color = false;
   FrameLayer layer = FrameLayer::none;  ///< the list of a Frame that `draw` adds to
-  /// Draws the device of one body: adds entries to the list of `frame` that `layer` names. For a sensor the
-  /// hook is called only after tick 0 and while the sensor runs (World::runs()). Null if `layer` is
+  /// Draws the device of one body: adds entries to the list of `frame` that `layer` names. For a sensor, the
+  /// hook is called only after tick 0, and only while the sensor runs (World::runs()). Null if `layer` is
   /// FrameLayer::none.
   void (*draw)(const DeviceView& view, Frame& frame) = nullptr;
 
@@ -429,15 +450,14 @@ enum class ControlMode : std::uint8_t {
 inline constexpr std::size_t k_control_modes = 3;  ///< number of values of ControlMode
 
 /// The command of a controller to its drive. Speeds and accelerations are in the body frame. Goals are in the
-/// frame in which the robot estimates its pose (Localization). Assigning `{x, y, turn}` commands a speed and
-/// switches all devices on, because this assignment also resets `mode` and `off`. Assigning a single member
-/// keeps the others.
+/// frame in which the robot estimates its pose (Localization). An assignment `command = {x, y, turn}` sets
+/// all members: it commands a speed and switches all devices on.
 struct Command {
   double x = 0;                              ///< forward, m/s or m/s^2; for a goal its x, m
   double y = 0;                              ///< left, m/s or m/s^2; for a goal its y, m
   double turn = 0;                           ///< turn, rad/s or rad/s^2; for a goal its heading, rad
   ControlMode mode = ControlMode::velocity;  ///< meaning of x, y and turn
-  /// Bits of the devices that controllers have switched off (BodyType::Device::switch_bit).
+  /// Devices that controllers have switched off: one bit per device (BodyType::Device::switch_bit).
   std::uint32_t off = 0;
 };
 
@@ -451,13 +471,13 @@ struct Velocity {
   double turn = 0;  ///< counter-clockwise, rad/s
 };
 
-/// The argument of the hook DriveKind::drive: robots of one type whose drives run in this tick. All spans
-/// have one entry per robot, in the same order; only `estimates` may be empty instead. There may be no
-/// robots.
+/// The argument of the hook DriveKind::drive: robots of one type whose drives run in this tick. There may be
+/// no robots. Entry i of each span belongs to robot i, but `estimates` may be empty.
 struct DriveBatch {
   std::span<const Command> commands;  ///< the commands to the drives
-  /// Output: the velocities that the drives produce from this tick on. If `estimates` is not empty, the
-  /// values on entry are the velocities that the drives computed last. Otherwise they have no meaning.
+  /// Output: the velocities that the drives produce from this tick on. If `estimates` is not empty, each
+  /// entry contains on input the velocity that the drive computed last. If `estimates` is empty, the input
+  /// has no meaning.
   std::span<Velocity> velocities;
   std::span<const Pose> estimates;  ///< estimated poses of the robots; empty if all commands are speeds
   double elapsed_s = 0;             ///< time from one run of these drives to the next, s
@@ -484,8 +504,8 @@ struct DriveKind {
   /// Returns how robots with this drive estimate their poses. The error says why the parameters are
   /// inconsistent. Null: the estimates are the true poses, world frame.
   Result<Localization> (*localization)(const Record& params) = nullptr;
-  /// Returns the number of pushable bodies that a robot can push at once. The engine raises a number below 0
-  /// to 0, and lowers a number above k_most_pushed to k_most_pushed. Null: 0.
+  /// Returns the number of pushable bodies that a robot can push at once. The engine limits the number to the
+  /// range from 0 to k_most_pushed (engine/conflicts/conflicts.hpp). Null: 0.
   std::int64_t (*pushes)(const Record& params) = nullptr;
   /// Returns the highest speed that the limits of the drive allow, m/s. Null: unknown.
   double (*top_speed)(const Record& params) = nullptr;
@@ -501,8 +521,8 @@ class Readings {
   Readings() = default;  ///< refers to no device; the functions below must not be called
   /// Refers to the state in row `slot` of a device's state table. The table must outlive this object.
   Readings(const StateTable& table, std::size_t slot) : table_(&table), slot_(slot) {}
-  /// The values of field f of the state, one per column. f is an index into DeviceKind::Prepared::percepts,
-  /// the list of the fields. T must be the C++ type of the field's values (StateField::element).
+  /// The values of field f of the state: StateField::columns values. f is an index into the list of the
+  /// fields, DeviceKind::Prepared::percepts. T must be the C++ type of the values (StateField::element).
   template <class T>
   std::span<const T> field(std::size_t f) const {
     return table_->cell<T>(slot_, f);
@@ -529,12 +549,13 @@ struct Percept {
   /// States of the sensors and other devices that the controller uses, in the order of
   /// ControllerKind::Prepared::devices.
   std::span<const Readings> devices;
-  /// Estimated pose, m and rad. If the controller commands a drive device (DeviceKind::drives), it is the
-  /// estimated pose of that device, as its state gives it. Otherwise it is the estimated pose of the robot,
-  /// in the frame that the Localization of the robot's drive defines (engine/kinds/localization.hpp).
+  /// Estimated pose of the robot, m and rad, in the frame that the Localization of its drive defines
+  /// (engine/kinds/localization.hpp). If the controller commands a drive device (DeviceKind::drives):
+  /// estimated pose of the drive device, as the state of the drive device gives it.
   Pose estimate;
 
-  /// Ranges that a ranger measured, m, one per beam. `ranger` is its index in `devices`.
+  /// Ranges that a ranger (range sensor) measured, m, one per beam. `ranger` is the index of the ranger in
+  /// `devices`.
   std::span<const float> ranges(std::size_t ranger) const { return devices[ranger].field<float>(0); }
 };
 
@@ -544,15 +565,16 @@ struct Actions {
   /// Command structs of the devices that the controller uses, in the order of Percept::devices; null for
   /// devices that take no commands.
   std::span<std::byte* const> devices;
-  /// For each device that the controller uses, in the order of Percept::devices: its bit in Command::off, by
-  /// which switch_device() switches it.
+  /// The bits in Command::off by which switch_device() switches the devices that the controller uses, in the
+  /// order of Percept::devices. A device that cannot be switched off has the value 0.
   std::span<const std::uint32_t> switches;
 
   /// Switches a device on or off, from the next tick on. A device that is off does nothing, draws no power
-  /// and keeps its last readings. The device stays off until this function switches it on or until `command`
-  /// is replaced as a whole: set_speed(), for example, switches all devices on again. The call has no effect
-  /// if ControllerKind::switches is false for all controllers that use the device, or if the index of the
-  /// device in the type is 32 or higher.
+  /// and keeps its last readings. Functions that replace the whole command, such as set_speed(), switch all
+  /// devices on again.
+  ///
+  /// A device can be switched only if its index in BodyType::devices is below 32, and if it is used by a
+  /// controller whose kind sets ControllerKind::switches. For other devices the call has no effect.
   ///
   /// chosen: index of the device in Percept::devices, here and below
   void switch_device(std::size_t chosen, bool on) const {
@@ -583,11 +605,12 @@ struct Actions {
   }
 };
 
-/// The argument of ControllerKind::decide: robots of one type whose controller decides in a tick, with their
-/// data. The batch may be empty. In the functions, robot i is the robot of rows[i]. A chosen device is a
-/// device that the controller uses (ControllerKind::Prepared::devices). Its index in that list is the
-/// argument `sensor` of the functions, and the index of its entry in `percepts`, `device_commands` and
-/// `switches`.
+/// The argument of ControllerKind::decide: robots of one type whose controller decides in this tick, with
+/// their data. There may be no robots. Robot i is the robot of row rows[i].
+///
+/// The *chosen* devices of the type are the devices that the controller uses. They are numbered in the order
+/// of ControllerKind::Prepared::devices. This number is the index in `percepts`, `device_commands` and
+/// `switches`, and the argument `sensor` of the functions.
 struct DecideBatch {
   std::uint64_t tick = 0;                ///< number of the present tick; the first tick is 1
   double time_s = 0;                     ///< world time at the end of the tick, s
@@ -615,25 +638,25 @@ struct DecideBatch {
   std::array<std::uint32_t, k_most_devices_read> switches{};  ///< bits of the chosen devices in Command::off
   std::size_t devices = 0;                                    ///< number of chosen devices
   Rows memories;  ///< memory structs of the controller; without rows if its kind has no memory
-  /// Commands to the drive device that the controller commands (DeviceKind::drives). There are no rows if the
-  /// controller commands no drive device. The controller then commands the body's drive through `commands`.
+  /// Commands to the drive device (DeviceKind::drives) that the controller commands. If the controller
+  /// commands the drive of the body instead, there are no rows, and the command is in `commands`.
   Rows drive_commands = {};
-  /// State of the drive device that `drive_commands` belongs to. It begins with the estimated pose of that
-  /// drive. Null if there is no such device.
+  /// State of the drive device that the controller commands. The state begins with the estimated pose of the
+  /// drive device. Null if the controller commands the drive of the body.
   const StateTable* drive_state = nullptr;
 
   std::size_t size() const { return rows.size(); }  ///< number of robots in the batch
   std::uint32_t body(std::size_t i) const { return ids[rows[i].index()].value; }  ///< id of robot i
   /// Slot of robot i in the tables of its type.
   std::size_t slot(std::size_t i) const { return slots[rows[i].index()]; }
-  /// Command that the controller of robot i gives, for reading and writing: the command to the drive device
-  /// of `drive_commands` or, if there is none, to the body's drive.
+  /// Command that the controller of robot i gives, for reading and writing. This is the command to the drive
+  /// device that the controller commands or, if there is none, to the drive of the body.
   Command& command(std::size_t i) const {
     if (drive_commands.first == nullptr) return commands[rows[i].index()];
     return *reinterpret_cast<Command*>(drive_commands.of(slot(i)));
   }
-  /// Estimated pose of robot i: that of the drive device which the controller commands or, if there is none,
-  /// that of the body.
+  /// Estimated pose of robot i. If the controller commands a drive device, this is the estimated pose of the
+  /// drive device.
   Pose estimate(std::size_t i) const {
     if (drive_state != nullptr) return drive_state->as<Pose>(slot(i));
     return estimates.of(rows[i], slots[rows[i].index()]);
@@ -654,22 +677,23 @@ struct DecideBatch {
   }
 };
 
-/// An exception of a controller, with the robot for which the controller was called. ControllerKind::decide
-/// may throw a DecisionError, so that the error message of the step names the robot. For any other exception
-/// the message names the first robot of the batch and, if there are several robots, the size of the batch.
+/// An exception of a controller, together with the robot for which the controller was called. If
+/// ControllerKind::decide throws a DecisionError, the error message of the step names this robot. For any
+/// other exception, the message names the first robot of the batch. If the batch has several robots, the
+/// message also says how many.
 struct DecisionError {
   Row row;                    ///< row of the robot in the state tables
   std::exception_ptr thrown;  ///< the controller's exception
 };
 
-/// A device of a type, as ControllerKind::prepare receives it to choose the inputs of a controller.
+/// A device of a type, as described to ControllerKind::prepare, which chooses the devices that a controller
+/// uses.
 struct DeviceInfo {
   std::string_view name;                 ///< name of the device (BodyType::Device::name)
   std::string_view kind;                 ///< kind of the device (DeviceKind::name)
   const DeviceKind::Prepared& prepared;  ///< the compiled device
-  /// Pose of the device with all joints at rest, m and rad. Its frame is that of the drive which the
-  /// controller commands: the frame of the drive device (DeviceKind::drives) or, if there is none, the body
-  /// frame.
+  /// Pose of the device in the body frame, with all joints at rest, m and rad. If the controller commands a
+  /// drive device (DeviceKind::drives): pose in the frame of the drive device.
   Pose pose = {};
 };
 
@@ -679,12 +703,12 @@ struct ControllerKind {
   std::string_view text;    ///< description in one sentence, which `troupe describe` prints
   FieldTable params;        ///< table of the parameters of a controller of this kind
   bool needs_drive = true;  ///< false: bodies without a drive may also have the controller
-  bool switches = false;    ///< whether it may switch devices on and off (Actions::switch_device())
-  /// True: all robots of a type that decide in a tick are in one batch, in the order of their ids, and
-  /// `decide` is called on the thread that steps the world, after all other controllers. If several ranks
-  /// (threads or processes) compute the world together, `decide` is called on rank 0. The result may depend
-  /// on all robots of the batch. Controllers in other languages set this member, because each call into the
-  /// other language is slow.
+  bool switches = false;    ///< whether controllers of this kind may call Actions::switch_device()
+  /// True: one call of `decide` decides for all robots of a type that decide in a tick. The batch has them in
+  /// the order of their ids, and the commands may depend on all of them. The call is made on the thread that
+  /// steps the world, after the calls of all controllers for which this member is false. If several ranks
+  /// compute the world together, the call is made on rank 0. Controllers in other languages set this member,
+  /// because each call into another language is slow.
   bool is_collective = false;
   /// Fields of the memory struct that the engine keeps for each robot; empty: the controller has no memory.
   std::vector<StateField> memory;
@@ -698,32 +722,36 @@ struct ControllerKind {
   /// A controller compiled from its parameters.
   struct Prepared {
     std::any data;  ///< the argument `data` of `decide`
-    /// The devices that the controller uses, at most k_most_devices_read: indices into the argument
-    /// `devices` of `prepare`. The controller decides in the ticks in which the first of these devices is
-    /// due, even if that device is switched off, broken or without power. Without devices the controller
-    /// decides in the ticks in which the body's drive is due, and without a drive once per
+    /// The devices that the controller uses, at most k_most_devices_read: indices into the argument `devices`
+    /// of `prepare`. The controller decides in the ticks in which the first of these devices is due, even if
+    /// that device is switched off, broken or without power. If the controller uses no devices, it decides in
+    /// the ticks in which the drive of the body is due. If there is no drive either, it decides once per
     /// ControllerSpec::period_s.
     std::vector<std::size_t> devices;
   };
-  /// Compiles the parameters and chooses among `devices` those that the controller uses. `devices` are the
-  /// devices of the controller's part and of the parts mounted on that part, except drive devices
-  /// (DeviceKind::drives). claimed[d] is true if an earlier controller of the type has reserved devices[d]
-  /// for itself; this function may set further entries. The text of the error says what the type lacks and
-  /// continues the words `controller "NAME"`: for example, `needs a device of kind "ranger"`.
+  /// Compiles the parameters and chooses the devices that the controller uses. The text of the error says
+  /// what the type lacks. It must continue the words `controller "NAME"`, for example with `needs a device of
+  /// kind "ranger"`.
+  ///
+  /// devices: the devices that the controller may use: those on its part and on all parts mounted on that
+  /// part, except drive devices (DeviceKind::drives)
+  /// claimed: one entry per entry of `devices`; true: an earlier controller in the type's list has reserved
+  /// the device for itself. The hook reserves a device by setting the entry to true.
   Result<Prepared> (*prepare)(const Record& params, std::span<const DeviceInfo> devices,
                               std::vector<bool>& claimed);
-  /// Called after each call of `prepare`: completes the data of the controller from the world, the type and
-  /// the part of the controller, for example from the pose of a model or from the floor plan. `part` is an
-  /// index into TypeSpec::parts. The error says why the world or the type does not suit the controller. Null:
-  /// not needed.
+  /// Called after each call of `prepare`: completes `data` (Prepared::data) from the world, the type and the
+  /// part of the controller, for example from a floor plan. `part` is the index of this part in
+  /// TypeSpec::parts. The error says why the world or the type does not suit the controller. Null: not
+  /// needed.
   Result<> (*bind_world)(std::any& data, const WorldSpec& world, const TypeSpec& type,
                          std::uint32_t part) = nullptr;
-  /// Kinds of devices that the controller needs and that Stage files do not declare, such as "flags". The
-  /// loader of Stage files adds a device of each of these kinds, with default parameters, to each model with
-  /// this controller, unless the model has such a device. Other loaders add none.
+  /// Kinds of devices, such as "flags", that the controller needs and that Stage files do not declare. The
+  /// loader of Stage files adds a device of each of these kinds to each model with this controller, unless
+  /// the model has a device of that kind. The added devices have default parameters. Other loaders add no
+  /// devices.
   std::vector<std::string_view> brings;
   /// Decides for all robots of the batch: sets their commands and memories. make_controller_kind() makes this
-  /// hook from a function for one robot.
+  /// hook from a function that decides for one robot.
   void (*decide)(const std::any& data, const DecideBatch& batch);
 };
 
@@ -746,40 +774,42 @@ struct Registry {
   };
   std::vector<Preset> presets;  ///< presets; no preset has the name of a controller kind
 
-  /// A callback that finds controllers of plug-ins (troupe/plugins.hpp), which are not in the lists above.
-  /// `unknown` is the error message for a name that no plug-in has. The callback returns this message as its
-  /// error, with the folders that were searched or other details added. The kinds that it returns live as
-  /// long as the registry and its copies. Empty: there are no plug-ins.
+  /// Finds a controller in the plug-ins (troupe/plugins.hpp). It is called for a name that is not in the
+  /// lists above. If no plug-in has the name, it returns an error that begins with the text `unknown`;
+  /// details such as the searched folders may follow. The returned kind lives as long as the registry and its
+  /// copies. Empty: there are no plug-ins.
   std::function<Result<const ControllerKind*>(std::string_view name, std::string unknown)>
       plugged_controllers;
-  /// Callbacks that find the devices and the measures of plug-ins, like `plugged_controllers`.
+  /// Callbacks that find a device or a measure in the plug-ins, in the same way as `plugged_controllers`
+  /// finds a controller.
   ///@{
   std::function<Result<const DeviceKind*>(std::string_view name, std::string unknown)> plugged_devices;
   std::function<Result<const MeasureKind*>(std::string_view name, std::string unknown)> plugged_measures;
   ///@}
 
-  /// The kind with this name in the lists above; null if there is none. Devices and controllers are also
-  /// looked up in plug-ins, except a controller with the name of a preset. The pointer is valid as long as
-  /// the lists are not changed.
+  /// The kind with this name in the lists above; null if there is none. device() and controller() also search
+  /// the plug-ins. The name of a preset is never searched in plug-ins: controller() returns null for it. The
+  /// pointer is valid as long as the lists are not changed.
   ///@{
   const ModelKind* model(std::string_view name) const;
   const DeviceKind* device(std::string_view name) const;
   const DriveKind* drive(std::string_view name) const;
   const ControllerKind* controller(std::string_view name) const;
   ///@}
-  /// The device kind of this name, in the list or in a plug-in; never null. If there is none, the error is
-  /// the message `unknown`, to which `plugged_devices` may add details.
+  /// The device kind with this name, in the list `devices` or in a plug-in; never null. If there is none, the
+  /// error is the text `unknown`, to which `plugged_devices` may add details.
   Result<const DeviceKind*> find_device(std::string_view name, std::string unknown) const;
-  /// The controller kind of this name, in the lists or in a plug-in; never null. If there is none, the error
-  /// begins with `unknown controller "hover"; known: expand, ...`. The name of a preset is not looked up in
-  /// plug-ins, and gives this error.
+  /// The controller kind with this name, in the list `controllers` or in a plug-in; never null. If there is
+  /// none, the error begins with `unknown controller "hover"; known: expand, ...`. A preset is not a
+  /// controller kind, so the name of a preset also gives this error.
   Result<const ControllerKind*> find_controller(std::string_view name) const;
-  /// The measure of this name, in the list or in a plug-in; never null. If there is none, the error begins
-  /// with `unknown measure "stals"; known: alive, ...`.
+  /// The measure with this name, in the list `measures` or in a plug-in; never null. If there is none, the
+  /// error begins with `unknown measure "stals"; known: alive, ...`.
   Result<const MeasureKind*> find_measure(std::string_view name) const;
   /// Names of the controllers and presets in the lists, sorted.
   std::vector<std::string_view> controller_names() const;
-  /// The preset, measure or fault of this name in the lists; null if there is none.
+  /// The preset, measure or fault with this name in the lists; null if there is none. Plug-ins are not
+  /// searched.
   ///@{
   const Preset* preset(std::string_view name) const;
   const MeasureKind* measure(std::string_view name) const;

@@ -14,27 +14,30 @@
 
 namespace troupe::engine {
 
-/// How the robots of one type estimate their poses. The controllers read the estimate. Commands that give a
-/// goal pose (ControlMode::position) refer to it.
+/// How the robots of one type estimate their poses. Controllers read the estimated pose. Goal poses in
+/// commands (ControlMode::position) are in the frame of the estimate.
 ///
-/// With `gps`, the estimate is the true pose, in the frame `origin` if `origin` is set, otherwise in the
-/// world frame.
+/// With `gps`, the estimate is the true pose. Its frame is `origin` or, if `origin` is not set, the world
+/// frame.
 ///
-/// With `odom`, the estimate comes from wheel odometry with an error. In each tick (time step), the motion of
-/// the robot times 1 + error is added to the estimate, along the estimated heading. The estimate does not
-/// change in a tick in which the motion is blocked or would end out of bounds, or another body carries the
-/// robot. It does not change either if a program sets the robot's pose. The frame of the estimate is `origin`
-/// if `origin` is set. Otherwise it is the robot's pose at the start of the run (tick 0) or at its birth. The
-/// heading is wrapped into [-pi, pi].
+/// With `odom`, the estimate comes from wheel odometry. It equals the true pose at the start of the run (tick
+/// 0) or at the birth of the robot. In each tick (time step), the motion of the robot is multiplied by 1 +
+/// error and added to the estimate, along the estimated heading. The estimate does not change in these cases:
+/// - The motion is blocked, or would end out of bounds, so that the robot stays where it is.
+/// - Another body carries the robot.
+/// - A program sets the robot's pose.
 ///
-/// In both cases, the z of the estimate is the true height, world frame.
+/// The frame of the odometry is `origin` or, if `origin` is not set, the robot's pose at the start or at its
+/// birth. The heading is wrapped into [-pi, pi].
+///
+/// For both kinds, the z of the estimate is the true height in the world frame.
 struct Localization {
   /// The source of the estimate.
   enum class Kind : std::uint8_t {
     gps,   ///< the true pose
     odom,  ///< wheel odometry
   };
-  /// Relative errors of odometry: the estimated motion is the true one times 1 + error.
+  /// Relative errors of odometry: an estimated motion is the true motion times 1 + error.
   struct Error {
     double x = 0;     ///< relative error of forward motion
     double y = 0;     ///< relative error of motion to the left
@@ -42,30 +45,28 @@ struct Localization {
   };
 
   Kind kind = Kind::gps;  ///< source of the estimate
-  /// Frame of the estimate, given as a pose in the world frame; the z of this pose is ignored. Not set: the
-  /// frame is the world frame with `gps`; with `odom`, it is the robot's pose at the start of the run (tick
-  /// 0) or at its birth.
+  /// Frame of the estimate, given as a pose in the world frame. The z of this pose is ignored. If not set:
+  /// with `gps`, the world frame; with `odom`, the robot's pose at the start of the run (tick 0) or at its
+  /// birth.
   std::optional<Pose> origin;
   /// Odometry error of all robots of the type; not set: each robot has a random error of its own.
   std::optional<Error> error;
-  /// True: odometry adds the motion of a tick (time step) along the estimated heading after the turn of that
-  /// tick, as in the simulator Stage. False: odometry adds the motion along the estimated heading before the
-  /// turn, as the robot really moves. With error 0, the estimate follows the true motion only if this member
-  /// is false.
+  /// The heading along which odometry adds the motion of a tick (time step). False: the estimated heading
+  /// before the turn of that tick, as the robot really moves. True: the estimated heading after the turn, as
+  /// in the simulator Stage. The estimate is then not exact even if all errors are 0.
   bool along_new_heading = false;
 
-  /// The error of one robot's odometry: `error` if that member is set. Otherwise a random error, which is a
-  /// function of the seed of the world and the id of the body: uniform from -0.015 to 0.015 for x and y, and
-  /// from -0.025 to 0.025 for the turn.
+  /// The error of one robot's odometry: `error` if it is set, otherwise a random error. The random error
+  /// depends only on the seed of the world and the id of the body. It is uniform from -0.015 to 0.015 for x
+  /// and y, and from -0.025 to 0.025 for the turn.
   Error error_of(std::uint64_t seed, BodyId body) const;
 };
 
 constexpr std::array<std::string_view, 2> names_of(Localization::Kind) { return {"gps", "odom"}; }
 
-/// The parameters of localization, which are part of the parameters of drives; `describe` gives their
-/// meaning. None of these parameters can change while a world runs, neither by an intervention (a change that
-/// the world file lists) nor by World::set(). The reason is that the state has a table of odometry estimates
-/// only if `localization` is `odom`.
+/// The parameters of localization, which are part of the parameters of drives. `describe` gives the meaning
+/// of each parameter. No parameter can change while a world runs, neither by an intervention (a change that
+/// the world file lists) nor by World::set().
 struct LocalizationParams {
   /// The heading along which odometry adds the motion of a tick (time step). In files, the names are "old"
   /// and "new".
@@ -117,10 +118,10 @@ struct Odometry {
   double y = 0;        ///< estimated y, m, in the frame of the estimate
   double heading = 0;  ///< estimated heading, rad, in the frame of the estimate, from -pi to pi
 
-  /// Adds the true motion of one tick (time step), multiplied by 1 + `error`, to the estimate. The motion is
-  /// given in the body frame: x forward and y to the left, m, and turn, counter-clockwise, rad. It is added
-  /// along the estimated heading after the turn if how.along_new_heading is true, otherwise along the heading
-  /// before the turn. The other members of `how` are not used. The formula is in docs/driving.md.
+  /// Adds the motion of one tick (time step) to the estimate. The arguments x (forward, m), y (to the left,
+  /// m) and turn (counter-clockwise, rad) are the true motion in the body frame. The function multiplies them
+  /// by 1 + `error`. how.along_new_heading selects the heading along which the motion is added; the other
+  /// members of `how` are not used. The formula is in docs/driving.md.
   void advance(const Localization& how, const Localization::Error& error, double x, double y, double turn);
 };
 

@@ -16,9 +16,9 @@ namespace troupe::engine {
 class World;
 
 /// A measure of a run, such as the area that robots have covered. It computes one number from the present
-/// state of the world and from its own memory of earlier states, and never changes the world. The number must
-/// have the same bits for any number of threads and any size of the tiles of the world's spatial index, like
-/// the state (docs/determinism.md).
+/// state of the world and from its own memory of earlier states. It never changes the world. The number must
+/// have the same bits for any number of threads and for any layout of the world's spatial index
+/// (docs/determinism.md).
 class Measure {
  public:
   virtual ~Measure() = default;
@@ -47,30 +47,32 @@ struct MeasureKind {
   /// The definition as a formula, in which n is the number of robots and x_i the position of robot i; may be
   /// empty.
   std::string_view formula;
-  /// For an alias, the name of the original measure; otherwise empty. An alias is computed only if the user
-  /// chooses it (is_usual()).
+  /// Name of the original measure, if this measure is an alias; otherwise empty. An alias is computed only if
+  /// the user chooses it (is_usual()).
   std::string_view same_as;
   /// Whether code in another language, such as Python, computes the measure. The values of such a measure
-  /// need not have the same bits in every run. If `make` throws a std::logic_error, the constructor of
-  /// MeasureSet, which calls `make`, reports it in its diagnostics as an error of the measure. All other
-  /// exceptions of such a measure propagate unchanged.
+  /// need not have the same bits in every run. An exception of such code reaches the caller of MeasureSet,
+  /// the class that computes all measures of a run, unchanged. Only a std::logic_error from `make` does not:
+  /// the constructor of MeasureSet reports it in its diagnostics.
   bool is_foreign = false;
   FieldTable params;  ///< table of the parameters of a measure of this kind
   /// Whether the measure is computed if the user chooses no measures. True if it is not an alias and all its
   /// parameters have default values.
   bool is_usual() const { return same_as.empty() && std::ranges::all_of(params.defaults(), &Value::given); }
-  /// Makes a measure of the given robots, which are in order of ids; the list may be empty. A measure keeps
-  /// the ids. Whenever it reads the data of a robot, it asks World::row() for the robot's present row (index
-  /// in the state tables), because rows can change. The caller has checked the argument `params` against the
-  /// table MeasureKind::params. Throws std::length_error if the parameters need too much memory, and
-  /// std::invalid_argument if they name something that does not exist.
+  /// Makes a measure of the given robots, which are in the order of their ids; there may be none. The caller
+  /// has checked `params` against the table MeasureKind::params. Throws std::length_error if the parameters
+  /// need too much memory, and std::invalid_argument if they contain the name of a thing that the world does
+  /// not have.
+  ///
+  /// The measure must keep the ids, not the rows (indices in the state tables), because the row of a robot
+  /// can change during a run. World::row() returns the present row of a robot.
   std::unique_ptr<Measure> (*make)(const World& world, const Record& params, std::vector<BodyId> robots);
 };
 
 /// Makes a measure kind from a class M, which is derived from Measure. The constructor of M takes (world,
-/// robots). If M has a `struct Params` with a function `describe` that lists its members
-/// (engine/fields/description.hpp), the constructor takes (world, params, robots). The arguments of this
-/// function become the members of MeasureKind with the same names.
+/// robots), as MeasureKind::make does. If M has a `struct Params`, the constructor takes (world, params,
+/// robots). Params must have a function `describe` that lists its members (engine/fields/description.hpp).
+/// The arguments of make_measure_kind() become the members of MeasureKind with the same names.
 template <class M>
 MeasureKind make_measure_kind(std::string_view name, Unit unit, std::string_view text,
                               std::string_view definition, std::string_view formula = {}) {

@@ -24,9 +24,9 @@ struct Mount {
   }
 };
 
-/// Returns mount_a_c (frame c relative to frame a) from mount_a_b and mount_b_c. The heading is not wrapped.
-/// If one of the arguments is the identity, the result equals the other argument bit for bit, except that -0
-/// may become 0.
+/// Combines two frames: `a` is the frame B relative to a frame A, `b` is a frame C relative to B, and the
+/// result is C relative to A. The heading is not wrapped. If one argument is the identity, the result equals
+/// the other argument bit for bit, except that -0 may become 0.
 inline Mount compose(const Mount& a, const Mount& b) {
   const Rotation& r = a.transform.rotation;
   const Rotation& s = b.transform.rotation;
@@ -36,15 +36,15 @@ inline Mount compose(const Mount& a, const Mount& b) {
   return {Transform(a.transform * b.transform.position, both), a.z + b.z, a.heading + b.heading};
 }
 
-/// Returns pose_a_c (frame c relative to frame a) from mount_a_b and pose_b_c, with the heading wrapped into
-/// [-pi, pi]. If `a` was made from a body's pose and the Transform of that pose, the result has the same bits
-/// as that of compose(pose, transform, b) in base/pose.hpp, which computes the same pose.
+/// Combines a frame with a pose: `a` is the frame B relative to a frame A, `b` is a pose in B, and the result
+/// is the same pose in A. The heading is wrapped into [-pi, pi]. For `a` = Mount(pose), the result has the
+/// same bits as compose(pose, Transform(pose), b) in base/pose.hpp.
 inline Pose compose(const Mount& a, const Pose& b) {
   const Vec2 p = a.transform * b.position();
   return {p.x(), p.y(), a.z + b.z, wrap_angle(a.heading + b.heading)};
 }
 
-/// Returns the inverse: mount_b_a (frame a relative to frame b) from mount_a_b.
+/// Returns the inverse: if `mount` is a frame B relative to a frame A, the result is A relative to B.
 inline Mount inverse(const Mount& mount) {
   Rotation back;
   back.cos = mount.transform.rotation.cos;

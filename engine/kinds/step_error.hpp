@@ -7,26 +7,29 @@
 
 namespace troupe::engine {
 
-/// Thrown when a step of the world cannot be completed, or the initial state of a body cannot be made. A step
-/// computes one tick. The causes:
-/// - A command to a drive, the velocity that a drive computes from it, or the pose to which a device moves a
-///   joint is not finite.
-/// - The code of a sensor, other device, drive or controller, or the callback that a program gave to
-///   World::on_decide(), threw an exception.
-/// - In the test mode World::hide_beyond_reach(), a device acted on a body beyond its reach
+/// Thrown when a step of the world cannot be completed, or when the initial state of a body cannot be
+/// computed. A step computes one tick. The text names the number of the tick and the robot, as far as they
+/// are known. The causes:
+/// - A number is not finite: in a command to a drive, in the velocity that a drive computes, or in a pose to
+///   which a device moves a joint.
+/// - The code of a sensor, other device, drive or controller threw an exception.
+/// - The callback that a program gave to World::on_decide() threw an exception.
+/// - In the test mode World::hide_beyond_reach(), a device acted on a body beyond the reach of the device
 ///   (DeviceKind::Prepared::reach_m), or changed a body that its kind must not change (DeviceKind::scope).
-/// - If several ranks (threads or processes) compute the world: a device acted on a body beyond the reach of
-///   the device, or another rank could not compute the tick (engine/ranks/replica.hpp).
 ///
-/// The text names the number of the tick and the robot, as far as they are known.
+/// If several ranks (threads or processes) compute the world together, there are more causes:
+/// - The ranks divide the bodies among themselves, and a device acted on a body beyond the reach of the
+///   device.
+/// - The ranks divide the bodies among themselves, and robots pushed a body too far in one tick.
+/// - Another rank could not compute the tick (engine/ranks/replica.hpp).
 class StepError : public std::runtime_error {
  public:
   using std::runtime_error::runtime_error;
-  /// An error of the drive of a robot. `robot` is the robot whose drive (BodyType::drive) has a command or a
-  /// velocity that is not finite.
+  /// An error of the drive (BodyType::drive) of a robot: the command to the drive or the velocity of the
+  /// drive is not finite.
   StepError(const std::string& text, BodyId robot) : std::runtime_error(text), robot_(robot) {}
-  /// The robot whose drive (BodyType::drive) has a command or a velocity that is not finite; of several such
-  /// robots, the one with the lowest id. Not valid() for all other errors.
+  /// The robot whose drive (BodyType::drive) has a command or a velocity that is not finite. If there are
+  /// several, the one with the lowest id. Not valid() for all other errors.
   BodyId robot() const { return robot_; }
 
  private:

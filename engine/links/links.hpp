@@ -15,21 +15,22 @@
 
 namespace troupe::engine {
 
-/// The joints of bodies, and the *trees* of bodies that carry one another. A tree consists of a body that is
-/// not carried, the root, and all bodies that the root carries, directly or through others. This part of
-/// World writes the components (state tables) `joint/...` and `carrier`, and the poses of carried bodies. A
-/// row is the index of a body in the state tables, and a tick is a time step. A device is equipment of a
-/// body, such as a gripper. A joint is at rest in the pose that the body type defines. If no body with a row
-/// has joints or can pick up bodies, any() is false, and functions that take a row or a joint must not be
-/// called.
+/// The joints of bodies, and the *trees* of bodies that carry one another. A tree consists of a root, which
+/// is a body that is not carried, and of all bodies that the root carries, directly or through others. This
+/// class is a part of World. It writes the state tables (components) `joint/...` and `carrier`, and the poses
+/// of carried bodies.
 ///
-/// A body whose shape can change, because it has joints or can carry, is *composite*. For conflict
-/// resolution, which keeps bodies from overlapping, a root has the shape of its whole tree, in the root's
-/// frame, and a carried body has an empty shape.
+/// A row is the index of a body in the state tables, and a tick is a time step. A device is equipment of a
+/// body, such as a gripper. A joint is a part that a device moves. Its rest pose is its pose in the
+/// definition of the body type. A body is *composite* if it has joints or can carry other bodies. If no body
+/// with a row is composite, any() is false, and functions that take a row or a joint must not be called.
+///
+/// World resolves conflicts of motions, so that bodies do not overlap. For this purpose, a root has the shape
+/// of its whole tree, in the frame of the root, and a carried body has an empty shape.
 class Links {
  public:
   static constexpr std::uint32_t k_none = ~0u;  ///< no row
-  /// Whether ask() has set a goal for a joint in this tick, and what became of the motion to that goal.
+  /// State of the motion of a joint to its goal in this tick.
   enum class Goal : std::uint8_t {
     none,     ///< ask() was not called for the joint
     asked,    ///< ask() was called, and the motion is not yet resolved
@@ -43,55 +44,61 @@ class Links {
   Links& operator=(const Links&) = delete;
 
   /// Allocates memory for the data of this class. Call this after the rows of the state were made, and again
-  /// after bodies have changed their rows. Then call derive() and reshape(), which compute all other data.
+  /// after bodies have changed their rows. Then call derive(), and reshape() for all rows: they compute the
+  /// data.
   void build();
   /// Computes all data that this class derives from the state tables, except the shapes of trees, which
   /// reshape() computes.
   void derive();
-  /// The part of derive() that concerns carriers: computes which bodies carry which, and the roots of all
-  /// trees, from the component `carrier`. The shapes of trees that have changed must then be computed again
-  /// (reshape()).
+  /// Computes from the component `carrier` which bodies carry which, and the roots of all trees. derive()
+  /// includes this step. After a separate call, call reshape() for all bodies of the trees that have changed.
   void link_all();
   /// Overwrites all derived data with junk. World::forget() calls this to test that the data can be computed
   /// again from the state.
   void forget();
-  /// Whether the tables of joints and carriers are consistent: all poses are finite, all carriers and the
-  /// joints that hold their cargo exist, the types of all carriers can carry, and no body carries itself,
-  /// directly or through others. Reads only the state tables.
+  /// Returns whether the tables of joints and carriers are consistent. Reads only the state tables. The
+  /// tables are consistent if all of these hold:
+  /// - All poses are finite.
+  /// - Each carrier exists, and its type can carry bodies.
+  /// - Each joint that holds a body exists.
+  /// - No body carries itself, directly or through others.
   bool hold() const;
 
-  /// Whether any body with a row has joints or can pick up bodies. Unborn bodies (not yet in the world) and
-  /// dead bodies count.
+  /// Whether any body with a row is composite. Unborn bodies (not yet in the world) and dead bodies count.
   bool any() const { return !composites_.empty(); }
   std::span<const std::uint32_t> composites() const { return composites_; }  ///< rows of composite bodies
-  /// Among the bodies that the row's body carries directly, the row of the body with the lowest id; k_none if
-  /// it carries none.
+  /// Row of a body that the row's body carries directly: the one with the lowest id. k_none if it carries
+  /// none.
   std::uint32_t first_cargo(Row row) const { return first_cargo_[row.index()]; }
   /// Appends the rows of all bodies that the row's body carries, directly or through others.
   void add_cargo(Row row, std::vector<Row>& rows) const;
 
   /// Upper bound on the distance from the origin of a body to any point of the body or of the bodies that it
-  /// carries, directly or through others, whatever the poses of their joints, m. The types of these bodies
-  /// must not have joints that drive devices move (DeviceKind::drives): such joints move without a limit.
+  /// carries, directly or through others, m. The bound holds for all poses of the joints. It does not hold if
+  /// a drive device (DeviceKind::drives) moves joints of these bodies, because such joints move without a
+  /// limit.
   double farthest(Row row) const;
-  /// Upper bound, for all poses of the joints of a body of this type, on how much farther than at rest any
-  /// point of the body can be from the body's origin, m. As for farthest(), drive devices must not move
-  /// joints of the type.
+  /// Upper bound on how far the joints of a body of this type can move any point of the body away from the
+  /// body's origin, compared with the joints at rest, m. The bound does not hold if a drive device
+  /// (DeviceKind::drives) moves joints of the type, because such joints move without a limit.
   static double farthest_shift(const BodyType& type);
 
   /// Sets the goals of a row's joints to Goal::none. Updates WorldState::joint_mounts from the poses of the
   /// joints. Does not change the poses.
   void rest_joints(Row row);
-  /// Updates the obstacle shape and the radius of a row (WorldState::shapes, radii). The root of a tree gets
-  /// the shape of its whole tree, and a carried body an empty shape. A body that is unborn or dead gets an
-  /// empty shape and a negative radius.
+  /// Updates the obstacle shape and the radius of a row (WorldState::shapes, WorldState::radii). The root of
+  /// a tree gets the shape of its whole tree, and a carried body an empty shape. An unborn or dead body gets
+  /// an empty shape and a negative radius.
   void reshape(std::uint32_t row);
-  /// Attaches the body of the row `cargo`, at its present place, to the body of the row `carrier`: to the
-  /// carrier's joint with the index `joint` or, if `joint` is k_rigid, to the carrier itself. Returns false
-  /// and changes nothing if the cargo is already carried, if the cargo is the carrier itself or carries it
-  /// (directly or through others), or if the type of the carrier cannot carry bodies.
+  /// Attaches a body (row `cargo`), at its present pose, to another body (row `carrier`). If `joint` is
+  /// k_rigid, the cargo is attached to the carrier itself, otherwise to the carrier's joint with this index.
+  /// Returns false and changes nothing in each of these cases:
+  /// - The cargo is already carried.
+  /// - The cargo is the carrier itself, or carries it directly or through others.
+  /// - The type of the carrier cannot carry bodies.
   bool attach(Row cargo, Row carrier, std::int32_t joint);
-  /// Detaches the body of the row `cargo` from its carrier, if it has one. Its pose does not change.
+  /// Detaches the body of the row `cargo` from its carrier. Does nothing if no body carries it. The pose of
+  /// the detached body does not change.
   void release(Row cargo);
 
   // ---- in a tick
@@ -108,37 +115,39 @@ class Links {
     Pose goal;            ///< goal of the joint relative to its rest pose, m and rad
   };
   /// Returns the goals that ask() has set for joints of these rows in this tick, one per joint. Call this
-  /// before resolve_joints(), which resolves them.
+  /// before resolve_joints().
   std::vector<AskedGoal> asked_goals(RowRange rows) const;
-  /// The connection to the other ranks, if several ranks (threads or processes that compute a world together)
-  /// resolve the motions of the joints of one tick. Each rank resolves the motions of the joints of its own
-  /// rows. It has a copy (a *ghost*) of each tree of another rank that could block one of its own trees or be
-  /// blocked by it.
+  /// The connection to the other ranks, if several ranks (threads or processes) compute a world together.
+  /// Each rank resolves the motions of the joints of its own rows. A *ghost* is a copy, on this rank, of a
+  /// tree of another rank. This rank has a ghost of each tree that could block one of its own trees or be
+  /// blocked by one of them.
   class Border {
    public:
     virtual ~Border() = default;
-    /// Called in each round of resolve_joints(), when this rank has tested its own trees. Sends the results
-    /// (is_blocked()) to the ranks on which these trees are ghosts, receives the results for the ghosts on
-    /// this rank, and calls block() for each ghost whose motion is blocked.
+    /// Called in each round of resolve_joints(), after this rank has tested its own trees. Sends the results
+    /// (is_blocked()) to the ranks that have ghosts of these trees. Then receives the results for the ghosts
+    /// on this rank, and calls block() for each ghost whose motion is blocked.
     virtual void exchange_blocked(Links& links) = 0;
   };
-  /// For a Border: whether a joint of the tree with this root moves in this round. False for carried bodies.
+  /// For a Border: whether joints of the tree with this root have to move in the present round of
+  /// resolve_joints(). False for carried bodies.
   bool moves_joints(Row root) const;
-  /// For a Border: whether the motion of the joints of the tree with this root is blocked in this round.
+  /// For a Border: whether the motion of the joints of the tree with this root is blocked in the present
+  /// round of resolve_joints().
   bool is_blocked(Row root) const { return refused_[composite_of_[root.index()]] != 0; }
-  /// For a Border: notes that the motion of the joints of the tree with this root is blocked. moves_joints()
-  /// must be true for the root.
+  /// For a Border: marks the motion of the joints of the tree with this root as blocked in the present round
+  /// of resolve_joints(). moves_joints() must be true for the root.
   void block(Row root) { refused_[composite_of_[root.index()]] = 1; }
 
   /// State of the motion of a joint in this tick.
   Goal goal(Row row, std::size_t joint) const { return joints(row)[joint].state; }
-  /// Tests the joint motions that ask() requested, and carries out those that nothing blocks. The motions
-  /// are tested in rounds: round k tests, for each body of a tree, the joints of the body's device number k
-  /// among the devices that move joints (BodyType::joint_devices). In a round, either all tested joints of a
-  /// tree reach their goals or, if the static scene or another tree blocks one of them, none moves.
+  /// Tests the joint motions that ask() requested, and carries out those that neither the static scene (all
+  /// bodies that never move) nor another tree blocks. The motions are tested in rounds. Each round tests the
+  /// joints of at most one device per body: round k, counted from 0, those of the device
+  /// BodyType::joint_devices[k]. In a round, all tested joints of a tree reach their goals, or, if one of
+  /// them is blocked, none of them moves.
   ///
-  /// longest_motion: upper bound on the distance that any body has moved since the spatial index was built,
-  /// m
+  /// longest_motion: upper bound on the distance that any body has moved since the spatial index was built, m
   /// border: the connection to the other ranks, if the rows include ghosts; otherwise null
   void resolve_joints(double longest_motion, Border* border);
   /// Returns whether ask() was called since the last call of this function or of derive().
@@ -147,7 +156,8 @@ class Links {
   void carry();  ///< sets the poses and outlines of all carried bodies from those of their carriers
 
  private:
-  /// A joint of one body.
+  /// Transform for points that are mounted on this joint, body frame. It maps the position of a point with
+  /// all joints at rest to its position at the joint poses that resolve_joints() tests.
   struct Joint {
     /// Transform, in the body frame, that moves a point mounted on this joint. It maps the point's position
     /// with all joints at rest to its position with this joint at its goal or, during a test, at the tested
@@ -158,7 +168,7 @@ class Links {
     bool moves = false;       ///< whether the joint moves in this round of resolution
   };
   struct TreeBody;
-  /// Upper bounds on how far the joint motions of a round move any point of a tree, m.
+  /// Upper bounds on the path of any point of a tree during the joint motions of one round, m.
   struct Way {
     double total;  ///< the length of the whole path of the point
     double rise;   ///< the vertical part of that length

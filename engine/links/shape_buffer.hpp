@@ -8,23 +8,28 @@
 
 namespace troupe::engine {
 
-/// An obstacle shape (the shape of a body for tests of overlaps) that is rebuilt often, from convex pieces:
-/// call begin(), then add() for each piece, then finish(). The buffer keeps its memory. After reserve(), it
-/// allocates only if a shape has more pieces, or a piece has more corners, than reserved.
+/// Builds obstacle shapes, one at a time, in memory that is reused. An obstacle shape is the shape of a body,
+/// or of several bodies that move together, in tests of overlap. It consists of convex pieces. To build a
+/// shape, call begin(), then add() for each piece, then finish(). After reserve(), memory is allocated only
+/// for a shape with more pieces, or a piece with more corners, than reserved.
 class ShapeBuffer {
  public:
-  /// The shape that the last finish() completed, empty before; valid until the next call of begin().
+  /// The shape that the last finish() completed; an empty shape before the first finish(). Valid until the
+  /// next call of begin().
   const partition::ObstacleShape& shape() const { return shape_; }
 
-  /// Allocates memory for shapes of up to `pieces` pieces, each with up to `corners` corners. Call this
-  /// before the first begin(); a later call with more corners does not enlarge existing pieces.
+  /// Allocates memory for shapes of up to `pieces` pieces with up to `corners` corners each. Call this before
+  /// the first begin(). A later call can reserve memory for more pieces, but not for more corners of the
+  /// pieces that were reserved before.
   void reserve(std::size_t pieces, std::size_t corners);
-  void begin();  ///< removes all pieces, keeps their memory
-  /// Adds a convex piece of a body. The piece is given in the body's frame; `mount` is the body's frame
-  /// relative to the frame of the shape.
+  void begin();  ///< begins an empty shape; keeps the memory of the old pieces
+  /// Adds a convex piece. `mount` transforms `piece` to the frame of the shape. If `piece` is given in the
+  /// frame of a body, `mount` is that frame relative to the frame of the shape.
   void add(const ConvexPrism& piece, const Mount& mount);
-  /// Completes the shape. thinnest: the value for ObstacleShape::thinnest, the smallest width of any piece,
-  /// m; infinity if there are no pieces
+  /// Completes the shape.
+  ///
+  /// thinnest: the width of the thinnest piece, m, or a lower bound on it; infinity if there are no pieces.
+  /// It becomes ObstacleShape::thinnest.
   void finish(double thinnest);
 
  private:

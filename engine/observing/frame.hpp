@@ -12,7 +12,8 @@
 namespace troupe::engine {
 
 // The data that a viewer needs to draw a world at one tick (time step). Viewers do not read the state of the
-// world itself. A FrameScene has what is constant during a run, a Frame what changes from tick to tick.
+// world itself. A FrameScene has the data that are constant during a run, and a Frame the data that change
+// from tick to tick.
 //
 // A body consists of parts, and a part of solids. The first part is the root part. A part can be mounted on a
 // joint, which a device moves; a joint is at rest in the pose that the body type defines. A static body does
@@ -22,11 +23,12 @@ namespace troupe::engine {
 /// A solid to draw.
 struct FrameShape {
   Solid solid;                 ///< its geometry, body frame, m
-  std::optional<Color> color;  ///< colour of the solid; not set: FrameBody::color
+  std::optional<Color> color;  ///< colour of the solid; not set: the colour of its body (FrameBody::color)
 };
 
-/// The shapes of bodies that look alike: of all bodies of a type, or of bodies with moved joints or
-/// recoloured parts.
+/// The shapes and colours with which bodies are drawn. FrameScene::types has one element per body type.
+/// Frame::types has the elements for bodies that now look different from their type, because joints have
+/// moved or parts were recoloured.
 struct FrameType {
   std::vector<FrameShape> shapes;  ///< the solids of all parts
   bool mobile = false;             ///< true: the bodies are robots (have a drive); a mark shows their heading
@@ -37,9 +39,9 @@ struct FrameType {
 
 /// A body to draw.
 struct FrameBody {
-  /// Index of the shapes of the body, in FrameScene::types followed by Frame::types: if FrameScene::types has
-  /// n elements, an index i of n or more refers to Frame::types[i - n]. Static bodies only refer to
-  /// FrameScene::types.
+  /// Index of the FrameType of the body. With n elements in FrameScene::types, an index i below n refers to
+  /// FrameScene::types[i], and an index i of n or more refers to Frame::types[i - n]. For static bodies, the
+  /// index is below n.
   std::uint32_t type = 0;
   Pose pose_world_body;  ///< pose at this tick; for static bodies, the pose during the whole run
   Color color;           ///< colour of the shapes that have no colour of their own
@@ -60,7 +62,7 @@ struct FrameTransducer {
 struct FrameRanger {
   std::uint32_t type = 0;    ///< type of the body: index into FrameScene::types
   std::size_t readings = 0;  ///< number of readings of all transducers
-  /// The transducers of the ranger; each reading belongs to exactly one transducer.
+  /// The transducers of the ranger. Each reading belongs to exactly one transducer.
   std::vector<FrameTransducer> transducers;
 };
 
@@ -68,27 +70,27 @@ struct FrameRanger {
 struct FrameScene {
   std::vector<FrameType> types;  ///< body types, indexed by TypeId
   std::vector<FrameBody> fixed;  ///< static bodies, in order of ids
-  /// Box that contains all static bodies, and the bounding circles of all bodies that are in the world at
-  /// tick 0, m, world frame.
+  /// Box that contains all static bodies, and the bounding circles of all other bodies that are in the world
+  /// at tick 0; m, world frame.
   Box bounds;
   std::string title;                 ///< title of the world
-  std::vector<FrameRanger> rangers;  ///< rangers that FrameScan refers to
-  /// Edge of the square tiles of the spatial index of bodies, m; 0: unknown.
+  std::vector<FrameRanger> rangers;  ///< the rangers of all body types
+  /// Edge of the square tiles into which the spatial index of bodies is divided, m; 0: unknown.
   double tile_m = 0;
-  double cell_m = 0;  ///< edge of the square cells that a tile consists of, m; 0: unknown
+  double cell_m = 0;  ///< edge of the square cells into which a tile is divided, m; 0: unknown
   /// Box that the origins of bodies cannot leave (WorldSpec::bounds), m, world frame. Not set: the world file
   /// gives none.
   std::optional<Box> limits;
 };
 
-/// The readings of one ranger of one body: FrameRanger::readings entries of Frame::ranges, from index `first`
-/// on.
+/// The readings of one ranger of one body: consecutive elements of Frame::ranges. Their number is
+/// FrameRanger::readings.
 struct FrameScan {
   std::uint32_t body = 0;    ///< the body: index into Frame::mobile
   std::uint32_t ranger = 0;  ///< the ranger: index into FrameScene::rangers
   std::size_t first = 0;     ///< index of its first reading in Frame::ranges
-  /// Motion that takes the ranger from its pose with joints at rest to its present pose, body frame, m and
-  /// rad. The identity if the ranger is on no joint.
+  /// How joints have moved the ranger: the motion from its pose with joints at rest to its present pose, body
+  /// frame, m and rad. The identity if the ranger is on no joint.
   Pose moved;
 };
 
@@ -100,8 +102,8 @@ struct FrameSight {
   Eigen::Vector3d to = Eigen::Vector3d::Zero();    ///< origin of the part when it was detected
 };
 
-/// A blob (a region of one colour in the view of a camera) that a blob finder sees. It is drawn as a triangle
-/// between the sensor and the two edges of the blob, world frame, m.
+/// A blob that a blob finder (a sensor) sees: a region of one colour in its view. It is drawn as a triangle
+/// between the sensor and the two edges of the blob. Positions are in the world frame, m.
 struct FrameBlob {
   std::uint32_t body = 0;                           ///< the body: index into Frame::mobile
   Eigen::Vector3d from = Eigen::Vector3d::Zero();   ///< position of the sensor
@@ -114,12 +116,12 @@ struct FrameBlob {
 struct FrameTie {
   /// The relation between the two points.
   enum class Kind : std::uint8_t {
-    carries,      ///< from the origin of a carrier to that of a body that it carries
+    carries,      ///< from the origin of a body to the origin of a body that it carries
     holds,        ///< from a gripper to the origin of the body that it holds
     beam,         ///< a light beam between the paddles of a gripper, not interrupted
     broken_beam,  ///< a light beam between the paddles of a gripper, interrupted by a body
   };
-  Kind kind = Kind::carries;                       ///< which relation the line shows
+  Kind kind = Kind::carries;                       ///< the relation
   Eigen::Vector3d from = Eigen::Vector3d::Zero();  ///< one end, world frame, m
   Eigen::Vector3d to = Eigen::Vector3d::Zero();    ///< other end, world frame, m
 };
@@ -129,33 +131,33 @@ struct FrameTie {
 struct FrameSquare {
   std::int32_t x = 0;  ///< lower edge in x, in units of Frame::covered_m
   std::int32_t y = 0;  ///< lower edge in y, in units of Frame::covered_m
-  /// Time of the last visit to the square, on a scale from 0, the first tick that the viewer has stored, to
-  /// 1, the last.
+  /// Time of the last visit to the square, as a number from 0 to 1. 0 is the first tick that the viewer has
+  /// stored, and 1 is the last.
   float freshness = 1;
 };
 
-/// Past positions of a body. The viewer chooses how far back from this tick they go.
+/// Past positions of a body. The viewer chooses how far they go back in time.
 struct FrameTrail {
   std::uint32_t body = 0;  ///< the body: index into Frame::mobile
-  /// Positions of its origin from the oldest to the present one, world frame, m. At least one.
+  /// Positions of the body's origin in order of time, world frame, m. The last one is the present position.
+  /// The list has at least one element.
   std::vector<Eigen::Vector3d> points;
 };
 
-/// The data that change with each tick: the bodies that are not static, and further data that the viewer
+/// The data that change from tick to tick: the bodies that are not static, and further data that the viewer
 /// requests.
 struct Frame {
   double time_s = 0;              ///< world time, s
   std::uint64_t tick = 0;         ///< number of completed ticks
   std::vector<FrameBody> mobile;  ///< bodies that are in the world and not static, in order of ids
-  /// Shapes of bodies that now look different from their type. FrameBody::type refers to them. A body has an
-  /// entry of its own while any of its joints is not at rest. Bodies of one type whose joints are at rest,
-  /// and whose parts have colours set by devices (DeviceKind::shows_color), share an entry if each part has
-  /// the same colour in all of them. Colours of the root part are not compared, because FrameBody::color
-  /// stores the colour of that part.
+  /// Shapes of bodies that now look different from their type, because a joint is not at rest or a device has
+  /// set the colour of a part. FrameBody::type refers to them. Bodies of one type that look alike may share
+  /// an element. The colour of the root part is not stored here, but in FrameBody::color.
   std::vector<FrameType> types;
 
   // The following are empty unless the viewer requests them.
-  /// Readings of rangers, in any order. At tick 0 the list is empty. Rangers that do not run have no entry.
+  /// Readings of rangers, in any order. A ranger that does not run, for example because no controller uses
+  /// it, has no entry. The list is empty at tick 0, because no ranger has run yet.
   std::vector<FrameScan> scans;
   std::vector<float> ranges;       ///< ranges of all scans, one after another, m
   std::vector<FrameSight> sights;  ///< detections of fiducial finders, in order of bodies
@@ -168,12 +170,12 @@ struct Frame {
   std::vector<FrameSquare> covered;  ///< squares that robots have visited, sorted by x and then by y
   double covered_m = 0;              ///< edge of the squares of `covered`, m
   std::vector<std::string> names;    ///< names of bodies, one per body of `mobile`
-  /// One per body of `mobile`: energy of its first device that stores energy (DeviceKind::energy), such as a
-  /// power pack, as a fraction of the capacity, 0 to 1. 1 if the device never becomes empty. NaN if the body
-  /// has no such device.
+  /// One per body of `mobile`: energy of the first device of the body that stores energy
+  /// (DeviceKind::energy), such as a power pack. The energy is given as a fraction of the capacity, 0 to 1.
+  /// The value is 1 if the device never becomes empty, and NaN if the body has no such device.
   std::vector<double> charges;
-  /// One per body of `mobile`: value of the field of the state by which the viewer colours the bodies; NaN:
-  /// the body has no such value.
+  /// One per body of `mobile`: the value by which the viewer colours the body, taken from one field of the
+  /// state. NaN: the body has no such value.
   std::vector<double> values;
   /// Name of the field of `values`, with its unit, for display: "velocity.x (m/s)".
   std::string value_name;

@@ -17,52 +17,61 @@
 namespace troupe::engine {
 
 /// The measures of one run. A measure is a number that is computed from the state of the world after a tick
-/// (time step), such as the mean displacement of robots. Each measure is a column of the results. A measure
-/// may have a memory: data from earlier ticks that its value depends on. Not thread-safe; the measures
-/// compute on the worker threads of the world.
+/// (time step), such as the mean displacement of robots. Each measure has one column in the tables of
+/// results. A measure may have a memory: data from earlier ticks on which its value depends. Not thread-safe.
+/// The measures use the worker threads of the world.
 class MeasureSet {
  public:
-  /// Begins to measure with the present state. Reports errors of the specs to `diagnostics`, at the positions
-  /// of the specs in the file, and leaves out the measures that have errors. The errors are: unknown kinds or
-  /// robots; equal or reserved column names; and exceptions of MeasureKind::make, the function that makes a
-  /// measure, which throws for example if parameters name something unknown or need too much memory. A
-  /// foreign measure is computed by code in another language, such as Python (MeasureKind::is_foreign). If
-  /// `make` of a foreign measure throws, only std::logic_error is reported; all other exceptions propagate
-  /// unchanged.
+  /// Makes the measures of `specs`, and updates them with the present state. World and registry (the list of
+  /// all kinds) must outlive the set.
   ///
-  /// Then calls Measure::see() of the remaining measures, which updates them. If one of these calls throws,
-  /// or if the last step of the world threw, the constructor throws the same exceptions as MeasureSet::see().
-  /// World and registry (the list of all kinds of measures) must outlive the set.
-  /// paths: for each spec, the path of the measure in its file, such as "/measures/0", with which its errors
-  /// begin; empty if the specs come from no file
+  /// Reports errors of a spec to `diagnostics`, at the position of the spec in the file, and omits the
+  /// measure. The errors are:
+  /// - an unknown kind of measure, or an unknown name of robots;
+  /// - a column name that another measure has, or that is reserved for the time;
+  /// - an exception of MeasureKind::make, the function that makes the measure. Code in another language can
+  ///   implement a measure (MeasureKind::is_foreign). For such a measure, only a std::logic_error is
+  ///   reported, and other exceptions propagate unchanged.
+  ///
+  /// Also throws the exceptions of see().
+  ///
+  /// paths: one per spec: the path of the measure in its file, such as "/measures/0", with which the text of
+  /// an error begins. Empty if the specs come from no file
   MeasureSet(World& world, const Registry& registry, std::span<const MeasureSpec> specs,
              Diagnostics& diagnostics, std::span<const std::string> paths = {});
 
-  /// Names of the columns, in the order of the specs, with the SI unit after the name of the measure:
-  /// `displacement_m`, `displacement_m:leaders`, `stalls:leaders`.
+  /// Names of the columns, in the order of the specs. By default, a name consists of the name of the kind of
+  /// measure, the SI unit and, after a colon, the robots: `displacement_m:leaders` is the displacement, in
+  /// metres, of the robots `leaders`. A measure of all robots has no colon. If a spec gives its measure a
+  /// name, the column has this name and the unit.
   std::span<const std::string> columns() const { return columns_; }
-  /// Updates the measures. Call this after every step. Does nothing if the tick and the seed of the world are
-  /// those of the last call (or of the constructor), except at tick 0. The measures discard their memory and
-  /// begin again with the present state in these cases: at tick 0; after a change of the seed; after a jump
-  /// in time, such as a reset or the restore of a checkpoint (the tick is neither that of the last call nor
-  /// the next one). If a measure throws, throws a std::runtime_error that names the tick and the measure;
-  /// exceptions of foreign measures propagate unchanged. Throws std::logic_error if the last step threw
-  /// (World::require_whole()).
+  /// Updates the measures with the present state. Call this after every step. The constructor counts as the
+  /// first call. There are three cases:
+  /// - The world has advanced by one tick since the last call, with the same seed: the measures add the
+  ///   present state to their memories.
+  /// - The tick and the seed have not changed since the last call, and the tick is not 0: nothing happens.
+  /// - Otherwise, for example after a reset or after the restore of a checkpoint: the measures discard their
+  ///   memories and begin again with the present state.
+  ///
+  /// Throws a std::runtime_error that names the tick and the measure if a measure throws. Exceptions of
+  /// foreign measures (see the constructor) propagate unchanged. Throws std::logic_error if the last step
+  /// threw (World::require_whole()).
   void see();
-  /// Values for the state of the last see(), one per column, in the SI units of the columns; NaN if a
-  /// measure has no value. The world must still be in that state. Exceptions are those of see().
+  /// Returns the values of the measures, one per column, in the SI units of the columns. A value is NaN if
+  /// the measure has no value. The world must still be in the state of the last call of see(). Throws the
+  /// exceptions of see().
   std::vector<double> values();
-  /// Returns the value that values() has for the column with this index, which must exist. Does not compute
-  /// the other columns.
+  /// Returns only the value of one column, as values() computes it. `column` is an index into columns(),
+  /// which must exist.
   double value(std::size_t column);
 
-  /// Memory of all measures (Measure::memory()), one after another, for a checkpoint (a file from which a run
-  /// is resumed).
+  /// Returns the memories of all measures (Measure::memory()), one after another, for a checkpoint (a file
+  /// from which a run is resumed).
   std::vector<std::byte> memory() const;
-  /// Restores the result of memory(), which must come from a set with the same specs. The world must be in
-  /// the state in which the memory was saved, and the constructor or see() must have been called for that
-  /// state: otherwise the next see() discards the memory. Returns false and changes nothing if the size is
-  /// wrong.
+  /// Restores the memories of the measures from a result of memory(). First restore the state of the world in
+  /// which the memories were saved, and call see() or construct the set in that state: otherwise, the next
+  /// call of see() discards the restored memories. `memory` must come from a set with the same specs. Returns
+  /// false and changes nothing if its size is wrong.
   bool remember(std::span<const std::byte> memory);
 
  private:
@@ -82,24 +91,25 @@ class MeasureSet {
   std::uint64_t seen_seed_ = 0;                     // seed of the world then
 };
 
-/// Returns the robots (bodies with a drive) that the name `of` stands for, in order of ids, including unborn
-/// robots (not yet in the world) and dead robots (no longer in the world): all robots of the type with this
-/// name, and the robot with this name or alias. If no single robot has this name or alias, the robots of the
-/// population with this name are added, which are those whose name is `of` followed by digits. Returns all
-/// robots if `of` is empty, and no robots if there is no type, population or robot with this name.
+/// Returns the robots to which a name refers, in order of ids. A robot is a body with a drive. Robots that
+/// are not yet in the world (unborn) and dead robots are included.
+///
+/// of: the name of a type (all robots of the type), the name or alias of a robot, or the name of a
+/// population. A population here means all robots whose names are `of` followed by digits, such as "ant7" for
+/// "ant". The population is ignored if a single robot has the name or alias `of`: "r1" does not refer to
+/// "r10". If `of` is empty, all robots are returned. If nothing has this name, the list is empty
 std::vector<BodyId> robots_of(const World& world, std::string_view of);
-/// Names of all types of robots and of all populations, sorted, each once. The name of a robot's population
-/// is the name of the robot without the digits at its end: "ant" for "ant7".
+/// Returns the names of all types of robots and of all populations, sorted, each once. The population of a
+/// robot has the name of the robot without the digits at its end: "ant" for "ant7".
 std::vector<std::string> names_of_robots(const World& world);
 
-/// Returns how many of the bodies are in the world, that is, neither unborn nor dead. Every body must have a
-/// row in the state tables.
+/// Returns how many of the bodies are in the world, that is, neither unborn nor dead. No body may be static.
 std::size_t count_there(const World& world, std::span<const BodyId> bodies);
 
-/// Returns the exact sum term(0) + ... + term(count - 1), rounded once to double, and 0 if `count` is 0. The
-/// result depends on neither the number of threads nor the order of the terms. The worker threads of the
-/// world call term(i), so it must be thread-safe. Call this between two steps, or in Measure::see() or
-/// value().
+/// Returns the sum term(0) + ... + term(count - 1), computed exactly and then rounded to double; 0 if `count`
+/// is 0. The result depends on neither the number of threads nor the order of the terms. The worker threads
+/// of the world call term(i), so it must be thread-safe. Call this between two steps, or in Measure::see() or
+/// Measure::value().
 template <class Term>
 double exact_sum(World& world, std::size_t count, Term&& term) {
   constexpr std::size_t k_block = 1024;

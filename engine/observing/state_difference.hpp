@@ -25,8 +25,8 @@ std::string value_text(const StateValue& value);
 /// Name of the column with this index, from 0: `turn`, or `ranges[4]` if the field has several columns.
 std::string field_text(const StateField& field, std::size_t column);
 
-/// A callback for a value that differs. Its arguments are the field, the column in the field, and the values
-/// in the first and in the second row.
+/// A callback of compare_rows() for a value that differs between two rows. Its arguments: the field, the
+/// index of the column in the field, the value in the first row, and the value in the second row.
 using ReportValue =
     std::function<void(const StateField&, std::size_t column, const StateValue&, const StateValue&)>;
 /// Calls `report` for each value that differs between two rows, in the order of the fields. The values are
@@ -38,11 +38,11 @@ void compare_rows(std::span<const StateField> fields, const std::byte* first, co
 
 /// Difference between two states of one world in one component (one table of the state).
 struct ComponentDifference {
-  /// Name of the component (StateTable::component()); `the list of components` if the two worlds have
-  /// different numbers of tables; state_differences() then returns no other difference.
+  /// Name of the component (StateTable::component()). If the two worlds have different numbers of tables,
+  /// this is `the list of components`, and state_differences() returns no other difference.
   std::string component;
-  /// Hash group (group of components that are hashed together) of the component; no meaning for `the list of
-  /// components`.
+  /// Hash group of the component: components of one group are hashed together. It has no meaning for `the
+  /// list of components`.
   HashGroup group = HashGroup::pose;
   /// Number of bodies whose rows differ. If it is 0, the component has different bodies or different fields
   /// in the two worlds, and the following members have no meaning.
@@ -53,19 +53,20 @@ struct ComponentDifference {
   StateValue second;  ///< value of that column in the second world
 };
 
-/// Returns the components that differ between two worlds made from one file, one entry per component. They
-/// are sorted by hash group: first sensors, then memories, then velocities and commands, then poses. A
-/// difference in readings spreads to memories, then to commands, then to poses, so the first entries are
-/// nearest to the cause. Empty if the states are equal. Components with equal hashes are taken as equal. Only
-/// components with different hashes are compared value by value. Rows are matched by the ids of their bodies,
-/// so their order may differ. Throws std::logic_error if the last step of a world threw
-/// (World::require_whole()).
+/// Compares the states of two worlds that were made from one file. Returns one entry for each component that
+/// differs; an empty list if the states are equal.
+///
+/// A difference in readings spreads to memories, then to commands, then to poses. The entries are sorted in
+/// this order, by hash group: sensors, memories, velocities and commands, poses. The first entries are thus
+/// nearest to the cause. Rows are matched by the ids of their bodies, so their order may differ. Components
+/// with equal hashes are assumed to be equal, and their values are not compared. Throws std::logic_error if
+/// the last step of a world threw (World::require_whole()).
 std::vector<ComponentDifference> state_differences(World& first, World& second);
 
-/// The message for a difference, with the names that bodies have in `world`:
+/// Returns the message for a difference, with the names that bodies have in `world`. For example:
 /// `ranger/eye: ranges[4] of "r12" (id 13) is 0x3f800001 (1.0000001), not 0x3f800000 (1); 3 bodies differ`.
 /// The value after "is" is that of the second world, the value after "not" that of the first world. If
-/// `bodies` is 0, the message is `ranger/eye: the states have different bodies or fields`.
+/// ComponentDifference::bodies is 0, the message is `ranger/eye: the states have different bodies or fields`.
 std::string difference_text(const World& world, const ComponentDifference& difference);
 
 }  // namespace troupe::engine

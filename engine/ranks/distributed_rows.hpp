@@ -14,20 +14,22 @@
 
 namespace troupe::engine {
 
-/// The *distributed* form of a world that several ranks (threads or processes) compute. A row is the data of
-/// one body in the state tables. A rank has only the rows that it owns and *ghosts*: copies of rows of other
-/// ranks. The bodies of ghosts are those that may affect the bodies of the own rows (class Halo). In each
-/// tick (time step), the ranks exchange the data of the ghosts, and all effects (actions of devices on other
-/// bodies).
+/// The rows of a *distributed* world, which several ranks (threads or processes) compute together. A row is
+/// the data of one body in the state tables. Each rank *owns* some rows: it runs the sensors, devices, drives
+/// and controllers of their bodies. A rank has the rows that it owns and *ghosts*, but no other rows. Ghosts
+/// are copies of rows of other ranks. Their bodies may affect the bodies of the own rows (class Halo). In
+/// each tick (time step), the ranks send each other the present data of the ghosts, and all effects (actions
+/// of devices on other bodies).
 class DistributedRows final : public RankRows {
  public:
-  /// Keeps the own rows and the ghosts of this rank, and removes all other rows from `world`. Before the
-  /// call, `world` must have all rows. Throws std::logic_error if the rows cannot be distributed
-  /// (why_replicated() returns the reason). The world must outlive this object.
+  /// Keeps the rows that this rank owns and its ghosts, and removes all other rows from `world`. Before the
+  /// call, `world` must have all rows. Throws std::logic_error if the rows cannot be distributed;
+  /// why_replicated() returns the reason. The world must outlive this object.
   ///
   /// sharing: one entry per state table, which says how the ranks share its rows (sharing_of())
-  /// cut_seed: for tests; if set, the ranks own random parts of the plane (the constructor of Halo)
-  /// skin_m: margin with which the ghosts remain sufficient for several ticks, m; not set: Halo chooses it
+  /// cut_seed: for tests; if set, each rank owns the rows of bodies in random parts of the plane
+  /// skin_m: the skin, m (class Halo, `ghosts`). With a larger skin, each rank has more ghosts, and the ranks
+  /// exchange rows less often. Not set: Halo chooses it
   DistributedRows(World& world, const ReplicaParts& parts, std::span<const Sharing> sharing, RankPost post,
                   std::optional<std::uint64_t> cut_seed, std::optional<double> skin_m);
 

@@ -15,40 +15,44 @@ namespace troupe::engine {
 
 class World;
 
-/// Exchanges with the other ranks of a distributed world what Conflicts and Links need to resolve the motions
-/// of a tick (time step): the outcomes of motions, the pushes, the final positions of pushed bodies, and
-/// whether the motions of joints are blocked. Ranks are threads or processes that compute one world together.
-/// A row is the data of one body in the state tables. Each rank resolves the motions of the rows that it
-/// owns, and has *ghosts*, copies of some rows of other ranks (class Halo).
+/// Exchanges data between the ranks of a distributed world while they resolve the motions of a tick (time
+/// step), that is, decide which motions are blocked. Ranks are threads or processes that compute one world
+/// together. A row is the data of one body in the state tables. Each rank resolves the motions of the rows
+/// that it owns. It also has *ghosts*, which are copies of some rows of other ranks (class Halo).
+///
+/// For the class Conflicts, the ranks exchange the outcomes of motions, the pushes, and the final positions
+/// of pushed bodies. For the class Links, they exchange which motions of joints are blocked.
 class RankBorder final : public Conflicts::Border, public Links::Border {
  public:
-  /// The rows that this rank has in common with others. The lists have one entry per rank. They must not
-  /// change until the motions of the tick are resolved.
+  /// The rows about which this rank exchanges data with other ranks. `shown` and `seen` have one list of rows
+  /// per rank. The lists must not change until the motions of the tick are resolved.
   struct Rows {
     std::size_t own = 0;  ///< the own rows are those in [0, own)
-    /// Own rows that the rank of the entry has as ghosts, in an order that both ranks know.
+    /// shown[r] has the own rows that are ghosts on rank r.
     std::span<const std::vector<std::uint32_t>> shown;
-    /// Ghosts that the rank of the entry owns, in the same order as in that rank's list `shown`.
+    /// seen[r] has the ghosts on this rank whose rows rank r owns. The list shown[this rank] on rank r has
+    /// the same bodies in the same order.
     std::span<const std::vector<std::uint32_t>> seen;
   };
 
-  /// The arguments must outlive the object. has_pushable: whether the world has pushable bodies
+  /// `world` and `post` must outlive the object. has_pushable: whether the world has pushable bodies
   RankBorder(World& world, const RankPost& post, bool has_pushable);
 
-  /// Sets the rows, and the limit of pushes, for a tick. Call this before the motions of the tick are
-  /// resolved.
+  /// Begins a tick. Call this before the motions of the tick are resolved.
   ///
+  /// rows: the rows that this rank owns, and those about which it exchanges data
   /// farthest: the largest distance that a body may be pushed in this tick, m
   void begin_tick(const Rows& rows, double farthest);
-  /// Returns the largest distance that a body was pushed in the last tick, m, and sets the stored distance to
-  /// 0. The result is the same on all ranks.
+  /// At the first call after a tick, returns the largest distance that a body was pushed in that tick, m.
+  /// Further calls return 0. The results are the same on all ranks.
   double take_pushed();
-  std::uint64_t rounds() const { return rounds_; }  ///< number of exchanges of outcomes, in all ticks
+  std::uint64_t rounds() const { return rounds_; }  ///< number of exchanges of outcomes so far, in all ticks
 
   std::span<const std::uint32_t> begin(std::span<const Motion> motions,
                                        std::span<const std::uint32_t> order) override;
   bool exchange(Conflicts& conflicts) override;
-  /// Throws StepError on all ranks if a body was pushed farther than begin_tick() allows.
+  /// Implements Conflicts::Border: exchanges the final positions of pushed bodies. Throws StepError on all
+  /// ranks if a body was pushed farther than begin_tick() allows.
   void exchange_places(Conflicts& conflicts) override;
   void exchange_blocked(Links& links) override;
 

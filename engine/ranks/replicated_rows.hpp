@@ -12,25 +12,28 @@
 
 namespace troupe::engine {
 
-/// A division of the rows (indices of bodies in the state tables) into one range per rank (thread or
-/// process): rank r owns the rows from cut[r] up to, but not including, cut[r + 1].
+/// A division of the rows (indices of bodies in the state tables) into one range per rank: rank r owns the
+/// rows in [cut[r], cut[r + 1]). Ranks are threads or processes that compute a world together.
 using Cut = std::vector<std::uint32_t>;
-/// Returns a cut with which all ranks would take about the same time, on the assumption that all rows of a
-/// rank took equally long. Returns `cut` if all times are 0. times: the time that each rank took with `cut`,
-/// one per rank, in any unit
+/// Returns a cut with which all ranks would take about the same time. Assumes that all rows of a rank took
+/// equally long. Returns `cut` if all times are 0.
+///
+/// times: the time that each rank took for its rows with `cut`, one per rank, in any unit
 Cut balanced_cut(const Cut& cut, std::span<const std::uint64_t> times);
 
-/// The *replicated* form of a world that several ranks compute: every rank has all rows. For the rows that it
-/// owns, it runs sensors, devices and controllers. For all rows, it computes the motions and the spatial
-/// index (the phases move and index of a tick, which is a time step). Each rank owns the rows of one range of
-/// a Cut. In each tick, a rank sends three things to all other ranks: those data of its rows that they may
-/// read (Sharing::sent), the effects (actions on other bodies) that its devices have emitted, and the poses
+/// The *replicated* form of a world that several ranks compute: every rank has all rows, and owns one range
+/// of them (Cut). A rank runs the sensors, devices and controllers of its own rows. It computes the motions
+/// of all rows, and the spatial index (in the phases move and index of a tick, which is a time step).
+///
+/// Before the phase move, each rank sends three things to all other ranks: the data of its own rows that
+/// other ranks may read (Sharing::sent), the effects (actions on other bodies) of its devices, and the poses
 /// to which its devices move joints.
 class ReplicatedRows final : public RankRows {
  public:
-  /// sharing: one entry per state table, which says how the ranks share its rows (sharing_of()); this list
-  /// and the world must outlive this object
-  /// cut_seed: for tests; if set, each tick makes a new random cut before bodies move
+  /// The world and `sharing` must outlive this object.
+  ///
+  /// sharing: one entry per state table, which says how the ranks share its rows (sharing_of())
+  /// cut_seed: for tests; if set, a new random cut is made in each tick, before bodies move
   ReplicatedRows(World& world, const ReplicaParts& parts, std::span<const Sharing> sharing, RankPost post,
                  std::optional<std::uint64_t> cut_seed);
 

@@ -18,68 +18,83 @@
 
 namespace troupe::engine {
 
-/// The effects of a tick, which is a time step, in a world whose rows are distributed among ranks. An effect
-/// is an action of a device on another body. Its source is the body of the device, and its target the other
-/// body. Ranks are threads or processes that compute a world together. A row is the data of one body in the
-/// state tables. A rank has the rows that it owns and *ghosts*, copies of rows of other ranks (class Halo). A
-/// *tree* is a body that is not carried (the root) with all bodies that it carries, directly or through
-/// others. All effects of a tick are applied in one order, and each effect sees the results of the earlier
-/// effects. The ranks therefore take turns: the rank that owns the source of an effect applies this effect.
-/// If the last change of a body in the trees of the source and the target was made on another rank, that rank
-/// sends the state of the body first. At the end, the other ranks get the new states of those affected bodies
-/// that they own or have as ghosts.
+/// Applies the effects of a tick (a time step) in a world whose rows are distributed among ranks. Ranks are
+/// threads or processes that compute a world together.
 ///
-/// Devices that can carry bodies (DeviceKind::carries) may attach bodies to others and release them. Such an
-/// effect needs all changes that earlier effects of the tick have made to the trees of its source and its
-/// target. Each effect connects the tree of its source to the tree of its target. Trees that are connected,
-/// directly or through other trees, form a *group* if one of their effects could attach or release bodies.
-/// One rank applies all effects of a group. This rank owns the trees of the group or, if they belong to
-/// several ranks, gets them (Halo::give()) after all other effects of the tick. At the end all ranks
-/// distribute the rows if trees have changed their owner, or if any rank lacks ghosts of the changed trees
-/// (Halo::suffices_for()). Otherwise, the owners of the trees send the states of their bodies to the ranks
-/// that have them as ghosts.
+/// A *row* is the data of one body in the state tables. Each rank has the rows that it owns, and *ghosts*:
+/// copies of rows that other ranks own (class Halo). An *effect* is an action of a device on another body.
+/// The *source* of an effect is the body of the device, and the *target* is the other body. A *tree* is a
+/// body that is not carried (the root of the tree), together with all bodies that it carries, directly or
+/// through others. All rows of a tree have the same owner.
 ///
-/// Births and deaths are effects too. They change no other state, so the ranks only learn of them here: every
-/// rank then carries them out (World::resolve_lives()).
+/// turns   Every rank knows all effects of the tick, and which rank owns each source and each target. All
+///         ranks go through the effects in one order, so each rank knows which messages to send and which to
+///         expect. The rank that owns the source of an effect applies the effect. Before that, other ranks
+///         may have changed states of bodies in the tree of the source or in the tree of the target. They
+///         send these states to the applying rank first. Each effect thus sees the results of the earlier
+///         effects.
+/// groups  Devices that can carry bodies (DeviceKind::carries) may attach and release bodies, and so change
+///         trees during the tick. The effects on trees that may change in this way are not applied in turns,
+///         but group by group. An effect connects the tree of its source and the tree of its target.
+///         Connected trees form a *group* if at least one of their effects comes from a device that can carry
+///         bodies. One rank applies all effects of a group, after all effects that belong to no group. If
+///         several ranks own trees of the group, this rank must first become the owner of all of them
+///         (Halo::give()).
+/// end     After the last effect, the rows are distributed again if a tree has a new owner, or if the ghosts
+///         of any rank do not suffice for the changed trees of groups (Halo::suffices_for()). Otherwise, each
+///         owner gets back the states of its bodies, and sends them to the ranks that have ghosts of these
+///         bodies.
+/// guests  The owner of the source needs the row of the target. The *reach* of a device is a radius around
+///         its body (DeviceKind::Prepared::reach_m). A rank has the rows of all bodies within the reach of
+///         its devices, as own rows or as ghosts. A device of the scope ApplyScope::any_target can act on
+///         bodies beyond its reach. If a rank lacks the row of such a target, the ranks distribute the rows
+///         again before any body moves. The rank then gets a copy of the row (Halo::Guest).
+/// lives   Births and deaths are effects too. This class only makes them known to all ranks. Later in the
+///         tick, every rank carries them out (World::resolve_lives()).
 ///
-/// The rank that owns the source of an effect must have the row of the target. If the target is within the
-/// reach of the device, the rank has it, as own row or ghost. A device of the scope ApplyScope::any_target
-/// can act on bodies farther away. Its targets become guests of the rank (Halo::Guest): if a rank lacks the
-/// row of such a target, the ranks distribute the rows again before any body moves, and the rank then gets a
-/// copy.
-///
-/// All ranks know all effects of the tick, and which rank owns each source and target. Each rank therefore
-/// knows which messages to send and which to expect. Worlds with devices that can change any bodies
-/// (ApplyScope::anything) are not distributed (why_replicated()).
+/// Worlds with devices that can change any body (ApplyScope::anything) are not distributed
+/// (why_replicated()).
 class SharedEffects {
  public:
-  /// effects: those of `world`. World, halo and effects must outlive this object.
+  /// `world`, `halo` and `effects` must outlive this object.
+  ///
+  /// effects: the list to which the devices of `world` add their effects; get() adds the effects of other
+  /// ranks
+  /// post: sends and receives the messages of this rank
   SharedEffects(World& world, Halo& halo, Effects& effects, RankPost post)
       : world_(world), halo_(halo), effects_(effects), post_(std::move(post)) {}
 
-  /// Called on all ranks after the controllers have decided (the phase decide): notes the effects that
-  /// devices on this rank have emitted. If this rank lacks the row of a target, the target is beyond the
-  /// reach that the device declares. The function then throws StepError, unless the scope of the device is
-  /// ApplyScope::any_target.
+  /// Notes the effects that devices on this rank have emitted in this tick. Called on all ranks after the
+  /// phase decide, in which the controllers compute commands. Throws StepError if this rank lacks the row of
+  /// a target, because the target is then beyond the reach of the device. For devices of the scope
+  /// ApplyScope::any_target, the function does not throw: find_targets() handles the missing rows.
   void note();
-  /// Appends the noted effects.
+  /// Appends the effects that note() has noted.
   void put(partition::MessageWriter& message) const;
-  /// Reads the effects that put() of another rank has appended, and adds them to the effects of the world.
+  /// Reads the effects that put() has appended on another rank, and adds them to the list `effects` of the
+  /// constructor.
   void get(partition::MessageReader& message);
-  /// Called on all ranks when they know the effects of all ranks: finds the owners of the targets whose rows
-  /// are not on the rank of their source. Returns whether there are such targets, so that the rows must be
-  /// distributed.
+  /// Called on all ranks after get() has read the effects of all other ranks: finds the owners of missing
+  /// targets. A target is missing if the rank that owns the source of the effect lacks the row of the target.
+  /// Returns whether there are missing targets. If so, the caller must distribute the rows and pass guests()
+  /// (Halo::prepare_motions()).
   bool find_targets();
-  /// The targets of the effects of devices that can act from any distance. The list is the same on all ranks,
-  /// and valid after find_targets().
+  /// The targets that may be beyond the reach of a device: one entry for each effect of a device of the scope
+  /// ApplyScope::any_target, except births, deaths, and effects on static bodies. The list is the same on all
+  /// ranks, and valid after find_targets().
   std::span<const Halo::Guest> guests() const { return guests_; }
-  /// Called after find_targets() and before any body moves: notes which rank owns each affected body. After
-  /// this call, no row may change its owner before apply(). is_new: whether the rows were distributed since
-  /// note()
+  /// Notes which rank owns each body in the trees of the sources and targets. Called on all ranks after
+  /// find_targets() and Halo::prepare_motions(), before any body moves. From this call until apply(), no row
+  /// may change its owner.
+  ///
+  /// is_new: whether the rows have been distributed since note()
   void begin(bool is_new);
-  /// Applies `effects`, the effects of all ranks in their order, except births and deaths. `apply` applies
-  /// one effect. If it throws on any rank, this function throws on all ranks: the exception itself on the
-  /// rank where it was thrown, and a StepError on the others.
+  /// Applies the effects of all ranks, except births and deaths. Called on all ranks after bodies have moved.
+  ///
+  /// effects: the effects of all ranks, in the order of Effects::sorted(); the same on all ranks
+  /// apply: applies one effect; called for each effect on one rank only. If a call throws on any rank, this
+  /// function throws on all ranks: the exception itself on that rank, and a StepError on the others. If
+  /// several calls throw, only the first exception in the order of `effects` counts.
   void apply(std::span<const Effect> effects, const std::function<void(const Effect&)>& apply);
 
  private:

@@ -9,22 +9,30 @@ class World;
 
 /// How the ranks (threads or processes) that compute one world share the rows of a state table. A row is the
 /// data of one body in the table. Each row has an *owner*: the rank that runs the sensors, devices, drive and
-/// controllers of the row's body. The phases of a tick (time step) are listed in engine/world/phase.hpp.
+/// controllers of the row's body. Other ranks may have copies of the row. A tick (time step) consists of
+/// phases. In the phase `intervene`, changes that the world file lists are made. In the phase `move`, bodies
+/// move (engine/world/phase.hpp).
 enum class Sharing : std::uint8_t {
   alike,  ///< every rank computes all rows that it has, in the phases intervene and move; nothing is sent
   sent,   ///< the owner computes a row and sends it to ranks that have it, in each tick before the phase move
   kept,   ///< the owner computes a row; other ranks have old values, but World::gather() updates rank 0
 };
-/// Returns how each state table of a world is shared, in the order of World::tables(). The result follows
-/// from the tables and from what the kinds of devices (tables of functions that implement devices) declare.
+/// Returns how the ranks share each state table of a world, in the order of World::tables(). A *kind* is the
+/// table of functions that implements devices. It declares which data of other bodies its devices read
+/// (DeviceKind::reads).
 ///
-/// kept    Most readings of sensors, because only the controllers of the sensor's own body read them. Also
-///         the memories of controllers, and most commands.
-/// sent    The velocities of drives, from which every rank computes the motions. The states of devices that
-///         act or set a colour, because other bodies may read them. Also the readings and commands that a
-///         kind of device in the world declares that it reads (DeviceKind::reads), and the commands to
-///         devices with hooks in the phase move.
-/// alike   All other tables.
+/// sent:
+/// - the velocities of drives, because every rank computes motions from them
+/// - the states of devices that other bodies may read: of devices that act (DeviceKind::is_sensor() is
+///   false), supply power or set a colour
+/// - the states of and the commands to devices whose kind has a function that the phase move calls
+///   (DeviceKind::joints_moved, apply or born)
+/// - all other states and commands that a kind in the world declares in DeviceKind::reads
+///
+/// kept: all other states of devices (these are the readings of most sensors), all other commands, and the
+/// memories of controllers. Only the devices and controllers of the row's own body read them.
+///
+/// alike: all other tables.
 std::vector<Sharing> sharing_of(const World& world);
 
 }  // namespace troupe::engine

@@ -9,8 +9,9 @@
 
 namespace troupe::engine {
 
-/// A spatial index of those parts of static bodies that fiducial finders detect, by the positions of the
-/// parts' origins. A fiducial finder is a sensor that detects marked parts of bodies.
+/// A spatial index of the marked parts of static bodies, which do not move during a run. A marked part is a
+/// part that fiducial finders (sensors for markers) detect. The index finds a part by the position of its
+/// origin.
 class FixedTargets {
  public:
   /// A part that fiducial finders detect (Returns::fiducial is not 0).
@@ -21,8 +22,9 @@ class FixedTargets {
   };
 
   FixedTargets() = default;  ///< an index without targets
-  /// Collects the targets of all bodies of `spec` (the description of a world) for which is_fixed(body) is
-  /// true, at their poses at the beginning of a run. Does not keep references to its arguments.
+  /// Collects the marked parts of those bodies of `spec` (the description of a world) for which
+  /// is_fixed(body) is true. The bodies have their poses at the beginning of a run. Does not keep references
+  /// to its arguments.
   FixedTargets(const WorldSpec& spec, const std::function<bool(BodyId)>& is_fixed);
 
   /// Calls visit(const Target&) for all targets whose origin lies in the box or on its edge (world frame, m),

@@ -10,8 +10,7 @@
 
 namespace troupe::engine {
 
-/// A straight line in space between two points. Unlike the rays of engine/sensing/sight.hpp, it may rise or
-/// fall.
+/// A straight line in space between two points, which may have different heights.
 struct SpatialLine {
   Vec2 from = Vec2::Zero();  ///< first point, world frame, m
   Vec2 way = Vec2::Zero();   ///< vector from the first point to the second, world frame, m
@@ -23,52 +22,60 @@ struct SpatialLine {
   SpatialLine(const Vec2& a, double z_a, const Vec2& b, double z_b)
       : from(a), way(b - a), z_from(z_a), z_way(z_b - z_a), length2(way.squaredNorm()) {}
 
-  /// Whether the line may touch the circle with this centre (world frame, m) and radius (m).
+  /// Returns false only if the line, seen from above, does not touch the circle with this centre (world
+  /// frame, m) and radius (m). Returns true for all lines that touch the circle, and for some that only pass
+  /// near it.
   bool passes_near(const Vec2& centre, double radius) const;
-  /// A box (world frame, m) that contains the section of the line between the positions `first` and `last`. A
-  /// position is a fraction of the length of the line, from 0 to 1.
+  /// A box (world frame, m) that contains the section of the line between two positions. A position is a
+  /// fraction of the length of the line: 0 is the first point, 1 the second.
   Box piece(double first, double last) const;
 };
 
-/// Finds what straight lines from one point, the origin, cross: walls and bodies that can move. Walls are the
-/// outlines of static bodies, which do not move during a run. A line crosses an outline if it crosses an edge
-/// of the outline between the two ends of the line, at a height within the height interval of the outline. A
-/// vertical line crosses nothing. Outlines that rangers (distance sensors) do not see are ignored. Not
-/// thread-safe. Keep one object per thread and reuse it: its arrays keep their memory.
+/// Finds out whether straight lines that begin or end at one point, the *origin*, cross walls or mobile
+/// bodies. Bodies consist of solids. A solid is a polygon that is extruded over a height interval. A *wall*
+/// is a solid of a static body: a body that does not move during a run.
+///
+/// A line crosses a solid if two conditions hold. Seen from above, the line crosses an edge of the polygon,
+/// at a point that is not an end of the line. At this point, the height of the line is within the height
+/// interval of the solid. A vertical line therefore crosses nothing. A line crosses a body if it crosses any
+/// solid of the body. Solids that rangers (distance sensors) do not see are ignored.
+///
+/// Not thread-safe. Keep one object per thread and reuse it: its arrays keep their memory.
 class LineCrossings {
  public:
-  /// A horizontal length, m, which affects only the computing time. If `longest` in find_walls() or
-  /// find_bodies() is at most this length, one search around the origin serves all lines. Otherwise the
-  /// surroundings of each line are searched separately, piece by piece.
+  /// If the argument `longest` of find_walls() or find_bodies() is at most this length, m, the function
+  /// searches the neighbourhood of the origin once for all lines. Otherwise, each later query searches along
+  /// its own line. This length affects only the computing time.
   static constexpr double k_together_m = 12;
 
   LineCrossings();  ///< an object without an origin: call stand() first
   /// Sets the origin of the lines (world frame, m), and discards the results of find_walls() and
   /// find_bodies(). Until the last query, the view must exist and the world must not change.
   void stand(const SensingView& view, const Vec2& origin);
-  /// Prepares the queries for walls, for lines whose horizontal length is at most `longest`, m. Returns
-  /// false if it is certain that no such line crosses a wall.
+  /// Prepares crosses_wall() and count_walls() for lines whose horizontal length is at most `longest`, m.
+  /// Returns false if it is certain that none of these lines crosses a wall.
   bool find_walls(double longest);
-  /// Prepares the queries for bodies, for lines whose horizontal length is at most `longest`, m. `candidates`
-  /// must contain the enclosing circle of every body that may have a point within this distance of the
-  /// origin. The circles are copied.
+  /// Prepares crosses_body() for lines whose horizontal length is at most `longest`, m. `candidates` must
+  /// contain the enclosing circle of every mobile body that may have a point within the distance `longest` of
+  /// the origin. The circles are copied.
   void find_bodies(double longest, std::span<const partition::BodyCircle> candidates);
 
-  /// Whether the line crosses a wall. Call find_walls() before. One end of the line must be the origin.
+  /// Whether the line crosses a wall. One end of the line must be the origin. Call find_walls() before.
   bool crosses_wall(const SpatialLine& line) const;
-  /// Number of walls that the line crosses. A static body consists of solids (extruded polygons). A line that
-  /// enters and leaves a solid has two crossings with its outline, which count as one wall. An end of the
-  /// line inside the solid leaves a single crossing. So 2 n or 2 n - 1 crossings of one solid are n walls.
-  /// Call find_walls() before. One end of the line must be the origin.
+  /// Number of walls that the line crosses. One end of the line must be the origin. Call find_walls() before.
+  ///
+  /// A line that passes through a solid crosses two edges of the solid, which count as one wall. A line that
+  /// ends inside the solid crosses one edge, which also counts as one wall. In general, n crossed edges of
+  /// one solid count as n / 2 walls, rounded up.
   int count_walls(const SpatialLine& line);
-  /// Whether the line crosses any body except the bodies of the rows (indices in the state tables) a and b,
-  /// and except bodies that move together with one of these two (SensingView::same_tree()). Both rows must be
-  /// valid. Call find_bodies() before. One end of the line must be the origin.
+  /// Whether the line crosses any mobile body. Ignores the bodies of the rows a and b, and all bodies that
+  /// move together with them (SensingView::same_tree()). A row is the index of a body in the state tables;
+  /// both rows must be valid. One end of the line must be the origin. Call find_bodies() before.
   bool crosses_body(const SpatialLine& line, Row a, Row b) const;
 
  private:
-  /// A crossing of a line and an edge. A long edge has several circles in the index, so its crossing may be
-  /// found several times.
+  /// A crossing of a line and an edge. The same crossing may be found several times, because the spatial
+  /// index lists a long edge several times.
   struct Crossing {
     std::uint32_t solid;
     double at;    // position on the line, from 0 to 1

@@ -19,35 +19,41 @@
 
 namespace troupe::engine {
 
-/// Where the row of a body is, that is, its data in the state tables.
+/// Where the row of a body is. The row is the entry of the body in the state tables.
 enum class RowLocation : std::uint8_t {
   none,       ///< the body is static: it has no row, and its pose does not change during a run
   here,       ///< in this World
   elsewhere,  ///< in the World of another rank (a thread or process that computes the same world)
 };
-/// The entry in PublicColumns::rows for a body with RowLocation::elsewhere.
+/// Value in PublicColumns::rows for a body whose row is in the World of another rank
+/// (RowLocation::elsewhere).
 inline constexpr Row k_elsewhere{std::size_t{0xfffffffe}};
 
-/// The number of the present tick, and counts of certain rows, so that loops can skip work when a count is 0.
+/// The tick number, and how many rows are in certain conditions. While such a count is 0, loops need not test
+/// each row for the condition.
 struct TickCounts {
-  /// Number of completed ticks (time steps). Within a step, from the phase `sense` (engine/world/phase.hpp)
-  /// on: number of the tick that the step computes.
+  /// Number of completed ticks (time steps). In the phase `sense` and the later phases of a step
+  /// (engine/world/phase.hpp), the tick that is being computed is already counted.
   std::uint64_t tick = 0;
   std::size_t absent = 0;    ///< rows whose bodies are unborn (not yet in the world) or dead
   std::size_t impaired = 0;  ///< rows whose bodies are disabled or have a fault
   std::size_t carried = 0;   ///< rows whose bodies are carried
 };
 
-/// The data of a world that devices may read: the constants, and the *public columns* of the rows. All other
-/// data of a row (readings, memories, odometry) are private: only the engine, and the devices and
-/// controllers of the row's own body, read them. The state table of a device is public if another kind reads
-/// it (DeviceKind::reads), as light sensors read the state of lights.
+/// The data of a world that devices may read: constants, such as the spec of the world, and *public columns*,
+/// which are data of all bodies, such as their poses. Other data of a body (readings, memories, odometry) are
+/// private: only the engine and the body's own devices and controllers read them. If a kind of device
+/// declares that it reads the states of another kind (DeviceKind::reads), these states are public too. For
+/// example, light sensors read the states of lights.
 ///
-/// A row is the index of a body in the state tables; static bodies, which do not move during a run, have
-/// none. A device is a sensor or other equipment of a body, and its kind is the table of functions that
-/// implements it. A joint is a movable mount for parts of a body; it is at rest in the pose that the body
-/// type defines. The spans have one element per row unless stated otherwise, and stay valid until the number
-/// of rows changes (World::remove_rows(), World::add_rows()).
+/// A *row* is the index of a body in the state tables. Static bodies, which do not move during a run, have no
+/// row. A *rank* is a thread or process that computes the world together with other ranks, each with a World
+/// of its own. A *device* is a sensor or other equipment of a body. A *kind* is the table of functions that
+/// implements devices. A *joint* is a movable mount for parts of a body; it is *at rest* in the pose that the
+/// body type defines.
+///
+/// The spans have one element per row unless stated otherwise. They stay valid until the number of rows
+/// changes (World::remove_rows(), World::add_rows()).
 struct PublicColumns {
   // Constants.
   const WorldSpec* spec = nullptr;                    ///< the spec of the world
@@ -56,13 +62,15 @@ struct PublicColumns {
   const partition::GridGeometry* geometry = nullptr;  ///< sizes of the cells and tiles of `index`
   std::span<const BodyType> types;                    ///< compiled types, indexed by TypeId
   std::span<const BodyId> bodies;                     ///< body of each row
-  /// Row of each body, by BodyId: not valid() if the body is static, k_elsewhere if its row is in the world
-  /// of another rank.
+  /// Row of each body, indexed by BodyId. Not valid() if the body is static; k_elsewhere if the row is in the
+  /// World of another rank.
   std::span<const Row> rows;
   std::span<const std::uint32_t> row_types;     ///< TypeId of each row
   std::span<const std::uint32_t> slots;         ///< index of each row among the rows of its type
   std::span<const std::size_t> outline_begins;  ///< index of the row's first vertex in `outlines`
-  std::span<const std::uint32_t> joint_begins;  ///< index of the row's first joint in `joint_mounts`
+  /// Index of the row's first joint in `joint_mounts`. Empty if no body of the world has joints or can carry
+  /// another.
+  std::span<const std::uint32_t> joint_begins;
 
   // Where the bodies are: written in the phases `intervene`, `move` and `index`.
   const partition::BodyIndex* index = nullptr;   ///< spatial index of the bodies with rows
@@ -71,12 +79,13 @@ struct PublicColumns {
   std::span<const Transform> transforms;         ///< `poses` as transforms
   std::span<const Vec2> outlines;                ///< vertices of the outlines of all rows, world frame, m
   std::span<const double> radii;  ///< bounding radius about a body's origin, m; negative: unborn or dead
-  /// For all joints of all rows: the transform that takes a point on the joint from its place with all joints
-  /// at rest to its present place; body frame.
+  /// The displacements of joints from rest: one entry per joint of each row, from the index joint_begins[row]
+  /// on. Take a point that is fixed to the joint, and that is at p in the body frame while all joints are at
+  /// rest. The entry transforms p into the present position of the point in the body frame.
   std::span<const Mount> joint_mounts;
-  /// One entry per row: the row of the body that carries the row's body, directly or through others, and is
-  /// not carried itself; the row itself if its body is not carried. Empty if no body of the world has joints
-  /// or can carry another.
+  /// The root of each row, as a row. A body that is not carried is its own root. The root of a carried body
+  /// is the body that carries it, directly or through others, and is itself not carried. Empty if no body of
+  /// the world has joints or can carry another.
   std::span<const std::uint32_t> roots;
   std::span<const Carried> carriers;  ///< state table `carrier`; empty: no body can carry another
   std::span<const Life> lives;        ///< state table `life`; empty: no births and deaths
@@ -84,23 +93,24 @@ struct PublicColumns {
   // What the bodies do and show: committed at the end of a tick, but written again in `actuate` or `decide`.
   std::span<const Velocity> velocities;  ///< velocities of the drives, body frame, m/s and rad/s
   std::span<const Command> commands;     ///< commands to the drives
-  /// State table `condition`: faults and disabled bodies; empty: the world can have neither
-  /// (World::has_conditions() is false).
+  /// State table `condition`: which bodies are disabled, and which faults they have. Empty if no body of the
+  /// world can be disabled or have faults (World::has_conditions() is false).
   std::span<const Condition> conditions;
   std::span<const StateTable> tables;  ///< all state tables, those of devices included
-  /// 1 if World::subscribe() was called for the body, so that all its sensors run; otherwise 0.
+  /// 1 if World::subscribe() was called for the row's body, so that all its sensors run; otherwise 0.
   std::span<const std::uint8_t> subscribed;
 
   const TickCounts* now = nullptr;  ///< the tick, and counts of rows
 };
 
-/// What a device reads of the world in the phases `sense` (sensors run) and `actuate` (drives and other
-/// devices run) of a tick: the constants, and where all bodies are before they move in this tick. The
-/// functions only read memory. They make no virtual calls and allocate nothing.
+/// What a device reads of the world in two phases of a tick: in `sense`, in which sensors run, and in
+/// `actuate`, in which drives and other devices run. The view shows constants, such as the spec of the world,
+/// and where all bodies are before they move in this tick. The functions only read memory. They make no
+/// virtual calls and allocate nothing.
 ///
-/// This class does not give access to the velocities, commands and device states of other bodies, because
-/// these change during `actuate`. In `sense`, CommittedView gives access to them. The functions of a device
-/// get a DeviceBatch, which gives access to these data for the device's own body.
+/// The view does not show the velocities, commands and device states of bodies, because these data change
+/// during `actuate`. A device gets those of its own body from its DeviceBatch. In `sense`, a device also gets
+/// a CommittedView, which shows those of all bodies.
 class SensingView {
  public:
   SensingView() = default;  ///< a view without a world; no function may be called
@@ -114,12 +124,12 @@ class SensingView {
   const FixedTargets& fixed_targets() const { return *columns_.fixed_targets; }
   /// Sizes of the cells and tiles of the spatial index. No result depends on them.
   const partition::GridGeometry& geometry() const { return *columns_.geometry; }
-  /// Number of rows in this world. Each body that has a drive, a device or a controller, or that can be
-  /// gripped or pushed, has a row. If several ranks (threads or processes) compute the world, some rows may
-  /// be on other ranks; they do not count.
+  /// Number of rows in this World. Each body that has a drive, a device or a controller, or that can be
+  /// gripped or pushed, has a row. Rows in the Worlds of other ranks (RowLocation::elsewhere) do not count.
   std::size_t rows() const { return columns_.bodies.size(); }
   BodyId body(Row row) const { return columns_.bodies[row.index()]; }  ///< body of a row
-  /// Where the row of a body is. The result is RowLocation::none for an id that no body of the world has.
+  /// Where the row of a body is. The result is RowLocation::none also for an id that no body of the world
+  /// has.
   RowLocation location(BodyId body) const {
     if (body.index() >= columns_.rows.size()) return RowLocation::none;
     const Row row = columns_.rows[body.index()];
@@ -134,28 +144,29 @@ class SensingView {
   }
   /// Type of the row's body.
   const BodyType& type(Row row) const { return columns_.types[columns_.row_types[row.index()]]; }
-  /// Slot of a row: its position among the rows of its type, and so its index in the tables of that type.
+  /// Slot of a row: its index among the rows of its type. The tables of the type are indexed by slots.
   std::size_t slot(Row row) const { return columns_.slots[row.index()]; }
 
   // ---- time
-  /// Number of the present tick; the first tick is 1. Between two steps, and in the phase `intervene`: number
-  /// of completed ticks.
+  /// In the phase `sense` and the later phases of a step: number of the tick that is being computed; the
+  /// first tick is 1. Between two steps, and in the phase `intervene`: number of completed ticks.
   std::uint64_t tick() const { return columns_.now->tick; }
   double tick_s() const { return columns_.spec->tick_s; }  ///< length of a tick, s
-  /// World time, s: tick() * tick_s(). In the phases in which devices run, this is the time at the end of the
-  /// present tick.
+  /// World time, s: tick() * tick_s(). While devices run, it is the time at the end of the tick that is being
+  /// computed.
   double time_s() const { return static_cast<double>(tick()) * tick_s(); }
-  /// Number of ticks that were completed when the body was born; 0 if it was present at tick 0 or is unborn.
-  /// The periods of its devices, drive and controllers count from that tick.
+  /// Number of ticks that were completed when the row's body was born; 0 if the body was present at tick 0
+  /// (the initial state) or is unborn. The periods of the devices, the drive and the controllers of the body
+  /// are counted from this tick.
   std::uint64_t birth_tick(Row row) const {
     return columns_.lives.empty() ? 0 : columns_.lives[row.index()].birth;
   }
 
   // ---- where bodies are
-  /// Spatial index of the bodies in the world that have rows.
+  /// Spatial index of all bodies that have rows and are in the world.
   const partition::BodyIndex& index() const { return *columns_.index; }
-  /// Cells through which the grid ray engine traces rays (RangingEngine::grid). Null if the world uses the
-  /// exact ray engine.
+  /// The grid of cells through which rays are traced if the world computes ranges with RangingEngine::grid.
+  /// Null if it uses RangingEngine::exact.
   const partition::RayGrid* ray_grid() const { return columns_.ray_grid; }
   /// Whether the row's body is in the world, unborn (not yet in the world) or dead.
   Presence presence(Row row) const {
@@ -164,14 +175,14 @@ class SensingView {
   }
   /// Whether the row's body is in the world. The spatial index contains only such bodies.
   bool is_there(Row row) const { return columns_.now->absent == 0 || presence(row) == Presence::there; }
-  /// Pose of each row, m and rad, world frame. All values of an unborn body are 0; a dead body has the last
-  /// pose before its death.
+  /// Pose of each row, m and rad, world frame. For a dead body, the last pose before its death. For an unborn
+  /// body, all values are 0.
   std::span<const Pose> poses() const { return columns_.poses; }
-  /// Pose of any body, world frame. The pose of a static body is that of its spec, and the pose of a dead
-  /// body is the last one before its death. For an unborn body all values are NaN, unlike in poses(), where
-  /// they are 0. Throws std::logic_error if location() is RowLocation::elsewhere.
+  /// Pose of any body, m and rad, world frame. For a static body, the pose in the spec. For a dead body, the
+  /// last pose before its death. For an unborn body, all values are NaN, whereas they are 0 in poses().
+  /// Throws std::logic_error if location() is RowLocation::elsewhere.
   Pose pose(BodyId body) const;
-  /// The row's pose as a transform. Equals Transform(pose) bit for bit.
+  /// The row's pose in the world frame, as a transform. Equals Transform(poses()[row.index()]) bit for bit.
   const Transform& transform(Row row) const { return columns_.transforms[row.index()]; }
   /// Vertices of the outlines of a row's body at their present places, m, world frame, in the order of
   /// BodyType::outline_vertices. The body must be in the world.
@@ -179,32 +190,33 @@ class SensingView {
     return {columns_.outlines.data() + columns_.outline_begins[row.index()],
             type(row).outline_vertices.size()};
   }
-  /// Upper bound on the distance of any point of the row's body from its origin, with its joints where they
-  /// are now, m. For a body that carries others and is not carried itself, it includes the obstacle shapes of
-  /// the carried bodies. Negative if the body is not in the world.
+  /// Upper bound on the distance from the origin of the row's body to any point of the body, with the joints
+  /// where they are now, m. If the body carries others and is not itself carried, the bound also holds for
+  /// the obstacle shapes of all bodies that it carries. Negative if the body is not in the world.
   double radius(Row row) const { return columns_.radii[row.index()]; }
-  /// Transform from the body frame to the world frame for the parts and devices on a joint of the row's
-  /// body: the row's pose, combined with the present displacement of the joint from rest; for k_rigid, the
-  /// row's pose. If a part on the joint has the pose p in the body frame while the joint is at rest,
-  /// compose(mount(row, joint), p) is its present pose in the world frame. `joint` is an index into
-  /// BodyType::joints or k_rigid.
+  /// Transform that gives the present poses of the parts and devices on a joint of the row's body. Let p be
+  /// the pose of such a part in the body frame while all joints are at rest. The present pose of the part in
+  /// the world frame is compose(mount(row, joint), p).
+  ///
+  /// joint: index into BodyType::joints; k_rigid: parts that are on no joint, for which the result is the
+  /// pose of the body
   Mount mount(Row row, std::int32_t joint) const {
     const Pose& pose = columns_.poses[row.index()];
     const Mount body(transform(row), pose.z, pose.heading);
     return joint == k_rigid ? body : compose(body, joint_mount(row, joint));
   }
-  /// Height by which a joint of the row's body and the joints that carry it have raised the parts on the
-  /// joint above their rest position, m; 0 for k_rigid. `joint` is as in mount().
+  /// How far the parts on a joint of the row's body are above their height with all joints at rest, m. 0 if
+  /// `joint` is k_rigid. `joint` is as in mount().
   double lift(Row row, std::int32_t joint) const {
     return joint == k_rigid ? 0.0 : joint_mount(row, joint).z;
   }
-  /// The body that carries the row's body; std::nullopt if it is not carried.
+  /// The body that carries the row's body directly; std::nullopt if the row's body is not carried.
   std::optional<BodyId> carrier(Row row) const {
     const std::uint32_t id = columns_.carriers.empty() ? 0 : columns_.carriers[row.index()].carrier;
     return id == 0 ? std::optional<BodyId>() : BodyId(id - 1);
   }
-  /// Whether two bodies move together: one carries the other, directly or through further bodies, or a third
-  /// body carries both. True if a and b are the same row.
+  /// Whether the bodies of two rows move together: one of them carries the other, or a third body carries
+  /// both, directly or through further bodies. True if a and b are the same row.
   bool same_tree(Row a, Row b) const {
     return a == b || (columns_.now->carried > 0 && columns_.roots[a.index()] == columns_.roots[b.index()]);
   }
@@ -251,39 +263,44 @@ class SensingView {
   PublicColumns columns_;
 };
 
-/// A SensingView that also gives access to the velocities, commands and device states of all bodies. Devices
-/// receive it in the phase `sense` (SenseBatch). In that phase, the data are those of the end of the last
-/// tick, as changed by interventions. Functions that run between two phases get the view from World::view().
-/// In the phase `sense`, a device must not read the state of sensors, because other threads are writing it.
+/// A SensingView that also shows the velocities, commands and device states of all bodies. In the phase
+/// `sense`, devices get it in a SenseBatch. The data are then those after the last tick, with the changes
+/// that interventions have made since. In this phase, a device must not read the states of sensors, because
+/// other threads are writing them. Code that runs between two phases gets the view from World::view().
 class CommittedView : public SensingView {
  public:
   using SensingView::SensingView;
 
-  /// State of a device (an element of BodyType::devices): a table with one row per slot of the body type.
+  /// percepts(device): the state table of a device of a body type (an element of BodyType::devices). The
+  /// table has one entry per body of the type, indexed by slot().
   using SensingView::percepts;
-  /// Commands to a device: a table with one row per slot of the body type. The device must take commands.
+  /// commands(device): the table of the commands to a device of a body type. The table has one entry per body
+  /// of the type, indexed by slot(). The device must take commands (BodyType::Device::command_table).
   using SensingView::commands;
-  /// Velocity that the drive of the row's body computed, body frame, m/s and rad/s. It is 0 if the body has
-  /// no drive. From the next tick on, it is also 0 while the body is disabled or dropped out by a fault, or
-  /// while the power supply of its drive is empty. It does not become 0 when an obstacle blocks the motion.
+  /// velocity(row): the last velocity that the drive of the row's body computed, body frame, m/s and rad/s.
+  /// It is 0 if the body has no drive. The phase `actuate` sets it to 0 if the body is disabled or stopped by
+  /// a fault, or if the power supply of the drive is empty. The velocity does not become 0 when an obstacle
+  /// blocks the motion.
   using SensingView::velocity;
-  /// Command to the drive of the row's body. The numbers have no meaning for rows without a drive.
+  /// command(row): the command to the drive of the row's body. The numbers have no meaning if there is no
+  /// drive.
   using SensingView::command;
-  /// Whether a sensor of the row is active (a controller uses it, or the world file makes it active:
-  /// BodyType::Device::active), or World::subscribe() was called for its body.
+  /// senses(row, device): whether the row's device is in use. It is if the device is active
+  /// (BodyType::Device::active: a controller uses it, or the world file makes it active), or if
+  /// World::subscribe() was called for the body.
   using SensingView::senses;
-  /// Whether the row's device is switched on: no controller has switched it off.
+  /// is_on(row, device): false if a controller has switched the row's device off. Otherwise true.
   using SensingView::is_on;
-  /// Whether no fault has broken the row's device, and its body is neither disabled nor dropped out by a
-  /// fault.
+  /// works(row, device): false if a fault has broken the row's device or has stopped its body, or if the body
+  /// is disabled. Otherwise true.
   using SensingView::works;
-  /// Whether a device of the row gets power: false if its power supply is empty. The second argument is the
-  /// index of that supply among the devices of the type (BodyType::Device::supply). If it is std::nullopt,
-  /// the device has no supply and the result is true.
+  /// is_supplied(row, supply): false if the power supply with the index `supply` in BodyType::devices is
+  /// empty on the row's body. Pass BodyType::Device::supply of a device to learn whether this device gets
+  /// power. If `supply` is std::nullopt, the device has no power supply, and the result is true.
   using SensingView::is_supplied;
-  /// Whether the row's device runs in the ticks in which it is due, that is, once per
-  /// BodyType::Device::period. The device runs if senses(), is_on(), works() and is_supplied() are true for
-  /// it.
+  /// runs(row, device): whether the row's device runs in the ticks in which it is due. A device is due once
+  /// per BodyType::Device::period. It then runs if senses(), is_on(), works() and is_supplied() are all true
+  /// for it.
   using SensingView::runs;
 };
 

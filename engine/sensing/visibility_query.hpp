@@ -12,42 +12,44 @@ namespace troupe::engine {
 /// A ray from the origin of a VisibilityQuery.
 struct SightLine {
   Vec2 direction = Vec2::UnitX();  ///< direction, world frame, unit length
-  /// Length, m; surfaces at this distance or farther are not hit. At most the argument `reach` of
-  /// VisibilityQuery::stand().
+  /// Length, m. It must be at most the argument `reach` of VisibilityQuery::stand(). Surfaces at this
+  /// distance or farther are not hit.
   double length = 0;
-  /// Row of a body that the ray passes through, with the bodies that move together with it. Not valid():
-  /// there is no such body.
+  /// Row (index in the state tables) of a body that the ray passes through, together with the bodies that
+  /// move with it (SensingView::same_tree()). Not valid(): there is no such body.
   Row target;
 };
 
 /// Casts many horizontal rays from one origin. The results equal, bit for bit, those of engine::first_met()
-/// for rays that every part of a body stops (SightRay::stops is null). engine::first_met() searches the
-/// spatial index along each ray. This class looks up the bodies near the origin only once for all rays. It
-/// then tests each ray against the enclosing circles of these bodies. If the ray meets a circle, it is
-/// intersected with the outlines of that body, from the nearest body to the farthest. Call stand() before all
-/// other functions. Not thread-safe. Keep one object per thread and reuse it: its arrays keep their memory.
+/// for rays that every part of a body stops (SightRay::stops is null). For several rays, this class is
+/// faster: it looks up the bodies near the origin once for all rays, whereas engine::first_met() searches the
+/// spatial index along each ray.
+///
+/// Call stand() before all other functions. Not thread-safe. Keep one object per thread and reuse it: its
+/// arrays keep their memory.
 class VisibilityQuery {
  public:
   /// Sets the origin (world frame, m) and looks up the bodies near it. Until the last ray is cast, the view
   /// must exist and the world must not change.
   ///
   /// reach: the largest ray length, m
-  /// own: row of the sensor's body, which all rays pass through, together with the bodies that move with it;
-  /// not valid(): the rays pass through no body
+  /// own: row of a body that all rays pass through, together with the bodies that move with it; normally the
+  /// body of the sensor; not valid(): there is no such body
   /// z: height of all rays, world frame, m; not set: the rays hit surfaces at any height
   void stand(const SensingView& view, const Vec2& origin, double reach, Row own, std::optional<double> z);
 
-  /// Rows (indices in the state tables) of the bodies whose enclosing circles reach into the disc with the
-  /// radius `reach` (see stand()) about the origin. Each row is listed once. Some of the circles may be
-  /// slightly outside the disc. The row `own` and the bodies that move together with it
-  /// (SensingView::same_tree()) are excluded.
+  /// Rows (indices in the state tables) of the bodies whose enclosing circles reach into a disc. The centre
+  /// of the disc is the origin, and its radius is the argument `reach` of stand(). Each row is listed once.
+  /// Some bodies slightly outside the disc are listed too. The body `own` (see stand()) and the bodies that
+  /// move with it (SensingView::same_tree()) are not listed.
   std::span<const std::uint32_t> bodies() const { return {near_.circles().row.data(), bodies_}; }
 
-  /// Calls visit(chain) for outlines of bodies and of the static scene. Visits an outline if two conditions
-  /// hold: its enclosing circle reaches into the disc about the origin with the radius `reach` (see stand()),
-  /// and wanted(x, y, radius) is true for the circle. x and y are the centre of the circle relative to the
-  /// origin, in the directions of the world frame, m. Outlines at any height are visited, whatever the
-  /// argument `z` of stand() is. A piece of the static scene may be visited several times.
+  /// Calls visit(chain) for the outlines of the bodies in bodies(), and for pieces (sections) of the outlines
+  /// of static bodies. All outlines of a body have one enclosing circle, and each piece has one or more
+  /// circles of its own. An outline or piece is visited if its circle reaches into the disc that bodies()
+  /// describes, and if wanted(x, y, radius) is true for the circle. x and y are the centre of the circle
+  /// relative to the origin, along the axes of the world frame, m. The argument `z` of stand() is ignored:
+  /// outlines at all heights are visited. A piece may be visited several times.
   template <class Wanted, class Visit>
   void for_each_chain(Wanted&& wanted, Visit&& visit) {
     if (reach_ > fixed_reach_) find_fixed(reach_);
@@ -56,7 +58,7 @@ class VisibilityQuery {
       if (wanted(circles.x[i], circles.y[i], circles.radius[i])) visit_chains(circles.row[i], visit);
   }
 
-  /// Sets found[i] to the first surface that rays[i] hits. If the ray hits nothing, found[i].range_m is the
+  /// Sets found[i] to the first surface that rays[i] hits. If this ray hits nothing, found[i].range_m is the
   /// length of the ray, and found[i].met() is false. Both spans must have the same size.
   void first_met(std::span<const SightLine> rays, std::span<RayHit> found);
 
@@ -69,7 +71,8 @@ class VisibilityQuery {
   // piece plus one of these flags, which are larger than any row.
   static constexpr std::uint32_t k_seen = 1u << 31;    // index into StaticScene::outlines()
   static constexpr std::uint32_t k_hidden = 1u << 30;  // index into StaticScene::hidden_outlines()
-  /// Calls visit(chain) for the outlines that the circle with this mark encloses.
+  /// Calls visit(chain) for what the circle with this mark encloses: for all outlines of a body, or for one
+  /// piece of a static outline.
   template <class Visit>
   void visit_chains(std::uint32_t mark, Visit&& visit) const {
     const partition::StaticScene& scene = view_->scene();

@@ -13,8 +13,8 @@
 
 namespace troupe::engine {
 
-/// A closed outline that rays may hit: a polygon with the vertices [first, first + count) of
-/// BodyType::outline_vertices, extruded over a height interval.
+/// A closed outline that rays may hit: a polygon, extruded over a height interval. Its vertices are the
+/// elements `first` to `first + count - 1` of BodyType::outline_vertices.
 struct RayOutline {
   std::uint32_t first = 0;  ///< index of its first vertex in BodyType::outline_vertices
   std::uint32_t count = 0;  ///< number of its vertices
@@ -30,14 +30,18 @@ struct RayOutline {
 };
 
 /// A compiled TypeSpec (the description of a body type in the world file): the data that bodies of one type
-/// share. It is constant during a run, except for parameters that an intervention changes (SettingSpec).
+/// share. It is constant during a run, except for parameters that an intervention (a change that the world
+/// file lists for a given time) or a program sets (SettingSpec).
 ///
-/// A *part* is a rigid piece of a body, and consists of *solids*. A *device* is a sensor or an actuator on a
-/// part. A *kind* is the implementation of a device, a drive or a controller: a table of functions, called
-/// hooks (engine/kinds/kinds.hpp). The registry is the list of all kinds. Time advances in *ticks*, steps of
-/// equal length. "At rest" means that every joint is in its rest pose. The state of a world is stored in
-/// state tables, one per component of the state. make_body_type() leaves the indices of state tables unset;
-/// World sets them if the type has bodies.
+/// A *part* is a rigid piece of a body, and consists of *solids*, which are extruded polygons. A *joint* is a
+/// movable mount for parts and devices. "At rest" means that every joint is in its rest pose. A *device* is a
+/// sensor or an actuator on a part. A *kind* is the implementation of a device, a drive or a controller: a
+/// table of functions, called hooks (engine/kinds/kinds.hpp). The registry is the list of all kinds. Time
+/// advances in *ticks*, steps of equal length.
+///
+/// The state of a world is stored in state tables. Some members are indices of such tables. make_body_type()
+/// leaves these members unset; World sets them if the world has bodies of the type that have rows in the
+/// tables (runs()).
 struct BodyType {
   std::string name;  ///< name of the type (TypeSpec::name)
   /// Obstacle shape at rest, body frame. Empty if no part is an obstacle, and for types whose bodies are
@@ -58,10 +62,10 @@ struct BodyType {
   /// Radius of the circle about the body's origin that encloses, at rest, every outline and the origins of
   /// all parts that fiducial finders (sensors of markers) detect, m.
   double radius = 0;
-  /// Upper bound on the distance by which shifts of joints can extend `radius`, m: the sum, over all devices,
-  /// of the largest shift of their joints (DeviceKind::Prepared::joint_reach_m). Turns of joints do not
-  /// count. Joints that drive devices move (DeviceKind::drives) do not count either, because they declare no
-  /// largest shift.
+  /// Upper bound on the distance by which shifts of joints can move a point of the body out of the circle of
+  /// the radius `radius`, m. It is the sum, over all devices, of the largest shift of the joints of a device
+  /// (DeviceKind::Prepared::joint_reach_m). It includes neither turns of joints, nor the motions of drive
+  /// devices (DeviceKind::drives), which have no limit.
   double joint_reach = 0;
   std::vector<std::uint32_t> targets;  ///< indices of the parts that fiducial finders detect; ascending
 
@@ -105,8 +109,8 @@ struct BodyType {
     bool active;
     std::uint32_t part;  ///< part that carries it: index into TypeSpec::parts
     std::int32_t joint;  ///< joint that it is mounted on: index in `joints`; k_rigid: none
-    /// Index in `joints` of the first of the joints that it moves, which follow one another; k_rigid: it
-    /// moves none.
+    /// Index in `joints` of the first joint that the device moves. The other joints that it moves follow this
+    /// joint. k_rigid: the device moves no joint.
     std::int32_t moves;
     /// Number of its random stream: stream_id(kind->name, name), a hash of the two names.
     std::uint32_t stream;
@@ -116,8 +120,8 @@ struct BodyType {
     std::size_t table = 0;
     /// State table of its commands: index into World::tables(). Not set: the device takes no commands.
     std::optional<std::size_t> command_table;
-    /// Bit of the device in Command::off, by which controllers switch the device off. 0: no controller can
-    /// switch the device. Only the first 32 devices of a type can have a bit.
+    /// The bit in Command::off with which controllers switch the device off. 0: no controller can switch the
+    /// device. Only the first 32 devices of a type can have a bit.
     std::uint32_t switch_bit = 0;
 
     /// Whether the device measures ranges. The first field of its percepts then holds one range per beam, m,
@@ -125,8 +129,8 @@ struct BodyType {
     bool is_ranger() const { return !prepared.bearings.empty(); }
   };
   std::vector<Device> devices;  ///< sensors and other devices, in the order of TypeSpec::devices
-  /// Indices of the devices that move joints, ascending. In a type that was made with add_device(), each of
-  /// them comes before the devices that are mounted on its joints.
+  /// Indices of the devices that move joints, ascending. If add_device() has added the devices of the type, a
+  /// device that moves a joint comes before the devices that are mounted on this joint.
   std::vector<std::size_t> joint_devices;
   /// Whether the bodies can carry other bodies: a device of the type, such as a gripper, can pick them up.
   bool carries = false;
@@ -137,12 +141,12 @@ struct BodyType {
     std::any data;               ///< result of prepare_controller(): ControllerKind::Prepared::data
     /// The devices that it uses, in the order in which its kind chose them: indices into BodyType::devices.
     std::vector<std::size_t> devices;
-    /// Ticks from one decision to the next: the period of the first of `devices`. If the controller uses no
-    /// device, it is the period of the body's drive. If there is no drive either, it is that of the
-    /// ControllerSpec.
+    /// Ticks from one decision to the next: the period of the first of `devices`. If `devices` is empty, it
+    /// is the period of the body's drive. If there is no drive either, it follows from
+    /// ControllerSpec::period_s.
     std::uint64_t period;
-    /// Number of the controller's random stream: stream_id(), a hash, of the name of its kind and of its
-    /// index in the type.
+    /// Number of the controller's random stream: stream_id(KIND, INDEX), a hash of two texts. KIND is the
+    /// name of the controller's kind, and INDEX is the index of the controller in TypeSpec::controllers.
     std::uint32_t stream;
     /// State table of its memories (one memory per body): index into World::tables(). Not set: the controller
     /// has no memory.
@@ -156,51 +160,55 @@ struct BodyType {
   /// Estimated memory that each body takes, bytes: for its outlines, the poses of its joints, the states of
   /// and commands to its devices, and the memories of its controllers.
   double row_bytes() const;
-  /// Whether bodies of the type have a row in the state tables, in which World stores what changes during a
-  /// run. Bodies have a row if they have a drive, a device or a controller, or can be gripped or pushed. All
-  /// other bodies are static.
+  /// Whether bodies of the type have a row in the state tables, which store all data that change during a
+  /// run. Bodies have a row if they have a drive, a device or a controller, or if they can be gripped or
+  /// pushed. All other bodies are static.
   bool runs() const { return drive || !devices.empty() || !controllers.empty() || !grip.empty() || pushable; }
   /// Whether the obstacle shape of a body can change. It can if the body has joints or can carry other
   /// bodies.
   bool is_composite() const { return !joints.empty() || carries; }
 };
 
-/// Returns the number of readings that a device with these parameters has: the sum of the parameters that
-/// count readings (Field::counts_readings), including those in lists of parameter blocks. Parameters without
-/// a value count 0. Callers compare this number with a limit before they prepare the device, which allocates
-/// memory for the readings.
+/// Returns the number of readings that a device with these parameters would have. It is the sum of the
+/// parameters that count readings (Field::counts_readings), including those in lists of parameter blocks
+/// (FieldType::records). Parameters without a value are skipped. Callers compare the result with a limit
+/// before they call prepare_device(), which allocates memory for the readings.
 ///
 /// table: the parameters of the device's kind
 /// params: their values, in the order of the table
 double samples_asked_for(const FieldTable& table, const Record& params);
 
-/// Compiles a device of the type `spec`. Calls the hooks (functions) prepare, bind_part, bind_world and
-/// reach_m of its kind, in this order, and skips those that the kind lacks. The hooks compile the parameters,
-/// complete the result from the part and from the world, and compute the reach of the device. The error says
-/// what is wrong with the device, or which exception its kind threw; no exception propagates. The parameters
-/// must be within the limits of the kind's table (DeviceKind::params).
+/// Compiles a device of the type `spec` in the world `world`. Calls the hooks (functions) prepare, bind_part,
+/// bind_world and reach_m of the kind in this order. Hooks that are null are skipped. Returns an error if a
+/// hook returns an error or throws an exception. Never throws.
+///
+/// kind: the kind that device.kind names
+/// device: the device; its parameters must be within the limits of the table DeviceKind::params
 Result<DeviceKind::Prepared> prepare_device(const DeviceKind& kind, const DeviceSpec& device,
                                             const WorldSpec& world, const TypeSpec& spec);
 
-/// Compiles a controller. Calls the hooks (functions) prepare and bind_world of its kind, which compile the
-/// parameters and complete the result from the world. The kind chooses the devices that the controller uses.
-/// It chooses among the devices on the part of the controller and on the parts mounted on that part, directly
-/// or through other parts, except drive devices (DeviceKind::drives). In the result, the list
-/// ControllerKind::Prepared::devices has indices into BodyType::devices. The error says what the controller
-/// lacks, or which exception its kind threw; no exception propagates.
+/// Compiles a controller. Calls the hooks (functions) prepare and bind_world of the kind; bind_world may be
+/// null. Returns an error if a hook returns an error or throws an exception. Never throws.
 ///
-/// spec, type: the type, and the same type with compiled devices
-/// claimed: one entry for each device of the type; true: an earlier controller has reserved the device. The
-/// function sets the entries of the devices that this controller reserves, possibly also before an error.
+/// The hook prepare chooses the devices that the controller uses. It can choose devices on the part of the
+/// controller and on parts that are mounted on this part, directly or through other parts. It cannot choose
+/// drive devices (DeviceKind::drives). In the result, ControllerKind::Prepared::devices contains indices into
+/// BodyType::devices.
+///
+/// spec: the body type of the controller
+/// type: the same type, whose devices must already be compiled
+/// claimed: one entry for each device of the type. On entry, true means that an earlier controller has
+/// reserved the device. The function sets the entries of the devices that this controller reserves; it may do
+/// so even if it returns an error.
 Result<ControllerKind::Prepared> prepare_controller(const ControllerKind& kind,
                                                     const ControllerSpec& controller, const WorldSpec& world,
                                                     const TypeSpec& spec, const BodyType& type,
                                                     std::vector<bool>& claimed);
 
-/// Compiles a body type of a world. `registry` is the list of all kinds; it must outlive the result. Reports
-/// each error, such as an unknown kind or a controller without the sensors that it needs, to `diagnostics`,
-/// at the file position that the spec gives. After an error, the result is incomplete or invalid and must not
-/// be used: the caller calls Diagnostics::throw_if_errors(), which then throws.
+/// Compiles a body type of a world. `registry` is the list of all kinds, and must outlive the result. Reports
+/// all errors to `diagnostics`, with file positions from the spec. Examples of errors are an unknown kind,
+/// and a controller without the sensors that it needs. If there was an error, the result must not be used.
+/// Therefore, call Diagnostics::throw_if_errors() before using the result.
 BodyType make_body_type(const TypeSpec& spec, const WorldSpec& world, const Registry& registry,
                         Diagnostics& diagnostics);
 

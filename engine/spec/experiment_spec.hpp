@@ -31,7 +31,7 @@ enum class Comparison : std::uint8_t {
 };
 /// The operators in files, in the order of Comparison.
 inline constexpr std::array<std::string_view, 6> k_comparisons{"<", "<=", ">", ">=", "==", "!="};
-/// Returns whether `a COMPARISON b` is true. If a or b is NaN, the result is false, also for
+/// Returns whether `a COMPARISON b` is true. If a or b is NaN, the result is always false, even for
 /// Comparison::unequal.
 bool holds(double a, Comparison comparison, double b);
 
@@ -41,20 +41,25 @@ struct StopSpec {
   Comparison comparison = Comparison::below;  ///< operator of `measure COMPARISON value`
   double value = 0;                           ///< right operand, in the SI unit of the measure
 };
-/// Returns the text of a condition: the name of its measure (MeasureSpec::name), the operator, and the number
-/// in its shortest decimal form. If the name is empty, the text has the name of the measure's kind instead
-/// (`coverage >= 0.9`). If the measure is also limited to a group of robots (MeasureSpec::of), the name of
-/// the group follows (`stalls:leaders > 10`).
+/// Returns the text of a condition, such as `coverage >= 0.9`: a name, the operator, and the number in its
+/// shortest decimal form. The name is MeasureSpec::name. If that is empty, it is the kind of the measure. If
+/// the measure is then limited to a group of robots (MeasureSpec::of), `:` and the name of the group follow,
+/// as in `stalls:leaders > 10`.
 std::string text_of(const StopSpec& condition);
 
-/// A group of bodies: a population, all bodies of a type, or one body. If `count` or `share` is set, the
-/// group is a random selection of these bodies; if both are set, the smaller of the two numbers of bodies is
-/// selected. An intervention selects when it is applied, among the bodies that it can change: bodies that are
-/// in the world and not yet in the requested condition. A fault selects among the bodies that are present at
-/// tick 0. Static bodies (without drive, devices and controllers, and neither grippable nor pushable) do not
-/// belong to any group. A group without bodies is an error, reported when the world is built. The exception
-/// is a group that is given by a body type (By::type) of the world, if bodies of that type would not be
-/// static: the intervention or fault then has no effect.
+/// A group of bodies on which an intervention or a fault acts: a population, all bodies of a type, or one
+/// body. Static bodies never belong to a group. A body is static if it has no drive, no device and no
+/// controller, and cannot be gripped or pushed.
+///
+/// If `count` or `share` is set, the intervention or fault acts on a random selection from the group. If both
+/// are set, the one that gives the smaller number of bodies counts. An intervention selects when it is
+/// applied. It selects among the bodies that it can change: `remove` among the bodies in the world, `disable`
+/// among those that are not disabled, `enable` among the disabled ones. A fault selects among the bodies that
+/// are in the world at tick 0.
+///
+/// A group without bodies is an error, which is reported when the world is built. One case is allowed: the
+/// group is given by a body type of the world (By::type), the world has no body of this type, and such bodies
+/// would not be static. The intervention or fault then has no effect.
 struct GroupSpec {
   /// What `name` refers to.
   enum class By : std::uint8_t {
@@ -64,11 +69,12 @@ struct GroupSpec {
   };
   By by = By::population;  ///< what `name` refers to
   std::string name;        ///< name of the population, type or body
-  /// Number of bodies to select, at least 0; all if there are fewer. Not set: no limit. For the intervention
-  /// `add`, the number of bodies to add; not set: all unborn bodies of the reserve. Not used for `move`.
+  /// Number of bodies to select, at least 0. If there are fewer bodies, all are selected. Not set: no limit.
+  /// For the intervention `add`, it is the number of bodies to add; not set: all unborn bodies of the
+  /// reserve. Not used for `move`.
   std::optional<std::int64_t> count;
-  /// Fraction of the bodies to select, 0 to 1. The number of bodies is rounded to nearest, halves up. Not
-  /// set: no limit. Not used for the interventions `add` and `move`.
+  /// Fraction of the bodies to select, 0 to 1. The resulting number of bodies is rounded to the nearest
+  /// integer, halves up. Not set: no limit. Not used for the interventions `add` and `move`.
   std::optional<double> share;
 };
 
@@ -89,12 +95,14 @@ struct SettingSpec {
   Record params;
 };
 
-/// Returns a copy of `params` in which the values that setting.params gives replace the old ones. Both lists
-/// must have one value per field of the same table.
+/// Returns a copy of `params` with the values in setting.params in place of the old ones. Where
+/// setting.params has no value, the old value stays. `params` and setting.params must have one value for each
+/// field of the same table.
 Record changed(const Record& params, const SettingSpec& setting);
 
-/// An intervention: a change of the running world that the world file lists, applied between two ticks. It
-/// does not affect unborn and dead bodies, except that `add` spawns unborn bodies.
+/// An intervention: a change of the running world that the world file lists, applied between two ticks. Dead
+/// bodies are not affected. Unborn bodies are affected only by `add`, which spawns them, and by `set`, which
+/// changes parameters of their type.
 struct InterventionSpec {
   /// The kind of intervention.
   enum class Action : std::uint8_t {
@@ -106,17 +114,19 @@ struct InterventionSpec {
     move,
     set,  ///< changes parameters of a type, for all its bodies
   };
-  /// World time, s. The intervention is applied after the first tick that ends at this time or later, at the
-  /// beginning of the tick that follows. If the time is 0 or less, it is applied before the first tick.
+  /// World time, s. The intervention is applied after the first tick that ends at this time or later, before
+  /// the next tick begins. Example: with ticks of 0.1 s and the time 0.25 s, it is applied between tick 3,
+  /// which ends at 0.3 s, and tick 4. If the time is 0 or less, the intervention is applied before tick 1.
   double time_s = 0;
   Action action = Action::remove;  ///< kind of intervention
   GroupSpec whom;  ///< affected bodies; for `move`, one body; for `add`, a population with a reserve
-  /// A pose, world frame, m and rad. For `move`, the new pose of the body, within the bounds of the world; it
-  /// must be set. For `add`, the pose of each new body; no further body is added once this pose is occupied.
+  /// A pose, world frame, m and rad. For `move`, it is the new pose of the body; it must be set, and be
+  /// within the bounds of the world. For `add`, it is the pose of each new body. If this pose is not free for
+  /// a body, this body and the remaining bodies are not added.
   std::optional<Pose> pose;
-  /// For `add` without `pose`: box in which each new body gets a random free pose with z = 0, world frame, m.
-  /// Not set: the box WorldSpec::bounds, which the world must then have. If none of 1000 random poses for a
-  /// body is free, this body and the remaining bodies are not added.
+  /// For `add` without `pose`: box (world frame, m) in which each new body gets a random free pose with z =
+  /// 0. Not set: the box WorldSpec::bounds, which must then be set. If none of 1000 random poses for a body
+  /// is free, this body and the remaining bodies are not added.
   std::optional<Box> region;
   std::optional<SettingSpec> setting;  ///< for `set`: the new parameters; `whom` is then unused
   Where where;                         ///< file position, for messages
@@ -125,7 +135,8 @@ struct InterventionSpec {
 inline constexpr std::array<std::string_view, 6> k_actions{"remove", "add",  "disable",
                                                            "enable", "move", "set"};
 
-/// Faults that may occur in bodies of a group. Only bodies that are present at tick 0 have faults.
+/// Faults that may occur during a run in the bodies of a group. Only bodies that are in the world at tick 0
+/// can fail.
 struct FaultSpec {
   GroupSpec whom;     ///< bodies that may fail; selected when the world is built or restarted
   double from_s = 0;  ///< world time from which on faults may occur, s

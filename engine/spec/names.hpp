@@ -67,7 +67,7 @@ struct NamedBody {
 class NameMap {
  public:
   std::size_t size() const { return size_; }  ///< number of names
-  /// Allocates memory for `names` names in total, including those that the map already has.
+  /// Reserves memory for `names` names in total, including the names that the map already has.
   void reserve(std::size_t names);
   /// Gives the name to `body`, which must be valid(), unless another body has the name already. Returns the
   /// body that has the name after the call.

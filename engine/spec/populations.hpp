@@ -30,27 +30,27 @@ struct PopulationSpec {
   Where where_place;          ///< position of `rule`, for messages
 };
 
-/// The obstacles that place() avoids: a static scene and a crowd. The static scene is made of the solids of
-/// static bodies, which never move (is_static()). The crowd is the list of the other bodies that were placed
-/// so far.
+/// The obstacles that place() avoids: a static scene and a crowd. The static scene consists of the solids of
+/// static bodies, which never move (is_static()). The crowd contains the other bodies that were placed so
+/// far. Of each body, only the parts that are obstacles count (Returns::obstacle).
+///
+/// The object refers to the types of a spec. While the object exists, the spec must exist, and no type of the
+/// spec may be added or changed.
 class Occupancy {
  public:
-  /// Makes the static scene from the first `fixed` bodies of `spec`, whether or not these bodies are static
-  /// (is_static()). Only parts that are obstacles count. The crowd is empty. Both constructors keep a
-  /// reference to the types of the spec: while the object exists, the spec must also exist, and no type may
-  /// be added or changed.
+  /// Makes the static scene from the first `fixed` bodies of `spec`, even if some of these bodies are not
+  /// static. The crowd is empty.
   Occupancy(const WorldSpec& spec, std::size_t fixed);
-  /// Makes the static scene from the static bodies of the spec (is_static()), and the crowd from the other
-  /// bodies. Only parts that are obstacles count. Bodies that are not in the world at tick 0 (the initial
-  /// state) are left out. Throws std::length_error if an outline is too complex for convex_pieces(), which
-  /// divides it into convex polygons.
+  /// Makes the static scene from the static bodies of the spec, and the crowd from its other bodies. Omits
+  /// bodies that are not in the world at tick 0 (the initial state). Throws std::length_error if an outline
+  /// of a body of the crowd is too complex for convex_pieces(), which divides it into convex polygons.
   explicit Occupancy(const WorldSpec& spec);
 
   const partition::StaticScene& scene() const { return scene_; }  ///< the static solids that are obstacles
-  Crowd& crowd() { return crowd_; }                               ///< the bodies that are not static
-  /// Obstacle shape of a type, computed at the first call for the type; valid as long as this object. Throws
-  /// std::length_error if an outline is too complex for convex_pieces(), which divides it into convex
-  /// polygons.
+  Crowd& crowd() { return crowd_; }                               ///< the bodies outside the static scene
+  /// Obstacle shape of a type, computed at the first call for the type. The reference is valid as long as
+  /// this object. Throws std::length_error if an outline is too complex for convex_pieces(), which divides it
+  /// into convex polygons.
   const partition::ObstacleShape& shape(TypeId type);
 
  private:
@@ -67,30 +67,39 @@ struct PlaceOptions {
 };
 
 /// Appends populations to a world in their order: for each population first its bodies, then its reserve.
-/// Each body is placed so that it overlaps neither the static scene nor the crowd of `occupancy`, and is then
+/// Each body is placed where it overlaps neither the static scene nor the crowd of `occupancy`, and is then
 /// added to the crowd. The poses depend only on the spec, `occupancy` and the populations, not on the number
-/// of threads. These errors are reported to `diagnostics`: too many bodies, an empty region, a rule with too
-/// many grid points or floor cells, a population without enough room, and a type with an outline that is too
-/// complex for convex_pieces(), which divides it into convex polygons. After an error, some or all bodies are
-/// missing in the world.
+/// of threads.
+///
+/// Reports these errors to `diagnostics`:
+/// - The world has too many bodies (PlaceOptions::most_bodies).
+/// - The region of a rule is empty.
+/// - A rule has too many grid points (grid_cells()) or tests too many positions (floor_cells()).
+/// - There is not enough room for a population.
+/// - An outline of a type is too complex for convex_pieces(), which divides it into convex polygons.
+///
+/// After an error, some or all of the new bodies are missing in the world.
 void place(std::span<const PopulationSpec> populations, WorldSpec& spec, Occupancy& occupancy,
            const PlaceOptions& options, Diagnostics& diagnostics);
-/// Appends populations to a world, with all bodies of the spec that are in the world at tick 0 as obstacles:
-/// calls the function above with Occupancy(spec). If an outline of one of these bodies is too complex for
-/// convex_pieces(), the function reports an error without a file position.
+/// Calls the function above with Occupancy(spec): the obstacles are all bodies of the spec that are in the
+/// world at tick 0. If Occupancy(spec) throws std::length_error, reports the text of the exception as an
+/// error without a file position.
 void place(std::span<const PopulationSpec> populations, WorldSpec& spec, Diagnostics& diagnostics,
            const PlaceOptions& options = {});
 
-/// Draws new poses and new random colours, from another seed, for the bodies that place() has appended.
-/// Bodies of a reserve have no pose yet: only their random colours change. A population without enough room
-/// is an error, reported at PopulationSpec::where_place; the bodies of that population and of later ones
-/// then keep their poses and colours. Several threads may call this function at once with one `occupancy`.
+/// Repeats place() with another seed: gives the bodies that place() has appended new poses and, if
+/// PopulationSpec::random_color is true, new random colours. Bodies of a reserve have no pose yet, so only
+/// their colours change. If there is not enough room for a population, reports an error at
+/// PopulationSpec::where_place. The bodies of this population and of later ones then keep their poses and
+/// colours. Several threads may call this function at once with the same `occupancy`.
 ///
-/// bodies      the bodies of these populations and their reserves, in the order of place(); changed
-/// bounds      the bounds of the world (WorldSpec::bounds)
-/// occupancy   the object that place() used, so that the shapes of the types are already computed; its
-///             crowd is not read
-/// crowd       a copy of the crowd as it was before place()
+/// populations: the populations that were passed to place()
+/// bodies: the bodies and reserves that place() has appended for these populations, in the same order;
+/// changed
+/// bounds: the bounds of the world (WorldSpec::bounds)
+/// occupancy: the object that was passed to place(). Only its static scene and its shapes of types are used,
+/// not its crowd.
+/// crowd: a copy that was made of the crowd of `occupancy` before place() was called
 void place_again(std::span<const PopulationSpec> populations, std::span<BodySpec> bodies, std::uint64_t seed,
                  const std::optional<Box>& bounds, Occupancy& occupancy, Crowd crowd,
                  Diagnostics& diagnostics);

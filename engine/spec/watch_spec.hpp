@@ -9,13 +9,14 @@ namespace troupe::engine {
 inline constexpr double k_most_rate = 1e9;                      ///< largest allowed WatchSpec::rate
 inline constexpr std::int64_t k_most_clock_ticks = 1000000000;  ///< largest allowed WatchSpec::clock_ticks
 
-/// Settings of the world file for watching a run: how fast the run advances, and whether and how often the
-/// program prints the world time. No member affects the results. A tick is a time step of the world.
+/// Settings of a world file for watching a run: a limit of the speed of the run, and whether and how often
+/// the program prints the world time (the simulated time). No setting affects a result. A tick is a time
+/// step.
 struct WatchSpec {
-  bool clock = false;               ///< whether the world time is printed during the run
+  bool clock = false;               ///< whether the program prints the world time during the run
   std::uint64_t clock_ticks = 100;  ///< ticks from one printed time to the next, if `clock` is true
-  /// Speed of a run with the command-line option `--rate world`, as a multiple of real time; 0: as fast as
-  /// possible.
+  /// Highest speed of a run with the command-line option `--rate world`, as a multiple of real time; 0: no
+  /// limit.
   double rate = 1;
   bool paused = false;  ///< whether the window of the simulator Stage starts paused; no effect in Troupe
   friend bool operator==(const WatchSpec&, const WatchSpec&) = default;
@@ -32,10 +33,12 @@ struct WatchSpec {
   }
 };
 
-/// The table of the members of WatchSpec as they appear in files: `clock`, `clock_ticks`, `rate`, `paused`.
+/// Returns the table that describes the settings in files: the name, type, limits and meaning of each. Their
+/// order in the table is `clock`, `clock_ticks`, `rate`, `paused`.
 const FieldTable& watch_fields();
-Record watch_record(const WatchSpec& watch);  ///< returns the settings: one value per field of watch_fields()
-/// Returns the settings from a record, which must have one value per field of watch_fields().
+/// Returns the settings as a record: a list with one value per setting, in the order of watch_fields().
+Record watch_record(const WatchSpec& watch);
+/// Returns the settings from a record that watch_record() or a reader of files has made.
 WatchSpec watch_spec(const Record& record);
 
 }  // namespace troupe::engine

@@ -10,9 +10,12 @@
 #include <span>
 #include <utility>
 
-/// The loops over the rows of a world, which the phases of a tick (time step) use. A row is the index of a
-/// body in the state tables. A drop-out fault is a random failure that stops all devices, controllers and the
-/// drive of a robot. The argument `rows` of the callbacks is a std::span<const Row>, valid during the call.
+/// Loops over the rows of a world, which the phases of a tick (time step) use. A row is the index of a body
+/// in the state tables. The loops call work(), a function that the caller passes. Its argument `rows` is a
+/// std::span<const Row>, which is valid only during the call.
+///
+/// A body is *disabled* if an intervention or a program has stopped it, and *dropped out* if a fault (a
+/// random failure) has stopped it. The devices, controllers and drive of such a body do not run.
 
 namespace troupe::engine {
 
@@ -23,9 +26,10 @@ inline constexpr std::size_t k_row_block = 256;  ///< most rows per task of for_
 /// the thread that got the longest tasks.
 inline constexpr std::size_t k_near_tasks_per_thread = 4;
 
-/// Sorts `rows`, of which there are at most k_row_block, by body type. Then calls work(rows, type) once for
-/// each type that occurs, with all rows of that type and the BodyType, in ascending order of the index of the
-/// type. Rows of one type keep their order. Without rows there is no call.
+/// Calls work(rows, type) once for each body type that occurs in `rows`, with all rows of that type; `type`
+/// is the BodyType. The types come in ascending order of their TypeId. Rows of one type keep their order. If
+/// `rows` is empty, there is no call. The function sorts `rows` in place by type. `rows` may have at most
+/// k_row_block elements.
 template <class Work>
 void for_types(const WorldState& state, std::span<Row> rows, Work&& work) {
   const auto type_of = [&](Row row) { return state.row_types[row.index()]; };
@@ -53,16 +57,17 @@ void for_types(const WorldState& state, std::span<Row> rows, Work&& work) {
   }
 }
 
-/// Calls work(rows, type) in parallel for batches of at most k_near_batch rows. The rows of a batch are of
-/// one type and near one another in the world. This loop is for work that reads the neighbours of a row:
-/// their data are then likely to be in the CPU cache.
+/// Calls work(rows, type) in parallel. Each task of the parallel loop handles at most k_near_batch
+/// consecutive elements of `order`. A task calls work() once for each body type among its rows, as
+/// for_types() does. Use this loop for work that reads the neighbours of a row: consecutive rows of `order`
+/// are near one another in the world, so the data of their neighbours are likely to be in the CPU cache.
 ///
-/// order: the rows, in an order in which bodies that are near one another in the world follow one another.
-/// BodyIndex::order() is such an order; it lists only bodies in the world. If `order` is empty, there is no
-/// call
-/// least: smallest number of rows whose work takes long enough to be worth waking a thread, at least 1. If
-/// there are few rows for the number of threads, batches have fewer than k_near_batch rows, but not fewer
-/// than `least`
+/// order   the rows, in an order in which bodies that are near one another in the world follow one another.
+///         BodyIndex::order() is such an order; it lists only bodies in the world. If `order` is empty, there
+///         is no call
+/// least   number of rows whose work takes long enough to be worth waking a thread, at least 1. If `order`
+///         has too few rows to give all threads full tasks, the tasks are made smaller, but not smaller than
+///         `least`
 template <class Work>
 void for_neighbours(const WorldState& state, partition::Parallel& parallel,
                     std::span<const std::uint32_t> order, std::size_t least, Work&& work) {
@@ -79,10 +84,10 @@ void for_neighbours(const WorldState& state, partition::Parallel& parallel,
   });
 }
 
-/// Calls work(rows, type) in parallel for batches of at most k_row_block rows of `range`. The rows of a batch
-/// are of one type and from one block of consecutive rows, so that memory is read sequentially. This loop is
-/// for work that does not read the neighbours of a row. Rows whose bodies are not in the world (not yet born,
-/// or dead) are left out.
+/// Calls work(rows, type) in parallel for the rows of `range` whose bodies are in the world. Rows of bodies
+/// that are not yet born or are dead are left out. Each task of the parallel loop handles at most k_row_block
+/// consecutive rows, so that it reads memory sequentially. A task calls work() once for each body type among
+/// its rows, as for_types() does. Use this loop for work that does not read the neighbours of a row.
 template <class Work>
 void for_blocks(const WorldState& state, partition::Parallel& parallel, RowRange range, Work&& work) {
   const std::size_t row_count = range.end - range.first;
@@ -98,17 +103,18 @@ void for_blocks(const WorldState& state, partition::Parallel& parallel, RowRange
   });
 }
 
-/// Calls for_blocks() above for the range of all rows of the world.
+/// Calls for_blocks() above for all rows of the world.
 template <class Work>
 void for_blocks(const WorldState& state, partition::Parallel& parallel, Work&& work) {
   for_blocks(state, parallel, {0, state.row_count()}, work);
 }
 
-/// Calls work(rows) for those of `rows` that are due in the present tick, once for each sequence of due rows
-/// without a gap in `rows`. A row is due if the age of its body is a multiple of `period`, which is at least
-/// 1. The age is the number of ticks since the birth of the body, or since tick 0 if the body was present
-/// then. In a world without births, either all rows are due or none. If `rows` is empty, work() may be called
-/// once with an empty span.
+/// Calls work(rows) for those of `rows` that are due in the present tick. Consecutive due rows are passed in
+/// one call: if only the third of five rows is not due, there are two calls with two rows each. If `rows` is
+/// empty, work() is called once with an empty span, or not at all.
+///
+/// A row is due if the age of its body is a multiple of `period` (ticks, at least 1). The age is the number
+/// of ticks since the birth of the body, or since tick 0 if the body was present then.
 template <class Work>
 void for_due(const WorldState& state, std::span<const Row> rows, std::uint64_t period, Work&& work) {
   if (period == 1 || !state.life_table) {
@@ -123,12 +129,15 @@ void for_due(const WorldState& state, std::span<const Row> rows, std::uint64_t p
   }
 }
 
-/// Calls work(rows) for those of `rows` whose device runs in the present tick, once for each sequence of such
-/// rows without a gap in `rows`. All rows must be of the type of the device. The device of a row runs if all
-/// of these hold: it is due (its period divides the age of the body, as in for_due()); it is active (a
-/// controller uses it, or the world file makes it active: BodyType::Device::active), or World::subscribe()
-/// was called for the body; it is switched on, is not broken and has power; its body is neither disabled nor
-/// stopped by a drop-out fault (CommittedView::runs()).
+/// Calls work(rows) for those of `rows` whose device runs in the present tick. Consecutive rows whose device
+/// runs are passed in one call, as in for_due(). All rows must be of the type that `device` belongs to.
+///
+/// The device of a row runs if all of these hold:
+/// - It is due: see for_due() with the period of the device.
+/// - It is in use: a controller uses it or the world file makes it active (BodyType::Device::active), or
+///   World::subscribe() was called for the body.
+/// - It is switched on, has power, and is not broken by a fault.
+/// - Its body is neither disabled nor dropped out.
 template <class Work>
 void for_running(const WorldState& state, std::span<const Row> rows, const BodyType::Device& device,
                  Work&& work) {
@@ -144,8 +153,8 @@ void for_running(const WorldState& state, std::span<const Row> rows, const BodyT
   });
 }
 
-/// Calls work(rows) once, for those of `rows` whose bodies are neither disabled nor stopped by a drop-out
-/// fault, in the same order. If there are none, the span is empty. `rows` has at most k_row_block rows.
+/// Calls work(rows) once, with those of `rows` whose bodies are neither disabled nor dropped out, in the same
+/// order. The span is empty if there are no such rows. `rows` may have at most k_row_block elements.
 template <class Work>
 void for_enabled(const WorldState& state, std::span<const Row> rows, Work&& work) {
   if (state.now.impaired == 0) return work(rows);

@@ -150,12 +150,13 @@ void Blinkers::check_targets(const BodyType::Device& device, std::span<const Eff
     if (!effect.target.valid()) continue;
     const Row target = state_.view.row(effect.target);
     if (!target.valid() || !std::ranges::binary_search(hidden_, target)) continue;
-    throw StepError(
-        fmt::format("tick {}: device \"{}\" ({}) of \"{}\" requested an effect on \"{}\", which is farther "
-                    "away than the kind of the device declares: declare a larger reach "
-                    "(DeviceKind::Prepared::reach_m) or a wider scope (DeviceKind::scope)",
-                    state_.now.tick, device.name, device.kind->name, state_.spec.name(effect.source),
-                    state_.spec.name(effect.target)));
+    throw StepError(fmt::format(
+        "tick {}: device \"{}\" ({}) of \"{}\" requested an effect on \"{}\", which is {}", state_.now.tick,
+        device.name, device.kind->name, state_.spec.name(effect.source), state_.spec.name(effect.target),
+        state_.view.is_there(target)
+            ? "farther away than the kind of the device declares: declare a larger reach "
+              "(DeviceKind::Prepared::reach_m) or a wider scope (DeviceKind::scope)"
+            : "not in the world: a device may change only bodies that it can find"));
   }
 }
 

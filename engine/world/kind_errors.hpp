@@ -15,16 +15,20 @@ class World;
 /// the call ends the program (std::terminate()).
 std::string thrown_text();
 
-/// Throws a StepError in place of the exception that the calling catch block handles. A StepError is the
-/// exception with which a step of the world fails. Its text names the tick (time step), the kind whose
-/// function threw, and a robot. A kind is a table of functions that implements one sort of controller, device
-/// or drive. A DecisionError (engine/kinds/kinds.hpp) is an exception of a controller that contains the row
-/// of a robot: the text then names that robot. For any other exception, the text names the robot of the first
-/// row, and gives the number of rows if there are several. A StepError is rethrown unchanged, because its
-/// text already names a robot. Outside a catch block the call ends the program (std::terminate()).
+/// Converts the exception that the calling catch block handles into a StepError, and throws it. A StepError
+/// is the exception with which a step of the world fails. The exception must come from a function of a
+/// *kind*: a table of functions that implements one sort of controller, device or drive. Outside a catch
+/// block the call ends the program (std::terminate()).
+///
+/// The text of the StepError names the tick (time step), the controller, device or drive, a robot, and the
+/// exception. The robot depends on the exception:
+/// - A DecisionError (engine/kinds/kinds.hpp) contains the row of a robot. The text names that robot.
+/// - A StepError already names a robot. It is thrown again unchanged.
+/// - For any other exception, the text names the robot of the first row. If there are several rows, it also
+///   gives their number.
 ///
 /// rows    rows (indices of bodies in the state tables) for which the function was called; empty: the text
-/// names no robot
+///         names no robot
 /// what    the controller, device or drive whose function was called
 ///@{
 [[noreturn]] void throw_step_error(const World& world, std::span<const Row> rows,
@@ -35,10 +39,9 @@ std::string thrown_text();
                                    const BodyType::Drive& what);
 ///@}
 
-/// Returns the result of call(), which must call a function of the kind of `what` (a controller, device or
-/// drive) for the given rows. If call() throws, throw_step_error() throws a StepError in place of the
-/// exception, because the exception of a plug-in does not say for which robot and in which tick the function
-/// was called.
+/// Returns the result of call(). If call() throws, converts the exception as throw_step_error() does, so that
+/// the error names the tick and the robot. `what` is a controller, a device or a drive. call() must call a
+/// function of its kind for `rows`.
 template <class What, class Call>
 auto call_kind(const World& world, std::span<const Row> rows, const What& what, Call&& call) {
   try {

@@ -7,8 +7,8 @@
 namespace troupe::engine {
 
 /// The phases of a tick (a time step), in their order. An intervention is a change of the world at a given
-/// time, such as removing robots. A fault is a random failure of a robot. An effect is an action of a device
-/// on another body, such as gripping it.
+/// time, such as removing robots. A fault is a random failure of a robot. A sensor is *due* once per period.
+/// An effect is an action of a device on another body, such as gripping it.
 enum class Phase : std::uint8_t {
   intervene,  ///< interventions and faults of the world file, then the callback of World::before_tick()
   sense,      ///< sensors that are due read the state after the last tick, as changed by `intervene`

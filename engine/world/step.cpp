@@ -282,7 +282,7 @@ void World::halt_disabled(std::span<const Row> rows, const BodyType& type) {
     if (state_.condition(row).out == 0) continue;
     state_.as<Velocity>(WorldState::k_velocity)[row.index()] = {};
     for (const BodyType::Device& device : type.devices)
-      if (device.kind->halt) device.kind->halt(state_.tables[device.table], slot(row));
+      if (device.kind->halt) halt(row, device);
   }
 }
 
@@ -295,8 +295,11 @@ void World::halt_spent(std::span<const Row> rows, const BodyType::Drive& drive) 
 /// Sets the velocity of a drive device to 0 for the enabled bodies whose device is broken or has no power.
 void World::halt_stopped(std::span<const Row> rows, const BodyType::Device& device) {
   for (const Row row : rows)
-    if (!state_.view.works(row, device) || !is_supplied(row, device.supply))
-      device.kind->halt(state_.tables[device.table], slot(row));
+    if (!state_.view.works(row, device) || !is_supplied(row, device.supply)) halt(row, device);
+}
+
+void World::halt(Row row, const BodyType::Device& device) {
+  call_kind(*this, {&row, 1}, device, [&] { device.kind->halt(state_.tables[device.table], slot(row)); });
 }
 
 void World::decide(std::span<const Row> rows, const BodyType& type, const BodyType::Controller& controller) {

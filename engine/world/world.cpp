@@ -67,7 +67,8 @@ void World::start(Row row, const Pose& p) {
 
 void World::start(Row row, const BodyType::Drive& drive) {
   if (drive.kind->start)
-    state_.as<Velocity>(WorldState::k_velocity)[row.index()] = drive.kind->start(drive.data);
+    state_.as<Velocity>(WorldState::k_velocity)[row.index()] =
+        call_kind(*this, {&row, 1}, drive, [&] { return drive.kind->start(drive.data); });
   if (!drive.odometry_table) return;
   const Pose& pose = poses()[row.index()];
   const Pose believed = relative_to(drive.localization.origin.value_or(pose), pose);
@@ -291,7 +292,8 @@ bool World::is_out_of_bounds(Row row) const {
 
 void World::throw_half_made() const {
   throw std::logic_error(fmt::format(
-      "tick {}: a step or a birth failed and left an incomplete state: call reset() before anything else",
+      "tick {}: a step, a birth or a reset failed and left an incomplete state: call reset() before anything "
+      "else",
       state_.now.tick));
 }
 

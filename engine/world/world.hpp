@@ -45,101 +45,118 @@ struct ReplicaParts;
 
 /// Options of a World that affect the speed of a run, but never its results.
 struct WorldOptions {
-  /// Number of threads that compute a step. With 0 there is one thread per processor that the process may
-  /// use.
+  /// Number of threads that compute a step; 0: one thread per processor that the process may use.
   unsigned threads = 0;
-  /// Edge of the square tiles of the spatial index, m. With 0, the World chooses the edge from body sizes and
-  /// sensor ranges. Wide bodies can make the tiles wider than the given edge.
+  /// Edge of the tiles of the spatial index, m. Tiles are the squares into which the index divides the plane.
+  /// With 0, the World chooses the edge from the sizes of the bodies and the ranges of their sensors. Wide
+  /// bodies can make the tiles wider than the given edge.
   double tile_size_m = 0;
 };
 
-/// The hashes of a state (docs/determinism.md): of all state tables together, and of each group of tables. A
-/// state table holds one component of the state, such as the poses, with one row per body. The hashes do not
-/// depend on the order of the rows. All sums are modulo 2^64.
+/// The hashes of a state (docs/determinism.md): one for all state tables together, and one for each group of
+/// tables. A state table holds one component of the state, such as the poses, with one row per body. The
+/// hashes do not depend on the order of the rows. All sums are modulo 2^64.
 struct Hashes {
   std::uint64_t state = 0;                            ///< sum of the hashes of all tables
   std::array<std::uint64_t, k_hash_groups> groups{};  ///< one per HashGroup: sum of the hashes of its tables
 };
 
-/// A running world. It consists of constants, the state tables, and the number of the tick (time step). The
-/// constants are made from a WorldSpec (the *spec*), which describes the world. Each state table holds one
+/// A running world: constants, the state, and the number of the tick (time step). The constants are made from
+/// a WorldSpec, the *spec*, which describes the world. The state is stored in tables. Each table holds one
 /// *component* of the state, such as the poses.
 ///
-/// S(k) is the state after k ticks, with the changes that a program has made since. S(k+1) = step(S(k))
-/// depends only on S(k), the spec with its seed, the calls of subscribe(), and the changes that the callback
-/// of before_tick() makes.
+/// S(k) is the state after k ticks; S(0) is the initial state. step() computes S(k+1) from S(k). Between two
+/// steps, a program may change S(k), for example with set_poses(). S(k+1) depends only on the changed S(k),
+/// the spec with its seed, the calls of subscribe(), and the changes that the callback of before_tick()
+/// makes.
 ///
-/// Every body that has a drive, a device or a controller, or that can be gripped or pushed, has a *row*, an
-/// index into the state tables. Within the rows of its type, it has a *slot*, an index into the tables of
-/// that type. All other bodies are *static*: they have no row and do not move during a run, and their
-/// geometry is the static scene. A *robot* is a body with a drive.
-///
-/// kinds   A *device* is a sensor or other equipment of a body, such as a gripper. A *kind* is a table of
-///         functions (*hooks*) that implements one sort of device, drive or controller; the Registry holds
-///         all kinds. A device runs only in the ticks in which it is *due*: once per period, a number of
-///         ticks.
-/// trees   A body can carry others. A body that is not carried (the *root*) and all bodies that it carries,
-///         directly or through others, are a *tree*: they move together.
-/// lives   A *reserve* is a list of bodies that are *unborn* at tick 0: they are not in the world until they
-///         are born. A *dead* body has left the world and never comes back.
-/// change  An *effect* is an action of a device on another body. An *intervention* is a change at a given
-///         time, such as disabling robots. A *fault* is a random failure of a robot: it breaks devices, slows
-///         the robot, or drops it out, so that its devices, controllers and drive stop.
-/// ranks   Several threads or processes, the *ranks*, can compute one world together. Each of them then has a
-///         World.
+/// The words below have these meanings:
+/// - *robot*: a body with a drive.
+/// - *static*: a body is static if it has no drive, no device and no controller, and cannot be gripped or
+///   pushed. Static bodies do not move during a run. Their geometry is the *static scene*.
+/// - *row*: the index of a body in the state tables. Every body that is not static has a row.
+/// - *slot*: the index of a body in the state tables of its type, which have entries only for bodies of this
+///   type.
+/// - *device*: a sensor or other equipment of a body, such as a gripper. It is *due* once per period, which
+///   is a number of ticks, and runs only in ticks in which it is due.
+/// - *kind*: a table of functions (*hooks*) that implements one sort of device, drive or controller. The
+///   Registry holds all kinds.
+/// - *joint*: a frame of a body that a device moves. It is *at rest* while its displacement is zero.
+/// - *tree*: a body that is not carried (the *root*), and all bodies that it carries, directly or through
+///   others. They move together.
+/// - *unborn*, *dead*: an unborn body is not yet in the world. A dead body has left the world and never comes
+///   back.
+/// - *reserve*: a list of bodies that are unborn at tick 0 and can be born later.
+/// - *blocked*, *out of bounds*: a motion is blocked if another body is in the way, and out of bounds if it
+///   would end outside WorldSpec::bounds. Such a motion does not take place.
+/// - *effect*: an action of a device on another body.
+/// - *intervention*: a change of the world at a given time, such as disabling robots.
+/// - *fault*: a random failure of a robot. A fault breaks devices or slows the robot, or the robot is
+///   *dropped out*: all its devices, its controllers and its drive stop.
+/// - *rank*: one of several threads or processes that compute one world together. Each rank has a World.
 class World {
  public:
-  /// Builds the world in the state S(0). Throws InputError for errors that the loader of a world file cannot
-  /// find, such as a controller that needs a sensor which its robot does not have, and StepError if a hook
-  /// `start` (a function of a device or controller kind) throws. If bodies overlap at tick 0, one warning
-  /// gives the number of overlapping pairs, counted up to 10,000. If diagnostics.thorough() is true, each of
-  /// the first hundred pairs gets a warning of its own instead, and one more warning gives the number of any
-  /// further pairs. Bodies that extend below the floor (z = 0) also cause a warning. The registry, from which
-  /// the world takes its kinds, must outlive the world.
+  /// Builds the world in the state S(0). The registry, from which the world takes its kinds, must outlive the
+  /// world.
+  ///
+  /// Throws InputError for errors that the loader of a world file cannot find, such as a controller that
+  /// needs a sensor which its robot does not have. Throws StepError if a hook `start` of a kind throws.
+  ///
+  /// Adds warnings to `diagnostics` about these bodies:
+  /// - Pairs of bodies that overlap at tick 0: one warning with the number of pairs, counted up to 10,000. If
+  ///   diagnostics.thorough() is true, there is instead one warning for each of the first hundred pairs, and
+  ///   one with the number of further pairs.
+  /// - Bodies that extend below the floor (z = 0).
   World(WorldSpec spec, const Registry& registry, const WorldOptions& options, Diagnostics& diagnostics);
   World(WorldSpec, Registry&&, const WorldOptions&, Diagnostics&) = delete;
   World(const World&) = delete;
   World& operator=(const World&) = delete;
 
   // ---- the tick: engine/world/step.cpp
-  /// Computes one tick: from S(k) to S(k+1). Throws StepError if a command to the drive of a robot, the
-  /// velocity that the drive computes, or the pose to which a device moves a joint is not finite, or if a
-  /// function of a kind (DeviceKind, DriveKind or ControllerKind) or an OnDecide callback throws; the
-  /// docstring of StepError lists further causes. Exceptions of the callbacks of on_phase() and before_tick()
-  /// propagate unchanged. After an exception the state is incomplete: see require_whole(). Apart from the
-  /// first steps, a step allocates no memory unless a kind or a callback does.
+  /// Computes one tick: from S(k) to S(k+1). Apart from the first steps, a step allocates no memory unless a
+  /// kind or a callback does.
+  ///
+  /// Throws StepError if a hook of a kind or an OnDecide callback throws. Also throws StepError if one of
+  /// these is not finite: a command to the drive of a robot, the velocity that the drive computes, or the
+  /// pose to which a device moves a joint. The docstring of StepError lists further causes. Exceptions of the
+  /// callbacks of on_phase() and before_tick() propagate unchanged. After any exception the state is
+  /// incomplete: see require_whole().
   void step();
-  /// Throws std::logic_error if the state is incomplete: a step, or a hook of a kind during spawn(), threw,
-  /// and no reset(), restart() or restore() followed. After a step that threw, some rows have the state of
-  /// the new tick, and the other rows have the state of the old tick. All functions that read or change the
-  /// state as a whole call require_whole() first, such as step(), hashes(), tables(), frame(), spawn(),
-  /// remove(), set(), set_poses(), set_estimate(), set_command() and set_disabled(). Accessors of single rows
-  /// or columns, such as pose() or poses(), do not call it.
+  /// Throws std::logic_error if the state is incomplete. The state becomes incomplete if step() throws, or if
+  /// a hook of a kind throws in spawn(), reset() or restart(). Some rows may then have the state of the new
+  /// tick, and others that of the old tick. A later call of reset(), restart() or restore() makes the state
+  /// complete again.
+  ///
+  /// All functions that read or change the state as a whole call require_whole() first, such as step(),
+  /// hashes(), tables(), frame(), spawn(), remove(), set(), set_poses(), set_estimate(), set_command() and
+  /// set_disabled(). Accessors of single rows or columns, such as pose() or poses(), do not call it.
   void require_whole() const {
     if (is_half_made_) throw_half_made();
   }
-  /// Returns to S(0), the state at tick 0, and undoes the changes of set(). The tables, the tick, the
-  /// counters and all data derived from them are then as after construction, or as after the last restart().
-  /// Callbacks and subscriptions (subscribe()) stay. The function allocates no memory, and may be called
-  /// after a step that threw. Throws StepError if a hook `start` of a device or controller kind throws.
+  /// Returns to S(0), the state that the constructor or the last call of restart() made, and undoes the
+  /// changes of set(). Callbacks and subscriptions (subscribe()) stay. The counters are 0 again. The function
+  /// allocates no memory, and may be called after a step that threw. Throws StepError if a hook `start` of a
+  /// kind throws.
   void reset();
-  /// Goes to S(0), the state at tick 0, with another seed and other poses of the bodies. The run then has the
+  /// Goes to S(0) with another seed, and with other poses and colours of the bodies. The run then has the
   /// same results as a run of a new world whose spec has this seed and these bodies. Only the order of the
   /// rows may differ. The changes of set() are undone. Callbacks and subscriptions (subscribe()) stay. The
-  /// function may be called after a step that threw. Throws StepError if a hook `start` of a device or
-  /// controller kind throws, and InputError if the world uses the grid ray engine, which traces rays through
-  /// a grid of cells, and that grid cannot represent the new static scene.
+  /// function may be called after a step that threw.
   ///
-  /// bodies: one BodySpec for each body of the spec, in the same order and with the same names and types. The
-  /// function does not check order, names and types. Poses and colours may differ. If a static body has
-  /// another pose, the static scene is rebuilt. If any pose or colour differs, the hooks `bind_world`, with
-  /// which kinds read the spec, are called again.
-  /// registry: the registry that was passed to the constructor
+  /// Throws StepError if a hook `start` of a kind throws. Throws InputError if the world uses the grid ray
+  /// engine, which traces rays through a grid of cells, and if this grid cannot represent the new static
+  /// scene. After an InputError, the world is in the state S(0) with the old seed and the old bodies.
+  ///
+  /// bodies     one BodySpec for each body of the spec, in the same order. Only poses and colours may differ
+  ///            from the spec; the function does not check this. If a static body has another pose, the
+  ///            static scene is rebuilt. If any pose or colour differs, the hooks `bind_world`, with which
+  ///            kinds read the spec, are called again
+  /// registry   the registry that was passed to the constructor
   void restart(std::uint64_t seed, std::span<const BodySpec> bodies, const Registry& registry);
   /// Counts of work since tick 0. They are not part of the state.
   struct Counters {
     std::uint64_t beams = 0;            ///< rays cast by all sensors
-    std::uint64_t conflict_rounds = 0;  ///< rounds in which motions were resolved: Conflicts::rounds()
+    std::uint64_t conflict_rounds = 0;  ///< rounds of conflict resolution in all ticks: Conflicts::rounds()
   };
   Counters counters() const { return {beams_, conflict_rounds_}; }  ///< the present counts
   /// A callback that restore() calls to write a saved state into the tables. The callback must set every
@@ -147,61 +164,73 @@ class World {
   using Fill = std::function<void(std::span<StateTable>)>;
   /// Restores a saved state. Calls `fill`, checks the filled tables, and recomputes all data that are derived
   /// from them. `tick`, `counters` and `state_hash` are the values of tick(), counters() and Hashes::state
-  /// when the state was saved. Returns false, and sets the world to S(0), if the filled tables do not have
-  /// the hash `state_hash`, or if they contain values that no state has, such as a NaN in a pose. If `fill`
-  /// throws, the exception propagates and the world is also at S(0).
-  bool restore(std::uint64_t tick, const Counters& counters, std::uint64_t state_hash, const Fill& fill);
-  /// Overwrites all derived data (those that are neither constant, nor state, nor set by the program) with
-  /// junk, and then computes them again from the state. Tests call this and check that the run continues with
-  /// the same bits (the "amnesia" test, docs/determinism.md).
-  void forget();
-  /// Switches on or off a test mode that finds device kinds which read or change data that they do not
-  /// declare. If a kind reads such data, the hashes of the run differ from those without the mode
-  /// (docs/determinism.md). An effect is a change that a device makes to a body (struct Effect). The scope of
-  /// a kind says which bodies its effects may have as targets and may change (DeviceKind::scope). If an
-  /// effect has a target, or changes the state of a body, outside this scope, the step throws a StepError.
+  /// when the state was saved.
   ///
-  /// In this mode the hooks `sense` and `act` of a device are called for one row at a time. During each call,
-  /// the bodies whose enclosing circles are outside the reach of the device (DeviceKind::Prepared::reach_m)
-  /// are hidden: they are not in the spatial index, and their poses, outlines and state are junk. Bodies that
-  /// move together with the device's body (same_tree()) are never hidden. Of the bodies that are not hidden,
-  /// except the device's own body, the state is junk but for these components: `pose`, `carrier`, `life`,
-  /// those of joints, and those that the kind declares to read (DeviceKind::reads). The mode is slow: each
-  /// call takes time proportional to the number of rows. Throws std::invalid_argument if the mode is switched
-  /// on in a world with several threads or the grid ray engine.
+  /// Returns true if the state was restored. Returns false, with the world in the state S(0), if the filled
+  /// tables do not have the hash `state_hash`, or if they contain values that no state has, such as a NaN in
+  /// a pose. If `fill` throws, the exception propagates, and the world is also in the state S(0).
+  bool restore(std::uint64_t tick, const Counters& counters, std::uint64_t state_hash, const Fill& fill);
+  /// For tests: overwrites all derived data with junk, and then computes them again. Derived data are all
+  /// data that follow from the spec, the state, and what the program has set. A test then checks that the run
+  /// continues with the same hashes (the "amnesia" test, docs/determinism.md).
+  void forget();
+  /// Switches a test mode on or off. The mode finds kinds of devices that read or change data of other bodies
+  /// without having declared it (docs/determinism.md).
+  ///
+  /// - Reading: The hooks `sense` and `act` are called for one row at a time. During each call, all data of
+  ///   other bodies that the kind has not declared are junk. If the kind reads such data, the hashes of the
+  ///   run differ from those without the mode.
+  /// - Changing: A kind declares which bodies its effects may have as targets and may change
+  ///   (DeviceKind::scope). If an effect has another target or changes another body, the step throws a
+  ///   StepError.
+  ///
+  /// The *reach* of a device is the radius of a disc around the origin of its body
+  /// (DeviceKind::Prepared::reach_m). Bodies whose enclosing circles are outside this disc are hidden: they
+  /// are not in the spatial index, and their poses, outlines and state are junk. Bodies in the tree of the
+  /// device's body are never hidden. Bodies that are not hidden keep some components: `pose`, `carrier`,
+  /// `life`, those of joints, and those that the kind declares (DeviceKind::reads). Their other components
+  /// are junk. Only the device's own body keeps all components.
+  ///
+  /// The mode is slow: each call of a hook takes time proportional to the number of rows. Throws
+  /// std::invalid_argument if the mode is switched on in a world with several threads or the grid ray engine.
   void hide_beyond_reach(bool on);
-  /// For tests: assigns rows and slots to the bodies again, at random. `seed` and tick() select the new rows
-  /// and slots. Rows, slots, and references to table rows that the caller holds then belong to other bodies.
-  /// No result depends on rows and slots, so the run continues with the same bits (docs/determinism.md).
-  /// Throws std::logic_error if several ranks compute the world. Call this between steps.
+  /// For tests: gives the bodies other rows and slots, at random. The random numbers follow from `seed` and
+  /// tick(). Rows and slots that the caller has stored, and references to table rows, then belong to other
+  /// bodies. No result depends on rows and slots, so the run continues with the same hashes
+  /// (docs/determinism.md). Throws std::logic_error if several ranks compute the world. Call this between
+  /// steps.
   void shuffle_rows(std::uint64_t seed);
-  /// The data of a row that cannot be computed from the spec or from other data: the state of its body, and
-  /// what programs have set for the body (subscribe() and set_poses()).
+  /// The data of a row that World cannot compute from the spec or from other data: the state of the row's
+  /// body, whether subscribe() was called for the body, and what placed_before_step() must know about it.
   struct RowState {
     BodyId body;                   ///< body of the row
     std::vector<std::byte> bytes;  ///< the data, for add_rows() of a world with the same spec
   };
-  /// Removes the rows of bodies from this world, for example to add them to another World that was made from
-  /// the same spec (add_rows()). Returns the data of the rows, in the order of `bodies`. location() of the
-  /// bodies is then RowLocation::elsewhere. If a body is carried or carries others, `bodies` must contain all
-  /// bodies that move together with this body (same_tree()). Counts such as robots() still include the
-  /// removed bodies. If the world cannot be distributed among ranks (why_replicated() in
-  /// engine/ranks/halo.hpp), pass the data to add_rows() before any other call. Otherwise step() may be
-  /// called before add_rows(). The remaining bodies then do what they would do if the removed bodies were far
-  /// away. The only exception: an intervention that chooses bodies at random chooses among the remaining
-  /// bodies only. Throws std::invalid_argument if a body has no row in this world, occurs twice, or is listed
-  /// without the bodies that move together with it, and std::logic_error if several ranks compute the world.
-  /// Call this between steps. The tables and all other lists with one element per row may move in memory.
-  /// They may also move in add_rows() and, if the rows are distributed among ranks, in gather().
+  /// Removes the rows of bodies from this world. Returns their data, in the order of `bodies`. add_rows() can
+  /// add the rows again, to this World or to another World that was made from the same spec. location() of
+  /// the removed bodies is RowLocation::elsewhere. Call this between steps.
+  ///
+  /// If a body is in a tree with others, `bodies` must contain the whole tree. Throws std::invalid_argument
+  /// if a body of a tree is missing, if a body has no row in this world, or if a body occurs twice. Throws
+  /// std::logic_error if several ranks compute the world.
+  ///
+  /// If the rows of the world can be distributed among ranks, step() may be called before add_rows():
+  /// why_replicated() (engine/ranks/halo.hpp) then returns an empty text. The remaining bodies do what they
+  /// would do if the removed bodies were far away. There is one exception: an intervention that chooses
+  /// bodies at random chooses among the remaining bodies only. In any other world, add_rows() must add the
+  /// rows again before any other call. robots() still counts the removed robots if has_lives() is false.
+  ///
+  /// The tables and all other lists with one element per row may move in memory. They may also move in
+  /// add_rows() and, if the rows are distributed among ranks, in gather().
   std::vector<RowState> remove_rows(std::span<const BodyId> bodies);
   /// Adds rows that remove_rows() has removed, in any order. Throws std::invalid_argument if location() of a
   /// body is not RowLocation::elsewhere. Call this between steps.
   void add_rows(std::span<const RowState> added);
-  /// Number of completed ticks. Within a step, from the phase `sense` on: number of the tick that the step
-  /// computes.
+  /// Number of completed ticks. During a step, from the phase `sense` on, it is the number of the tick that
+  /// the step computes.
   std::uint64_t tick() const { return state_.now.tick; }
   double tick_s() const { return state_.spec.tick_s; }  ///< length of a tick, s
-  /// World time, s: tick() * tick_s().
+  /// World time, which is the simulated time, s: tick() * tick_s().
   double time_s() const { return static_cast<double>(state_.now.tick) * state_.spec.tick_s; }
   /// Replaces the callback that step() calls at the beginning of each phase and at the end of the tick. The
   /// argument is the phase that begins, or std::nullopt at the end of the tick. An empty callback is not
@@ -212,9 +241,9 @@ class World {
   /// that are allowed between two steps. The exceptions of the callback propagate from step(). A second call
   /// of before_tick() replaces the callback. Call before_tick() between steps.
   void before_tick(std::function<void()> callback) { before_tick_ = std::move(callback); }
-  /// A callback that step() calls in place of a controller, once per batch (the robots of one type that one
-  /// call of the controller handles). The callback must itself call controller.kind->decide(controller.data,
-  /// batch). Several threads call it at once, so it must be thread-safe. ControllerCheck
+  /// A callback that step() calls in place of a controller, once per batch: the robots of one type that one
+  /// call of the controller handles. The callback must itself call controller.kind->decide(controller.data,
+  /// batch). Several threads call the callback at the same time, so it must be thread-safe. ControllerCheck
   /// (engine/observing/controller_check.hpp) installs such a callback.
   using OnDecide =
       std::function<void(const BodyType& type, const BodyType::Controller& controller, const DecideBatch&)>;
@@ -223,8 +252,8 @@ class World {
   void on_decide(OnDecide callback) { on_decide_ = std::move(callback); }
 
   /// A view of those data of the world that devices may read (engine/sensing/sensing_view.hpp). It always
-  /// shows the present state, and is valid as long as the world exists. Functions that devices share with
-  /// other code, such as first_met() (engine/sensing/sight.hpp), take such a view as an argument.
+  /// shows the present state, and is valid as long as the world exists. Some functions take such a view as an
+  /// argument, for example first_met() (engine/sensing/sight.hpp), which casts a ray.
   const CommittedView& view() const { return state_.view; }
 
   // ---- ranks: engine/ranks/ranks.cpp. Several ranks (threads or processes) may compute one world together.
@@ -234,80 +263,90 @@ class World {
   /// disconnects it. Called by the constructor and the destructor of Replica. Returns references to the data
   /// of this world that the Replica reads and writes.
   ReplicaParts join(Replica* replica);
-  /// On rank 0: fetches the table rows that this world lacks because only other ranks compute them, so that
-  /// its tables are complete. Functions that read whole tables call gather() first. gather() does nothing on
-  /// the other ranks, during a tick, if the tables are already complete, or if the world has no Replica.
-  /// Before several threads read the world at once, call gather() on the thread that calls step().
+  /// Completes the state tables on rank 0 with the rows that only other ranks have computed. Functions that
+  /// read whole tables call gather() first. Before several threads read the world at the same time, call
+  /// gather() on the thread that calls step().
+  ///
+  /// Does nothing in any of these cases: the tables are already complete, this is not rank 0, a tick is being
+  /// computed, or the world has no Replica.
   void gather() const {
     if (replica_ != nullptr) gather_rows();
   }
-  /// Calls gather() if the rows of the world are distributed among ranks (engine/ranks/halo.hpp): rank 0 then
-  /// has all rows until the next step. Measures (numbers computed from the state, such as a mean distance)
-  /// call this function, because they read the rows of all bodies.
+  /// Calls gather() if the rows of the world are distributed among the ranks (engine/ranks/halo.hpp): rank 0
+  /// then has all rows until the next step. If the rows are not distributed, every rank already has the poses
+  /// of all bodies. Code that reads the poses of all bodies, such as a measure (a number computed from the
+  /// state), calls this function first.
   void gather_distributed() const;
-  /// Called by Replica on ranks other than 0, after a program has changed the state on rank 0: replaces the
-  /// state by that of rank 0. Works like restore() with the same `tick` and `fill`, but checks nothing.
-  /// is_in_tick: whether the interventions of the present tick have already been applied.
+  /// Replaces the state by that of rank 0. Replica calls this on the other ranks after a program has changed
+  /// the state on rank 0. Calls `fill`, which writes the tables, and sets the tick. Recomputes all data that
+  /// are derived from the state. Unlike restore(), checks nothing.
+  ///
+  /// is_in_tick   whether the interventions of the present tick have already been applied
   void adopt(std::uint64_t tick, const Fill& fill, bool is_in_tick);
-  /// Called by Halo (engine/ranks/halo.hpp), also during a tick, before the phase `move`: removes the rows of
-  /// `leaving`, which are in this world, and then adds those of `coming` after the remaining rows. A RowState
-  /// without bytes adds a row of zeros. Afterwards, the first `own` rows are the own rows, which this rank
-  /// computes (WorldState::own_rows); the rows after them are copies of rows of other ranks. If own rows
-  /// leave, all copies must leave as well: otherwise a copy could move to the place of an own row that
-  /// leaves.
+  /// Removes the rows of `leaving`, and then adds those of `coming` after the remaining rows. Halo
+  /// (engine/ranks/halo.hpp) calls this, also during a tick. Afterwards, the first `own` rows are the own
+  /// rows, which this rank computes (WorldState::own_rows). The rows after them are copies of rows of other
+  /// ranks.
+  ///
+  /// leaving   bodies with rows in this world. The last rows fill the places of the removed rows. If an own
+  ///           row leaves, all copies must therefore leave too: otherwise a copy could get the place of the
+  ///           own row
+  /// coming    the rows to add; a RowState without bytes adds a row of zeros
   void exchange_rows(std::span<const BodyId> leaving, std::span<const RowState> coming, std::size_t own);
-  /// Returns the data of a row in the form of RowState::bytes.
+  /// Returns the data of a row, as RowState::bytes contains them.
   std::vector<std::byte> row_bytes(Row row);
   /// Number of bodies of each reserve that have been born, in the order of WorldSpec::reserves. All ranks
   /// have the same numbers.
   std::span<const std::uint32_t> births() const { return next_born_; }
-  /// Replaces the numbers of births() by `births`, those of rank 0. Called after adopt() if the rows are
+  /// Sets the numbers of births() to `births`, the numbers on rank 0. Called after adopt() if the rows are
   /// distributed among ranks.
   void set_births(std::span<const std::uint32_t> births);
 
   // ---- constants and indices
-  /// The spec that the world was made from, with the seed and the bodies of the last restart() and the
-  /// settings of set().
+  /// The spec that the world was made from, with later changes: restart() replaces the seed and the bodies,
+  /// and set() adds interventions.
   const WorldSpec& spec() const { return state_.spec; }
   std::span<const BodyType> types() const { return state_.types; }      ///< compiled types, indexed by TypeId
   const partition::StaticScene& scene() const { return state_.scene; }  ///< geometry of the static bodies
-  /// Spatial index of the bodies in the world that have rows, at their present poses. During a step, it has
-  /// the poses before the motions of that step. It is rebuilt in the phase `index` and, if devices request
-  /// births, already before these births at the end of the phase `move`.
+  /// Spatial index of the bodies that have rows and are in the world. Between steps, it has their present
+  /// poses. During a step, it has the poses before the motions of that step, until it is rebuilt in the phase
+  /// `index`. If devices request births, it is also rebuilt at the end of the phase `move`, before these
+  /// births.
   const partition::BodyIndex& index() const { return state_.index; }
-  /// Spatial index of the parts of static bodies that fiducial finders detect.
+  /// Spatial index of the parts of static bodies that fiducial finders (sensors of markers) detect.
   const FixedTargets& fixed_targets() const { return state_.fixed_targets; }
   /// Cells through which the grid ray engine traces rays (RangingEngine::grid). Null if the world uses the
   /// exact ray engine.
   const partition::RayGrid* ray_grid() const { return state_.ray_grid.get(); }
-  /// Sizes of the cells and tiles of the spatial index. No result depends on them.
+  /// Sizes of the squares of the spatial index: cells, and tiles, each of which consists of several cells. No
+  /// result depends on the sizes.
   const partition::GridGeometry& geometry() const { return state_.geometry; }
   /// The worker threads of step(). Between steps, other code may use them, such as measures (numbers computed
   /// from the state).
   partition::Parallel& parallel() { return parallel_; }
-  /// Number of rows: one for each body that has a drive, a device or a controller, or that can be gripped or
-  /// pushed. The constructor orders the rows by the positions of their bodies at tick 0, so that neighbours
-  /// in space are close in memory; the rows of unborn bodies come last.
+  /// Number of rows in this world: one for each body that is not static. The constructor orders the rows by
+  /// the positions of their bodies at tick 0, so that neighbours in space are close in memory. The rows of
+  /// unborn bodies come last.
   std::size_t rows() const { return state_.bodies.size(); }
-  /// Number of robots (rows whose type has a drive) that are in the world at tick 0.
+  /// Number of robots that are in the world at tick 0.
   std::size_t robots_at_start() const { return robots_at_start_; }
   /// Number of robots that are in the world now.
   std::size_t robots() const;
   BodyId body(Row row) const { return state_.view.body(row); }  ///< body of a row
-  /// Whether the body has a row in this world (RowLocation::here), has its row elsewhere (after
-  /// remove_rows(), or on another rank), or is static and has no row (RowLocation::none).
+  /// Where the row of a body is. RowLocation::here: in this World. RowLocation::elsewhere: on another rank,
+  /// or removed by remove_rows(). RowLocation::none: the body is static and has no row.
   RowLocation location(BodyId body) const { return state_.view.location(body); }
-  /// Row of a body. Static bodies have no row: for them the result is not valid(). Throws std::logic_error if
+  /// Row of a body. The result is not valid() for a static body, which has no row. Throws std::logic_error if
   /// location() is RowLocation::elsewhere.
   Row row(BodyId body) const { return state_.view.row(body); }
   const BodyType& type(Row row) const { return state_.view.type(row); }  ///< type of the row's body
   const BodyType& type(BodyId body) const { return state_.type(body); }  ///< type of any body, static or not
-  /// Slot of a row: its position among the rows of its type, and so its index in the tables of that type.
+  /// Slot of a row: the index of its body in the tables that have entries only for bodies of its type.
   std::size_t slot(Row row) const { return state_.view.slot(row); }
-  /// Returns the body with this name or alias (a further name of a body: WorldSpec::aliases). A body with
-  /// this name is preferred to a body with this alias. Of several bodies with this name, the function returns
-  /// the body with the highest id. Unborn and dead bodies are found as well. If there is no such body, the
-  /// result is not valid(). Thread-safe.
+  /// Returns the body with this name. If several bodies have the name, returns the one with the highest id.
+  /// If no body has the name, returns the body for which the name is an alias (WorldSpec::aliases). If there
+  /// is no such body either, the result is not valid(). Unborn and dead bodies are found as well.
+  /// Thread-safe.
   BodyId find(std::string_view name) const;
 
   // ---- the state
@@ -317,91 +356,100 @@ class World {
     gather();
     return state_.tables;
   }
-  /// Index of the row's body in one of the tables(): the row itself if the table has rows for bodies of all
-  /// types, else the slot. If the table has no row for the body, the result is the index of another body, or
-  /// is not below StateTable::rows().
+  /// Returns the index of the row's body in one of the tables(): the row itself if the table has entries for
+  /// bodies of all types, otherwise the slot. The table must have an entry for the body. If it has none, the
+  /// result is meaningless, and may be out of range; find_in() checks this.
   std::size_t row_in(const StateTable& table, Row row) const { return state_.row_in(table, row); }
-  /// Like row_in(), but returns std::nullopt if the table has no row for the body.
+  /// Like row_in(), but returns std::nullopt if the table has no entry for the row's body.
   std::optional<std::size_t> find_in(const StateTable& table, Row row) const {
     return state_.find_in(table, row);
   }
   /// Pose of each row, world frame. A dead body has the pose at which it died; all values of an unborn body
   /// are 0.
   std::span<const Pose> poses() const { return state_.view.poses(); }
-  /// Pose of any body, static ones included, in the world frame. A dead body has the pose at which it died;
-  /// for an unborn body all values are NaN. Throws std::logic_error if location() is RowLocation::elsewhere.
+  /// Pose of any body, also of a static body, in the world frame. A dead body has the pose at which it died.
+  /// All values of an unborn body are NaN. Throws std::logic_error if location() is RowLocation::elsewhere.
   Pose pose(BodyId body) const { return state_.view.pose(body); }
-  /// The row's pose as a transform. It is stored, not computed by this call, and equals Transform(pose) bit
-  /// for bit.
+  /// The pose of the row's body as a transform. It is stored, not computed by this call, and equals
+  /// Transform(pose) bit for bit.
   const Transform& transform(Row row) const { return state_.view.transform(row); }
-  /// Velocity that the drive of each row computed, body frame, m/s and rad/s. It is 0 if the body has no
-  /// drive or is not in the world. The phase `actuate` of each tick also sets it to 0 while the body is
-  /// disabled or dropped out by a fault, or while the power supply of its drive is empty. It does not become
-  /// 0 when an obstacle blocks the motion.
+  /// Velocity that the drive of each row computed last, body frame, m/s and rad/s. It is 0 for a body that
+  /// has no drive or is not in the world. The phase `actuate` of each tick sets it to 0 for a body that is
+  /// disabled or dropped out by a fault, and for a body whose drive has an empty power supply. A blocked
+  /// motion does not change it.
   std::span<const Velocity> velocities() const { return state_.as<Velocity>(WorldState::k_velocity); }
   /// Command to the drive of each row. The numbers have no meaning for rows without a drive.
   std::span<const Command> commands() const { return state_.as<Command>(WorldState::k_command); }
-  /// Whether the row's last motion was blocked or would have ended out of bounds. False before the first
-  /// tick, and after set_poses() has placed the body.
+  /// Whether the row's last motion was blocked or out of bounds. False before the first tick, and after
+  /// set_poses() has placed the body.
   bool stalled(Row row) const;
-  /// Whether the row's last motion would have ended outside the bounds of the world (WorldSpec::bounds).
+  /// Whether the row's last motion was out of bounds.
   bool is_out_of_bounds(Row row) const;
-  /// Estimated pose of a robot, m and rad. The Localization of its drive, which says how the robot estimates
-  /// its pose, defines the frame: by default the world frame, with odometry the frame of the robot's first
-  /// pose. For a body without a drive, the true pose in the world frame.
+  /// Estimated pose of a robot, m and rad. The Localization of the robot's drive says how the robot estimates
+  /// its pose, and in which frame. By default, the estimate is the true pose in the world frame. With
+  /// odometry, its frame is by default the robot's pose at tick 0 or at its birth. For a body without a
+  /// drive, the result is the true pose in the world frame.
   Pose estimate(Row row) const { return estimates(type(row)).of(row, slot(row)); }
-  /// Estimated poses of all bodies of a type, valid as long as the world exists. For a type without a drive
-  /// they are the true poses, world frame.
+  /// Estimated poses of all bodies of a type, in the same frames as those of estimate(). The result is valid
+  /// as long as the world exists.
   Estimates estimates(const BodyType& type) const;
-  /// Overwrites the odometry estimate of a robot with a pose in the frame of the estimate, m and rad. The z
-  /// of the pose is ignored, and the heading is wrapped. Throws std::logic_error if the robot has no
-  /// odometry, and std::invalid_argument if a number of the pose, z included, is not finite.
+  /// Overwrites the odometry estimate of a robot with a pose, m and rad, in the same frame as estimate(). The
+  /// z of the pose is ignored. The heading is wrapped into [-pi, pi]. Throws std::logic_error if the robot
+  /// has no odometry, and std::invalid_argument if a number of the pose, z included, is not finite.
   void set_estimate(Row row, const Pose& pose);
-  /// Overwrites the command to a robot's drive, which the next step executes. Call this between steps. If a
-  /// number is not finite, the next step in which the drive runs throws a StepError. Throws std::logic_error
-  /// after a step that threw (require_whole()).
+  /// Overwrites the command to the drive of a robot. The drive executes the new command from the next step
+  /// on. Call this between steps. If a number is not finite, the next step in which the drive runs throws a
+  /// StepError. Throws std::logic_error if the state is incomplete (require_whole()).
   void set_command(Row row, const Command& command) {
     require_whole();
     touch();
     state_.tables[WorldState::k_command].as<Command>(row.index()) = command;
   }
-  /// Transform from the body frame to the world frame for the parts and devices on a joint of the row's body.
-  /// `joint` is an index into BodyType::joints or k_rigid. Details: SensingView::mount().
+  /// Frame of the parts and devices on a joint of the row's body: the present pose of the body in the world
+  /// frame, combined with the present displacement of the joint from rest. For k_rigid, the frame is the pose
+  /// of the body. `joint` is an index into BodyType::joints or k_rigid. Details and an example:
+  /// SensingView::mount().
   Mount mount(Row row, std::int32_t joint) const { return state_.view.mount(row, joint); }
-  /// Upper bound on the distance of any point of the row's body from its origin, m; negative if the body is
-  /// not in the world. Details: SensingView::radius().
+  /// Upper bound on the distance from the origin of the row's body to any point of the body, m; negative if
+  /// the body is not in the world. Details: SensingView::radius().
   double radius(Row row) const { return state_.view.radius(row); }
-  /// Height by which a joint of the row's body, and the joints that carry this joint, have raised the parts
-  /// on the joint above their rest position, m; 0 for k_rigid. `joint` is as in mount().
+  /// Height by which the parts on a joint of the row's body are above their places with all joints at rest,
+  /// m. The joints that this joint is mounted on are included. `joint` is an index into BodyType::joints, or
+  /// k_rigid, for which the height is 0.
   double lift(Row row, std::int32_t joint) const { return state_.view.lift(row, joint); }
-  /// Present pose of a joint (an index into BodyType::joints) relative to its rest pose, m and rad.
+  /// Present pose of a joint of the row's body, relative to the pose of the joint at rest, m and rad. `joint`
+  /// is an index into BodyType::joints.
   const Pose& joint_state(Row row, std::size_t joint) const { return state_.joint_state(row, joint); }
   /// The body that carries the row's body; std::nullopt if it is not carried.
   std::optional<BodyId> carrier(Row row) const { return state_.view.carrier(row); }
   /// Number of carried bodies.
   std::size_t carried_count() const { return state_.now.carried; }
-  /// Whether two bodies move together: one carries the other, directly or through further bodies, or a third
+  /// Whether two bodies are in the same tree: one carries the other, directly or through others, or a third
   /// body carries both. True if a and b are the same row.
   bool same_tree(Row a, Row b) const { return state_.view.same_tree(a, b); }
-  /// The row of the body that carries the row's body, directly or through others, and is not carried itself
-  /// (the *root* of its tree); the row itself if its body is not carried.
+  /// The row of the root of the tree that contains the row's body; the row itself if its body is not carried.
   Row root(Row row) const { return state_.now.carried > 0 ? Row(state_.roots[row.index()]) : row; }
-  /// Upper bound on the distance of any point of a tree from the origin of its root, m. It holds for all
-  /// trees of two or more bodies whose rows are in this world, and is the largest Links::farthest() of their
-  /// roots. 0 if there are no such trees.
+  /// Upper bound on the distance from the origin of the root to any point of a tree, m, whatever the poses of
+  /// the joints. It holds for all trees of two or more bodies whose rows are in this world; 0 if there are no
+  /// such trees. Drive devices (DeviceKind::drives) must not move joints of these bodies: see
+  /// Links::farthest().
   double farthest_in_trees() const;
-  /// Attaches the body `cargo` to the body `carrier`. The cargo then keeps its present pose relative to the
-  /// joint with the index `joint` of the carrier or, if `joint` is k_rigid, relative to the carrier itself.
-  /// Returns false and changes nothing if the cargo is already carried, if the cargo is the carrier or
-  /// carries the carrier, directly or through others, or if no device of the carrier can carry bodies
-  /// (DeviceKind::carries). Both bodies must be in the world. Only DeviceKind::apply may call this.
+  /// Attaches the body `cargo` to the body `carrier`. From then on, the cargo keeps its present pose relative
+  /// to a joint of the carrier: the joint with the index `joint` in BodyType::joints. If `joint` is k_rigid,
+  /// the cargo keeps its pose relative to the carrier itself. Both bodies must be in the world. Only
+  /// DeviceKind::apply may call this.
+  ///
+  /// Returns false and changes nothing in these cases:
+  /// - The cargo is already carried.
+  /// - The cargo is the carrier, or carries the carrier, directly or through others.
+  /// - The carrier has no device that can carry bodies (DeviceKind::carries).
   bool attach(Row cargo, Row carrier, std::int32_t joint) { return links_.attach(cargo, carrier, joint); }
   /// Detaches a body from its carrier; its pose stays. Does nothing if the body is not carried. Only
   /// DeviceKind::apply may call this.
   void release(Row cargo) { links_.release(cargo); }
 
   // ---- births and deaths: engine/world/lives.cpp
-  /// Whether bodies of this world may be born or die. They may if the world has reserves, if a device or an
+  /// Whether bodies of this world can be born or die. They can if the world has reserves, if a device or an
   /// intervention can remove bodies, or if WorldSpec::mortal is set. In all other worlds the state has no
   /// component `life`.
   bool has_lives() const { return state_.life_table.has_value(); }
@@ -412,44 +460,45 @@ class World {
   bool is_there(Row row) const { return state_.view.is_there(row); }
   /// Number of rows whose bodies are unborn or dead.
   std::size_t absent_count() const { return state_.now.absent; }
-  /// Position of the row's body at its birth, or at tick 0 if it was present then; m, world frame. (0, 0)
-  /// for an unborn body.
+  /// Position of the row's body at its birth, or at tick 0 if it was present then; m, world frame. For an
+  /// unborn body it is (0, 0).
   Vec2 origin(Row row) const;
   /// Number of ticks that were completed when the body was born; 0 if it was present at tick 0 or is unborn.
-  /// The periods of its devices, drive and controllers count from that tick.
+  /// The periods of the body's devices, drive and controllers count from that tick.
   std::uint64_t birth_tick(Row row) const { return state_.view.birth_tick(row); }
-  /// Index in WorldSpec::reserves of the reserve of a population (bodies whose names are one word with
-  /// different numbers). The reserve consists of the bodies of the population that are not in the world at
-  /// tick 0. `population` is the name of the population ("ant"), not of a body ("ant7"). std::nullopt if
-  /// there is no such population, or if it has no reserve.
+  /// Returns the index in WorldSpec::reserves of the reserve of a population. A population is a set of bodies
+  /// with the same name and different numbers: "ant" is the population of "ant0", "ant1", and so on. The
+  /// result is std::nullopt if there is no population with this name, or if it has no reserve.
   std::optional<std::size_t> reserve(std::string_view population) const;
   /// Number of bodies of a reserve (an index into WorldSpec::reserves) that are not yet born.
   std::size_t unborn(std::size_t reserve) const {
     return state_.spec.reserves[reserve].count - next_born_[reserve];
   }
-  /// Spawns the next body of a reserve (an index into WorldSpec::reserves, which must exist) at a pose, m and
-  /// rad, world frame. If the pose is not free (is_free()) or the reserve has no body left, no body is born,
-  /// and Birth::status gives the reason. Apart from its pose and the component `life`, a new body has the
-  /// state of a body at tick 0. Throws std::invalid_argument if the pose is not finite, and StepError if a
-  /// hook `start` of a device or controller kind throws (see require_whole()). Each birth rebuilds the
-  /// spatial index of all bodies. Call this between steps.
+  /// Spawns the next body of a reserve at a pose, m and rad, world frame. `reserve` is an index into
+  /// WorldSpec::reserves and must exist. Apart from its pose and the component `life`, the new body has the
+  /// state of a body at tick 0. If the pose is not free (is_free()), or if all bodies of the reserve have
+  /// been born, no body is born, and Birth::status gives the reason.
+  ///
+  /// Throws std::invalid_argument if the pose is not finite. Throws StepError if a hook `start` of a kind
+  /// throws; the state is then incomplete (require_whole()). Each birth rebuilds the spatial index of all
+  /// bodies. Call this between steps.
   Birth spawn(std::size_t reserve, const Pose& pose);
-  /// Removes a body from the world; bodies that it carries stay where they are. Does nothing if the body is
+  /// Removes a body from the world. Bodies that it carries stay where they are. Does nothing if the body is
   /// not in the world. Throws std::logic_error if has_lives() is false. Each call rebuilds the spatial index
   /// of all bodies. Call this between steps.
   void remove(Row row);
 
   // ---- experiments: engine/interventions/experiment.cpp
   /// Whether the row's body is disabled by an intervention or a program, or dropped out by a fault. The
-  /// devices, controllers and drive of such a body do not run. The body does not move on its own, but still
-  /// blocks motions and is visible to sensors.
+  /// devices, controllers and drive of such a body do not run. The body does not move on its own, but it
+  /// still blocks motions and is visible to sensors.
   bool is_disabled(Row row) const { return state_.now.impaired > 0 && state_.condition(row).out != 0; }
   /// Whether no fault has broken the row's device, and is_disabled() is false for the row. `device` is an
   /// element of BodyType::devices of the row's type.
   bool works(Row row, const BodyType::Device& device) const { return state_.view.works(row, device); }
-  /// Whether bodies of this world may be disabled or fail. They may if the world has an intervention that
-  /// disables or enables bodies, if it has faults, or if WorldSpec::mortal is set. In all other worlds the
-  /// state has no component `condition`.
+  /// Whether bodies of this world can be disabled or have faults. They can if the world has an intervention
+  /// that disables or enables bodies, if it has faults, or if WorldSpec::mortal is set. In all other worlds
+  /// the state has no component `condition`.
   bool has_conditions() const { return state_.condition_table.has_value(); }
   /// Disables or enables a body, as the intervention `disable` or `enable` of a world file does. Returns
   /// false and changes nothing if the body already is as requested, or is not in the world. Enabling a body
@@ -457,19 +506,20 @@ class World {
   /// between steps.
   bool set_disabled(Row row, bool disabled);
   /// Changes parameters of a type, for all its bodies, as the intervention `set` of a world file does. The
-  /// change becomes part of spec(), as an intervention at the present time, until reset() or restart(). If
-  /// the parameters cannot change, returns an error that says why, and leaves the world unchanged. If several
-  /// ranks compute the world, all of them apply the change. `registry` must be that of the constructor. Call
-  /// this between steps, or in the callback of before_tick().
+  /// change lasts until reset() or restart(). Until then, spec() contains it as an intervention at the
+  /// present time. If the parameters cannot change during a run, returns an error that says why, and leaves
+  /// the world unchanged. If several ranks compute the world, all of them apply the change. `registry` must
+  /// be that of the constructor. Call this between steps, or in the callback of before_tick().
   Result<> set(const SettingSpec& setting, const Registry& registry);
-  /// Number of calls of set() that changed parameters since construction, reset() or restart(). Each of them
-  /// has added an intervention at the end of ExperimentSpec::at.
+  /// Number of calls of set() since construction, reset() or restart() that have changed parameters. Each of
+  /// them has added one intervention at the end of ExperimentSpec::at.
   std::size_t settings_made() const { return experiment_.made; }
-  /// The spec of a type with its present parameters, which interventions `set` and set() may have changed.
+  /// The spec of a type with its present parameters, which the intervention `set` and the function set() may
+  /// have changed.
   TypeSpec present_type(TypeId type) const;
-  /// Longest reach of all devices of types with rows, m. The reach of a device is the distance at which it
-  /// can sense or affect bodies. The result is the maximum of DeviceKind::Prepared::reach_m over all
-  /// parameters that devices have during a run, including parameters that interventions of spec() set.
+  /// Longest reach of a device, m, over the whole run. The reach of a device is the distance from its body at
+  /// which it can sense bodies (DeviceKind::Prepared::reach_m). All types that are not static count. For each
+  /// of their devices, the present parameters count, and all parameters that interventions of spec() set.
   double longest_reach() const;
   /// Number of bodies in the world that are disabled or have a fault, such as a broken device. Bodies whose
   /// rows are elsewhere (RowLocation::elsewhere) do not count.
@@ -480,67 +530,73 @@ class World {
     Row row;    ///< row of the body
     Pose pose;  ///< world frame, m and rad; the heading may have any finite value and is wrapped
   };
-  /// Sets the poses of bodies. Call this between steps. If a row occurs twice, its last pose counts. The
-  /// odometry estimate and the velocity of a robot do not change; a stalled robot is no longer stalled. The
-  /// poses may overlap other bodies. As at tick 0, bodies that overlap may then move apart but not closer.
-  /// Carried bodies move with their carriers. Throws std::invalid_argument, and moves no body, if a body of
-  /// the list is carried or not in the world, or if a pose is not finite or out of bounds. Each call rebuilds
-  /// the spatial index of all bodies, so pass all poses in one call.
+  /// Sets the poses of bodies. Call this between steps. Each call rebuilds the spatial index of all bodies,
+  /// so pass all poses in one call. If a row occurs twice, its last pose counts.
+  ///
+  /// A pose may overlap other bodies. Bodies that overlap can later move apart, but not closer. If a body
+  /// carries others, they move with it. A robot that was stalled() is no longer stalled. Its velocity and its
+  /// odometry estimate do not change.
+  ///
+  /// Throws std::invalid_argument, and moves no body, if a body of the list is carried or not in the world,
+  /// or if a pose is not finite or out of bounds.
   void set_poses(std::span<const Placed> placed);
-  /// The bodies that set_poses() placed between the last two steps, or in the phase `intervene` of the last
-  /// step, and all bodies that were carried during such a call. Each row occurs once. Placed::pose is the
-  /// pose that the body had before the motions of the last step. Measures of the distance travelled use this
-  /// list, so that jumps do not count as travel. The list is empty before the first step. It is not part of
-  /// the state.
+  /// The bodies that set_poses() or the intervention `move` placed between the last two steps, or in the
+  /// phase `intervene` of the last step. All bodies that were carried when this happened are listed too,
+  /// because they may have moved with their carriers. Each row occurs once. Placed::pose is the pose before
+  /// the motions of the last step. Measures of the distance travelled use this list, so that jumps do not
+  /// count as travel. The list is empty before the first step. It is not part of the state.
   std::span<const Placed> placed_before_step() const { return placed_before_; }
-  /// Whether the row's body could be at a pose (world frame, m and rad): its origin would be within the
-  /// world's bounds, and the body would overlap neither the static scene nor another body that is an
-  /// obstacle. The test uses the present joints of the body, and includes the bodies that it carries. An
-  /// unborn or dead body is tested with its joints at rest. If no tested body is an obstacle, or if the row's
-  /// body is carried, only the bounds count. False if the pose is not finite.
+  /// Whether the row's body could be placed at a pose (world frame, m and rad). True if its origin would be
+  /// within the world's bounds, and the body would overlap neither the static scene nor another body that is
+  /// an obstacle. False if the pose is not finite.
+  ///
+  /// The test includes the bodies that the row's body carries, and uses the present poses of its joints. If
+  /// the body is unborn or dead, its joints are taken to be at rest. In two cases only the bounds count: the
+  /// row's body is carried, or neither it nor a body that it carries is an obstacle.
   bool is_free(Row row, const Pose& pose) const;
-  /// State of a device (for a sensor its readings), one table row per slot of its type. Before the first run
-  /// of a sensor, its readings are 0 or as DeviceKind::start has set them.
+  /// The state table of a device, with one table row per slot of the device's type. The state of a sensor is
+  /// its readings. Before the sensor has run for the first time, they are 0 or as DeviceKind::start has set
+  /// them.
   const StateTable& percepts(const BodyType::Device& sensor) const {
     gather();
     return state_.tables[sensor.table];
   }
-  /// Makes every sensor of this body run, including the sensors that no controller reads. The body must have
-  /// a row. Call this before the first step.
+  /// Makes every sensor and every other device of a body run, including those that no controller uses. The
+  /// body must have a row. Call this before the first step.
   void subscribe(BodyId body) {
     touch();
     state_.subscribed[row(body).index()] = 1;
   }
-  /// Bodies for which subscribe() was called, in ascending order of ids.
+  /// Bodies for which subscribe() was called and which have a row in this World, in ascending order of ids.
   std::vector<BodyId> subscribed() const;
-  /// Whether a sensor of the row is active (a controller uses it, or the world file makes it active:
-  /// BodyType::Device::active), or subscribe() was called for its body.
+  /// Whether a device of the row is in use. It is in use if a controller uses it or the world file makes it
+  /// active (BodyType::Device::active), or if subscribe() was called for the body.
   bool senses(Row row, const BodyType::Device& sensor) const { return state_.view.senses(row, sensor); }
-  /// Whether a device of the row gets power: false if its power supply is empty. `supply` is the index of
-  /// that supply among the devices of the type (BodyType::Device::supply). If it is std::nullopt, the device
-  /// has no supply and the result is true.
+  /// Whether a device of the row's body gets power: false if its power supply is empty. `supply` is the index
+  /// of this supply in BodyType::devices, from the member BodyType::Device::supply of the device. For
+  /// std::nullopt (the device needs no supply) the result is true.
   bool is_supplied(Row row, std::optional<std::size_t> supply) const {
     return state_.view.is_supplied(row, supply);
   }
   /// Whether the row's device is switched on: no controller has switched it off.
   bool is_on(Row row, const BodyType::Device& device) const { return state_.view.is_on(row, device); }
-  /// Whether the row's device runs in the ticks in which it is due, that is, once per
-  /// BodyType::Device::period. The device runs if senses(), is_on(), works() and is_supplied() are true for
-  /// it.
+  /// Whether the row's device runs in the ticks in which it is due. It runs if senses(), is_on(), works() and
+  /// is_supplied() are true for it.
   bool runs(Row row, const BodyType::Device& device) const { return state_.view.runs(row, device); }
-  /// Commands to a device, one table row per slot of its type. The device must take commands. A program may
-  /// change the commands between steps.
+  /// The table of the commands to a device, with one table row per slot of the device's type. The device must
+  /// take commands. A program may change the commands between steps.
   StateTable& asked_of(const BodyType::Device& device) {
     touch();
     return state_.tables[*device.command_table];
   }
-  /// State of a device, one table row per slot of its type, for code that changes it: DeviceKind::apply and
-  /// DeviceKind::born, and programs between steps.
+  /// The state table of a device, with one table row per slot of the device's type. DeviceKind::apply,
+  /// DeviceKind::born, and programs between steps may change it through this reference.
   StateTable& state(const BodyType::Device& device) {
     touch();
     return state_.tables[device.table];
   }
-  /// Vertices of the outlines of a row's body at their present places: see SensingView::outline().
+  /// Vertices of the outlines of the row's body at their present places, m, world frame. Details:
+  /// SensingView::outline().
   std::span<const Vec2> outline(Row row) const { return state_.view.outline(row); }
   /// Hash of one table: the sum of the hashes of its rows, modulo 2^64. The hash of the state (Hashes::state)
   /// is the sum of the hashes of all tables.
@@ -549,30 +605,30 @@ class World {
 
   // ---- counters
   std::uint64_t beams_cast() const { return beams_; }  ///< rays cast by all sensors since tick 0
-  /// Number of robots whose last motion was blocked or would have ended out of bounds. If the rows are
-  /// distributed among ranks, call gather() before: otherwise robots with rows on other ranks do not count.
+  /// Number of robots whose last motion was blocked or out of bounds. If the rows are distributed among
+  /// ranks, call gather() before: otherwise robots with rows on other ranks do not count.
   std::size_t stalled_count() const { return movement_.stalled(); }
-  /// Number of robots that stalled_count() counts because their last motion would have ended out of bounds.
+  /// Number of robots that stalled_count() counts because their last motion was out of bounds.
   std::size_t out_of_bounds_count() const { return movement_.out_of_bounds(); }
-  /// Number of rounds in which the motions of bodies were resolved since tick 0, summed over all ticks: see
-  /// Conflicts::rounds().
+  /// Number of rounds in which conflicts between motions were resolved, summed over all ticks since tick 0:
+  /// see Conflicts::rounds().
   std::uint64_t conflict_rounds() const { return conflict_rounds_; }
   /// Mean straight-line distance between the present position of a robot and its origin(), over all robots in
   /// the world, m; 0 if there are none. If the rows are distributed among ranks, call gather() before.
   double mean_displacement() const;
 
   // ---- for viewers
-  /// The constant data for drawing the world. FrameScene::rangers (the rangers whose beams can be drawn) is
-  /// empty.
+  /// The data for drawing the world that do not change during a run. FrameScene::rangers (the rangers whose
+  /// beams can be drawn) is empty.
   FrameScene frame_scene() const;
-  /// The data for drawing that change with each tick: Frame::time_s, `tick`, `mobile` and `types`. All other
-  /// members, which viewers request, are empty.
+  /// The data for drawing the world that change with each tick. The members Frame::time_s, `tick`, `mobile`
+  /// and `types` are set. All other members are empty.
   Frame frame() const;
 
  private:
   [[noreturn]] void throw_half_made() const;
-  /// Lives during work that changes the state. The destructor sets is_half_made_ if the work threw an
-  /// exception, and clears it otherwise.
+  /// Exists while work changes the state. The destructor sets is_half_made_ if the work threw an exception,
+  /// and clears it otherwise.
   class Completion {
    public:
     explicit Completion(World& world) : world_(world) { world_.is_half_made_ = false; }
@@ -591,7 +647,7 @@ class World {
   void build_scene();
   void build_tables();
   void build_lives();
-  /// Fills the tables with the state at tick 0, and computes the derived data.
+  /// Fills the tables with the state at tick 0, and computes all derived data.
   void start();
   static Pose at_start(const Pose& pose);
   /// Gives a row the state that its body has at tick 0 or at its birth, with this pose (world frame). All
@@ -627,6 +683,7 @@ class World {
   void halt_disabled(std::span<const Row> rows, const BodyType& type);
   void halt_spent(std::span<const Row> rows, const BodyType::Drive& drive);
   void halt_stopped(std::span<const Row> rows, const BodyType::Device& device);
+  void halt(Row row, const BodyType::Device& device);
   void decide(std::span<const Row> rows, const BodyType& type, const BodyType::Controller& controller);
   void decide_together(const BodyType& type, const BodyType::Controller& controller);
   void move();
@@ -653,22 +710,25 @@ class World {
 
   // engine/interventions/experiment.cpp
   void build_experiment(const Registry& registry, Diagnostics& diagnostics);
-  /// Compiles an intervention. `types` has the specs of the types that earlier interventions change, with
-  /// these changes, by TypeId. The function adds the changes of this intervention.
+  /// Compiles an intervention of the spec. `types` is a map from TypeId to the spec of a type. It contains
+  /// each type whose parameters earlier interventions change, with the changed parameters. The function adds
+  /// the changes of this intervention to the map.
   void build_intervention(Experiment::Intervention& intervention, const Registry& registry,
                           std::map<std::uint32_t, TypeSpec>& types, Diagnostics& diagnostics);
-  /// Compiles a setting of parameters into `intervention`. `types` is as for build_intervention(). The error
-  /// says what is wrong with the setting.
+  /// Compiles a change of parameters, `setting`, into `intervention`. `types` is as for build_intervention().
+  /// The error says what is wrong with the change.
   Result<> build_setting(const SettingSpec& setting, const Registry& registry,
                          std::map<std::uint32_t, TypeSpec>& types, Experiment::Intervention& intervention);
   void build_faults(const Registry& registry, Diagnostics& diagnostics);
   void bind_kinds_again(const Registry& registry);
   void build_fault(std::size_t at, const Registry& registry, Diagnostics& diagnostics);
   void build_conditions();
-  /// The bodies with rows that a group of the world file names, in order of ids, before any random choice
-  /// among them. If the group names none, the result is empty, and the function reports an error at `where`,
-  /// a position in the world file. A group that names a type is no error if the type exists and its bodies
-  /// would have rows, even if the world has no such body.
+  /// Returns the bodies of a group of the world file that have rows, in order of ids. The random selection of
+  /// the group (GroupSpec::count, GroupSpec::share) is not made here.
+  ///
+  /// If there is no such body, the function returns an empty list and reports an error at `where`, a position
+  /// in the world file. There is one exception: no error is reported if the group names a type of the world
+  /// whose bodies would have rows.
   std::vector<BodyId> bodies_of(const GroupSpec& group, Where where, Diagnostics& diagnostics) const;
   /// Computes from the tick which interventions have been applied: those whose tick is before the present
   /// one. The next step applies the interventions of the present tick.

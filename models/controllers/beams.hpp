@@ -10,19 +10,19 @@
 
 namespace troupe::models {
 
-/// Geometry of one beam of a ranger (range sensor), in the frame of the drive that the controller commands: x
-/// points straight ahead, y to the left.
+/// Direction and start point of one beam of a ranger (range sensor). They are in the frame of the drive that
+/// the controller commands: x points straight ahead, y to the left.
 struct Beam {
   std::size_t reading = 0;     ///< index of the reading of this beam in Percept::ranges()
-  std::size_t transducer = 0;  ///< index of the transducer (fan of beams) of the beam
+  std::size_t transducer = 0;  ///< index of its transducer (fan of beams) in the ranger
   double bearing = 0;          ///< bearing, rad, counter-clockwise from straight ahead, in [-pi, pi]
   SinCos direction;            ///< cosine and sine of the bearing
   Vec2 origin = Vec2::Zero();  ///< point at which the beam starts, m
 };
 
 /// Returns the beams of the ranger (range sensor) `device`, in the order of its readings. If the ranger is
-/// mounted on a joint (a part that a device moves), the beams are computed for the pose that the joint has in
-/// the world file, not for its present pose. The result is empty if `device` is not a ranger.
+/// mounted on a joint (a part that a device moves), the result is computed for the pose of the joint in the
+/// world file, and is wrong after the joint has moved. The result is empty if `device` is not a ranger.
 inline std::vector<Beam> beams_of(const engine::DeviceInfo& device) {
   const engine::DeviceKind::Prepared& layout = device.prepared;
   const Transform pose_drive_sensor(device.pose);

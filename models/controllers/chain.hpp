@@ -4,33 +4,39 @@
 
 namespace troupe::models {
 
-/// Returns the definition of the controller `chain`: chains of standing robots that lead other robots from a
-/// nest to a prey. The nest and the prey are also objects with this controller: its parameter `role` is
-/// `robot` (the default), `nest` or `prey`. The nest and the prey only broadcast, and do not move. A standing
-/// robot in a chain is a link. Links are numbered from the nest, which has the number 0: the next link after
-/// link n has the number n + 1. A link has a path if the chain leads on from this link to the prey.
+/// Returns the definition of the controller `chain`: robots search for a prey and form chains from a nest to
+/// the prey. A chain is a line of standing robots, called links. Each link hears the next one by radio.
 ///
-/// sends     The nest, the links and the prey each broadcast two bytes: their number, and 1 if they have a
-///           path, else 0. The prey sends 255 and 1.
-/// searches  A robot that hears neither the nest nor a link drives straight on and turns away from obstacles.
-/// explores  A robot that hears links goes from the nearest link to the next one, outwards. At the end of a
-///           chain it goes to the place for a new link, which is the distance `spacing` (m, a parameter)
-///           beyond the last link. The place is in line with the last two links. If the robot hears only the
-///           last link, the place is on the line from this link to the robot. At the nest it may also start a
-///           new chain: at a place `spacing` from the nest that is more than `spacing` from the nearest first
-///           link (a link with the number 1). At the place for a new link, it becomes a link with probability
-///           `joins` per decision (call of the controller).
-/// leaves    A link leaves the chain in three cases. If it has no path and hears no next link, it leaves with
-///           probability `leaves` per decision. If it has not heard the previous link for more than 20
-///           decisions, it leaves. If two links of the same number are nearer to each other than half of
-///           `spacing`, the link with the higher id leaves. A robot that leaves goes back along the chain,
-///           then around the nest for up to 30 s, and explores again.
-/// path      A link has a path if it hears the link before it and, in addition, the prey or a next link that
-///           has a path. The nest, which has no link before it, has a path if it hears the prey or a first
-///           link that has a path.
+/// The nest and the prey are bodies that also have this controller. They do not move. The parameter `role` is
+/// "nest" for the nest, "prey" for the prey and "robot" (the default) for the robots. The nest counts as the
+/// link with the number 0 of every chain. The next link has the number 1, and so on. A robot that is not a
+/// link is called an explorer. `spacing` (m), `joins` and `leaves` are parameters. A decision is one call of
+/// the controller.
+///
+/// sends     The nest, the links and the prey broadcast two bytes: their number (the prey: 255), and 1 if
+///           they have a path, else 0. The prey always sends 1. Explorers send nothing.
+/// path      A link has a path if its chain reaches the prey. This means: the link hears the link before it,
+///           and it also hears the prey or a next link that has a path. The nest has a path if it hears the
+///           prey or a link with the number 1 that has a path.
+/// explores  An explorer goes outwards along a chain, from the nearest link that it hears to the next link.
+///           If it hears no next link, it goes to the place for a new link: `spacing` beyond the last link,
+///           in line with the last two links. If it hears only one link, the place is on the line from this
+///           link through the robot. At the place, the explorer becomes the new link with the probability
+///           `joins` per decision. An explorer that hears no link drives straight on. All explorers turn away
+///           from obstacles ahead.
+/// branches  If the nearest link is the nest, an explorer may also start another chain, at the place on the
+///           line from the nest through the robot that is `spacing` from the nest. It does so if the nearest
+///           link with the number 1 is more than `spacing` from this place.
+/// leaves    A link becomes an explorer again in three cases:
+///           - It is the last link and its chain has not reached the prey (it hears the link before it but no
+///             next link, and has no path). It leaves with the probability `leaves` per decision.
+///           - It has not heard the link before it for more than 20 decisions.
+///           - It hears a link with the same number and a lower id, nearer than half of `spacing`.
+///           The robot then goes back along the chain to the nest, drives around the nest for up to 30 s, and
+///           explores.
 /// LED       If the robot has an LED, the LED is grey while the robot explores. The LEDs of the links of a
 ///           chain are blue, green and yellow in turn.
-/// needs     in every role, a radio with a payload of 2 bytes or more; with the role `robot`, also a drive,
+/// needs     in every role, a radio with a payload of 2 bytes or more; with the role "robot", also a drive,
 ///           and a ranger with more than 8 beams that sees ahead
 /// source    Nouyan, Campo, Dorigo: Path formation in a robot swarm: self-organized strategies to find your
 ///           way home, Swarm Intelligence 2, 2008; Nouyan, Gross, Bonani, Mondada, Dorigo: Teamwork in

@@ -11,17 +11,21 @@
 
 namespace troupe::models {
 
-/// Helps a controller to select (claim) the sensors and other devices of its body that it uses, one after
-/// another. The function choose() of a controller makes this selection when the world is loaded.
+/// Helps the function choose() of a controller, which chooses the devices (sensors and other equipment of the
+/// body) that the controller uses. choose() is called when the world is loaded. To claim a device means to
+/// reserve it for one controller: the other controllers of the body that use this class then skip the device.
 class DeviceChoice {
  public:
-  /// devices: the devices of the body. claimed: one entry per device, true if a controller uses the device;
-  /// the functions below set the entries of the devices that they claim. Both arguments must outlive this
-  /// object.
+  /// devices: the devices that the controller may use
+  /// claimed: one entry per element of `devices`, true if a controller has claimed the device. The functions
+  ///     below set the entry to true when they claim a device
+  ///
+  /// Both arguments must outlive this object.
   DeviceChoice(std::span<const engine::DeviceInfo> devices, std::vector<bool>& claimed)
       : devices_(devices), claimed_(claimed) {}
 
-  /// Claims the first unclaimed device for which fits(device) is true. Returns false if there is none.
+  /// Claims the first unclaimed device for which fits(device) is true. Returns false if there is no such
+  /// device.
   template <class Fits>
   bool take(Fits&& fits) {
     for (std::size_t d = 0; d < devices_.size(); ++d) {
@@ -32,22 +36,25 @@ class DeviceChoice {
     }
     return false;
   }
-  /// Claims the first unclaimed device of this kind. Returns false if there is none.
+  /// Claims the first unclaimed device of this kind. Returns false if there is no such device.
   bool take_kind(std::string_view kind) {
     return take([kind](const engine::DeviceInfo& device) { return device.kind == kind; });
   }
-  /// Claims an unclaimed ranger (range sensor) that sees ahead (Scanner::is_usable), and returns a Scanner,
-  /// an object that detects obstacles in the readings of this ranger. The function takes the first such
-  /// ranger that has a transducer (fan of beams) with k_least_samples or more beams, as in Stage. If there is
-  /// none, it takes the first such ranger whose transducers together have k_least_samples or more beams. If
-  /// no ranger can be used, the error states the reason for each ranger of the robot. share: 3 or 4; the
-  /// scanner leaves out 1 / share of the beams at either end of the scan when it looks ahead (Scanner).
+  /// Claims an unclaimed ranger (range sensor), and returns a Scanner, which detects obstacles in the
+  /// readings of this ranger. Only rangers that see ahead (Scanner::is_usable()) are considered. If one of
+  /// them has a transducer (fan of beams) with k_least_samples or more beams, the function takes the first
+  /// ranger of this sort, as in Stage. Otherwise it takes the first ranger that sees ahead. If there is none,
+  /// the error says for each ranger of the robot why it cannot be used.
+  ///
+  /// share: 3 or 4. The scanner looks ahead with the beams in the middle of the scan: it leaves out the
+  ///     outermost 1 / `share` of the beams at either end (see Scanner)
   Result<Scanner> take_scanner(std::size_t share);
-  /// Claims a ground sensor, a radio and a scanner (take_scanner), in this order, and returns the scanner.
-  /// Returns an error if one of the three is missing; the devices claimed up to then stay claimed. share: as
-  /// for take_scanner().
+  /// Claims a ground sensor, a radio and a ranger, in this order. The ranger is chosen as by take_scanner().
+  /// Returns the scanner. Returns an error if one of the three devices is missing; the devices that were
+  /// claimed before stay claimed. share: as for take_scanner().
   Result<Scanner> take_ground_radio_scanner(std::size_t share);
-  /// Indices of the claimed devices, in the order in which they were claimed.
+  /// The devices that this object has claimed, in the order in which it has claimed them: indices into the
+  /// argument `devices` of the constructor.
   const std::vector<std::size_t>& chosen() const { return chosen_; }
 
  private:

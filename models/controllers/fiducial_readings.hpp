@@ -14,24 +14,27 @@
 
 namespace troupe::models {
 
-/// Gives a controller access to the readings of a fiducial finder (a sensor that detects marked objects),
-/// with angles in the frame of the drive. A target is a model (a body or a part of a body) that the finder
-/// detects. The argument `seen` of the functions holds the readings of the finder. The argument `target` is
-/// the index of a target, from 0 to count() - 1, the nearest target first.
+/// Gives a controller access to the readings of a fiducial finder, a sensor that detects marked objects. A
+/// target is an object that the finder has detected: a body or a part of a body. Angles are in the frame of
+/// the drive.
+///
+/// Arguments of the functions:
+/// seen: the readings of the finder
+/// target: index of a target, from 0 to count() - 1. The targets are sorted by distance, the nearest first
 class FiducialReadings {
  public:
   FiducialReadings() = default;
   /// finder: a fiducial finder (a device of the kind `fiducial`) that the controller uses.
   explicit FiducialReadings(const engine::DeviceInfo& finder) : finder_heading_(finder.pose.heading) {}
 
-  /// Number of targets in the readings. More targets may be in sight than the readings have room for: the
-  /// readings then hold the nearest of them.
+  /// Number of targets in the readings. If the finder detects more targets than the readings have room for,
+  /// the readings hold only the nearest targets.
   std::size_t count(const engine::Readings& seen) const {
     return std::min<std::size_t>(seen.field<std::uint32_t>(sensors::k_fiducial_count)[0],
                                  seen.field<std::int32_t>(sensors::k_fiducial_id).size());
   }
-  /// The fiducial_return of the target: the number by which finders recognise it. 0 if the target is too far
-  /// away to be recognised.
+  /// The number by which finders recognise the target: its fiducial_return in the world file. 0 if the target
+  /// is too far away to be recognised.
   std::int32_t id(const engine::Readings& seen, std::size_t target) const {
     return seen.field<std::int32_t>(sensors::k_fiducial_id)[target];
   }
@@ -39,12 +42,12 @@ class FiducialReadings {
   float range(const engine::Readings& seen, std::size_t target) const {
     return seen.field<float>(sensors::k_fiducial_range)[target];
   }
-  /// Bearing of the origin of the target from the finder, rad, counter-clockwise from straight ahead of the
-  /// drive.
+  /// Angle from straight ahead of the drive to the direction from the finder to the origin of the target,
+  /// rad, counter-clockwise.
   double bearing(const engine::Readings& seen, std::size_t target) const {
     return turned(seen.field<float>(sensors::k_fiducial_bearing)[target]);
   }
-  /// Heading of the target, rad, counter-clockwise from straight ahead of the drive.
+  /// Angle from straight ahead of the drive to the heading of the target, rad, counter-clockwise.
   double heading(const engine::Readings& seen, std::size_t target) const {
     return turned(seen.field<float>(sensors::k_fiducial_heading)[target]);
   }
@@ -64,16 +67,17 @@ class FiducialReadings {
   double finder_heading_ = 0;  // rad, in the frame of the drive
 };
 
-/// A body with a part that fiducial finders recognise by its fiducial_return.
+/// A body with a certain mark. The mark (fiducial_return) is a number by which fiducial finders, which are
+/// sensors, recognise a part of a body. A world file gives it.
 struct MarkedBody {
   BodyId body;  ///< id of the body
-  /// Origin of the part at the start of the run, m, world frame. If several parts have the fiducial_return,
-  /// the origin of the first of them.
+  /// Origin of the part with the mark at the start of the run, m, world frame. If several parts have the
+  /// mark: the one that comes first in TypeSpec::parts.
   Vec2 at;
 };
 
-/// The bodies that are in the world at the start of the run and have a part whose fiducial_return is `mark`,
-/// in order of ids.
+/// Returns the bodies that have a part with the mark `mark` and are in the world at the start of the run, in
+/// the order of their ids.
 inline std::vector<MarkedBody> bodies_with_mark(const engine::WorldSpec& world, std::int32_t mark) {
   std::vector<MarkedBody> marked;
   for (std::size_t b = 0; b < world.bodies.size(); ++b) {

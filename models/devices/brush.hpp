@@ -8,11 +8,10 @@
 
 namespace troupe::models {
 
-/// The command of a brush, which paints the zone (a flat coloured body on the floor) below it in each tick
-/// (simulation step). The command holds until the controller replaces it. Without a command, the brush does
-/// not paint.
+/// The command of a brush, a device that paints zones (flat coloured bodies on the floor). It holds until the
+/// controller replaces it. Without a command, the brush does not paint. A tick is a simulation step.
 struct BrushCommand {
-  std::uint8_t paints = 0;  ///< 1: paints the zone below the brush in each tick
+  std::uint8_t paints = 0;  ///< 1: paints the zone below the brush in each tick; 0: does not paint
   float red = 0;            ///< amount of red, from 0 to 1; other values are clamped, NaN to 0
   float green = 0;          ///< amount of green, from 0 to 1; other values are clamped, NaN to 0
   float blue = 0;           ///< amount of blue, from 0 to 1; other values are clamped, NaN to 0
@@ -39,10 +38,10 @@ struct BrushState {
   }
 };
 
-/// Returns the definition of the device `brush`: it gives the zone (a flat coloured body) below it the
-/// commanded colour, if the zone carries a device of the kind `led`, which holds the colour. Without such a
-/// zone, painting has no effect. If several brushes paint a zone in the same tick, the brush of the body with
-/// the highest id determines the colour of the zone.
+/// Returns the definition of the device `brush`: it gives the zone (a flat coloured body on the floor) below
+/// it the commanded colour. Only zones that carry a device of the kind `led`, which stores the colour, can be
+/// painted; over other zones, and where there is no zone, the brush has no effect. If several brushes paint a
+/// zone in the same tick, the zone gets the colour of the brush whose body has the highest id.
 engine::DeviceKind brush_kind();
 
 }  // namespace troupe::models

@@ -6,36 +6,38 @@
 
 namespace troupe::models {
 
-/// The command of a gripper. The command holds until the controller replaces it. A motion that an order has
-/// started continues to its end, unless the opposite order (`open` and `close`, `up` and `down`) reverses it.
-/// So the paddles and the lift can move at the same time, if an order for one follows an order for the other.
+/// The command of a gripper, which has two paddles that close and open, and a lift that raises the paddles.
+/// The command holds until the controller replaces it. A motion that has begun continues to its end, even
+/// after another command, unless this is the opposite command (`open` and `close`, `up` and `down`). So a
+/// controller can make the paddles and the lift move at the same time: it commands `close`, and in the next
+/// tick (simulation step) `up`.
 struct GripperCommand {
-  /// The motion to start.
+  /// The motion that the gripper starts.
   enum Order : std::uint8_t {
     nothing,  ///< starts no motion
-    open,     ///< open the paddles, and release what they hold
-    close,    ///< close the paddles, and grip what they touch
-    up,       ///< lift the paddles, with what they hold
-    down,     ///< lower the paddles, with what they hold
+    open,     ///< open the paddles, and release the held body
+    close,    ///< close the paddles, and grip a body that they touch
+    up,       ///< lift the paddles and the held body
+    down,     ///< lower the paddles and the held body
   };
-  std::uint8_t order = nothing;  ///< the motion to start, an Order
+  std::uint8_t order = nothing;  ///< the motion to start, one of Order
 
   static constexpr void describe(engine::Description<GripperCommand>& d) {
     d.member<&GripperCommand::order>("order", "motion to start: 0: none, 1: open, 2: close, 3: up, 4: down");
   }
 };
 
-/// State of a gripper: its motions and its readings. A tick is a simulation step. A body "with
-/// gripper_return" has this parameter set: it can be detected and gripped.
+/// State of a gripper: its motions and its readings. A body "with gripper_return" is one whose parameter
+/// gripper_return is set in the world file: grippers can detect and grip it. A tick is a simulation step.
 struct GripperState {
-  /// State of the paddles.
+  /// State of the two paddles.
   enum Paddles : std::uint8_t {
     is_open,  ///< at rest, fully apart
     closing,  ///< moving towards each other
-    closed,   ///< at rest, together or on the body that they hold
+    closed,   ///< at rest, together or at the held body
     opening,  ///< moving apart
   };
-  /// State of the lift.
+  /// State of the lift, which moves the paddles up and down.
   enum Lift : std::uint8_t {
     is_down,  ///< at rest at the lower end
     rising,   ///< moving up
@@ -83,32 +85,37 @@ struct GripperState {
   }
 };
 
-/// Returns the definition of the device `gripper`: a base with two paddles. The paddles close on bodies with
-/// gripper_return, hold one of these bodies and lift the held body.
+/// Returns the definition of the device `gripper`: a base with two paddles, which close on a body, hold it
+/// and lift it. The body must have gripper_return, a parameter in the world file. x points from the base to
+/// the tips of the paddles, y to the left. A tick is a simulation step.
 ///
-/// parameters  size (x, y, z, m), paddle_size (x, y, z, relative to size), paddles (open or closed) and lift
-///             (down or up) at the start, autosnatch (the gripper ignores commands: it closes while a body
-///             breaks one of its beams, and opens otherwise)
+/// parameters  size (x, y, z of the base and the open paddles together, m), paddle_size (x, y, z of a paddle
+///             as fractions of size), paddles (open or closed at the start), lift (down or up at the start),
+///             autosnatch (true: the gripper ignores commands; it closes while a body breaks one of its light
+///             beams, and opens otherwise)
 /// state       GripperState; commands: GripperCommand
-/// geometry    Let s be `size`, p `paddle_size`, c the paddle position (0 open to 1 closed) and u the lift
-///             position (0 down to 1 up). The base fills the rear (1 - p.x) s.x of the length. The paddles
-///             are p.y s.y thick and p.z s.z high, their inner faces are at y = +-(1 - c)(s.y / 2 - p.y s.y),
-///             and they are raised by u (1 - p.z) s.z.
-/// motion      The paddles and the lift each take 2 s from one end to the other. If a paddle would overlap
-///             a body or a wall, paddles and lift do not move in this tick, and the gripper is stalled.
-/// beams       Two light beams run between the inner faces of the paddles, at the height of their lower
-///             edges, 0.495 s.x (inner) and 0.165 s.x (outer) behind the tips. Each paddle also has a contact
-///             sensor, which detects bodies in the area that its inner face would sweep in one tick of
-///             closing. The beams and the contact sensors detect bodies with gripper_return, and the body
-///             that the gripper holds.
-/// gripping    When closing paddles touch a body with gripper_return, they stop and hold the body in its
-///             present pose: from then on, the body moves with the paddles. If they touch several bodies,
-///             they hold the body with the lowest id of those that touch the left paddle. If no body touches
-///             the left paddle, they hold the body with the lowest id of those that touch the right paddle. A
-///             body wider than the gap between the open paddles cannot be held. If several grippers touch a
-///             body in one tick, the gripper whose own body has the lowest id holds the touched body, and the
-///             other grippers report `taken`.
-/// releasing   When the paddles start to open, they release the body, which stays where it is.
+/// geometry    Let s be size, p paddle_size, c the paddle position (0 open to 1 closed), and u the lift
+///             position (0 down to 1 up).
+///             - The base fills the rear (1 - p.x) s.x of the length.
+///             - The paddles are p.y s.y thick and p.z s.z high.
+///             - The inner faces of the paddles are at y = +-(1 - c)(s.y / 2 - p.y s.y).
+///             - The lift raises the paddles by u (1 - p.z) s.z.
+/// motion      The paddles and the lift each take 2 s from one end to the other. If a paddle would overlap a
+///             body or a wall, the paddles and the lift do not move in this tick, and the gripper is stalled.
+/// sensors     Two light beams run from one inner face to the other, at the height of the lower edges of the
+///             paddles. The inner beam is 0.495 s.x behind the tips, the outer beam 0.165 s.x. Each paddle
+///             also has a contact sensor: it detects bodies that the inner face would touch if the paddle
+///             closed for one more tick. The beams and the contact sensors detect bodies with gripper_return,
+///             and also the held body.
+/// gripping    When a closing paddle touches a body with gripper_return, the paddles stop and hold the body
+///             in its present pose. From then on, the body moves with the paddles. Bodies that are wider than
+///             the gap between the open paddles are not held.
+///             If the paddles touch several bodies, they hold the body with the lowest id among those that
+///             the left paddle touches. If the left paddle touches none, they hold the body with the lowest
+///             id among those that the right paddle touches.
+///             If several grippers touch a body in the same tick, only one of them holds it: the gripper
+///             whose own body has the lowest id. The other grippers report `taken`.
+/// releasing   When the paddles start to open, they release the held body, which stays where it is.
 /// source      Stage 4.3; docs/stage-worlds.md lists the bugs of Stage that are fixed here
 engine::DeviceKind gripper_kind();
 

@@ -9,10 +9,9 @@
 
 namespace troupe::models {
 
-/// The command of an LED: the colour that it shows. The command holds until the controller replaces it.
+/// The command of an LED: the colour that it shows. It holds until the controller replaces it.
 struct LedCommand {
-  /// 1: the LED takes the colour of this command in each tick (simulation step); 0: it keeps its present
-  /// colour.
+  /// 1: in each tick (simulation step), the LED takes the colour of this command; 0: it keeps its colour.
   std::uint8_t shows = 0;
   float red = 0;    ///< amount of red, from 0 to 1; other values are clamped, NaN to 0
   float green = 0;  ///< amount of green, from 0 to 1; other values are clamped, NaN to 0
@@ -30,8 +29,8 @@ struct LedCommand {
   void show(float r, float g, float b) { *this = {1, r, g, b}; }
 };
 
-/// State of an LED: the present colour of the part of the body that carries the LED. Brushes, which are
-/// devices that paint (models/devices/brush.hpp), may also change this colour.
+/// State of an LED: the present colour of the part of a body that carries the LED. A brush, a device that
+/// paints (models/devices/brush.hpp), can also change this colour.
 struct LedState {
   std::array<float, 3> shown_color{};  ///< red, green, blue, 0 to 1
 
@@ -43,10 +42,10 @@ struct LedState {
 
 /// Returns the definition of the device `led`, which gives a colour to the part of the body that carries the
 /// device. It can model an LED or a coat of paint. Blob finders, cameras and ground sensors see this colour,
-/// and pictures show it.
+/// and pictures of the world show it.
 ///
 /// parameters  shows: the colour at the start, white by default
-/// when        A commanded colour is visible from the tick after the command on.
+/// when        A commanded colour is visible from the next tick (simulation step) on.
 engine::DeviceKind led_kind();
 
 }  // namespace troupe::models

@@ -8,18 +8,17 @@
 
 namespace troupe::models {
 
-/// State of a power pack (battery): its energy, and the energy that it has exchanged since the start of the
-/// run (tick 0; a tick is a simulation step), all in J. Packs exchange energy through power contacts, which
-/// are devices that touch one another.
+/// State of a power pack (battery). Packs exchange energy through power contacts, which are devices that
+/// touch one another. All energies are in J. Tick 0 is the start of the run; a tick is a simulation step.
 struct PowerPackState {
   double stored = 0;          ///< energy that the pack holds
   double capacity = 0;        ///< greatest energy that the pack can hold
   double dissipated = 0;      ///< energy drawn since tick 0 by everything that the pack supplies
   double received = 0;        ///< energy received since tick 0 through power contacts
   double given = 0;           ///< energy given since tick 0 through power contacts
-  std::uint8_t infinite = 0;  ///< 1: the pack never runs out; `stored` and `capacity` stay 0
-  /// 1: the pack received energy in the last tick. If the pack does not run in a tick, for example because
-  /// its body is disabled, `charging` keeps the value 1.
+  std::uint8_t infinite = 0;  ///< 1: the pack never runs out; `stored` and `capacity` are 0
+  /// 1: the pack received energy in the last tick; else 0. A pack that does not run, for example because its
+  /// body is disabled, cannot set this value back to 0.
   std::uint8_t charging = 0;
 
   static constexpr void describe(engine::Description<PowerPackState>& d) {
@@ -38,38 +37,43 @@ struct PowerPackState {
 
   /// Whether the pack holds no energy. An infinite pack is never empty.
   bool is_empty() const { return infinite == 0 && stored <= 0; }
-  /// Stored energy divided by the capacity, 0 to 1; 1 if the pack is infinite, 0 if its capacity is 0.
+  /// Returns the stored energy divided by the capacity, from 0 to 1. Returns 1 if the pack is infinite, and 0
+  /// if its capacity is 0.
   double proportion_remaining() const {
     if (infinite != 0) return 1;
     return capacity > 0 ? stored / capacity : 0;
   }
 };
 
-/// Returns the definition of the device `power_pack`: an energy store on a part of a body. It supplies this
-/// part and the parts mounted on this part.
+/// Returns the definition of the device `power_pack`: an energy store (battery) on a part of a body. It
+/// supplies this part and the parts mounted on it, except parts that have a power pack of their own. A pack
+/// on the main part, on which all other parts are mounted, also supplies the drive of the body. A tick is a
+/// simulation step.
 ///
-/// draw     The power drawn in each tick is the sum of three terms: the parameter `draw`; the power of each
-///          running sensor and device that the pack supplies (a ranger draws 0.2 W per transducer); and, if
-///          the pack is on the root part of a body with a drive, the power of the drive. The last term is
-///          `idle` + 10 `mass` (|forward| + |left| + |turn|), in W, where `idle` (W) and `mass` (kg) are
-///          parameters. The velocities (m/s and rad/s) are those that the drive produces, even if the robot
-///          is stalled. This is the model of Stage, with two differences: Stage multiplies the power by 0.1 s
-///          instead of the length of the tick, and uses the commanded velocities.
-/// empty    If the parameter `when_empty` is "stop", everything that an empty pack supplies stops: sensors
-///          keep their last readings and the drive stands still, but controllers continue to decide. Sensors
-///          and drive run again when the pack receives energy. With "nothing", an empty pack has no effect,
-///          as in Stage. With "die", everything that the pack supplies stops, and the body dies when the pack
-///          runs the next time. If the pack runs in every tick, this is the next tick. The body does not die
-///          if the pack receives energy in a tick before that (docs/lives.md).
-/// state    PowerPackState; no commands
-/// when     The pack runs after the drive in each tick, so a robot still moves in the tick in which its pack
-///          runs out.
+/// draw      In each tick, the pack loses the sum of these powers, in W, times the length of the tick:
+///           - the parameter `draw`
+///           - the power of each running sensor and device that the pack supplies; a ranger, for example,
+///             draws 0.2 W per transducer (fan of beams)
+///           - if the pack supplies a drive: `idle` + 10 `mass` (|forward| + |left| + |turn|); `idle` (W) and
+///             `mass` (kg) are parameters, and forward, left and turn are the velocities (m/s and rad/s) that
+///             the drive produces, even if the robot is blocked
+///           This is the model of Stage, with two differences: Stage multiplies the power by 0.1 s instead of
+///           the length of the tick, and uses the commanded velocities.
+/// empty     The parameter `when_empty` says what happens when the pack is empty:
+///           - "stop": the drive stands still, and sensors keep their last readings, until the pack receives
+///             energy. Controllers continue to decide.
+///           - "nothing": no effect, as in Stage.
+///           - "die": the same as "stop", but the body dies when the pack runs the next time (usually in the
+///             next tick). If the pack has received energy by then, the body lives on (docs/lives.md).
+/// state     PowerPackState; no commands
+/// when      The pack runs after the drive in each tick. So a robot still moves in the tick in which its pack
+///           becomes empty.
 engine::DeviceKind power_pack_kind();
 
-/// State of a power contact.
+/// State of a power contact (see power_contact_kind()).
 struct PowerContactState {
-  /// For a giving contact: number of taking contacts that it touched at the end of the last tick, counted up
-  /// to k_most_takers. For other contacts: 0.
+  /// If the contact gives energy: number of taking contacts that it touched at the end of the last tick, at
+  /// most k_most_takers. Otherwise 0.
   std::uint8_t touched = 0;
 
   static constexpr void describe(engine::Description<PowerContactState>& d) {
@@ -80,28 +84,29 @@ struct PowerContactState {
 };
 
 /// Returns the definition of the device `power_contact`. Two touching contacts transfer energy between the
-/// power packs that supply them: one contact gives (its parameter `give`, in W, is above 0), and the other
-/// takes (its parameter `take`, in W, is above 0). The shape of a contact is the outline of the part that
-/// carries it, seen from above: heights make no difference.
+/// power packs that supply them. One contact gives: its parameter `give` (W) is above 0. The other takes: its
+/// parameter `take` (W) is above 0. A tick is a simulation step.
 ///
-/// touching  Two contacts touch if their outlines overlap or are at most k_contact_m apart, whether or not
-///           the bodies are obstacles.
-/// transfer  In each tick, the energy min(give, take) times the length of the tick is transferred, but no
-///           more than the giving pack holds, and no more than the taking pack can store. An infinite pack
-///           gives without limit and takes nothing. Transfers happen one after another, ordered by the id of
-///           the giving body and then that of the taking body. Each transfer uses the energies that the packs
-///           have after the earlier transfers. If a contact touches more than k_most_takers taking contacts,
-///           it gives only to k_most_takers of them: those on the bodies with the lowest ids.
+/// touching  Two contacts touch if the outlines of their parts, seen from above, overlap or are at most
+///           k_contact_m apart. Heights make no difference. It also makes no difference whether the bodies
+///           are obstacles.
+/// transfer  In each tick, two touching contacts transfer the power min(`give`, `take`), but no more energy
+///           than the giving pack holds and the taking pack has room for. An infinite pack gives without
+///           limit and takes nothing. A contact gives to at most k_most_takers other contacts: those on the
+///           bodies with the lowest ids.
+/// order     The transfers of a tick happen one after another, in the order of the ids of the giving bodies.
+///           For one giving body, the order is that of the ids of the taking bodies. Each transfer changes
+///           what the packs hold for the next transfer.
 /// state     PowerContactState; no commands
-/// needs     for each of the two contacts, a power pack on the part of the contact or on a part that carries
-///           this part. Contacts of the same body, and of bodies that move together (one carries the other,
-///           or a third body carries both), do not exchange energy
+/// needs     a power pack on the part of the contact, or on a part that carries this part
+/// none      Contacts of the same body exchange no energy. Contacts of bodies that move together (one carries
+///           the other, or a third body carries both) do not exchange energy either.
 engine::DeviceKind power_contact_kind();
 
-/// Greatest distance, m, between the outlines of two power contacts that count as touching. It is the width
-/// of the grid cells with which Stage detects contact of bodies.
+/// Two power contacts touch if their outlines are at most this far apart, m. The value is the width of the
+/// grid cells with which Stage detects that bodies touch.
 inline constexpr double k_contact_m = 0.02;
-/// Greatest number of power contacts to which one power contact gives energy in a tick (simulation step).
+/// A power contact gives energy to at most this number of other contacts in a tick (simulation step).
 inline constexpr std::size_t k_most_takers = 16;
 
 }  // namespace troupe::models

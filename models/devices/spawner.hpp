@@ -9,8 +9,7 @@
 namespace troupe::models {
 
 /// The command of a spawner, a device that brings new bodies (robots or objects) into the world during the
-/// run. This is called the birth of the body. A controller requests n births by increasing `request` by n: n
-/// more births then become due.
+/// run. This is called the birth of a body. To request n births, a controller increases `request` by n.
 struct SpawnerCommand {
   std::uint32_t request = 0;  ///< number of births requested so far
 
@@ -21,15 +20,16 @@ struct SpawnerCommand {
   void ask() { ++request; }  ///< requests one more birth
 };
 
-/// State of a spawner.
+/// State of a spawner. A birth is due from the time at which something causes it (see spawner_kind()) until
+/// it succeeds.
 struct SpawnerState {
-  /// Number of flags (coloured tokens, which bodies exchange) that the spawner's body had received when the
-  /// spawner last ran; 0 if the parameter `per_flags` is 0.
+  /// Number of flags (coloured tokens) that other bodies had given to the spawner's body when the spawner ran
+  /// last; 0 if the parameter `per_flags` is 0.
   std::uint64_t flags = 0;
-  std::uint32_t born = 0;     ///< number of bodies spawned since the birth of the spawner's body
-  std::uint32_t owed = 0;     ///< number of births that are due but have not succeeded yet
+  std::uint32_t born = 0;     ///< number of bodies that the spawner has brought into the world
+  std::uint32_t owed = 0;     ///< number of births that are due
   std::uint32_t refused = 0;  ///< number of tries that failed: the place was occupied or out of bounds
-  std::uint32_t request = 0;  ///< the value of SpawnerCommand::request that was counted last
+  std::uint32_t request = 0;  ///< value of SpawnerCommand::request when the spawner ran last
   std::uint32_t last = 0;     ///< id + 1 of the body that was spawned last; 0: none
   std::uint8_t status = 0;    ///< result of the last try, an engine::BirthStatus
 
@@ -49,21 +49,26 @@ struct SpawnerState {
   }
 };
 
-/// Returns the definition of the device `spawner`, which spawns bodies of a population (an entry of the world
-/// file that creates many bodies) from its reserve. The reserve holds the bodies of the population that are
-/// not in the world at the start. A spawner can model a nest, a door or a factory.
+/// Returns the definition of the device `spawner`: it brings new bodies of a population into the world, which
+/// is called a birth. A population is an entry of the world file that creates many bodies; the parameter
+/// `population` names it. Its reserve is the set of those of its bodies that are not in the world at the
+/// start. A spawner can model a nest, a door or a factory.
 ///
-/// when    A birth becomes due in three cases: every `every` seconds of the life of the spawner's body; each
-///         time other bodies have given `per_flags` more flags (tokens) to this body; and for each request of
-///         a controller (SpawnerCommand). `every` and `per_flags` are parameters; with 0, they cause no
-///         births. A birth stays due until it succeeds. In each tick (simulation step), the spawner tries at
-///         most one birth.
-/// where   Bodies are born at the pose of the spawner. With `within` (m) above 0, they are born at a random
-///         position in the circle of this radius around the spawner, with a random heading. Each try uses a
-///         new random pose. If another body or a wall occupies the place, or if the place is outside the
-///         bounds of the world, the try fails, and the spawner tries again in the next tick.
-/// which   The next body of the reserve is born (docs/lives.md). Births that become due when the reserve is
-///         used up are cancelled.
+/// causes  A birth becomes due
+///         - every `every` seconds, counted from the time at which the spawner's own body came into the
+///           world; 0: never
+///         - each time other bodies have given `per_flags` more flags (tokens) to the spawner's body; 0:
+///           never
+///         - for each request of a controller (SpawnerCommand)
+///         `every` and `per_flags` are parameters.
+/// when    In each tick (simulation step) in which a birth is due, the spawner tries one birth. The birth
+///         stays due until it succeeds.
+/// where   The new body gets the pose of the spawner. If the parameter `within` (m) is above 0, it gets a
+///         random position in the circle with this radius around the spawner, and a random heading; each try
+///         uses another pose. The try fails if another body or a wall occupies the place, or if the place is
+///         outside the bounds of the world.
+/// which   The next body of the reserve is born (docs/lives.md). If the reserve is used up, all births that
+///         are due are cancelled.
 /// state   SpawnerState; commands: SpawnerCommand
 engine::DeviceKind spawner_kind();
 

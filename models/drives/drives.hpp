@@ -8,8 +8,8 @@
 
 namespace troupe::models {
 
-/// Limits of the speeds and accelerations of a drive. describe() gives the units and meanings of the members.
-/// x and y are the axes of the robot frame: x forward, y to the left.
+/// Limits of the velocities and accelerations of a drive. In the robot frame, x points forward and y to the
+/// left. The function describe() gives the units and meanings of the members.
 struct MotionParams {
   double velocity_min_x = -1;
   double velocity_max_x = 1;
@@ -55,13 +55,13 @@ struct MotionParams {
                                                    "upper limit of a commanded angular acceleration");
   }
 
-  /// Returns an error if a lower limit exceeds its upper limit; the error names the first such pair and both
+  /// Returns an error if a lower limit exceeds its upper limit. The error names the first such pair, and both
   /// values.
   Result<> check() const;
 };
 
-/// Velocity of a robot until its drive runs for the first time. A drive runs, that is, computes a new
-/// velocity, once per period.
+/// Velocity of a robot until its drive runs for the first time. A drive runs once per period: it then
+/// computes a new velocity from the command. The function describe() gives the units of the members.
 struct StartParams {
   double x = 0;
   double y = 0;
@@ -99,7 +99,7 @@ struct DriveParams {
   }
 };
 
-/// Parameters of the drive `car`.
+/// Parameters of the drive `car` (front wheels steer).
 struct CarParams {
   double wheelbase = 1;
   DriveParams drive;
@@ -112,30 +112,33 @@ struct CarParams {
   }
 };
 
-/// Return the definitions of the three kinds of drives: `diff` (differential), `omni` (omnidirectional) and
-/// `car` (front wheels steer). A drive computes a velocity v (forward, left; m/s) and a turn rate (rad/s,
-/// counter-clockwise) from a command with the members x, y and turn, and clamps both to its limits. A command
-/// that is NaN gives NaN. What the command means depends on its mode (engine::ControlMode). docs/driving.md
-/// has the details.
+/// Return the definitions of the drives `diff` (differential), `omni` (omnidirectional) and `car` (front
+/// wheels steer). A drive computes the velocity v (forward, left; m/s) and the turn rate (rad/s,
+/// counter-clockwise) of the robot from a command, and clamps them to its limits (MotionParams). If the
+/// command is NaN, so is the result. A tick is a simulation step.
 ///
-/// velocity      The command is the velocity of the next tick (simulation step), as in Stage. Its change is
-///               not limited.
+/// A command has the members x, y and turn. Their meaning depends on the mode of the command
+/// (engine::ControlMode). docs/driving.md has the details.
+///
+/// velocity      The command is the velocity of the next tick, as in Stage. Accelerations have no limit in
+///               this mode.
 ///               diff  v = (x, 0), turn rate = turn
 ///               omni  v = (x, y), turn rate = turn
-///               car   v = (x cos(turn), 0), turn rate = x sin(turn) / wheelbase: turn is the steering angle
-/// acceleration  The command is an acceleration. It is clamped to the limits of accelerations, multiplied by
-///               the time since the drive last ran, and added to the velocity of the last tick. For a car,
-///               x is the acceleration of the front wheels, and turn is the steering angle.
+///               car   v = (x cos(turn), 0), turn rate = x sin(turn) / wheelbase; turn is the steering angle
+/// acceleration  The command is an acceleration. The drive clamps it to the limits of accelerations,
+///               multiplies it by the time since the drive ran last, and adds it to the last velocity. For a
+///               car, x is the acceleration of the front wheels, and turn is the steering angle.
 /// position      The command is a goal: a pose in the frame in which the robot estimates its own pose. Speeds
-///               are proportional to the remaining distance and angle, with a gain of 1/s (less if the drive
-///               runs less than once per second), and at most 0.4 m/s (omni: forward and to the left each)
-///               and 1 rad/s. The robot has arrived if it is within 0.02 m of the goal in x and in y.
+///               are proportional to the remaining distance, and turn rates to the remaining angle, with a
+///               gain of 1/s. They are at most 0.4 m/s (omni: forward and to the left each) and 1 rad/s. The
+///               robot has arrived if it is within 0.02 m of the goal in x and in y. If the drive runs less
+///               than once per second, the gain is lower, so that the robot does not overshoot the goal.
 ///               diff  turns towards the goal, drives while the goal is within pi/16 rad of straight ahead,
 ///                     and turns to the goal's heading after arrival
 ///               omni  drives straight to the goal and turns to the goal's heading on the way
-///               car   drives to the goal in a curve, turning with twice the gain. If the goal is behind the
-///                     car, the car first swings about its rear axle. After arrival it swings to the goal's
-///                     heading
+///               car   drives to the goal in a curve; the gain from the direction of the goal to the turn
+///                     rate is 2/s. If the goal is behind the car, the car first turns on the spot about its
+///                     rear axle. After arrival it turns on the spot to the goal's heading
 ///@{
 engine::DriveKind diff_drive();
 engine::DriveKind omni_drive();

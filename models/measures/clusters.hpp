@@ -2,17 +2,17 @@
 
 #include "engine/kinds/measure_kind.hpp"
 
-/// Definitions of measures (numbers computed from the state of the simulation) of the clusters that robots or
-/// pushable bodies (objects that robots can push) form. The parameter `bodies` of a measure selects which of
-/// the two. Two bodies are in one cluster if their origins are at most `distance` (m, a parameter) apart.
-/// They are also in one cluster if a chain of bodies connects them, and each body of the chain is at most
-/// `distance` from the next. A body without neighbours is a cluster of one. The program `troupe describe`
-/// prints the definitions as text.
+/// Definitions of measures of clusters of bodies. A measure is a number that is computed from the state of
+/// the simulation. The parameter `bodies` of a measure selects the bodies: all pushable bodies (objects that
+/// robots can push), or robots.
+///
+/// Two bodies are neighbours if their origins are at most `distance` (m, a parameter) apart. Bodies are in
+/// the same cluster if a chain of neighbours connects them. A body without neighbours is a cluster of one.
 namespace troupe::models {
 
 engine::MeasureKind clusters_measure();  ///< `clusters`: number of clusters
-/// `largest_cluster`: fraction of the pushable bodies or of the robots that are in the largest cluster; NaN
-/// if there are none.
+/// `largest_cluster`: number of bodies in the largest cluster, divided by the number of bodies in all
+/// clusters. NaN if there are no bodies of the selected sort in the world.
 engine::MeasureKind largest_cluster_measure();
 
 }  // namespace troupe::models

@@ -4,12 +4,14 @@
 
 namespace troupe::models {
 
-/// Returns the definition of the measure `rank_errors`, a number computed from the positions of the robots.
-/// It tells how far robots of different types are from being sorted by their distance to the point `center`
-/// (a parameter), in the order in which the world file lists the types. The measure considers all pairs of
-/// robots of different types. A pair is in the wrong order if the robot whose type comes later in the world
-/// file is nearer to `center` than the other robot. The value is the fraction of the pairs that are in the
-/// wrong order (docs/measures.md). NaN if all robots in the world are of one type.
+/// Returns the definition of the measure `rank_errors` (docs/measures.md), a number that is computed from the
+/// positions of the robots. It tells how well the types of robots are sorted by distance to the point
+/// `center` (m, world frame; a parameter). In the right order, robots of the type that the world file lists
+/// first are nearest to `center`, robots of the second type are next, and so on.
+///
+/// The value is the fraction of wrong pairs among all pairs of robots of different types. A pair is wrong if
+/// the robot whose type is listed later is nearer to `center` than the other robot. The value is 0 if all
+/// pairs are in the right order. NaN if there is no pair of robots of different types.
 engine::MeasureKind rank_errors_measure();
 
 }  // namespace troupe::models

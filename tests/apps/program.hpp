@@ -11,44 +11,51 @@
 
 namespace troupe::apps {
 
-/// What a finished run of the program left.
+/// The exit code and the output of one finished run of the program `troupe`.
 struct Outcome {
-  int code = -1;  ///< exit code; 128 + signal when a signal killed it
-  std::string out;
-  std::string err;
+  int code = -1;    ///< exit code; 128 + number of the signal if a signal ended the program
+  std::string out;  ///< text that the program wrote to its standard output
+  std::string err;  ///< text that the program wrote to its standard error
 };
 
-/// The program as a user meets it: started in a fresh folder of its own, which is removed with the test.
+/// A test that runs the program `troupe` as a separate process. The working folder of the process is a
+/// temporary folder. It is empty at the start of the test and is removed at its end.
 class ProgramTest : public ::testing::Test {
  protected:
   ProgramTest();
   ~ProgramTest() override;
 
-  /// Writes a file into the folder.
+  /// Writes a file into the temporary folder.
   void write(const std::string& name, std::string_view text);
-  /// Reads one from it; a missing file fails the test and reads as nothing.
+  /// Returns the content of a file in the temporary folder. If the file does not exist, the test fails, and
+  /// the result is empty.
   std::string read(const std::string& name) const;
-  /// Where a file of the folder lies.
+  /// Returns the path of a file in the temporary folder. The file need not exist.
   std::filesystem::path path(const std::string& name) const { return folder_ / name; }
-  /// Names of all files in the folder, sorted.
+  /// Returns the names of all files and folders in the temporary folder, sorted.
   std::vector<std::string> files() const;
 
-  /// Runs `troupe ARGUMENTS...` to its end.
+  /// Runs `troupe ARGUMENTS...` and waits until it ends.
   Outcome troupe(const std::vector<std::string>& arguments) const;
-  /// A signal, and a condition as soon as which it is sent.
+  /// A signal to the program, such as SIGINT.
   struct Signal {
-    int number;
-    std::function<bool()> when;
+    int number;                  ///< number of the signal
+    std::function<bool()> when;  ///< condition; the signal is sent as soon as it returns true
   };
-  /// The same; it is sent signals, one after the other.
+  /// Runs `troupe ARGUMENTS...` and sends it signals in the given order. Sends each signal as soon as its
+  /// condition `when` is true. If the conditions take longer than 60 s in total, sends the remaining signals
+  /// at once. Then waits until the program ends.
   Outcome troupe_with_signals(const std::vector<std::string>& arguments,
                               const std::vector<Signal>& signals) const;
-  /// The same; as soon as `file` has `lines` lines it is sent `signal`.
+  /// Runs `troupe ARGUMENTS...`, and sends it a signal as soon as a file in the temporary folder has `lines`
+  /// lines (after 60 s at the latest). Then waits until the program ends.
   Outcome troupe_until(const std::vector<std::string>& arguments, const std::string& file, std::size_t lines,
                        int signal) const;
-  /// The same on a disk that is full: no file may be longer than `bytes`.
+  /// Runs `troupe ARGUMENTS...` as on a full disk: an attempt of the program to make a file longer than
+  /// `bytes` fails.
   Outcome troupe_with_file_limit(const std::vector<std::string>& arguments, std::size_t bytes) const;
-  /// The same with a terminal for its standard error, whose every byte lands in `err`.
+  /// Runs `troupe ARGUMENTS...` with a pseudo-terminal as its standard error. The result's member `err`
+  /// contains all bytes that the terminal received.
   Outcome troupe_on_terminal(const std::vector<std::string>& arguments) const;
 
  private:
@@ -61,7 +68,8 @@ class ProgramTest : public ::testing::Test {
 
 std::vector<std::string> lines_of(const std::string& text);
 
-/// Twelve robots that wander in a walled room, with rangers: everything a run has, in two dozen lines.
+/// A small world in the syntax of the simulator Stage: twelve robots with rangers (range sensors) wander in a
+/// room with four walls.
 extern const std::string_view k_room;
 
 }  // namespace troupe::apps

@@ -12,7 +12,8 @@
 
 namespace troupe::oracle {
 
-/// Slow builds do a tenth of the work.
+/// The tests divide their numbers of repetitions by this number. It is 10 in slow builds
+/// (test::k_slow_build), else 1.
 inline constexpr std::uint64_t k_thrift = test::k_slow_build ? 10 : 1;
 
 using test::Draw;
@@ -29,8 +30,9 @@ inline Ring turned(const Ring& ring, double angle, const Vec2& by = Vec2::Zero()
   return out;
 }
 
-/// A star-shaped ring about the origin: corners at rising angles, distances in [inner, 1] * radius. With
-/// inner 1 it is convex.
+/// Returns a random polygon around the origin, with its corners in counter-clockwise order. The distance of
+/// each corner from the origin is random, from inner * radius to radius. If `inner` is 1, the polygon is
+/// convex.
 inline Ring random_star(Draw& draw, std::size_t corners, double radius, double inner) {
   Ring ring;
   const double start = draw.real(0, 2 * k_pi);
@@ -43,7 +45,9 @@ inline Ring random_star(Draw& draw, std::size_t corners, double radius, double i
   return ring;
 }
 
-/// Blocks of a body about `size` wide: convex, concave, with a hole, of several heights, off centre.
+/// Returns the blocks (extruded polygons) of a random body that is about `size` m wide. The shape is chosen
+/// at random from nine sorts. These include convex and concave shapes, a ring, two blocks at different
+/// heights, and a block beside the origin of the body.
 inline std::vector<Solid> random_blocks(Draw& draw, double size) {
   const double h = size / 2;
   const ZInterval low{0, 0.3};
@@ -75,11 +79,11 @@ inline std::vector<Solid> random_blocks(Draw& draw, double size) {
   }
 }
 
-/// A body with what both sides need of it. Shapes that were cut into very thin parts are drawn again: they
-/// would be tested at tens of thousands of poses.
+/// The shape of a body, in two forms: `body` is for the oracle (the slow reference implementation in
+/// tests/engine/conflict_oracle.hpp), and `shape` is for the engine.
 struct Kind {
-  Body body;
-  partition::ObstacleShape shape;
+  Body body;                       ///< the shape for the oracle
+  partition::ObstacleShape shape;  ///< the same shape for the engine
 };
 inline Kind make_kind(std::vector<Solid> blocks) {
   Kind kind;
@@ -95,6 +99,8 @@ inline Kind make_kind(std::vector<Solid> blocks) {
   kind.shape = partition::make_obstacle_shape(pieces);
   return kind;
 }
+/// Returns a random shape that is about `size` m wide. Shapes with very thin convex pieces are rejected: the
+/// oracle would have to test their motions at tens of thousands of poses.
 inline Kind random_kind(Draw& draw, double size) {
   for (;;) {
     Kind kind = make_kind(random_blocks(draw, size));
@@ -125,17 +131,19 @@ struct TestCrowd {
 };
 
 struct CrowdShape {
-  std::size_t most_bodies = 100;
-  double fill = 0.7;  ///< area of the bodies over that of the ground, if all find a place
-  double small = 0.05;
-  double large = 3;
-  double overlapping = 0;  ///< share of the bodies that may start in another or in a wall
-  std::size_t walls = 0;
-  bool region = false;  ///< a floor plan with holes and pillars around it all
-  bool bounded = false;
+  std::size_t most_bodies = 100;  ///< number of bodies, if all of them find a place
+  double fill = 0.7;       ///< area of all bodies divided by the area of the square where they are placed
+  double small = 0.05;     ///< least size of a body, m
+  double large = 3;        ///< greatest size of a body, m
+  double overlapping = 0;  ///< fraction of the bodies that may start in other bodies or in walls
+  std::size_t walls = 0;   ///< number of straight walls; about a fifth of them block no body
+  bool region = false;     ///< true: also a floor plan: outer walls around the square, and four pillars
+  bool bounded = false;    ///< true: the crowd has bounds slightly inside the square
 };
 
-/// Bodies of a few kinds, dropped where they find room.
+/// Returns a crowd of bodies of random shapes at random poses, among random walls. A body that may not
+/// overlap others gets up to 25 random poses. The first pose at which it overlaps no wall and no other body
+/// is used. If there is none, the body is left out.
 inline TestCrowd random_crowd(Draw& draw, const CrowdShape& options) {
   TestCrowd crowd;
   crowd.seed = draw.below(1000);
@@ -193,8 +201,10 @@ inline TestCrowd random_crowd(Draw& draw, const CrowdShape& options) {
   return crowd;
 }
 
-/// New motions for all: some stand, most go about as far as they are wide, some fast, and all turn as they
-/// please. At `most_poses` a motion is cut short, which keeps the oracle from taking all day.
+/// Sets a random motion for each body of the crowd. A tenth of the bodies do not move. Most bodies move by up
+/// to 1.5 times their radius, and some by up to 1 m. Most bodies also turn. The oracle tests each motion at
+/// many poses along the way. A motion that would need more than about `most_poses` poses is shortened to that
+/// number, which limits the time that the oracle takes.
 inline void random_motions(TestCrowd& crowd, Draw& draw, double most_poses) {
   for (std::size_t i = 0; i < crowd.size(); ++i) {
     Motion& m = crowd.motions[i];
@@ -222,7 +232,8 @@ inline partition::StaticScene scene_of(const TestCrowd& crowd, double cell_m) {
   return {std::move(solids), cell_m};
 }
 
-/// What the engine says. free: what it keeps from tick to tick.
+/// Returns the outcome that the engine computes for each motion of the crowd. free: data that the engine
+/// keeps from tick to tick, one entry per body; pass the same vector in each tick.
 inline std::vector<engine::Conflicts::Outcome> resolve(
     const TestCrowd& crowd, const partition::StaticScene& scene, const partition::GridGeometry& grid,
     partition::Parallel& parallel, engine::Conflicts& conflicts, std::vector<engine::FreeCircle>& free) {

@@ -10,14 +10,15 @@
 
 namespace troupe::oracle {
 
-/// A body as the rule sees it: its blocks as they were drawn, and the smallest width of the convex parts that
-/// it was cut into.
+/// The shape of a body for this oracle: its blocks, and the smallest width (m) of the convex pieces into
+/// which the engine divides them. The width determines the steps in which the oracle tests a motion.
 struct Body {
-  std::vector<Solid> blocks;
-  double thinnest = 0;
+  std::vector<Solid> blocks;  ///< body frame, m
+  double thinnest = 0;        ///< smallest width of a convex piece, m
 };
 
-/// Smallest extent of a convex outline in any direction; that of one of its edges' normals.
+/// Returns the width of a convex polygon: its smallest extent in any direction, m. The smallest extent is
+/// always along the normal of one of the edges.
 inline double thickness(const Ring& ring) {
   double least = 1e300;
   for (std::size_t i = 0; i < ring.size(); ++i) {
@@ -60,14 +61,16 @@ struct Question {
   std::span<const Motion> motions;
   std::span<const Body* const> bodies;
   std::span<const std::uint32_t> ids;
-  std::span<const Solid> walls;  ///< world frame, those that block
+  std::span<const Solid> walls;  ///< solids that block bodies, world frame, m
   std::uint64_t seed = 1;
   std::uint64_t tick = 0;
   std::optional<Box> bounds;
 };
 
-/// The rule, one body after the other: no grid, no culls, no threads. `by_priority` false is the wrong rule
-/// that lets bodies go in the order of their ids: crowds on which it makes no difference prove nothing.
+/// Computes the outcomes of the motions in the simplest way: one body after the other, in the order of their
+/// priorities (a hash of seed, tick and id), without a spatial index and without threads. Tests compare the
+/// outcomes with those of the engine. by_priority: false moves the bodies in the order of their ids instead,
+/// which is wrong. Tests use this to check that the order matters for their crowds.
 inline std::vector<engine::Conflicts::Outcome> resolve(const Question& q, bool by_priority = true) {
   using enum engine::Conflicts::Outcome;
   const auto squared = [](double x, double y) { return x * x + y * y; };

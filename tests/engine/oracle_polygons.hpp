@@ -9,15 +9,17 @@
 #include <utility>
 #include <vector>
 
-/// Polygons with exact predicates, for oracles: nothing here is shared with what it checks. Vertices are
-/// rounded to a lattice of 2^-44 m once; from there on everything is whole numbers, and every answer is that
-/// of mathematics. Regions may be non-convex, of several contours (even-odd), and touch in any way.
+/// Polygons with exact predicates, for oracles: slow reference implementations with which tests compare the
+/// engine. This code shares nothing with the engine. Vertices are first rounded to a lattice with a step of
+/// 2^-44 m. All later computations use integers, and so have no rounding errors. Regions may be non-convex
+/// and have several contours (even-odd rule), and two regions may touch in any way.
 namespace troupe::oracle {
 
 __extension__ typedef __int128 Wide;
 
-/// A lattice point, in units of 2^-45 m. Vertices have even coordinates, so that midpoints are points too.
-/// Up to 65 km from the origin: a product of two differences then has 124 bits.
+/// A point with integer coordinates in units of 2^-45 m. Vertices of polygons have even coordinates, so that
+/// the midpoint of two vertices also has integer coordinates. Points must be at most 65 km from the origin. A
+/// product of two coordinate differences is then at most 2^124 and fits into `Wide`.
 struct Point {
   std::int64_t x = 0;
   std::int64_t y = 0;
@@ -30,7 +32,8 @@ inline Point lattice_point(double x_m, double y_m) {
 inline Point middle(Point a, Point b) { return {(a.x + b.x) / 2, (a.y + b.y) / 2}; }
 inline Point swapped(Point p) { return {p.y, p.x}; }
 
-/// 1: p lies left of the way from a to b; -1: right; 0: on its line.
+/// Returns 1 if p is to the left of the directed line from a to b, -1 if it is to the right, and 0 if it is
+/// on the line.
 inline int side(Point a, Point b, Point p) {
   const Wide c = Wide(b.x - a.x) * (p.y - a.y) - Wide(b.y - a.y) * (p.x - a.x);
   return (c > 0) - (c < 0);
@@ -42,13 +45,14 @@ inline bool on(const Edge& e, Point p) {
   return side(e[0], e[1], p) == 0 && std::min(e[0].x, e[1].x) <= p.x && p.x <= std::max(e[0].x, e[1].x) &&
          std::min(e[0].y, e[1].y) <= p.y && p.y <= std::max(e[0].y, e[1].y);
 }
-/// The edges cross at a point that is an end of neither.
+/// Whether two edges cross at a point that is an end of neither edge.
 inline bool cross_within(const Edge& e, const Edge& f) {
   return side(e[0], e[1], f[0]) * side(e[0], e[1], f[1]) < 0 &&
          side(f[0], f[1], e[0]) * side(f[0], f[1], e[1]) < 0;
 }
 
-/// The even-odd region of closed contours. No part of an edge may be drawn twice.
+/// The region inside closed contours, by the even-odd rule: a point is inside if a ray from the point crosses
+/// an odd number of edges. No two edges may overlap along a section.
 struct Region {
   std::vector<Edge> edges;
   Point low{INT64_MAX, INT64_MAX};
@@ -64,7 +68,8 @@ struct Region {
   }
 };
 
-/// Whether an odd number of edges lies strictly beyond the point along +x.
+/// Whether a ray from p in the direction +x crosses an odd number of edges of the region. Edges through p
+/// itself are not counted.
 inline bool odd_beyond(const Region& region, Point p) {
   bool odd = false;
   for (const auto& [a, b] : region.edges)
@@ -81,14 +86,17 @@ inline bool odd_above(const Region& region, Point p) {
 inline bool on_boundary(const Region& region, Point p) {
   return std::ranges::any_of(region.edges, [&](const Edge& e) { return on(e, p); });
 }
-/// Strictly inside.
+/// Whether p is inside the region and not on its boundary.
 inline bool contains(const Region& region, Point p) {
   return !on_boundary(region, p) && odd_beyond(region, p);
 }
 
-/// Where no edge of `a` crosses one of `b` within both: whether some stretch of a's boundary has ground of
-/// both regions beside it. Cut at b's corners, each stretch lies wholly inside b, outside, or along b's
-/// boundary; along it, they share ground if both have theirs on the same side.
+/// Whether some section of a's boundary has, on one of its sides, points of both regions. No edge of `a` may
+/// cross an edge of `b` at a point that is an end of neither edge.
+///
+/// Method: the corners of `b` that are on a's boundary divide it into sections. Each section is inside b,
+/// outside b, or on b's boundary. A section inside b always has such points. A section on b's boundary has
+/// them if both regions are on the same side of it.
 inline bool boundary_shares_ground(const Region& a, const Region& b) {
   for (const Edge& e : a.edges) {
     std::vector<Point> cuts{e[0], e[1]};
@@ -107,9 +115,10 @@ inline bool boundary_shares_ground(const Region& a, const Region& b) {
   return false;
 }
 
-/// True when the regions have area in common. Where boundaries cross, they do. Where they do not, either some
-/// stretch of one boundary lies inside the other region or along its boundary on the same side; or no
-/// boundary enters the other region, and a region that lies inside the other has its whole boundary there.
+/// Whether the intersection of two regions has an area above 0; regions that only touch have none.
+///
+/// Method: if edges of the two boundaries cross, the regions share area. Otherwise they share area exactly if
+/// boundary_shares_ground() is true for one of the two boundaries.
 inline bool share_area(const Region& a, const Region& b) {
   if (a.high.x <= b.low.x || b.high.x <= a.low.x || a.high.y <= b.low.y || b.high.y <= a.low.y) return false;
   for (const Edge& e : a.edges)
@@ -118,7 +127,8 @@ inline bool share_area(const Region& a, const Region& b) {
   return boundary_shares_ground(a, b) || boundary_shares_ground(b, a);
 }
 
-/// Blocks at a pose, each over its heights. The rotation is libm's, not ours.
+/// A block of a body at a given pose: a region, extruded over the heights from `bottom` to `top` (m, world
+/// frame).
 struct Block {
   Region region;
   double bottom;
@@ -143,7 +153,8 @@ inline Blocks place(const std::vector<Solid>& solids, const Pose& pose) {
   return blocks;
 }
 
-/// Ground in common at a common height.
+/// Whether two bodies overlap: a block of `a` and a block of `b` have area in common over an interval of
+/// heights. Bodies that only touch do not overlap.
 inline bool overlap(const Blocks& a, const Blocks& b) {
   for (const Block& p : a)
     for (const Block& q : b)

@@ -10,25 +10,26 @@
 
 namespace troupe::oracle {
 
-/// What pushing adds to a question of who may move: a row each.
+/// The input of resolve_pushing(): the bodies and their motions (`base`), and the data that pushing needs in
+/// addition. The other members have one entry per body, in the order of base.bodies.
 struct PushQuestion {
   Question base;
-  std::vector<std::vector<ConvexPrism>> pieces;  ///< convex, that bodies were cut into
-  std::vector<bool> pushable;
-  std::vector<std::size_t> limits;
+  std::vector<std::vector<ConvexPrism>> pieces;  ///< convex pieces of the body, body frame, m
+  std::vector<bool> pushable;                    ///< whether robots can push the body
+  std::vector<std::size_t> limits;               ///< largest number of bodies that the body can push at once
 };
 
 struct PushAnswer {
   std::vector<engine::Conflicts::Outcome> outcomes;
   std::vector<Pose> poses;
-  std::size_t shifts = 0;    ///< bodies that were pushed, once for each that pushed them
-  std::size_t chained = 0;   ///< of these, by what was pushed itself
-  std::size_t again = 0;     ///< that another one had pushed before
-  std::size_t stopped = 0;   ///< motions blocked for what was to be pushed
-  std::size_t too_many = 0;  ///< of these, because it was too much
+  std::size_t shifts = 0;    ///< number of pushes: a robot pushes a body, directly or through other bodies
+  std::size_t chained = 0;   ///< number of pushes through other bodies
+  std::size_t again = 0;     ///< number of pushes of a body that another robot pushed before in the tick
+  std::size_t stopped = 0;   ///< motions blocked because the bodies in the way could not be pushed
+  std::size_t too_many = 0;  ///< motions blocked because they would push more bodies than the limit
 };
 
-/// The most by which a shadow of b reaches into that of a, along directions in which one ends: the way out.
+/// Returns the corners of an outline (body frame, m) of a body at this pose, in the world frame, m.
 inline std::vector<Vec2> corners(const Ring& outline, const Pose& pose) {
   std::vector<Vec2> out;
   const double c = std::cos(pose.heading);
@@ -38,6 +39,7 @@ inline std::vector<Vec2> corners(const Ring& outline, const Pose& pose) {
   return out;
 }
 
+/// The interval that a set of points covers when it is projected on an axis, m.
 struct Shadow {
   double low = std::numeric_limits<double>::infinity();
   double high = -std::numeric_limits<double>::infinity();
@@ -52,7 +54,10 @@ inline Shadow shadow(const std::vector<Vec2>& points, const Vec2& along) {
   return out;
 }
 
-/// By how much b must be shifted to leave a: of the two pieces that reach farthest into one another.
+/// Returns the vector (world frame, m) by which body b must be shifted to leave body a. Both bodies consist
+/// of convex pieces. For each pair of overlapping pieces, the function computes the shortest shift along the
+/// normal of an edge that separates the two pieces. The result is the longest of these shifts, or
+/// std::nullopt if no pieces overlap.
 inline std::optional<Vec2> leave(const std::vector<ConvexPrism>& a, const Pose& at_a,
                                  const std::vector<ConvexPrism>& b, const Pose& at_b) {
   double farthest = 0;
@@ -88,7 +93,7 @@ inline std::optional<Vec2> leave(const std::vector<ConvexPrism>& a, const Pose& 
   return way;
 }
 
-/// Distance from the origin of a body to its farthest vertex.
+/// Returns the distance from the origin of a body to its farthest vertex, m.
 inline double radius_of(const std::vector<ConvexPrism>& pieces) {
   double radius = 0;
   for (const ConvexPrism& piece : pieces)
@@ -96,8 +101,11 @@ inline double radius_of(const std::vector<ConvexPrism>& pieces) {
   return radius;
 }
 
-/// The rule of docs/pushing.md, one body after the other. `by_priority` false: the wrong rule that goes by
-/// ids. `only_near` false: the wrong rule by which robots also push what came from far away in the tick.
+/// Computes the outcomes of the motions by the rule of docs/pushing.md in the simplest way, one body after
+/// the other. Tests compare the result with that of the engine. If an argument is false, a wrong rule is
+/// used; tests use this to check that the rule matters for their crowds. by_priority: false moves the bodies
+/// in the order of their ids. only_near: false lets robots also push bodies that were too far away before the
+/// tick and were pushed near in the same tick.
 inline PushAnswer resolve_pushing(const PushQuestion& question, bool by_priority = true,
                                   bool only_near = true) {
   using enum engine::Conflicts::Outcome;
@@ -121,7 +129,8 @@ inline PushAnswer resolve_pushing(const PushQuestion& question, bool by_priority
   double largest = 0;  // radius of a pushable body
   for (std::size_t i = 0; i < count; ++i)
     if (question.pushable[i]) largest = std::max(largest, radii[i]);
-  /// Was something to push within reach of i before the tick?
+  /// Whether, before the tick, a pushable body was in the circle around robot i that contains everything that
+  /// the robot could push in the tick.
   const auto has_something_near = [&](std::size_t i) {
     const double zone = std::sqrt(squared(q.motions[i].from, q.motions[i].to)) + radii[i] +
                         2 * static_cast<double>(question.limits[i]) * largest + 1e-6;
@@ -147,7 +156,9 @@ inline PushAnswer resolve_pushing(const PushQuestion& question, bool by_priority
   }
   std::vector<bool> touched(count);
   const auto body = [&](std::size_t i, const Pose& pose) { return place(q.bodies[i]->blocks, pose); };
-  /// Does o, where it is, forbid that i goes from one pose to where it would overlap it?
+  /// Whether body o, at its present pose, blocks a motion of body i. The motion starts at `from` and ends at
+  /// `to`, where the blocks of i are `there`. It is blocked if i and o overlap at its end. Exception: bodies
+  /// that overlap at the start may move apart.
   const auto forbids = [&](std::size_t o, std::size_t i, const Pose& from, const Pose& to,
                            const Blocks& there) {
     if (!overlap(there, placed[o])) return false;

@@ -2,11 +2,13 @@
 
 #include <string_view>
 
-/// One function per fuzz target. Both the programs of libFuzzer and the tests of the corpus call these
-/// functions. Each function gives one input to Troupe, and aborts the process if a check fails. For every
-/// input, Troupe must not crash, leak memory or have undefined behaviour, must end within seconds, and must
-/// use little memory. Troupe must either accept an input without errors, or reject it with an error. A world
-/// that was accepted is also built, if it is small, and makes some ticks with all its sensors running.
+/// The targets of the fuzz tests. Each function gives one input to Troupe, and aborts the process if a check
+/// fails. Both the programs of libFuzzer and the tests of the stored inputs call these functions.
+///
+/// For every input, Troupe must not crash, leak memory or have undefined behaviour, must end within seconds,
+/// and must use little memory. It must either accept the input without errors, or reject it with an error. If
+/// Troupe accepts a small world, the function also builds this world and computes some ticks (time steps)
+/// with all its sensors running.
 namespace troupe::fuzz {
 
 /// Reads a world in Stage's syntax (the text of a `.world` file).
@@ -17,29 +19,39 @@ void read_json(std::string_view text);
 void read_bitmap(std::string_view bytes);
 /// Reads the YAML file of a ROS map.
 void read_map(std::string_view text);
-/// Reads a recording that make_hdf5() (tests/fuzz/hdf5_text.hpp) makes from the text. Mutations therefore
-/// change the contents of the recording, and the file is always valid HDF5.
+/// Reads the recording (an HDF5 file) that make_hdf5() (tests/fuzz/hdf5_text.hpp) makes from the text.
+/// Whatever the text is, the file is valid HDF5; only its contents may be wrong.
 void read_recording(std::string_view text);
 
-/// Reads a checkpoint whose content make_hdf5() makes from the text. The header of the file, which contains
-/// a hash of the content, is always valid: with an invalid header, the content would not be read at all.
+/// Reads a checkpoint (a file with the whole state of a run) whose content make_hdf5() makes from the text.
+/// This function puts a valid header, with a hash of the content, before the content. With an invalid header,
+/// Troupe would reject the file before it reads the content.
 void read_checkpoint(std::string_view text);
 
-/// Reads a study of the world tests/fuzz/files/study_room.json. Loads some of its runs, and makes some ticks
-/// of each.
+/// Reads a study: a JSON file that describes many runs of a world with different parameters (docs/sweeps.md).
+/// If the study is valid, loads up to three of its runs. If their world is tests/fuzz/files/study_room.json,
+/// also computes some ticks of each.
 void read_study(std::string_view text);
 
-/// Sends the input to a live view (`troupe view`) of a small world, whose files are in a scratch folder of
-/// the process. The first byte of the input determines whether the other bytes are sent before the handshake
-/// of a WebSocket, after the handshake, or after the token, or whether each line is sent as a text frame
-/// after the token. Checks that the view closes the connection and then accepts further connections.
+/// Sends the input to a live view (`troupe view`, a web server that shows a running simulation) of a small
+/// world. A browser opens a live view in two steps: the handshake of a WebSocket, then a message with a
+/// secret token. The first byte of the input selects one of four ways to send the other bytes:
+/// - at once, without a handshake
+/// - after the handshake
+/// - after the handshake and the token
+/// - after the handshake and the token, each line as a WebSocket text frame
+///
+/// Checks that the view closes the connection, and that it accepts the connections of later inputs.
 void talk_to_view(std::string_view input);
 
-/// Parses and runs a command line of `troupe`, with one argument per line. Runs are shortened to a fraction
-/// of a second. The working folder is a scratch folder of the process with a world in each format and one or
-/// two files of every other type (`run.h5`, `a.log`, ...). Arguments that could name a file outside this
-/// folder are left out. Checks that the exit code is 0, 1, 2 or 3, that no file was written if the code is 2,
-/// and that no partial file is left behind. Does not suppress the output of the program.
+/// Parses and runs a command line of `troupe`; the input has one argument per line. The working folder is a
+/// temporary folder that contains a world in each format, a study, and the output files of a run (`run.h5`,
+/// `a.log`, ...). Arguments that could name a file outside this folder are left out. Runs are shortened to a
+/// fraction of a second. The output of the program is not suppressed. Checks that
+///
+/// - the exit code is 0, 1, 2 or 3
+/// - no file was written if the exit code is 2
+/// - no partial file is left
 void run_command(std::string_view arguments);
 
 }  // namespace troupe::fuzz

@@ -475,6 +475,15 @@ TEST_F(PluginSensors, ThatThrowAreNamedWithTickAndRobot) {
                 MatchesRegex("tick 0: device \"eye\" .thrower:unstartable. of \"r[0-2]\" threw: the "
                              "map is missing"));
   }
+  Simulation unhaltable(bots("unhaltable"), options({folder_of("plugins")}));
+  unhaltable.disable(unhaltable.find("r1"));
+  try {
+    unhaltable.step();
+    FAIL() << "nothing was thrown";
+  } catch (const engine::StepError& error) {
+    EXPECT_STREQ(error.what(),
+                 "tick 1: device \"eye\" (thrower:unhaltable) of \"r1\" threw: the brake is missing");
+  }
 }
 
 TEST_F(PluginSensors, AreRangersForWhoReadsRangers) {

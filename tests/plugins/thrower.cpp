@@ -77,6 +77,12 @@ troupe::DeviceKind unstartable() {
   return kind;
 }
 
+troupe::DeviceKind unhaltable() {
+  troupe::DeviceKind kind = sensor();
+  kind.halt = [](troupe::StateTable&, std::size_t) { throw std::runtime_error("the brake is missing"); };
+  return kind;
+}
+
 /// Throws a number when it is made, while it is updated in the third tick, or when it is read in the third
 /// tick.
 enum class Moment { made, seen, read };
@@ -107,3 +113,4 @@ TROUPE_CONTROLLER("when_made", WhenMade)
 TROUPE_DEVICE("sensor", sensor)
 TROUPE_DEVICE("unpreparable", unpreparable)
 TROUPE_DEVICE("unstartable", unstartable)
+TROUPE_DEVICE("unhaltable", unhaltable)

@@ -296,7 +296,7 @@ print(eight.threads)
             measures.values,
             events.see,
         ):
-            with self.assertRaisesRegex(RuntimeError, "^tick 1: a step or a birth failed .* call reset"):
+            with self.assertRaisesRegex(RuntimeError, "^tick 1: a step, a birth or a reset failed .* call reset"):
                 use()
         self.assertEqual(list(self.folder.iterdir()), [])
         world.reset()

@@ -8,12 +8,13 @@
 #include <string>
 #include <vector>
 
-/// Functions that add devices with joints to types, and controllers that move them.
+/// Functions for tests. They add devices with joints to body types, and make controllers that operate devices
+/// or drive robots.
 namespace troupe::test {
 
-/// Adds a device of the kind `kind_name` to the type, with its joints and the solids that the kind defines.
-/// pose: in the frame of the body; values: parameters that differ from the defaults. Returns the index of the
-/// device.
+/// Adds a device of the kind `kind_name` to a body type. Also adds the joints and solids that devices of this
+/// kind have. pose: pose of the device in the body frame. values: names and values of parameters; all other
+/// parameters have their defaults. Returns the index of the device in type.devices.
 inline std::size_t add_device(engine::TypeSpec& type, std::string name, std::string kind_name,
                               const Pose& pose,
                               std::initializer_list<std::pair<std::string_view, engine::Value>> values = {}) {
@@ -27,8 +28,8 @@ inline std::size_t add_device(engine::TypeSpec& type, std::string name, std::str
   return d;
 }
 
-/// Adds an actuator that moves `solids`, given in the frame of the actuator. Other arguments and the result:
-/// as for add_device().
+/// Adds an actuator (a motor-driven joint) that moves `solids`. The solids are given in the frame of the
+/// actuator. The other parameters and the result are those of add_device().
 inline std::size_t add_arm(engine::TypeSpec& type, std::string name, const Pose& pose,
                            std::vector<Solid> solids,
                            std::initializer_list<std::pair<std::string_view, engine::Value>> values) {
@@ -39,8 +40,9 @@ inline std::size_t add_arm(engine::TypeSpec& type, std::string name, const Pose&
   return d;
 }
 
-/// Returns an order of the controller "operate": at the world time `at_s`, s, the device gets the order
-/// `what`.
+/// Returns one order for operate(). At the simulated time at_s (s), the controller gives the order `what` to
+/// the device. value: the number that some orders need, such as the position (m or rad) of "go_to"; other
+/// orders ignore it.
 inline engine::Record order(double at_s, std::string device, std::string what, double value = 0) {
   return {at_s, std::move(device), std::move(what), value};
 }
@@ -48,7 +50,8 @@ inline engine::ControllerSpec operate(std::vector<engine::Record> orders) {
   return controller("operate", {{"orders", std::move(orders)}});
 }
 
-/// A leg of the controller "script": a speed, m/s, and a turn rate, rad/s, until a time, s.
+/// Returns one leg for drive_legs(): the robot drives with the speeds `forward` (m/s) and `turn` (rad/s)
+/// until the simulated time until_s (s).
 inline engine::Record leg(double until_s, double forward, double turn = 0) {
   return {until_s, forward, 0.0, turn};
 }
@@ -56,7 +59,8 @@ inline engine::ControllerSpec drive_legs(std::vector<engine::Record> legs) {
   return controller("script", {{"legs", std::move(legs)}});
 }
 
-/// Returns the state of the device with the index `device` in the type of the body.
+/// Returns the state of a device of a body. device: index of the device in the devices of the body's type.
+/// State: the state struct of the kind of the device.
 template <class State>
 const State& state_of(const engine::World& world, BodyId body, std::size_t device) {
   const Row row = world.row(body);

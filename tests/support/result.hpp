@@ -6,7 +6,8 @@
 
 namespace troupe::test {
 
-/// Returns the error text of a result; empty if there is no error. For EXPECT_EQ, which prints the text.
+/// Returns the error text of a result; empty if there is no error. Use it with EXPECT_EQ, which prints the
+/// text if the test fails.
 template <class T>
 std::string error_text(const Result<T>& result) {
   return result ? std::string() : result.error().text;

@@ -15,8 +15,10 @@
 #include <string_view>
 #include <vector>
 
-/// Controllers for tests of `troupe check --controllers`. Honest and Believer compute the same command from
-/// the same inputs. Each of the others breaks this rule in another way, which its name says.
+/// Controllers for tests of `troupe check --controllers`. The command checks a rule: from the same inputs
+/// (percepts, memory, commands and random numbers), a controller must always compute the same memory and
+/// commands. Honest and Believer keep this rule. Each of the other controllers breaks it, in the way that its
+/// name says.
 namespace troupe::test {
 
 struct Parameterless {
@@ -39,7 +41,8 @@ struct Honest : Parameterless {
   }
 };
 
-/// Keeps the rule, but uses the estimated pose, which is another one by the time the decision is repeated.
+/// Keeps the rule. Its commands depend on the estimated pose of the robot, which changes in each tick. The
+/// check must therefore repeat a decision with the estimated pose that the first decision used.
 struct Believer : Parameterless {
   void operator()(const engine::Percept& percept, Random&, engine::Actions& actions) const {
     actions.set_speed(0.1 + 0.01 * percept.estimate.x, 0.02 * percept.estimate.y,
@@ -77,7 +80,7 @@ struct KeepsAThreadLocal : Parameterless {
   }
 };
 
-/// Its first decision differs from all later decisions.
+/// The first decision of each object of this class differs from all later decisions of the object.
 struct ChangesAMember : Parameterless {
   mutable std::atomic<bool> asked = false;
   ChangesAMember() = default;
@@ -107,7 +110,7 @@ struct ReadsASlowClock : Parameterless {
   }
 };
 
-/// Has a member that is never set: its value is the content of the memory that `new` returned.
+/// Has a member, `gain`, that is never set. Its value is what the memory from `new` happens to contain.
 struct LeavesAMemberUnset : Parameterless {
   std::uint64_t gain;
   double bias;
@@ -121,7 +124,8 @@ struct LeavesAMemberUnset : Parameterless {
   }
 };
 
-/// Each constructed controller has another value of its member, as with an unset member, but reliably.
+/// Each object of this class has another value of `bias`. This imitates a member that is never set, but the
+/// values always differ.
 struct IsMadeUnlike : Parameterless {
   double bias = 0;
   static IsMadeUnlike make() {
@@ -157,7 +161,9 @@ struct LooksAtPadding : Parameterless {
   }
 };
 
-/// Decides for a whole batch of robots, and stores in the memory of each robot its position in the batch.
+/// Makes the decisions of a batch of robots in one call. Stores the index of each robot in the batch in the
+/// memory of the robot. The index breaks the rule, because the engine may divide the robots into other
+/// batches.
 struct LooksAtItsBatch : Parameterless {
   struct Memory {
     std::uint32_t before = 0;
@@ -169,7 +175,8 @@ struct LooksAtItsBatch : Parameterless {
   }
 };
 
-/// Returns a kind whose `start` leaves one field of the memory unset.
+/// Returns a controller kind that breaks the rule: its function `start`, which must initialise the memory of
+/// a robot, leaves the field `unset` uninitialised.
 inline engine::ControllerKind starts_half() {
   struct Half : Parameterless {
     struct Memory {
@@ -184,7 +191,8 @@ inline engine::ControllerKind starts_half() {
   return kind;
 }
 
-/// Returns the kinds of all controllers above.
+/// Returns the kinds of all controllers above. A kind is the table of functions by which the engine uses a
+/// controller.
 inline std::vector<engine::ControllerKind> rogue_controllers() {
   using engine::make_controller_kind;
   return {make_controller_kind<Honest>("honest", ""),

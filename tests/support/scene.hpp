@@ -12,7 +12,8 @@
 /// Functions that build worlds without world files, for tests of the engine.
 namespace troupe::test {
 
-/// The built-in kinds.
+/// Returns the registry of all built-in kinds (implementations of drives, sensors, other devices, controllers
+/// and measures).
 inline const engine::Registry& registry() {
   static const engine::Registry kinds = make_registry();
   return kinds;
@@ -26,12 +27,14 @@ inline Ring box_ring(double size_x, double size_y) {
   return rectangle(-size_x / 2, -size_y / 2, size_x / 2, size_y / 2);
 }
 
-/// Returns a box on the floor with its centre at x = y = 0. Sizes in m.
+/// Returns a box that stands on the floor, with its centre at x = y = 0. Sizes in m.
 inline Solid box(double size_x, double size_y, double height = 1) {
   return {{box_ring(size_x, size_y)}, {0, height}};
 }
 
-/// Returns the default parameters of a table, with the given fields replaced by name.
+/// Returns the parameters that `table` describes, as a record (a list of values in the order of the table).
+/// The parameters named in `values` have the values given there, and all others their defaults. All names
+/// must exist in the table.
 inline engine::Record record(const engine::FieldTable& table,
                              std::initializer_list<std::pair<std::string_view, engine::Value>> values) {
   engine::Record out = table.defaults();
@@ -39,7 +42,8 @@ inline engine::Record record(const engine::FieldTable& table,
   return out;
 }
 
-/// A transducer of ranger(): pose in the frame of the ranger; lengths in m, angles in rad.
+/// A transducer (fan of beams) for ranger(). The pose is in the frame of the ranger. Lengths in m, angles in
+/// rad.
 struct Transducer {
   Pose pose;
   double range_max = 5;
@@ -66,7 +70,8 @@ inline engine::ControllerSpec controller(
   return {.kind = kind, .params = record(registry().controller(kind)->params, values)};
 }
 
-/// Builds a WorldSpec that contains the ground and the types and bodies that are added.
+/// Builds a WorldSpec, the engine's description of a world. The world contains the ground (body 0) and the
+/// types and bodies that the caller adds.
 class SceneBuilder {
  public:
   SceneBuilder() { engine::add_ground(spec); }

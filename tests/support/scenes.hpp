@@ -11,60 +11,66 @@
 #include <utility>
 #include <vector>
 
-/// The manifest of the shipped worlds, worlds/scenes.json, for tests and benchmarks. The keys of a row are
-/// described in docs/worlds.md. scripts/proofs/scenes.py reads the same file for the scripts, and checks all
-/// keys except `tests` and `perf`.
+/// Reads the manifest of the worlds that come with Troupe, worlds/scenes.json, for tests and benchmarks. The
+/// manifest is a list of worlds with the tests and benchmarks that use each world; docs/worlds.md describes
+/// its keys. This code checks the values of the keys `tests` and `perf`; scripts/proofs/scenes.py checks
+/// those of all other keys.
 namespace troupe::scenes {
 
-/// A run of a shipped world in a test suite. Each suite defines which of these keys its runs may have; the
-/// other members keep their defaults.
+/// A run of a world in a test suite, as listed in the manifest. The manifest may set only some of the
+/// members; which ones depends on the suite. The others keep their defaults.
 struct Run {
   std::string world;                       ///< file name in worlds/
   bool by_grid = false;                    ///< use the grid engine instead of the world's engine
-  std::optional<std::size_t> robots;       ///< size of the only population; not set: that of the world
-  std::optional<std::size_t> robots_slow;  ///< size in slow builds (k_slow_build)
+  std::optional<std::size_t> robots;       ///< size of the only population; not set: as in the world file
+  std::optional<std::size_t> robots_slow;  ///< size in slow builds (test::k_slow_build)
   std::uint64_t warm_ticks = 0;            ///< ticks before the tested ticks
   std::uint64_t ticks = 0;                 ///< tested ticks
   unsigned threads = 1;
 
   std::filesystem::path file() const;  ///< path of the world file
-  /// Returns a name that is unique in the suite, with letters, digits and underscores only: `crowdByGrid`.
+  /// Returns a name for the run, such as `crowdByGrid`, with letters, digits and underscores only. The runs
+  /// of a suite must have different names.
   std::string name() const;
   friend std::ostream& operator<<(std::ostream& out, const Run& run) { return out << run.name(); }
 };
 
-/// A variant of the world of a benchmark. The runs of the world and of its variants are timed in turn.
+/// A variant of the world of a benchmark: the same world with some other values. In each repetition of the
+/// benchmark, the world and all its variants are timed, one after another.
 struct Variant {
-  std::string name;
+  std::string name;  ///< name of the variant in the report
   std::vector<std::pair<std::string, std::string>>
-      set;  ///< JSON pointers and values, as for the option --set
+      set;  ///< the other values: JSON pointers and values, as for the option --set of `troupe run`
 };
 
-/// Rows of a table of perf_paper: a world with different numbers of robots, one row per number.
+/// A world that the benchmark program perf_paper measures with several numbers of robots. The report has one
+/// table row for each number.
 struct Benchmark {
-  std::string world;  ///< file name in worlds/
-  std::string table;  ///< id of the table
-  std::vector<std::size_t> robots;
-  std::vector<std::size_t> quick;        ///< numbers of robots with --quick
-  std::vector<std::string> populations;  ///< among which the robots are divided equally; empty: the only one
-  std::optional<double> for_s;           ///< simulated time, s; not set: that of the table
+  std::string world;                     ///< file name in worlds/
+  std::string table;                     ///< id of the table in the report
+  std::vector<std::size_t> robots;       ///< numbers of robots
+  std::vector<std::size_t> quick;        ///< numbers of robots if perf_paper runs with --quick
+  std::vector<std::string> populations;  ///< populations that share the robots equally; empty: the only one
+  std::optional<double> for_s;           ///< simulated time, s; not set: the default of the table
   std::vector<Variant> beside;           ///< variants that are timed together with the world
-  bool as_text = false;  ///< table of memory: also measure loading as .world text, and without robots
+  /// Used only for the table of memory use. True: the table also has rows for the world loaded from .world
+  /// text (Stage's syntax), and for the world without robots.
+  bool as_text = false;
 };
 
-/// The content of a manifest.
+/// The content of a manifest that tests and benchmarks use.
 struct Manifest {
-  std::map<std::string, std::vector<Run>, std::less<>> tests;  ///< by suite
-  std::vector<Benchmark> perf;                                 ///< in the order of the rows
+  std::map<std::string, std::vector<Run>, std::less<>> tests;  ///< the runs of each suite, by its name
+  std::vector<Benchmark> perf;                                 ///< in the order of the manifest
 };
 
 /// Reads and checks a manifest. Throws std::runtime_error with the first error: an unknown key, a value of
-/// the wrong type, an unknown suite, or a world that does not exist in the folder of the manifest.
+/// the wrong type, an unknown test suite, or a world file that is not in the folder of the manifest.
 Manifest read_manifest(const std::filesystem::path& file);
 
-/// Returns the runs that the shipped manifest lists for a suite. On an error, which an empty list also is,
-/// prints the error and ends the program with exit code 2, because test programs call this before their tests
-/// begin.
+/// Returns the runs that worlds/scenes.json lists for a test suite. If the manifest has an error or does not
+/// name the suite, prints an error and ends the program with exit code 2. The function throws no exception,
+/// because test programs call it before their tests begin.
 std::vector<Run> runs_of(std::string_view suite);
 
 }  // namespace troupe::scenes

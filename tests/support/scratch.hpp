@@ -11,7 +11,7 @@
 
 namespace troupe::test {
 
-/// A test with a temporary folder, which is empty at the start of the test and removed at its end.
+/// A test with a temporary folder, which is empty at the start of the test and is removed at its end.
 class ScratchTest : public ::testing::Test {
  protected:
   ScratchTest() {
@@ -24,7 +24,8 @@ class ScratchTest : public ::testing::Test {
     std::filesystem::remove_all(folder_, ignored);
   }
 
-  /// Writes a file into the folder, and creates the folders in its name. Returns its path.
+  /// Writes a file into the temporary folder. Also creates the folders in the path `name`. Returns the path
+  /// of the file.
   std::filesystem::path write(const std::filesystem::path& name, std::string_view text) const {
     const std::filesystem::path file = folder_ / name;
     std::filesystem::create_directories(file.parent_path());
@@ -32,7 +33,7 @@ class ScratchTest : public ::testing::Test {
     return file;
   }
 
-  /// Returns the bytes of a file.
+  /// Returns the content of a file, byte for byte. file: a path; it need not be in the temporary folder.
   static std::string content(const std::filesystem::path& file) {
     std::ifstream stream(file, std::ios::binary);
     return {std::istreambuf_iterator<char>(stream), {}};

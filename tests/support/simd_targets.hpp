@@ -6,8 +6,9 @@
 
 namespace troupe {
 
-/// Calls test(name) with the kernels of each instruction set that this processor supports, including the
-/// portable kernels.
+/// Calls test(name) once for each instruction set that is compiled in and that this processor supports,
+/// portable code included. During the call, the kernels (vectorised loops) use the instruction set `name`.
+/// Then restores the instruction set that was used before.
 template <class Test>
 void for_each_simd_target(Test&& test) {
   const std::string before = partition::simd_target();

@@ -2,8 +2,8 @@
 
 namespace troupe::test {
 
-/// True in builds in which a step takes ten times as long or longer (without optimisation, or with a
-/// sanitizer). In these builds, tests that run whole worlds run fewer robots or ticks.
+/// True in builds that are ten times slower or more: without optimisation, or with a sanitizer. In these
+/// builds, tests of whole worlds simulate fewer robots or fewer ticks (time steps).
 #if !defined(__OPTIMIZE__) || defined(__SANITIZE_ADDRESS__) || defined(__SANITIZE_THREAD__)
 inline constexpr bool k_slow_build = true;
 #elif defined(__has_feature)

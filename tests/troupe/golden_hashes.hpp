@@ -15,11 +15,12 @@
 
 namespace troupe::test {
 
-/// A line of worlds/golden_hashes.txt, which `scripts/prove --golden` makes.
+/// A run whose expected state hash is in worlds/golden_hashes.txt. The file has one line per GoldenRun;
+/// `scripts/prove --golden` writes it.
 struct GoldenRun {
-  std::string world;  ///< file name in worlds/; with ":grid" behind it: by the grid ray engine
-  std::optional<std::size_t> robots;
-  std::uint64_t ticks = 0;
+  std::string world;  ///< file name in worlds/, followed by ":grid" if the run uses the grid ray engine
+  std::optional<std::size_t> robots;  ///< number of robots; not set: as in the world file
+  std::uint64_t ticks = 0;            ///< number of ticks (time steps) before the hash is computed
 
   friend auto operator<=>(const GoldenRun& a, const GoldenRun& b) {
     return std::tuple(a.world, a.robots.value_or(0), a.ticks) <=>
@@ -31,7 +32,8 @@ struct GoldenRun {
   }
 };
 
-/// The line of a run.
+/// Converts a run of a test suite to a GoldenRun. With the result, a test looks up the expected hash in
+/// golden_hashes().
 inline GoldenRun golden_run(const scenes::Run& run) {
   return {run.world + (run.by_grid ? ":grid" : ""), run.robots, run.ticks};
 }

@@ -259,9 +259,9 @@ TEST_F(Reset, IsAllThatLeadsOnFromAStepThatThrew) {
       use();
       ADD_FAILURE() << name << " goes on";
     } catch (const std::logic_error& error) {
-      EXPECT_STREQ(
-          error.what(),
-          "tick 1: a step or a birth failed and left an incomplete state: call reset() before anything else")
+      EXPECT_STREQ(error.what(),
+                   "tick 1: a step, a birth or a reset failed and left an incomplete state: call reset() "
+                   "before anything else")
           << name;
     }
   }

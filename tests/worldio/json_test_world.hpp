@@ -8,7 +8,8 @@
 
 namespace troupe::worldio {
 
-/// Kinds of their own for the loader's tests, so that a change of a real kind changes no test of the format.
+/// Returns kinds (implementations of sensors, drives and controllers) that only the tests of the loader use.
+/// Changes of the real kinds therefore do not affect these tests. The kinds have parameters but no functions.
 inline engine::Registry json_test_registry() {
   using engine::FieldType;
   using engine::Unit;
@@ -56,7 +57,7 @@ inline engine::Registry json_test_registry() {
   return registry;
 }
 
-/// What a load found, a line each.
+/// Returns the messages of a load, one text per error, warning or other finding.
 inline std::vector<std::string> findings(const Diagnostics& diagnostics) {
   std::vector<std::string> lines;
   for (const Finding& finding : diagnostics.findings()) lines.push_back(diagnostics.text(finding));

@@ -11,7 +11,8 @@
 
 namespace troupe::worldio {
 
-/// A recording written by hand, from the layout as docs/recordings.md tells it.
+/// A recording that write() creates without Troupe's recorder, as docs/recordings.md specifies the format. By
+/// default the recording is valid. Tests change the members to make invalid recordings.
 struct RecordingByHand {
   std::string kind = "troupe recording";
   std::int64_t layout = 1;

@@ -13,7 +13,8 @@
 #include <utility>
 #include <vector>
 
-/// Reads what a replay page holds, from docs/replay.md, by code of its own.
+/// A decoder of the data in replay pages (HTML files that play a recording). It is made from the
+/// specification in docs/replay.md, and shares no code with the encoder that the tests check.
 namespace troupe::test {
 
 inline std::string inflated(std::string_view bytes) {
@@ -33,7 +34,11 @@ inline std::string inflated(std::string_view bytes) {
 
 inline constexpr std::int64_t k_gone = std::numeric_limits<std::int64_t>::min();
 
-/// Series of one stream, one after another.
+/// Decodes a stream of series (docs/replay.md). A series contains one value of one robot, such as x, in all
+/// frames of a block. Each call of next() decodes the next series of the stream. The results are whole
+/// numbers of steps, and k_gone for frames in which the value is absent. frames: number of frames in the
+/// block. line: whether the values were encoded as differences from a linear extrapolation, as for poses;
+/// false: from the previous value.
 class Series {
  public:
   explicit Series(std::string bytes) : bytes_(std::move(bytes)) {}
@@ -76,10 +81,10 @@ class Series {
   std::size_t at_ = 0;
 };
 
-/// All of a page: by frame and row.
+/// The decoded data of a replay page.
 struct Unpacked {
   nlohmann::json header;
-  using Table = std::vector<std::vector<double>>;  ///< [frame][row x columns + column]; NaN: absent
+  using Table = std::vector<std::vector<double>>;  ///< [frame][robot x columns + column]; NaN: no value
   Table x, y, heading, z;
   std::vector<Table> fields;
 };

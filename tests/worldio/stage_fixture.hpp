@@ -46,13 +46,14 @@ inline const engine::Registry& test_registry() {
   return registry;
 }
 
-/// Loads worlds in a folder of its own. A test takes every message with `messages()`; one that it did not
-/// take fails it.
+/// A test that loads worlds in Stage's syntax. The errors and warnings of each load are collected. A test
+/// must fetch them with messages(): at the end of the test, messages that were not fetched make the test
+/// fail.
 class StageTest : public test::ScratchTest {
  protected:
   void TearDown() override { EXPECT_THAT(messages(), testing::IsEmpty()); }
 
-  /// Reads the text as the file `w.world` of the folder.
+  /// Loads the world `text` as if it were the content of the file `w.world` in the temporary folder.
   engine::WorldSpec load(std::string_view text, const LoadOptions& options = {}) {
     return read(folder_ / "w.world", std::string(text), options, test_registry());
   }
@@ -72,7 +73,8 @@ class StageTest : public test::ScratchTest {
       if (finding.severity == Severity::error) messages_.push_back(shortened(diagnostics.text(finding)));
   }
 
-  /// What was reported since the last call, paths relative to the folder.
+  /// Returns the errors and warnings that were reported since the last call. Paths are relative to the
+  /// temporary folder.
   std::vector<std::string> messages() { return std::exchange(messages_, {}); }
 
   const std::filesystem::path& folder() const { return folder_; }
@@ -98,7 +100,8 @@ inline std::string name_of(const engine::WorldSpec& spec, std::size_t body) {
   return spec.name(BodyId(body));
 }
 
-/// The body that a generated name stands for beside its own; not valid when there is none.
+/// Returns the body that has `name` as a further name, in addition to its own (WorldSpec::aliases). Not valid
+/// if there is no such body.
 inline BodyId alias(const engine::WorldSpec& spec, std::string_view name) {
   for (const engine::NamedBody& alias : spec.aliases)
     if (spec.names.text(alias.name) == name) return alias.body;

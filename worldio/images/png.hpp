@@ -23,12 +23,17 @@ struct DepthImage {
   std::vector<std::uint16_t> values;  ///< the grey values, width x height of them
 };
 
-/// Each of these functions writes an image to `file` as a PNG, of 8 bits per channel or of 16-bit grey
-/// values. It writes under a temporary name in the same folder and renames the file when it is complete, or
-/// writes directly into `file` if that is a device or a pipe. `text` holds pairs of a key (1 to 79 characters
-/// of Latin-1) and a UTF-8 value. Each pair becomes a tEXt chunk of the PNG, or an iTXt chunk if the value is
-/// not ASCII. Throws std::runtime_error with the path and the reason if the file cannot be written, if the
-/// image has no pixels, if the number of its values does not match its size, or if libpng reports an error.
+/// Writes an image to `file` as a PNG. The PNG has 8 bits per channel for an Image, and 16-bit grey values
+/// for a DepthImage. The function writes a temporary file in the same folder and renames it when it is
+/// complete. If `file` is a device or a pipe, the function writes directly into it.
+///
+/// `text` holds pairs of a key (1 to 79 characters of Latin-1) and a UTF-8 value. Each pair is stored as a
+/// tEXt chunk of the PNG, or as an iTXt chunk if the value is not ASCII.
+///
+/// Throws std::runtime_error, with the path and the reason, if
+/// - the file cannot be written,
+/// - the image has no pixels, or the number of its values does not match its size,
+/// - libpng reports an error.
 void write_png(const std::filesystem::path& file, const Image& image,
                const std::vector<std::pair<std::string, std::string>>& text = {});
 void write_png(const std::filesystem::path& file, const DepthImage& image,

@@ -16,7 +16,7 @@ namespace troupe::worldio {
 ///
 /// source  the documentation of map_server, https://wiki.ros.org/map_server, and of Nav2's map server
 struct RosMap {
-  /// How pixel values decide which cells are solid, unknown or free: see solid_cells().
+  /// How pixel values decide which cells are occupied, unknown or free: see solid_cells().
   enum class Mode { trinary, scale, raw };
 
   std::filesystem::path image;    ///< path of the image, joined with the folder of the YAML file
@@ -33,28 +33,32 @@ struct RosMap {
 /// Whether a file is a ROS map, judged only by the extension of its name: .yaml or .yml, in lower case.
 bool is_ros_map(const std::filesystem::path& file);
 
-/// Reads the YAML file of a ROS map, but not its image. If the file has errors, returns nothing and adds the
-/// errors at their lines; an error about a missing key, or about the whole file, has no line. If the file
-/// cannot be read, returns nothing and adds an error at `where`, the place of the file's name in the world
-/// file. Each unknown key adds a warning. If the file also has an error, each unknown key adds an error
-/// instead, because it may be a misspelt known key. A file of more than 64 KiB is an error.
+/// Reads the YAML file of a ROS map, but not its image. Returns nothing, and adds errors to `diagnostics`, if
+/// the file cannot be read, has more than 64 KiB or has errors. `where` is the place (file and line) of the
+/// file's name in the world file; the error that the file cannot be read is reported there. Every other error
+/// is reported at its line in the YAML file; an error about a missing key or about the whole file has no
+/// line.
+///
+/// In a file without errors, an unknown key is a warning. In a file with errors, an unknown key is an error,
+/// because it may be the misspelt name of a missing key.
 std::optional<RosMap> read_ros_map(const std::filesystem::path& file, Where where, Diagnostics& diagnostics);
-/// Like read_ros_map(), but reads `text`, the content of the YAML file. `file` is the path of this file in
-/// messages. A relative path of the image is relative to its folder.
+/// Like read_ros_map(), but reads `text`, the content of the YAML file. `file` is the path of the YAML file,
+/// which messages state. A relative path of the image is relative to the folder of `file`.
 std::optional<RosMap> parse_ros_map(const std::filesystem::path& file, std::string_view text,
                                     Diagnostics& diagnostics);
 
-/// Returns the rule that decides which pixels of a map are solid. A cell (pixel) is occupied, unknown or
-/// free. Occupied cells are solid; unknown cells are solid if `unknown_is_solid` is true. Let l be the
-/// lightness of a pixel: the mean of its colour channels, from 0 to 1. The probability that the cell is
-/// occupied is p = 1 - l, or p = l if `negate` is set. The mode of the map decides:
+/// Returns the rule that decides which pixels of a map are solid. Each cell (pixel) of a map is occupied,
+/// unknown or free. Occupied cells are solid. Unknown cells are solid if `unknown_is_solid` is true.
 ///
-/// trinary  A cell is occupied if p is above occupied_thresh, free if p is below free_thresh, else unknown.
-/// scale    Pixels that are not opaque are unknown. Other cells are occupied if p is above occupied_thresh,
-///          else free.
-/// raw      The mean of the colour channels of the pixel, 0 to 255, is the probability in percent, and
-///          `negate` has no effect. Values above 100 are unknown. Other cells are occupied if the probability
-///          is above occupied_thresh, else free.
+/// Let v be the mean of the colour channels of the pixel, from 0 to 255. Let p be the probability that the
+/// cell is occupied. In the modes trinary and scale, p = 1 - v / 255, or p = v / 255 if `negate` is set. In
+/// the mode raw, p = v / 100, and `negate` has no effect. The mode of the map decides:
+///
+/// trinary  The cell is occupied if p is above occupied_thresh, free if p is below free_thresh, else unknown.
+/// scale    The cell is unknown if the pixel is not opaque. Else it is occupied if p is above
+///          occupied_thresh. Else it is free.
+/// raw      The cell is unknown if v is above 100. Else it is occupied if p is above occupied_thresh. Else it
+///          is free.
 PixelRule solid_cells(const RosMap& map, bool unknown_is_solid);
 
 }  // namespace troupe::worldio

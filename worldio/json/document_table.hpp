@@ -20,26 +20,36 @@
 #include <utility>
 #include <vector>
 
-/// Describes the keys of the JSON objects of a world. Each object is read into a struct of a WorldDocument,
-/// which holds the content of a JSON world (worldio/json/world_document.hpp). The function `describe()` of
-/// each struct fills a table with the keys of the struct. The reader (read_document.cpp), the writer
-/// (write_document.cpp) and the JSON schema (world_schema.cpp) use these tables.
+/// Tables of the keys that the JSON objects of a world can have. Each JSON object is read into a C++ struct,
+/// such as TypeDocument; each key is read into a member of the struct. worldio/json/world_document.hpp
+/// defines the structs. The outermost struct is WorldDocument, the content of a whole JSON world. The
+/// function describe() of a struct fills a DocumentTable with one DocumentKey per key. The reader
+/// (read_document.cpp), the writer (write_document.cpp) and the JSON schema (world_schema.cpp) use these
+/// tables.
 ///
-/// A *kind* is a sort of drive, device, controller, measure or fault. The key `kind` of an object names it.
-/// Each kind has parameters, which are further keys of the object. Stage is an older robot simulator, whose
-/// model types are also kinds. A *preset* is a controller kind with other defaults, under a name of its own.
-/// The engine::Registry lists all kinds and presets; plug-ins (shared libraries) can have more kinds. An
-/// engine::Field describes a value: its name, type, unit, limits and default. An engine::FieldTable lists the
-/// fields of an object, and an engine::Record has their values.
+/// Terms:
+///
+/// kind        A sort of drive, device, controller, measure or fault. It has parameters. An object with the
+///             key `kind` names a kind, and the parameters of the kind are further keys of this object, as in
+///             {"kind": "wander", "cruise_speed_mps": 0.2}.
+/// preset      A kind of controller with other default values, under a name of its own.
+/// registry    The list of all kinds and presets (engine::Registry). Plug-ins (shared libraries) can have
+///             more kinds.
+/// field       The description of a value: name, type, unit, limits, default (engine::Field). An
+///             engine::FieldTable is a list of fields.
+/// record      One value for each field of a table (engine::Record).
+/// model type  The type of a model in Stage, an older robot simulator whose world files Troupe reads, such as
+///             "ranger" or "position".
+/// place       A file and a line in it (Where).
 namespace troupe::worldio {
 
 struct DocumentTable;
 
-/// The form that a value has in a JSON file. Each comment begins with the C++ type of the struct member that
-/// stores the value. The JSON value follows after the colon.
+/// The form that a value has in a JSON file. Each comment gives the C++ type of the struct member that stores
+/// the value, then a colon, then the JSON value.
 enum class Form : std::uint8_t {
   value,            ///< a type that engine::Field can describe: its JSON form follows from DocumentKey::field
-  choice,           ///< an enum of one byte: a text, one of Field::choices, in the order of the enum
+  choice,           ///< an enum of one byte: a text; entry i of Field::choices means the value i
   block,            ///< engine::Record: an object with the fields of DocumentKey::block
   version,          ///< no member: the version of the format, which must be k_format_version
   seed,             ///< std::uint64_t: a whole number from 0 to 2^64 - 1
@@ -65,43 +75,45 @@ enum class Form : std::uint8_t {
            ///< names
 };
 
-/// One key of a struct with a DocumentTable.
+/// The description of one key of the JSON objects that are read into a struct.
 struct DocumentKey {
-  /// Name and meaning of the key. For Form::value, it also has the unit, the limits and the choices; for
-  /// Form::choice, the choices.
+  /// Name and meaning of the key. If the form is Form::value, also the unit, the limits and the choices of
+  /// the value. If the form is Form::choice, also the choices.
   engine::Field field;
-  Form form = Form::value;     ///< form of its value
+  Form form = Form::value;     ///< form of the value of the key
   bool required = false;       ///< true: an object without the key is an error
   std::string_view hint = {};  ///< text after `missing "key": ` in errors; empty: see missing_hint()
-  /// If the value is a text: what follows `expected ` in errors. For Form::kept: the name of a key that the
-  /// schema requires in the value, which is an object; empty: none.
+  /// If the value is a text: what follows `expected ` in errors. If the form is Form::kept: the name of a key
+  /// that the schema requires in the object that is the value; empty if it requires none.
   std::string_view expects = {};
-  /// Text for the documentation and the schema: what an absent key means, such as "the bounds of the world".
-  /// Empty if the default value of the member says it.
+  /// Text for the documentation and the schema that says what an absent key means, such as "the bounds of the
+  /// world". Empty: the default value of the member is shown.
   std::string_view by_default = {};
   std::size_t least = 0;  ///< minimum number of entries of Form::names, or of points of an outline
   std::size_t most = std::numeric_limits<std::size_t>::max();  ///< maximum number of points of an outline
   bool always = false;  ///< true: the writer also writes default values, except a z of 0 in a pose
   /// True: the value is a number of bodies, and must also be at most LoadOptions::most_bodies.
   bool counts_bodies = false;
-  /// A copy of `field` with another name, set by or_named(). Used in place of `field` in an object whose kind
-  /// has a parameter with the name of `field`, because parameters are keys of the same object. Not set: the
-  /// key has only one name.
+  /// The description of the key under a second name; set by or_named(). If the kind of an object has a
+  /// parameter with the name of `field`, the object has the key `other` in place of `field`, because
+  /// parameters are keys of the same object. Empty: the key has no second name.
   std::optional<engine::Field> other;
-  /// Which values of the key DocumentTable::variant allow this key in the same object: bit i is 1 if choice i
-  /// of that key, counted from 0, allows it. All bits are 1 if that key does not matter.
+  /// A table can have a key whose value decides which other keys are valid (DocumentTable::variant). Bit i of
+  /// `variants` is 1 if this key is valid together with choice i of that key, counted from 0. All bits are 1
+  /// if this key is always valid.
   std::uint32_t variants = ~0u;
   const DocumentTable& (*table)() = nullptr;  ///< Form::object, list and map: table of the struct
   const engine::FieldTable* block = nullptr;  ///< Form::block: the fields of the object
-  /// Returns whether `object`, a JSON object, may have this key, given its other keys. A null function: every
-  /// object may have it.
+  /// Returns whether a JSON object may have this key, which depends on the other keys of `object`. If the
+  /// function is null, every object may have the key.
   bool (*is_there)(const JsonNode& object) = nullptr;
-  /// Returns whether objects of a kind may have the key. `kind` is DocumentKind::kind of the object, which
-  /// can be null. A null function: objects of all kinds may have it.
+  /// Returns whether objects of a kind may have this key. `kind` is DocumentKind::kind of the object, which
+  /// can be null. If the function is null, objects of all kinds may have the key.
   bool (*is_of)(const void* kind) = nullptr;
 
-  /// True: the key has no member, because the loader replaces the key before the object is read: `include`
-  /// and `extends` (worldio/json/json_include.hpp), and `ring` (worldio/json/json_ring.hpp).
+  /// True: the struct has no member for this key. The loader handles the key before it reads the object into
+  /// the struct. Such keys are `include` and `extends` (worldio/json/json_include.hpp), and `ring`
+  /// (worldio/json/json_ring.hpp).
   bool is_resolved = false;
   bool is_optional = false;  ///< whether the member is a std::optional
   /// True: the member is a float; the writer then writes only as many digits as a float needs.
@@ -114,13 +126,13 @@ struct DocumentKey {
   const void* (*find)(const void* object) = nullptr;  ///< returns the member; null: an empty std::optional
   std::size_t (*size)(const void* object) = nullptr;  ///< returns the number of entries
   void* (*append)(void* object,
-                  std::string_view name) = nullptr;  ///< adds an entry and returns it; name: its key in a map
+                  std::string_view name) = nullptr;  ///< adds an entry and returns it; name: key, for maps
   const void* (*item)(const void* object, std::size_t index) = nullptr;  ///< returns entry `index`
   const std::string* (*item_name)(const void* object,
                                   std::size_t) = nullptr;  ///< returns the key of an entry of a map
 
-  /// Text that follows `missing "key": ` in errors: `hint`, or if that is empty the meaning of the key, or if
-  /// that is also empty `expects`.
+  /// Text that follows `missing "key": ` in errors: the first of `hint`, the meaning of the key and `expects`
+  /// that is not empty.
   std::string_view missing_hint() const {
     return !hint.empty() ? hint : !field.text.empty() ? field.text : expects;
   }
@@ -147,8 +159,8 @@ struct DocumentKey {
     most = at_most;
     return *this;
   }
-  /// Sets another name for the key. The key has this name in objects whose kind has a parameter with the
-  /// usual name of the key, because the parameters are keys of the same object.
+  /// Sets a second name of the key. Objects whose kind has a parameter with the first name use the second
+  /// name (see `other`).
   DocumentKey& or_named(std::string_view name) {
     other = field;
     other->name = name;
@@ -168,7 +180,7 @@ struct DocumentKey {
   }
 };
 
-/// A rule about which keys an object must have or must not have together. The reader and the schema check it.
+/// A rule about which keys an object must or must not have together. The reader and the schema check it.
 struct DocumentRule {
   /// How many of the keys an object must have: exactly one (one_of), at least one (any_of), or at most one
   /// (not_both).
@@ -176,44 +188,48 @@ struct DocumentRule {
   How how = How::one_of;
   std::vector<std::string_view> keys = {};  ///< names of keys, as in DocumentKey::field
   std::string none = {};                    ///< text of the error if the object has none of the keys
-  std::string several = {};                 ///< text of the error if it has several; empty: that of `none`
+  std::string several = {};                 ///< text of the error if it has several of them; empty: `none`
   bool at_key = false;  ///< true: `several` is reported at every key after the first; false: once, at the
                         ///< object
 };
 
-/// A kind or preset that objects with a key `kind` can have: a drive kind, a device kind, ... The members
-/// refer to data of the engine::Registry: the registry must outlive this struct.
+/// A kind or preset that objects with the key `kind` can have. The members refer to data of the
+/// engine::Registry, which must outlive this struct. The functions of DocumentKinds describe a preset in two
+/// ways:
+/// - all() returns it under its own name, with the name of its kind in `preset_of`.
+/// - find() returns it under the name of its kind, with an empty `preset_of`.
 struct DocumentKind {
-  std::string_view name;                       ///< value of the key `kind`
+  std::string_view name;                       ///< name of the kind or preset
   std::string_view text;                       ///< meaning of the kind
-  const engine::FieldTable* params = nullptr;  ///< its parameters, which are keys of the same object
-  /// For a preset: pairs of a parameter and its default, which replace the defaults in `params`. For a
-  /// preset, DocumentKinds::all() returns the name of the preset in `name` and that of its kind in
-  /// `preset_of`; DocumentKinds::find() returns the name of the kind in `name` and an empty `preset_of`.
+  const engine::FieldTable* params = nullptr;  ///< parameters of the kind: keys of the same object
+  /// For a preset: pairs of the name of a parameter and its default value, which replace the defaults in
+  /// `params`. Empty for a kind that is not a preset.
   std::span<const std::pair<std::string_view, engine::Value>> presets = {};
-  std::string_view preset_of = {};  ///< for a preset that all() returned: name of its kind; else empty
+  std::string_view preset_of = {};  ///< for a preset that all() returned: name of its kind
   const void* kind = nullptr;  ///< argument of DocumentKey::is_of: engine::DeviceKind of a device, else null
 };
 
-/// The kinds that objects of one struct can have.
+/// The kinds that the objects of one struct can have, for example all kinds of drives.
 struct DocumentKinds {
   std::string_view what;  ///< word for a kind in messages: "drive"
-  /// Name of the page of docs/ about plug-ins with such kinds: "extending". Empty: plug-ins cannot have any.
+  /// Name of the page of docs/ about plug-ins that contain such kinds, such as "extending". Empty: plug-ins
+  /// cannot contain such kinds.
   std::string_view page;
   /// Returns those kinds of the registry that the objects can have, then all presets of these kinds.
   std::vector<DocumentKind> (*all)(const engine::Registry& registry);
   /// Returns the names of all kinds and presets, sorted, for messages.
   std::vector<std::string_view> (*known)(const engine::Registry& registry);
-  /// Returns the names that no kind of a plug-in may have, because kinds and presets of the registry have
+  /// Returns the names that a kind of a plug-in must not have, because kinds or presets of the registry have
   /// them. Null if `page` is empty.
   std::vector<std::string_view> (*named)(const engine::Registry& registry);
-  /// Returns the kind or preset of this name. Loads the plug-in if the kind is in a plug-in. If there is no
-  /// kind of this name, returns an error whose text is the message for the user.
+  /// Returns the kind or preset with the name `name`. If a plug-in contains the kind, the plug-in is loaded.
+  /// If the objects cannot have a kind of this name, returns an error whose text is the message for the user.
   Result<DocumentKind> (*find)(const engine::Registry& registry, const std::string& name);
-  /// Returns the kind of an object that has no key `kind`, if its enclosing object `around` determines the
-  /// kind; empty if `around` does not. Null: every object must have the key `kind`.
+  /// Returns the kind of an object that has no key `kind`. `around` is the object that contains this object.
+  /// Returns nothing if the kind does not follow from `around`. If the function is null, every object must
+  /// have the key `kind`.
   std::optional<DocumentKind> (*implied)(const engine::Registry& registry, const JsonNode& around) = nullptr;
-  std::string_view expects = {};  ///< DocumentKey::expects of the key `kind`; empty: "the name of a WHAT"
+  std::string_view expects = {};  ///< DocumentKey::expects of `kind`; empty: "the name of a " and `what`
   std::string_view hint = {};     ///< DocumentKey::hint of the key `kind`; empty: a list of all known kinds
 };
 
@@ -238,29 +254,31 @@ struct DocumentTable {
   std::vector<DocumentRule> rules;       ///< checked in this order
   const DocumentKinds* kinds = nullptr;  ///< the kinds that the objects can have; null: no key of Form::kind
   const DocumentShorthand* shorthand = nullptr;  ///< null: no text may be given in place of an object
-  /// Name of the key, of Form::choice, whose value determines which other keys are valid, such as `rule` of a
-  /// population's place. Empty if the same keys are valid in all objects.
+  /// Name of the key that decides which other keys are valid (DocumentKey::variants); its form is
+  /// Form::choice. For example, the key `rule` decides which other keys an object `place` may have. Empty:
+  /// the same keys are valid in all objects.
   std::string_view variant;
-  /// Checks the object after all keys are read, and reports errors. Null: no check.
+  /// Checks the struct at `object` after all keys are read, and reports errors. `at` is the JSON object.
+  /// Null: no check.
   void (*check)(const void* object, const JsonCursor& at) = nullptr;
-  /// Returns the struct as its base class Placed, which stores the places (file and line) of the object and
-  /// its keys.
+  /// Returns the struct at `object` as its base class Placed, which stores the places (file and line) of the
+  /// JSON object and its keys.
   Placed& (*placed)(void* object) = nullptr;
   const void* usual = nullptr;  ///< a struct whose members have their default values
-  /// Names of the structs with members that describe() forgot. For each member, describe() must call a
-  /// function that adds a key, or DocumentKeys::no_key(). The list must be empty: a test checks that.
+  /// Errors in describe(): the names of the structs of which a member has neither a key nor a call of
+  /// DocumentKeys::no_key(). A test checks that this list is empty.
   std::vector<std::string> incomplete;
-  /// Returns whether the writer omits the key `kind` of `object`. It can omit the key if the reader finds the
-  /// same kind with DocumentKinds::implied. Null: the writer always writes the key.
+  /// Returns whether the writer omits the key `kind` of the struct at `object`. The writer may omit the key
+  /// if the reader finds the same kind with DocumentKinds::implied. Null: the writer always writes the key.
   bool (*is_kind_implied)(const void* object) = nullptr;
 
   /// Returns the key whose DocumentKey::field has this name; null if there is none.
   const DocumentKey* find(std::string_view name) const;
 };
 
-/// Reads `text`, which is all or part of the value at `at`, as a comparison with a finite number, such as
-/// `>= 0.9`. Spaces around the operator and the number are allowed. If the text is not such a comparison,
-/// reports an error at `at` and returns nothing.
+/// Reads `text` as a comparison with a finite number, such as `>= 0.9`. Spaces around the operator and the
+/// number are allowed. If the text is not such a comparison, reports an error at `at` and returns nothing.
+/// `at` is the JSON value that contains the text.
 std::optional<ComparisonDocument> read_comparison(const JsonCursor& at, std::string_view text);
 /// Returns a regular expression for the schema. Every text that read_comparison() accepts matches this
 /// expression.
@@ -270,12 +288,12 @@ std::string comparison_pattern();
 template <class T>
 const DocumentTable& document_table();
 
-/// Returns the field `heading` of a pose. It describes how a file writes the angle of a HeadingDocument: its
-/// key is `heading_rad` or `heading_deg`.
+/// Returns the field `heading` of a pose, an angle. A file writes the angle under the key `heading_rad` or
+/// `heading_deg`. The angle of a HeadingDocument is written in the same way.
 const engine::Field& heading_field();
-/// Returns the field that describes a key of an object. `params` are the parameters of the object's kind;
-/// null if the object has no kind. The result is DocumentKey::other if that member is set and one of the
-/// parameters has the name of DocumentKey::field; otherwise the result is DocumentKey::field.
+/// Returns the field that describes a key in objects of a kind. `params` are the parameters of the kind; null
+/// if the objects have no kind. The result is DocumentKey::other if `other` is set and a parameter has the
+/// name of DocumentKey::field. Else the result is DocumentKey::field.
 const engine::Field& field_of(const DocumentKey& key, const engine::FieldTable* params);
 
 namespace detail {
@@ -295,8 +313,8 @@ struct InnerOf<std::optional<T>> {
 template <class T>
 using Inner = typename InnerOf<T>::Type;
 
-/// Converts to any type except Eigen's vectors, so that engine::detail::member_count() can initialise every
-/// member of a document with it. If it converted to Eigen's vectors, the constructors of std::optional would
+/// Converts to any type except Eigen's vectors. engine::detail::member_count() initialises every member of a
+/// struct with such an object. If it converted to Eigen's vectors, the constructors of std::optional would
 /// try to make such a vector from it, which does not compile.
 struct AnyMember {
   template <class T>
@@ -312,10 +330,11 @@ class DocumentKeys {
  public:
   explicit DocumentKeys(DocumentTable& table) : table_(table) { noted<T>(); }
 
-  /// Adds a key of Form::value, for a member that engine::Description accepts: a number, a bool, an enum, a
-  /// pose, ... Path: the pointer to the member, or a chain of pointers to a member of a member. `facts` are
-  /// the unit, the limits and the meaning of the key (engine::facts). This function and those below return
-  /// the new key; the reference is valid until another key is added.
+  /// Adds a key of Form::value, for a member of a type that engine::Description accepts: a number, a bool, an
+  /// enum, a pose, ... `Path` is the pointer to the member, as in value<&PlaceDocument::pitch>("pitch", ...).
+  /// For a member of a member, `Path` is the pointer to the outer member, then the pointer to the inner one.
+  /// `facts` are the unit, the limits and the meaning of the key (engine::facts). This function and the
+  /// functions below that add a key return the new key. The reference is valid until another key is added.
   template <auto... Path, class... Facts>
   DocumentKey& value(std::string_view name, Facts... facts) {
     static const T example{};
@@ -332,8 +351,9 @@ class DocumentKeys {
     return key;
   }
 
-  /// Adds a key of Form::choice, for an enum of one byte with the values 0, 1, 2, ... `names` are in the
-  /// order of these values. `text` is the meaning of the key.
+  /// Adds a key of Form::choice, for a member that is an enum of one byte with the values 0, 1, 2, ...
+  /// `names` are the texts for these values, in the order of the values. `text` is the meaning of the key.
+  /// `Path` is as in value().
   template <auto... Path>
   DocumentKey& choice(std::string_view name, std::span<const std::string_view> names,
                       std::string_view text = {}) {
@@ -344,8 +364,8 @@ class DocumentKeys {
     return key;
   }
 
-  /// Adds a key for a member of any other form. An empty Path adds a key without a member. `text` is the
-  /// meaning of the key. `expects` is DocumentKey::expects.
+  /// Adds a key of any other form. `Path` is as in value(); an empty Path adds a key without a member. `text`
+  /// is the meaning of the key. `expects` becomes DocumentKey::expects.
   template <auto... Path>
   DocumentKey& other(Form form, std::string_view name, std::string_view text = {},
                      std::string_view expects = {}) {
@@ -422,13 +442,13 @@ class DocumentKeys {
     return key;
   }
 
-  /// States that members of T have no key, so that incomplete() does not list T because of them.
+  /// Marks members of T that need no key, so that incomplete() does not report them as forgotten.
   template <auto... Members>
   void no_key() {
     note<Members...>();
   }
 
-  /// Returns the value for DocumentTable::incomplete. Call this function after all keys are added.
+  /// Returns DocumentTable::incomplete. Call this function after all keys are added.
   std::vector<std::string> incomplete() const {
     std::vector<std::string> found;
     for (const Noted& of : noted_)
@@ -465,13 +485,14 @@ class DocumentKeys {
     return below<Path...>(*static_cast<T*>(object));
   }
 
-  /// The members of a struct that were given to a function that adds a key, or to no_key().
+  /// The members of one struct for which a key was added, or that were passed to no_key().
   struct Noted {
     std::string_view name;                  ///< name_of() of the struct, which identifies it
     std::size_t count = 0;                  ///< number of its members
     std::vector<std::string_view> members;  ///< the given members: the engine::detail::tag() of each
   };
-  /// The compiler's text for this function, which is different for each C and contains the name of C.
+  /// Returns the compiler's text for this function. The text is different for each C, and contains the name
+  /// of C.
   template <class C>
   static constexpr std::string_view name_of() {
     return __PRETTY_FUNCTION__;

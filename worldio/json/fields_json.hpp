@@ -11,37 +11,42 @@
 #include <string_view>
 #include <utility>
 
-/// Reads and writes parameters as keys of JSON objects. A field (engine::Field) describes one parameter: its
-/// name, type, unit, limits and default. A field table (engine::FieldTable) lists the fields of one object. A
-/// value (engine::Value) can be empty: given() is then false. A record (engine::Record) has one value for
-/// each field of a table. A cursor (JsonCursor) is a JSON value that is being read, with its path for errors.
+/// Reads and writes parameters as keys of JSON objects.
+///
+/// field   the description of one parameter: its name, type, unit, limits and default (engine::Field)
+/// table   a list of the fields of one object (engine::FieldTable)
+/// value   the value of a parameter, in SI units, or an empty value, for which given() is false
+///         (engine::Value)
+/// record  one value for each field of a table, in the order of the table (engine::Record)
+/// cursor  a JSON value that is being read, with its path for errors (JsonCursor)
 namespace troupe::worldio {
 
-/// Reads one field of an object and returns its value in SI units. The key of a field with a unit ends in the
-/// unit (`fov_rad`, `fov_deg`). The result has no value (given() is false) if the object lacks the field. If
-/// the value is of the wrong type or outside the limits of the field, or if the key lacks its unit, reports
-/// an error and returns a result without a value. A field that is given in two units is also an error; only
-/// one of the two values is then read.
+/// Reads one field of an object and returns its value. The key of a field with a unit ends in the unit, such
+/// as `fov_rad` or `fov_deg`. Returns an empty value if the object lacks the field. If the value is wrong
+/// (its type, or a number outside the limits of the field), or if the key lacks its unit, reports an error
+/// and returns an empty value. If the object has the field in two units, reports an error and returns one of
+/// the two values.
 engine::Value read_field(JsonObject& object, const engine::Field& field);
 
 /// The value of a field in an object, and the place of this value in the file.
 struct FoundField {
-  engine::Value value;         ///< without a value if the field is absent or wrong
-  std::optional<Where> where;  ///< empty if the object lacks the field
+  engine::Value value;         ///< empty if the field is absent or wrong
+  std::optional<Where> where;  ///< not set if the object lacks the field
 };
 /// Like read_field(), but also returns the place of the value.
 FoundField find_field(JsonObject& object, const engine::Field& field);
 
-/// Reads a value that has no key, such as an entry of a list, as a value of `field`. Numbers must be in the
-/// SI unit of the field, because only a key can name another unit. If the value is wrong or outside the
-/// limits, reports an error and returns a value for which given() is false.
+/// Reads a JSON value that has no key, such as an entry of a list, as a value of `field`. Numbers must be in
+/// the SI unit of the field. If the JSON value has the wrong type or is outside the limits of the field,
+/// reports an error and returns an empty value.
 engine::Value read_value(const JsonCursor& at, const engine::Field& field);
 
-/// Reads all fields of a table from an object. A field that the object lacks takes its value from `presets`,
-/// or else its default. `presets` are pairs of a field name and a value, which replace the defaults of some
-/// fields. If a missing field has neither a preset nor a default, the record has no value for it; this is an
-/// error unless the field is optional. A field with a wrong value is an error, and also takes its preset or
-/// default. Unknown keys are not reported; JsonObject::finish() reports them.
+/// Reads all fields of a table from an object. `presets` are pairs of a field name and a value, which
+/// replaces the default of this field.
+/// - A field that the object lacks gets its default value. If it has no default, its value is empty; this is
+///   an error unless the field is optional.
+/// - A field with a wrong value is an error, and gets its default value.
+/// - Unknown keys are not reported here; JsonObject::finish() reports them.
 engine::Record read_fields(JsonObject& object, const engine::FieldTable& table,
                            std::span<const std::pair<std::string_view, engine::Value>> presets = {});
 
@@ -72,9 +77,9 @@ bool same_bits(const engine::Value& a, const engine::Value& b);
 bool same_bits(double a, double b);
 bool same_bits(const Pose& a, const Pose& b);
 
-/// Uses read_fields() to read the object that is the value of `key`. Every key in that object that is not a
-/// field of `table` is an error. Returns nothing if `key` is absent. If the value of `key` is not an object,
-/// reports an error and returns a record of the defaults.
+/// Reads the object that is the value of `key`, as read_fields() does. In contrast to read_fields(), every
+/// key that is not a field of `table` is an error. Returns nothing if `key` is absent. If the value of `key`
+/// is not an object, reports an error and returns a record of the defaults.
 std::optional<engine::Record> read_block(JsonObject& object, std::string_view key,
                                          const engine::FieldTable& table);
 

@@ -8,12 +8,12 @@
 
 namespace troupe::worldio {
 
-/// Returns the generated last part of docs/world-format.md as Markdown. The text has a table for poses, one
-/// for each of the objects `watch` (speed of a run) and `window` (view of a run) of a world, and one for the
-/// parameters of each kind (sort) of drive, sensor, other device, controller and fault in `registry`. Each
-/// row of these tables gives a key in each of its units, the allowed values, the default and the meaning. For
-/// each preset (a controller kind with other defaults, under a name of its own), a table lists only the
-/// defaults that differ from those of the kind.
+/// Returns the last part of docs/world-format.md as Markdown, which is generated. It has a table for poses,
+/// for the object `watch` (printed time and speed), for the object `window` (a view of the world), and for
+/// each kind (sort) of drive, sensor, other device, controller and fault in `registry`. Each row describes a
+/// key or parameter: its spelling in each unit, the allowed values, the default and the meaning. There is
+/// also a table for each preset, which is a kind of controller with other defaults. It lists only these other
+/// defaults.
 std::string world_format_reference(const engine::Registry& registry);
 
 /// A table in docs/world-format.md that lists the keys of one kind of JSON object.
@@ -23,16 +23,16 @@ struct KeyTable {
   std::string markdown;      ///< the lines of the table
 };
 
-/// Returns the tables of keys of docs/world-format.md, in the order of the page. The tables are made from the
-/// descriptions (worldio/json/document_table.hpp) of the structs that hold the content of a JSON world. Three
-/// or more consecutive keys that an earlier table describes in the same way share one row that refers to that
-/// table.
+/// Returns the tables of keys of docs/world-format.md, in the order of the page. They are made from the
+/// tables of worldio/json/document_table.hpp. If three or more consecutive rows of a table are the same as in
+/// an earlier table, a single row with a link to the earlier table replaces them.
 std::vector<KeyTable> document_key_tables(const engine::Registry& registry);
 
-/// Returns the text of a Markdown page with its tables of keys replaced by `tables`. Below each heading, the
-/// first table of keys on the page is replaced by the first of `tables` with this heading, the second by the
-/// second, and so on. `tables` with the same heading must follow one another. Throws std::runtime_error if
-/// the page lacks a heading, or has too few tables below it.
+/// Replaces tables of keys in the Markdown page `page` by `tables`, and returns the new page. A table of keys
+/// is a table that begins with `| key`. Each of `tables` replaces a table below the heading that it names
+/// (KeyTable::heading). If several of `tables` name the same heading, they must be consecutive, and replace
+/// the tables below this heading in their order. Throws std::runtime_error if the page lacks a heading, or
+/// has fewer tables of keys below it than `tables` has for this heading.
 std::string with_key_tables(const std::string& page, const std::vector<KeyTable>& tables);
 
 /// Returns the generated part of docs/measures.md as Markdown. A measure is a number that is computed from

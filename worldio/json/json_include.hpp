@@ -9,35 +9,39 @@
 
 namespace troupe::worldio {
 
-/// Removes the key `include`, a list of files, from the JSON object of a world, and adds the types of these
-/// files in front of the types of the world. A type describes bodies of the same construction. An included
-/// file is a JSON object that can have the keys `types`, `include`, `troupe` and `$schema`. Its path is
-/// relative to the folder of the including file. Paths of images in it are relative to its own folder, and
-/// are changed to be relative to the folder of the world. A file that is included several times counts once.
-/// `file` is the path of the world file. Each node keeps its file and line. Reports an error for a file that
-/// cannot be read or is not a JSON object, for files that include each other in a circle, for a key that an
-/// included file must not have or whose value is wrong, and for two types with the same key. Does nothing if
-/// the world has no key `include`.
+/// Replaces the key `include`, a list of files, in the JSON object of a world: the types of these files are
+/// added in front of the types of the world. A type describes bodies of the same construction. Does nothing
+/// if the world has no key `include`. `file` is the path of the world file. Every node keeps its file and
+/// line.
+/// - An included file is a JSON object with the keys `types`, `include`, `troupe` and `$schema`, all of them
+///   optional.
+/// - The path of an included file is relative to the folder of the including file.
+/// - Paths of images in an included file are relative to the folder of this file. The function changes them:
+///   afterwards they are relative to the folder of the world.
+/// - A file that is included several times counts once.
+///
+/// These are errors: a file that cannot be read or is not a JSON object, files that include each other in a
+/// circle, an unknown key or a wrong value in an included file, and two types with the same key.
 void resolve_includes(JsonNode& world, const std::filesystem::path& file, Diagnostics& diagnostics);
 
-/// Replaces the key `extends` of each type in the JSON object of a world with the keys of the base type,
-/// which is the type that `extends` names:
-/// - A key that the type has itself replaces the key of the base type.
-/// - A key whose value is null removes the key that the type would inherit. The exception is `joint`, where
-///   null means that there is no joint.
-/// - If both values of a key are objects, they are merged key by key. If both objects have a `kind` and the
-///   kinds differ, the type inherits nothing of the base object. The key `kind` of the type itself has no
-///   such effect: it names a model type of Stage, an older robot simulator.
-/// - In the lists `sensors`, `devices` and `parts`, entries of the same name are merged. The other entries of
-///   the type follow those of the base type.
-/// - A key of the type replaces an inherited key of the same quantity in another unit. `controller` replaces
-///   an inherited `controllers`, and `controllers` an inherited `controller`.
-/// - `name` is not inherited.
-/// Each node keeps its file and line. Reports an error for an unknown base type, and for types that extend
-/// each other in a circle. A type with such an error loses its key `extends`. If this type has no shape, it
-/// gets the size 1 m x 1 m x 1 m, so that the reader does not also report the lack of a shape.
-/// bases: if not null, the list to which the names of all base types are added. A name is added once for each
-/// type that extends the base type.
+/// Replaces the key `extends` of each type in the JSON object of a world. The value of the key names another
+/// type, the base type. The type inherits the keys of the base type that it does not have itself. Rules:
+/// - If the value of a key is an object in both types, the two objects are merged by these rules. But if both
+///   objects have a key `kind` and the kinds differ, nothing is inherited from the object of the base type.
+/// - In the lists `sensors`, `devices` and `parts`, entries of the same name are merged by these rules. The
+///   other entries of the type follow those of the base type.
+/// - A key with the value null removes the inherited key. Only `"joint": null` is kept, which means that
+///   there is no joint.
+/// - A key of the type replaces an inherited key of the same quantity in another unit. `controller` and
+///   `controllers` also replace each other.
+/// - The key `name` of a type is not inherited.
+///
+/// Every node keeps its file and line. Reports an error for an unknown base type, and for types that extend
+/// each other in a circle. The key `extends` of such a type is removed. If the type then has no shape, it
+/// gets the size 1 m x 1 m x 1 m, to avoid a second error about the lack of a shape.
+///
+/// bases: if not null, the list to which the names of all base types are added, once for each type that
+/// extends the base type.
 void resolve_extends(JsonNode& world, Diagnostics& diagnostics, std::vector<std::string>* bases = nullptr);
 
 }  // namespace troupe::worldio

@@ -13,8 +13,8 @@ namespace troupe::worldio {
 
 struct JsonMember;
 
-/// One value of a JSON document, with the values inside it, and the place where it begins. A nlohmann::json
-/// tree would not keep line numbers.
+/// One value of a JSON document (a node), with the values inside it, and the place where it begins. A
+/// nlohmann::json tree would not keep line numbers.
 struct JsonNode {
   using List = std::vector<JsonNode>;      ///< entries in file order
   using Object = std::vector<JsonMember>;  ///< members in file order; keys are unique after parse_json()
@@ -23,8 +23,8 @@ struct JsonNode {
       value;    ///< the value; std::monostate is null
   Where where;  ///< where the value begins
 
-  /// list() returns a pointer to the value if the value is a list, else null. object() and text() do the same
-  /// for an object and for a text.
+  /// Returns a pointer to the value if it is a list (list()), an object (object()) or a text (text()), else
+  /// null.
   ///@{
   const List* list() const { return std::get_if<List>(&value); }
   const Object* object() const { return std::get_if<Object>(&value); }

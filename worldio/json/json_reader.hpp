@@ -7,14 +7,19 @@
 #include <string_view>
 #include <vector>
 
+/// Reads the values of a parsed JSON text and reports errors in them. A document is a whole JSON text, such
+/// as a world file. A JsonNode (worldio/json/json_node.hpp) is one value of a document. A place (Where) is a
+/// file and a line. A JSON pointer, such as `/types/r/drive`, names a value by the keys and indices that lead
+/// to it.
 namespace troupe::worldio {
 
-/// Path to a value of a document, for error messages. A path is an object on the stack that points at the
-/// path of the enclosing value, so that the JSON pointer is formatted only if there is an error. The
-/// enclosing path, the text of the key, and the diagnostics must outlive the path.
+/// Path of a value in a document, for error messages. It consists of the key or the index of the value, and a
+/// pointer to the path of the enclosing value. The text of a path is made only when pointer() or error() is
+/// called. The path of the enclosing value, the characters of the key, and the diagnostics must outlive the
+/// object.
 class DocumentPath {
  public:
-  /// The path of the whole document.
+  /// Makes the path of the whole document. `where` is its place; errors are added to `diagnostics`.
   DocumentPath(Where where, Diagnostics& diagnostics) : where_(where), diagnostics_(&diagnostics) {}
   DocumentPath(const DocumentPath& parent, std::string_view key, Where where)
       : parent_(&parent), key_(key), where_(where), diagnostics_(parent.diagnostics_) {}
@@ -23,11 +28,12 @@ class DocumentPath {
 
   Where where() const { return where_; }
   Diagnostics& diagnostics() const { return *diagnostics_; }
-  /// Returns the path as a JSON pointer, such as `/types/r/drive`; empty for the document itself.
+  /// Returns the path as a JSON pointer, such as `/types/r/drive`; empty for the whole document.
   std::string pointer() const;
-  /// Reports an error at this value: `/types/r/drive: message`.
+  /// Reports the error `/types/r/drive: MESSAGE` at the place of this value.
   void error(const std::string& message) const { error_at(where_, message); }
-  /// Like error(), but reports the error at another place in a file, such as that of a key.
+  /// Like error(), but reports the error at the place `where`, such as that of a key in this value. The
+  /// message still begins with the path of this value.
   void error_at(Where where, const std::string& message) const;
 
  private:
@@ -38,8 +44,8 @@ class DocumentPath {
   Diagnostics* diagnostics_;
 };
 
-/// A value that is being read, and the path to it. The value must outlive the cursor, as must the objects
-/// that DocumentPath names.
+/// A JsonNode that is being read, and its path. The node must outlive the cursor, and so must the parent
+/// cursor or parent path.
 class JsonCursor : public DocumentPath {
  public:
   JsonCursor(const JsonNode& root, Diagnostics& diagnostics)
@@ -48,17 +54,17 @@ class JsonCursor : public DocumentPath {
       : DocumentPath(parent, key, node.where), parent_(&parent), node_(&node) {}
   JsonCursor(const JsonCursor& parent, std::size_t index, const JsonNode& node)
       : DocumentPath(parent, index, node.where), parent_(&parent), node_(&node) {}
-  /// For a node that a WorldDocument (the struct with the content of a JSON world) stores as unread JSON.
-  /// `parent` is the path of the enclosing value, whose node is not known: parent() of this cursor returns
-  /// null.
+  /// Makes a cursor for a value that was stored apart from its document, such as SettingDocument::drive.
+  /// `parent` is the path of the enclosing value. The node of the enclosing value is not known, so parent()
+  /// of the new cursor returns null.
   JsonCursor(const DocumentPath& parent, std::string_view key, const JsonNode& node)
       : DocumentPath(parent, key, node.where), node_(&node) {}
 
   const JsonNode& node() const { return *node_; }
-  /// The object or list that contains this value; null for the value at which reading began.
+  /// The cursor of the object or list that contains this value. Null if the constructor got no parent cursor.
   const JsonCursor* parent() const { return parent_; }
-  /// Reports the error `expected WHAT, found ...` at this value, where WHAT is `what`. The message ends with
-  /// a description of the value (JsonNode::describe()).
+  /// Reports that the value has the wrong form. For example, expected("a list") reports the error
+  /// `expected a list, found the number 3` at this value.
   void expected(std::string_view what) const;
 
  private:
@@ -66,23 +72,23 @@ class JsonCursor : public DocumentPath {
   const JsonNode* node_;
 };
 
-/// Reads an object key by key. It remembers the keys that the caller asks for, so that finish() can report
-/// every other key as unknown. The cursor must outlive the JsonObject, which refers to it.
+/// Reads an object key by key. find() and require() mark the requested keys as known, and finish() then
+/// reports all other keys as unknown. The cursor must outlive the JsonObject, which refers to it.
 class JsonObject {
  public:
-  /// Reports an error if the value at the cursor is not an object. Every find() then returns null.
+  /// Reports an error if the value at the cursor is not an object. find() then returns null for every key.
   explicit JsonObject(const JsonCursor& at);
 
   const JsonCursor& at() const { return at_; }
   bool is_object() const { return members_ != nullptr; }
   /// Returns the value of a key, or null if the object lacks it. Marks the key as known.
   const JsonNode* find(std::string_view key);
-  /// Like find(), but reports the error `missing "key": hint` if the object lacks the key.
+  /// Like find(), but reports the error `missing "KEY": HINT` if the object lacks the key.
   const JsonNode* require(std::string_view key, std::string_view hint);
-  /// Reports the error `missing "key": hint`. Does nothing if the value is not an object, because the
+  /// Reports the error `missing "KEY": HINT`. Does nothing if the value is not an object, because the
   /// constructor has already reported that.
   void missing(std::string_view key, std::string_view hint) const;
-  /// Reports an error for every key of the object that the caller did not ask for.
+  /// Reports an error for every key of the object that was passed neither to find() nor to require().
   void finish() const;
 
  private:

@@ -11,16 +11,20 @@
 namespace troupe::worldio {
 
 /// Reads an entry of the list `measures` of a world. A measure is a number that is computed from the state of
-/// a run, such as the number of robots that cannot move. The entry is a text or an object. The text
-/// `"stalls"` names a measure. The text `"stalls:leaders"` applies this measure only to the body type,
-/// population (group of bodies that a rule places) or robot named "leaders". An object has the form {`kind`,
-/// `name`, `of`, parameters}. Empty, with errors, if the entry has another form, names an unknown measure or
-/// has wrong parameters. Whether "leaders" exists is checked later, when the world is built.
+/// a run, such as `stalls`, the number of robots that cannot move. An entry has one of these forms:
+/// - `"stalls"`: the measure of all robots
+/// - `"stalls:leaders"`: the measure of the robots that "leaders" names. This is the name of a body type, of
+///   a population (a group of bodies that are placed by a rule) or of a single robot.
+/// - an object, such as {"kind": "stalls", "of": "leaders", "name": "stalled_leaders"}; the parameters of the
+///   measure are further keys
+///
+/// If the entry has another form, names an unknown measure or has wrong parameters, reports errors and
+/// returns nothing. Does not check that "leaders" exists, which is checked when the world is built.
 std::optional<engine::MeasureSpec> read_measure(const JsonCursor& at, const engine::Registry& registry);
 
-/// Like read_measure(), but reads the measure from `text`, an argument of the command line: `stalls` or
-/// `stalls:leaders` without quotes, or a JSON object, which begins with `{`. `source` is the place that
-/// errors name, such as "--measure".
+/// Like read_measure(), but reads the measure from an argument of the command line. `text` is `stalls` or
+/// `stalls:leaders` without quotation marks, or an object, which begins with `{`. Errors name `source`, such
+/// as "--measure", in place of a file.
 std::optional<engine::MeasureSpec> parse_measure(const std::string& text, const std::string& source,
                                                  const engine::Registry& registry, Diagnostics& diagnostics);
 

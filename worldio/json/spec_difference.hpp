@@ -6,31 +6,35 @@
 
 namespace troupe::worldio {
 
-/// Whether spec_difference() compares the places in files (Where) that values come from. Two places are equal
-/// if they have the same file name and line.
+/// Whether spec_difference() also compares places. A place (Where) is the file and the line from which a
+/// value of a spec was read. Two places are equal if they have the same file name and line.
 enum class Places {
   ignored,  ///< no places are compared
-  /// All places are compared, except those of WorldSpec::experiment: stored worlds
-  /// (worldio/json/spec_json.hpp) do not contain them.
+  /// All places are compared, except those in WorldSpec::experiment, because a checkpoint does not store
+  /// these.
   compared,
 };
 
-/// Returns the path of the first value that differs in any bit between two specs (descriptions of worlds,
-/// from which the engine builds them), such as `types[3].parts[1].solids` or `bodies[7].name`. Empty if the
-/// specs are equal. Three things are not compared: the images and blocks (upright prisms) from which the
-/// solids of parts were made, the title if `a` has none, and the list of the files that the places refer to.
-/// Names are compared as texts, because a name is stored as the index of a word and a number, and two worlds
-/// may have different indices for the same word.
+/// Compares two specs (descriptions of worlds, from which the engine builds them). Returns the path of the
+/// first value that differs in any bit, such as `types[3].parts[1].solids` or `bodies[7].name`. Empty if the
+/// specs are equal. Three members are not compared:
+/// - PartSpec::image and PartSpec::fitted, the image or the blocks from which the solids of a part were made;
+///   the solids themselves are compared
+/// - WorldSpec::title, if that of `a` is empty
+/// - WorldSpec::files, the list of the files that places refer to
+///
+/// Names of bodies are compared as texts. (A spec stores a name by the index of a word, and two specs may
+/// have different indices for the same word.)
 std::string spec_difference(const engine::WorldSpec& a, const engine::WorldSpec& b,
                             Places places = Places::ignored);
 
-/// Whether two parts (rigid pieces of a body type) are equal in the sense of spec_difference() with
+/// Whether two parts (rigid pieces of a body) are equal in every bit that spec_difference() compares with
 /// Places::ignored.
 bool same_part(const engine::PartSpec& a, const engine::PartSpec& b);
 
-/// Returns all values of a type (the description of bodies of the same construction) that spec_difference()
-/// compares with Places::ignored, as one byte string. Two types have equal strings if and only if all these
-/// values are equal in every bit.
+/// Returns a byte string that identifies the content of a type (the description of bodies of the same
+/// construction). Two types have equal strings if and only if they are equal in every bit that
+/// spec_difference() compares with Places::ignored.
 std::string compared_bytes(const engine::TypeSpec& type);
 
 }  // namespace troupe::worldio

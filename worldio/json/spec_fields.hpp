@@ -18,11 +18,11 @@
 
 namespace troupe::worldio {
 
-/// Path to a value of a spec (engine::WorldSpec): a chain of elements on the stack. Each element points to
-/// the element of the enclosing struct or list, which must exist for at least as long. The text of a path is
-/// made only for an error.
+/// One step of the path to a value of a spec, for error messages: a member of a struct, or an entry of a
+/// list. Each step points to the step of the enclosing struct or list, which must outlive it. The text of the
+/// path is made only when text() is called.
 struct SpecPath {
-  const SpecPath* parent = nullptr;  ///< path of the enclosing struct or list; null for the spec itself
+  const SpecPath* parent = nullptr;  ///< step of the enclosing struct or list; null if that is the spec
   std::string_view name = {};        ///< name of the member; empty for a list's entry
   std::size_t index = 0;             ///< index of a list's entry, from 0
 
@@ -40,8 +40,8 @@ inline bool is_within(const engine::Field& field, double x) {
 /// Whether the struct that `table` describes consists only of numbers, as a pose does. In a stored world,
 /// such a struct is a list of numbers.
 bool is_listed(const engine::FieldTable& table);
-/// Returns how many numbers a struct has, including those of nested structs. The struct must consist only of
-/// numbers, as is_listed() says.
+/// Returns how many numbers a struct has, including those of nested structs. `table` describes the struct;
+/// is_listed(table) must be true.
 std::size_t numbers_in(const engine::FieldTable& table);
 
 /// Returns the address of the member that `field` describes in the struct at `object`.
@@ -53,18 +53,18 @@ inline void* member_of(const engine::Field& field, void* object) {
   return static_cast<char*>(object) + field.offset;
 }
 ///@}
-/// Returns the address of one of the structs that a member holds: the member itself (i must be 0) or, if the
-/// member is a list, its entry i. `type` describes the member and `member` is its address. The caller must
-/// not change the result.
+/// Returns the address of entry i of a list, or the address of a struct. `member` is the address of the list
+/// or struct, and `type` describes it. For a struct, i must be 0. If the struct is optional, it must have a
+/// value.
 inline const void* block_of(const engine::MemberType& type, const void* member, std::size_t i) {
   return type.block(const_cast<void*>(member), i);
 }
 
-/// Returns the table of the parameters that a struct of a spec stores as an engine::Record, such as
-/// DeviceSpec::params. `table` describes the struct and `object` points to it. If the struct has a member
-/// `kind`, that member names a kind (sort of drive, device, controller, ...), and the parameters are those of
-/// this kind. For a WorldSpec, the parameters are those of WorldSpec::window, the settings of the view of a
-/// run. If the kind is unknown, or its plug-in cannot be loaded, returns an error with the reason.
+/// Returns the table of the parameters of a struct of a spec, such as those in DeviceSpec::params. `table` is
+/// the table of the struct, and `object` points to the struct. The member `kind` of the struct names its kind
+/// (sort of drive, device, controller, measure or fault), which determines the parameters. A WorldSpec has no
+/// kind: its parameters are those in WorldSpec::window, and the result is window_fields(). If the kind is
+/// unknown, or its plug-in cannot be loaded, returns an error with the reason.
 Result<const engine::FieldTable*> parameters_of(const engine::FieldTable& table, const void* object,
                                                 const engine::Registry& registry);
 

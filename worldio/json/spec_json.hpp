@@ -11,62 +11,74 @@
 #include <utility>
 #include <vector>
 
+/// Stores specs in the form in which checkpoints contain them, and restores them. A spec (engine::WorldSpec)
+/// is the description from which the engine builds a world. The id of a body is its index in
+/// WorldSpec::bodies. A type describes bodies of the same construction. A kind is a sort of drive, device,
+/// controller, measure or fault, with parameters of its own; the engine::Registry lists all kinds. A place
+/// (Where) is the file and the line of a value.
 namespace troupe::worldio {
 
-/// The bodies of a spec (engine::WorldSpec) as columns, one array per member, because there may be millions
-/// of bodies. Each column has one entry per body, in the order of the ids; `pose` and `color` have four
-/// entries per body. The aliases, which are second names of bodies, have columns of their own.
+/// The bodies of a spec as arrays, one per member of BodySpec, because there may be millions of bodies. Entry
+/// i of an array belongs to the body with id i; in `pose` and `color`, these are the entries 4 i to 4 i + 3.
+/// The arrays whose names begin with `alias_` do not belong to bodies, but to aliases (second names of
+/// bodies).
 struct BodyColumns {
-  /// The name of the body, as in engine::Name: "r17" is the word "r", given by its index, and the number 17.
+  /// Name of the body: an index into the words of the spec (engine::Names::words()), and the number that
+  /// follows the word. For "r17", they are the index of "r" and the number 17 (engine::Name).
   std::vector<std::uint32_t> word, number;
   std::vector<std::uint32_t> type;  ///< index into WorldSpec::types
-  std::vector<double> pose;         ///< x, y, z (m) and heading (rad), world frame
-  std::vector<float> color;         ///< red, green, blue, opacity
-  /// BodySpec::fiducial, the number that fiducial finders read; empty if all are 0.
+  std::vector<double> pose;         ///< 4 per body: x, y, z (m) and heading (rad), world frame
+  std::vector<float> color;         ///< 4 per body: red, green, blue, opacity (0 to 1)
+  /// BodySpec::fiducial, the number that fiducial finders (sensors that detect marked bodies) read from the
+  /// body. Empty if all numbers are 0.
   std::vector<std::int32_t> fiducial;
   std::vector<std::uint32_t> file, line;  ///< BodySpec::where; `file` is a file's number in WorldSpec::files
-  /// The aliases: the two members of engine::Name, and the id of the body (its number in the world, from 0).
-  /// One entry per alias.
+  /// The aliases, one entry per alias. `alias_word` and `alias_number` give the second name, in the same form
+  /// as `word` and `number`. `alias_body` is the id of the body.
   std::vector<std::uint32_t> alias_word, alias_number, alias_body;
 };
 
-/// A stored world: the whole spec of a world, in the form in which checkpoints contain it. No other file is
-/// needed to restore the spec: it contains the types of included files, and the solids (extruded outlines)
-/// that were made from images. restore_spec() returns a spec that is equal to the stored one in every bit in
-/// the sense of spec_difference(). Not stored are the paths and options of these images, the blocks (upright
-/// prisms) from which solids were made, and the places (file and line) of the values of the experiment.
+/// A stored world: a whole spec, in the form in which checkpoints contain it. No other file is needed to
+/// restore the spec: it contains the types of included files, and the solids (extruded outlines) that were
+/// made from images. restore_spec() returns a spec in which spec_difference() finds no difference from the
+/// stored one. Not stored are the images (PartSpec::image) and blocks (PartSpec::fitted) from which solids
+/// were made, and the places of the values in WorldSpec::experiment.
 struct StoredSpec {
   std::string json;    ///< JSON text from spec_to_json()
   BodyColumns bodies;  ///< the bodies, which are not in `json`
 };
-/// Returns a spec as a stored world. Throws like spec_to_json().
+/// Returns a spec as a stored world. Throws the exceptions of spec_to_json().
 StoredSpec store_spec(const engine::WorldSpec& spec, const engine::Registry& registry);
 
-/// Returns a spec without its bodies as JSON: settings, body types with their solids and parameters, the
-/// words that names consist of, names of parts, the experiment, and a list of file names. A place in a file
-/// is written as `where`: [file, line], in which `file` is an index into this list. Parameters have the names
-/// and SI units of their field tables. Names and paths that are not UTF-8 are stored as {"latin1": ...}.
-/// Throws std::runtime_error for a number that is not finite and for a parameter that is not UTF-8, because
-/// JSON cannot represent these. Throws the same exception for a kind (sort of drive, device, controller, ...)
-/// that is not in `registry`.
+/// Returns a spec as JSON text, without its bodies and aliases, which BodyColumns stores. The JSON object
+/// contains the settings, the types with their solids and parameters, the experiment, the names of parts, a
+/// list `files` of file names, and a list `words` of the words of which names consist.
+/// - A number is in SI units. The unit is part of the key, as in `period_s`.
+/// - A place is written as [file, line], where `file` is an index into the list `files`.
+/// - A name or a path that is not UTF-8 is written as {"latin1": TEXT}: each character of TEXT, U+0000 to
+///   U+00FF, stands for one byte.
+///
+/// Throws std::runtime_error if a number is not finite, if a text among the parameters of a kind is not
+/// UTF-8, or if a kind is not in `registry`.
 std::string spec_to_json(const engine::WorldSpec& spec, const engine::Registry& registry);
 
-/// Returns the keys that the body types of a world have in a stored world: their indices "0", "1", ...
+/// Returns the texts "0", "1", ..., one for each type of the spec. The experiment of a stored world (stop
+/// conditions, interventions and faults) uses these texts in place of the names of types.
 std::vector<std::string> numbers_of_types(const engine::WorldSpec& spec);
 
-/// JSON pointers to the values of a stored world that `troupe resume --set` may change, for messages. N is an
-/// index from 0, and `...` stands for the rest of the pointer. restore_spec() refuses all other pointers. It
-/// does not refuse a parameter that determines the number of readings of a sensor, such as the number of
-/// beams: the state of the checkpoint then does not fit, and restoring the state is an error.
+/// The values of a stored world that `troupe resume --set` may change, as a text for messages. The text lists
+/// JSON pointers, where N is an index from 0, and `...` is any rest of a pointer. restore_spec() refuses all
+/// other pointers. It accepts changes that alter the size of the state, such as another number of beams of a
+/// sensor, but Checkpoint::restore() then throws.
 inline constexpr std::string_view k_changeable =
     "/seed, /quit_time_s, /stop_when, /ranging, /resolution_m, /bounds_m; in /types/N: /drive/period_s, "
     "/drive/params/..., "
     "/sensors/N/active, /sensors/N/period_s, /sensors/N/params/..., /controllers/N/params/...";
 
-/// Restores a spec from a stored world. `changes` are pairs of a JSON pointer into StoredSpec::json and a new
-/// value as JSON text, as in --set; a pointer that is not in k_changeable is an error. Errors about the
-/// stored world are reported at `where`, which is the file that it was read from; errors about a change, at
-/// `--set POINTER`. Do not use the result if there are errors.
+/// Restores a spec from a stored world. Each entry of `changes` is a JSON pointer into StoredSpec::json and
+/// the new value as JSON text, as in `troupe resume --set`. A pointer that is not in k_changeable is an
+/// error. `where` is the file from which `stored` was read; errors in the stored world are reported there. An
+/// error in a change is reported at `--set POINTER` instead. Do not use the result if there are errors.
 engine::WorldSpec restore_spec(const StoredSpec& stored, const engine::Registry& registry,
                                std::span<const std::pair<std::string, std::string>> changes, Where where,
                                Diagnostics& diagnostics);

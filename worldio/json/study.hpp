@@ -14,15 +14,16 @@
 
 namespace troupe::worldio {
 
-/// How a column of the table of results summarises the values of a measure: by the last, the mean, the
-/// smallest or the largest value in a run. A measure is a number that is computed from the state of a run,
-/// such as the covered area. It has one value for each measurement (Study::measure_every_s).
+/// How the table of results summarises the values that a measure has during a run: by the last, the mean, the
+/// smallest or the largest value. A measure is a number that is computed from the state of a run, such as the
+/// covered area. It is computed at regular intervals of simulated time (Study::measure_every_s).
 enum class Statistic : std::uint8_t { last, mean, min, max };
-/// Returns the name of a statistic in a study: "last", "mean", "min" or "max".
+/// Returns the name of a statistic in files: "last", "mean", "min" or "max".
 std::string_view statistic_name(Statistic statistic);
 
-/// A study (docs/sweeps.md), as `troupe sweep` reads it: one world that is run many times with different
-/// values. Each run fills one row of the table of results.
+/// A study (docs/sweeps.md), as `troupe sweep` reads it: one world that is run many times, with different
+/// values of some parameters and with different seeds. The results of each run are one row of the table of
+/// results.
 struct Study {
   /// A value of the world that the study varies.
   struct Parameter {
@@ -38,20 +39,23 @@ struct Study {
 
   Where where;                  ///< the study file, for messages
   std::filesystem::path world;  ///< path of the world file, already joined with the folder of the study
-  /// Simulated time at which each run ends at the latest, s. Empty: the quit time of the world
-  /// (WorldSpec::quit_time_s).
+  /// Simulated time at which each run ends, s, unless a stop condition of the world ends it earlier. Empty:
+  /// the quit time of the world (WorldSpec::quit_time_s).
   std::optional<double> for_s;
   std::vector<Parameter> parameters;  ///< the varied values, in the order of their columns
   /// Measures, each as text that parse_measure() reads, such as "stalls:leaders" or a JSON object. Empty: the
-  /// measures of the world.
+  /// measures of the world or, if it has none, all measures that need no parameters.
   std::vector<std::string> measures;
   std::vector<Statistic> statistics;  ///< the statistics of each measure; load_study() sets at least one
   double measure_every_s = 1;  ///< simulated time between measurements, s; 0: every tick (simulation step)
   bool series = false;         ///< whether all measurements are also stored, in a separate table
 
-  /// The values that a parameter takes, by `kind`: those of a list (`listed`), equally spaced values of an
-  /// interval (`steps`), or random values from an interval: uniformly distributed (`uniform`), with a
-  /// uniformly distributed logarithm (`log_uniform`), or uniformly distributed whole numbers (`integers`).
+  /// The values that a parameter takes. `kind` says how they are given:
+  /// - listed: by the list `values`
+  /// - steps: as `steps` equally spaced numbers from `low` to `high`
+  /// - uniform: as random numbers, uniformly distributed from `low` to `high`
+  /// - log_uniform: as random numbers from `low` to `high` whose logarithm is uniformly distributed
+  /// - integers: as random whole numbers from `low` to `high`, both included, uniformly distributed
   struct Choice {
     std::vector<std::string> values;  ///< for Kind::listed: JSON texts
     double low = 0;   ///< lower end of the interval (for `steps`: the first value); unused for Kind::listed
@@ -65,47 +69,49 @@ struct Study {
   };
   std::vector<Choice> choices;       ///< one per parameter, in the order of `parameters`
   std::vector<std::uint64_t> seeds;  ///< seeds of the runs; empty: only the world's seed
-  /// Number of samples. A sample has one random value of each parameter. Empty: no samples, but all
-  /// combinations of the values.
+  /// Number of samples. A sample consists of one random value for each parameter. Empty: there are no
+  /// samples; the runs have all combinations of the values of the parameters.
   std::optional<std::size_t> samples;
   std::uint64_t random_seed = 1;  ///< seed of the random values of the samples
 
-  /// The number of runs of the study. load_study() reports an error for a study with more than k_most_runs
-  /// runs.
+  /// The number of runs of the study: the number of samples or combinations, times the number of seeds. It is
+  /// at most k_most_runs if load_study() has reported no error.
   std::size_t run_count() const;
-  /// Returns the run with this index, which must be below run_count(). Without samples, the runs are all
-  /// combinations of the values: the first parameter varies slowest and the seed fastest. With samples, each
-  /// sample is run with every seed, and the seed varies fastest. The values of a sample depend only on
-  /// `random_seed`, on the number of the sample, on the choice and the pointer of each parameter, and on the
-  /// number of earlier parameters with the same pointer (several parameters can append to one list with
-  /// `/models/-`). Runs are computed on demand, because a file of some kilobytes can define a million runs of
-  /// hundreds of parameters.
+  /// Returns the run with this index, which must be below run_count(). The seed varies fastest: each
+  /// combination of values, or each sample, is run with all seeds before the next one. Without samples, the
+  /// runs have all combinations of the values, and the first parameter varies slowest. With samples, the
+  /// random value of a parameter follows from `random_seed`, the number of the sample, and the choice and the
+  /// pointer of the parameter. It does not depend on the other parameters. There is one exception: several
+  /// parameters may have the same pointer if it appends to a list, as `/models/-` does. Their values also
+  /// depend on the order of these parameters.
   Run run(std::size_t index) const;
-  /// Returns the values of the parameters in a run as arguments of the option --set: for each parameter, a
-  /// pair of its JSON pointer and its value. The seed is not included.
+  /// Returns the values of a run as arguments of the option --set: for each parameter, a pair of its JSON
+  /// pointer and its value. The seed is not included.
   std::vector<std::pair<std::string, std::string>> settings(const Run& run) const;
 };
 
-/// Returns the names of the columns that measures have in the table of results: for each measure one column
-/// per statistic. For the measure `coverage`, the statistic `last` is in the column `coverage` and `mean` in
-/// `coverage_mean`. measures: names of the measures, with their units, as Measures::columns() returns them.
+/// Returns the names of the columns that measures have in the table of results. Each measure has one column
+/// for each statistic: for the measure `coverage`, the column of the statistic `last` is `coverage`, and that
+/// of `mean` is `coverage_mean`. `measures` are the names from Measures::columns() (troupe/measures.hpp),
+/// which include units, as in `displacement_m`.
 std::vector<std::string> measure_columns(const std::vector<std::string>& measures,
                                          const std::vector<Statistic>& statistics);
 
-/// Adds an error for each column of a measure that has the same name as another column of the study's tables.
-/// The other column can be that of a parameter or of another measure, or one that every table has, such as
-/// `seed`. measures: names of the measures, with their units, as Measures::columns() returns them.
+/// Reports an error for each column of a measure that has the same name as another column of the study's
+/// tables. The other column can be that of a parameter or of another measure, or one that every table has,
+/// such as `seed`. `measures` are the same names as in measure_columns().
 void check_columns(const Study& study, const std::vector<std::string>& measures, Diagnostics& diagnostics);
 
 inline constexpr std::size_t k_most_runs = 1000000;  ///< greatest number of runs of a study
 
 /// Reads a study from a JSON file. Adds all errors to `diagnostics`; do not use the result if there are
-/// errors. Does not load the world, and does not check that the pointers of the parameters exist in it.
-/// `registry` lists the kinds (sorts) of measures that the study may use.
+/// errors. Does not load the world, so it does not check that the world has the values at the pointers of the
+/// parameters. `registry` lists the measures that the study may use.
 Study load_study(const std::filesystem::path& file, const engine::Registry& registry,
                  Diagnostics& diagnostics);
-/// Like load_study(), but reads the study from `text`. `file` is the path of the study in messages, and the
-/// path of the world is relative to its folder. The file need not exist.
+/// Like load_study(), but `text` is the content of the study file. `file` is the path of the study, which
+/// need not exist. Messages name this path, and the path of the world (Study::world) is relative to its
+/// folder.
 Study load_study_text(const std::filesystem::path& file, std::string_view text,
                       const engine::Registry& registry, Diagnostics& diagnostics);
 

@@ -7,15 +7,20 @@
 
 namespace troupe::worldio {
 
-/// Checks that walls of this thickness, m, can be built along a line of points, m. The line is the middle of
-/// the walls. Returns an error if the line has fewer than two points, if a point repeats the one before it,
-/// if the line turns by more than 165 degrees at a point, or if a segment is too short for the corners at its
-/// ends. A line of three or more points whose last point repeats its first is closed, and also turns at that
-/// point.
+/// Checks that walls can be built along a line. `line` has the points, m, of the line along the middle of the
+/// walls, and `thickness` is the thickness of the walls, m. Returns an error in these cases:
+/// - The line has fewer than two points.
+/// - A point is equal to the point before it.
+/// - The line turns by more than 165 degrees at a point.
+/// - A segment is too short for the thickness: the mitred corners at its two ends overlap.
+///
+/// If a line of three or more points ends at its first point, it is closed: the walls also have a corner
+/// at this point.
 Result<> check_wall_line(const Ring& line, double thickness);
 
-/// Returns walls along a line, in the frame of the line: one prism of four corners per segment, with mitred
-/// corners between two segments, from z = 0 to `height`, m. The line must pass check_wall_line().
+/// Returns the walls along a line, in the frame of its points: one prism per segment, from z = 0 to `height`,
+/// m. Walls of neighbouring segments meet in a mitred corner. check_wall_line() must accept `line` and
+/// `thickness`.
 std::vector<Solid> wall_solids(const Ring& line, double thickness, double height);
 
 }  // namespace troupe::worldio

@@ -530,8 +530,10 @@ void describe_body(DocumentKeys<P>& d) {
   const auto no_image = [](const JsonNode& object) { return !has_image(object); };
   d.template value<&P::fit>("fit", "true: all blocks together are scaled to fill the box `size`, as in Stage")
       .when(no_image);
-  d.template value<&P::origin>(
-       "origin", "pose of the centre of the image or of the scaled blocks, in the frame of the body or part")
+  d.template value<&P::origin>("origin",
+                               "pose, in the frame of the body or part, of the centre of the scaled part of "
+                               "the image (`margins`) or of the "
+                               "scaled blocks; with a ROS map: of the map frame")
       .when([](const JsonNode& object) { return has_image(object) || is_fitted(object); });
   d.template object<&P::disc>(
        "disc", "an upright cylinder about the origin of the body or part, in addition to the blocks")
@@ -804,9 +806,10 @@ void FloorplanDocument::describe(DocumentKeys<FloorplanDocument>& d) {
               d.table().find("bitmap")->expects),
           .several = "give \"bitmap\" or \"walls_m\", not both",
           .at_key = true});
-  d.value<&FloorplanDocument::pose>("pose",
-                                    "pose of the centre of the image; with a ROS map: of the map frame; with "
-                                    "`walls_m`: of the frame of its points");
+  d.value<&FloorplanDocument::pose>(
+      "pose",
+      "pose of the centre of the scaled part of the image (`margins`); with a ROS "
+      "map: of the map frame; with `walls_m`: of the frame of its points");
   d.other<&FloorplanDocument::color>(Form::color, "color", "colour of the walls")
       .or_default("[0.3, 0.3, 0.3]");
   describe_returns<FloorplanDocument, &FloorplanDocument::returns>(d);

@@ -24,19 +24,27 @@
 #include <variant>
 #include <vector>
 
-/// The content of a JSON world as plain data: types, paths of images, populations, and so on. Numbers are in
-/// SI units. Each value has its place (file and line). expand() converts a document to an engine::WorldSpec,
-/// the description that the engine uses; write_json_world() does the reverse. The keys, their units, limits
-/// and meanings are in world_document.cpp and in docs/world-format.md. "Required" in the comments below means
-/// that the reader reports an error if the key is missing; the member is then empty.
+/// The content of a JSON world as plain structs. Numbers are in SI units. expand() converts a WorldDocument
+/// to an engine::WorldSpec, the description that the engine uses; write_json_world() does the reverse. The
+/// keys of the JSON objects, with their units, limits and meanings, are in world_document.cpp and in
+/// docs/world-format.md. A comment "required" means: if the key is missing, the reader reports an error, and
+/// the member stays empty.
 ///
-/// Words of world files: A *type* describes bodies of the same construction. A *part* is a rigid piece of a
-/// body; parts form a tree, whose root is the body itself. A *device* is a sensor, or another instrument such
-/// as a gripper or a light. A *kind* is a sort of drive, device, controller, measure or fault, with
-/// parameters of its own; the engine::Registry lists all kinds. A *population* is a group of bodies that a
-/// rule places. Its *reserve* consists of bodies that are absent at the start and can enter the world (be
-/// born) later. A *fiducial finder* is a sensor that detects marked bodies and reads their numbers. A
-/// *measure* is a number that is computed from the state of a run. A *tick* is a simulation step.
+/// Words of world files:
+/// - A *type* describes bodies of the same construction.
+/// - A *part* is a rigid piece of a body. The parts of a body form a tree, whose root is the body itself.
+/// - A *device* is a sensor, or another instrument such as a gripper or a light.
+/// - A *joint* is a frame of a body that a device, such as an actuator, moves. Parts and devices that are
+///   mounted on a joint move with it.
+/// - A *kind* is a sort of drive, device, controller, measure or fault, with parameters of its own. The
+///   engine::Registry lists all kinds.
+/// - A *population* is a group of bodies of one type that are placed by a rule, for example on a grid.
+/// - The *reserve* of a population consists of bodies that are absent at the start and can enter the world
+///   (be born) later.
+/// - A *fiducial finder* is a sensor that detects marked bodies and reads their numbers.
+/// - A *measure* is a number that is computed from the state of a run.
+/// - A *tick* is a simulation step.
+/// - A *place* (Where) is the file and the line of a value, for error messages.
 namespace troupe::worldio {
 
 /// Collects the JSON keys of T, one of the structs below: T::describe() adds one key per member. Defined in
@@ -46,33 +54,32 @@ class DocumentKeys;
 
 inline constexpr std::int64_t k_format_version = 1;      ///< the only version of the format
 inline constexpr double k_max_size_m = k_world_reach_m;  ///< maximum of sizes and absolute coordinates, m
-/// Greatest number of points of a block (BlockDocument) or of a line of walls. The time of check_outline(),
-/// which checks that an outline does not cross itself, grows with the square of this number.
+/// Greatest number of points of a block (BlockDocument) or of a line of walls. The limit bounds the time of
+/// check_outline(), which grows with the square of the number of points.
 inline constexpr std::size_t k_most_block_points = 1000;
 
-/// Base of the structs that are read from JSON objects: the place (file and line) of the object, and the
-/// places of the values of its keys, for error messages. Keys that are parameters of a kind have no places
-/// here.
+/// Base of the structs that are read from JSON objects. It stores the place of the object and the places of
+/// its values, for error messages. The parameters of a kind are also keys of the object, but their places are
+/// not stored here.
 struct Placed {
-  /// A key that the object has, even if its value is wrong.
+  /// A key that the object has, even if the value of the key is wrong.
   struct Key {
-    /// Name of the key in the table of keys that describe() fills (DocumentTable): the key without its unit
-    /// if a file can choose the unit, as in "period" for `period_s` or `period_ms`; otherwise the whole key,
-    /// as in "points_m".
+    /// Name of the key. If a file can choose the unit, the name has no unit: "period" stands for `period_s`
+    /// and for `period_ms`. Otherwise it is the whole key, such as "points_m".
     std::string_view name;
     Where where;  ///< place of the value
   };
   Where where;  ///< where the object begins in its file
-  /// The keys that the object has, in the order in which describe() adds their descriptions.
+  /// The keys that the object has, in the order in which the function describe() of its struct adds them.
   std::vector<Key> keys;
 
   bool says(std::string_view key) const;  ///< whether `keys` has a Key of this name
-  /// The place of a key's value; that of the object if `keys` has no Key of this name.
+  /// Returns the place of the value of a key. If `keys` has no Key of this name, returns the place of the
+  /// object.
   Where where_of(std::string_view key) const;
 };
 
-/// The value of a key `joint`: the name of a joint, or null for no joint. A joint is a frame of a body that a
-/// device, such as an actuator, moves.
+/// The value of a key `joint`: the name of a joint of the body, or null for no joint.
 struct JointName {
   std::optional<std::string> name;  ///< name of the joint; empty: no joint
 };
@@ -94,9 +101,9 @@ struct BlockDocument : Placed {
   static void describe(DocumentKeys<BlockDocument>& d);  ///< adds the keys of this struct to `d`
 };
 
-/// The value of the key `ring` of an object with a pose: several copies of the object replace it, at equal
-/// angles on a circle around its position. The reader replaces the object before it is read into a struct
-/// (worldio/json/json_ring.hpp), so that the other structs have no member for a ring.
+/// The value of the key `ring`, which a list entry with a pose may have. The reader replaces the entry by
+/// copies, at equal angles on a circle around the position of the entry, before it reads the list
+/// (expand_ring() in worldio/json/json_ring.hpp).
 struct RingDocument : Placed {
   std::int64_t count = 0;  ///< number of copies, at least 1; required
   double radius = 0;       ///< radius of the circle, m
@@ -112,8 +119,8 @@ struct DiscDocument : Placed {
   static void describe(DocumentKeys<DiscDocument>& d);  ///< adds the keys of this struct to `d`
 };
 
-/// An image, or a ROS map (a floor plan in the format of ROS's map_server), that gives a body or part its
-/// shape.
+/// An image, or a ROS map (a floor plan in the format of ROS's map_server), from which the shape of a part or
+/// floor plan is made.
 struct ImageDocument {
   /// The region of an image that is scaled to `size`.
   enum class Margins : std::uint8_t {
@@ -134,17 +141,17 @@ struct ImageDocument {
   bool boundary = false;  ///< true: adds four walls just inside the edges of the scaled image or map
 };
 
-/// A device of a type or part: a sensor or another device.
+/// A device of a type or part.
 struct DeviceDocument : Placed {
-  /// Name of the device. Empty: made from the kind, as in "ranger:0"; for the `device` of a part, the name of
-  /// the part.
+  /// Name of the device. Empty: the name consists of the kind and a number, as in "ranger:0". An
+  /// OwnDeviceDocument without a name has the name of its part.
   std::string name;
   std::string kind;  ///< name of a kind in Registry::devices
-  /// True: the writer omits `kind`. This is set if a part is itself this device and PartDocument::kind, the
-  /// model type of the part, already determines the kind.
+  /// True: the writer omits the key `kind`. Used only in an OwnDeviceDocument, if the model type of the part
+  /// (PartDocument::kind) determines the kind of the device: a part of the model type "ranger" is a ranger.
   bool is_kind_implied = false;
-  /// Pose in the frame of the body or, with `on`, of the device that `on` names. Empty: at the origin of this
-  /// frame; for the `device` of a part, the pose of the part.
+  /// Pose in the frame of the body or, if `on` is not empty, in the frame of the device `on`. Empty: at the
+  /// origin of this frame, with heading 0. An OwnDeviceDocument without a pose has the pose of its part.
   std::optional<Pose> pose;
   std::optional<JointName> joint;  ///< joint that moves the device; empty: the joint that moves its part
   bool active = true;     ///< false: the device runs only while a controller or a user program reads it
@@ -163,7 +170,7 @@ struct DeviceDocument : Placed {
 struct SensorDocument : DeviceDocument {
   static void describe(DocumentKeys<SensorDocument>& d);  ///< adds the keys of this struct to `d`
 };
-/// The value of the key `device` of a part: the part itself is this device.
+/// The value of the key `device` of a part that is itself a device.
 struct OwnDeviceDocument : DeviceDocument {
   static void describe(DocumentKeys<OwnDeviceDocument>& d);  ///< adds the keys of this struct to `d`
 };
@@ -179,35 +186,38 @@ struct DriveDocument : Placed {
 /// A controller of a type or part.
 struct ControllerDocument : Placed {
   std::string kind;  ///< name of a kind in Registry::controllers
-  /// Time between two calls of the controller, s; 0: every tick. It has no effect if the controller uses a
-  /// sensor or another device, or if the type has a drive.
+  /// Time between two calls of the controller, s; 0: every tick. It counts only if the controller uses no
+  /// devices and the type has no drive. Otherwise, the controller has the period of the first device that it
+  /// uses or, if it uses none, of the drive.
   double period = 0;
   engine::Record params;  ///< one value per parameter of the kind (ControllerKind::params)
   static void describe(DocumentKeys<ControllerDocument>& d);  ///< adds the keys of this struct to `d`
 };
 
-/// A part (a rigid piece of a body, with a pose in the frame of the body), or the body itself, which is the
-/// root of the tree of parts of its type.
+/// A part of a body: a rigid piece with a pose in the frame of the body. TypeDocument uses these members for
+/// the body itself.
 struct PartDocument : Placed {
   std::string name;   ///< name of the part or type; empty for a type that is named like its key
   std::string alias;  ///< another name, by which programs can also find the part; empty: none
-  /// Name in Registry::models, the model types of Stage (an older robot simulator, whose files Troupe reads
-  /// and writes). Empty: "position" for a type with a drive, else "model".
+  /// Model type of Stage that corresponds to the part: a name in Registry::models. (Stage is an older robot
+  /// simulator, whose files Troupe reads and writes.) Empty: "position" for a type with a drive, else
+  /// "model".
   std::string kind;
   std::optional<Pose> pose;        ///< pose in the frame of the body; empty: at the origin of the body
   std::optional<JointName> joint;  ///< joint that moves the part; empty: that of the enclosing part
-  /// The image that gives the part its shape. If image.bitmap is empty, there is no image, and only
-  /// image.size is used: with `fit`, as the size to which `blocks` are scaled, otherwise as the size of a box
-  /// that stands on z = 0 and is centred on the origin of the part. If image.size is also empty, there is no
-  /// box.
+  /// The image that gives the part its shape. If image.bitmap is empty, the part has no image, and image.size
+  /// has another meaning. With `fit`, it is the size to which `blocks` are scaled. Without `fit`, it is the
+  /// size of a box on z = 0 that is centred on the origin of the part; without image.size, there is no box.
   ImageDocument image;
-  bool fit = false;                  ///< true: the blocks together are scaled to image.size
-  std::optional<Pose> origin;        ///< pose of the centre of the image or of the fitted blocks, part frame
+  bool fit = false;  ///< true: the blocks together are scaled to image.size
+  /// With an image or `fit`: pose of the centre of the scaled image or blocks, in the frame of the part. With
+  /// a ROS map: pose of the frame of the map.
+  std::optional<Pose> origin;
   std::optional<DiscDocument> disc;  ///< a cylinder about the origin of the part, in addition to the blocks
   std::optional<std::vector<BlockDocument>> blocks;  ///< upright prisms
   std::optional<bool> floor_plan;  ///< whether the shape is that of walls; empty: true if it is an image
-  /// Size that fiducial finders report for the part and that controllers read, m; empty: the size of the
-  /// shape.
+  /// Size [x, y, height] of the part, m, that fiducial finders report and that controllers can read. Empty:
+  /// the size of the shape.
   std::optional<Eigen::Vector3d> extent;
   std::optional<Color> color;                    ///< colour of the part; empty: that of the body
   engine::Returns returns;                       ///< how other bodies collide with the part and sense it
@@ -220,8 +230,8 @@ struct PartDocument : Placed {
   static void describe(DocumentKeys<PartDocument>& d);  ///< adds the keys of this struct to `d`
 };
 
-/// A type: the properties that bodies of the same construction share. The members of PartDocument describe
-/// the body itself.
+/// A type: the properties that bodies of the same construction share. The members of the base PartDocument
+/// describe the body itself, the root of the tree of parts.
 struct TypeDocument : PartDocument {
   std::optional<DriveDocument> drive;  ///< drive; empty: the bodies do not move by themselves
   std::optional<std::vector<std::string>> device_order;  ///< names of all devices, in the order in which
@@ -229,22 +239,26 @@ struct TypeDocument : PartDocument {
   static void describe(DocumentKeys<TypeDocument>& d);   ///< adds the keys of this struct to `d`
 };
 
-/// A floor plan: a body that consists of walls, with a type of its own. The walls are given as an image or as
-/// a line.
+/// A floor plan: a body that consists of walls, with a type of its own. The walls are given as an image, as a
+/// ROS map or as a line.
 struct FloorplanDocument : Placed {
   std::string name;     ///< name of the body and of its type
   ImageDocument image;  ///< image of the walls; without a bitmap, only its height is used
-  /// Line along the middle of the walls, m, in the frame of `pose`; excludes an image.
+  /// Points of the line along the middle of the walls, m, in the frame of `pose`. A floor plan has either
+  /// this line or an image.
   std::optional<Ring> walls;
   double thickness = 0.1;  ///< thickness of the walls along the line, m
-  Pose pose;               ///< pose of the image centre, or of the frame of a map or of `walls`, in the world
+  /// Pose in the world frame: of the centre of the scaled image, of the frame of a ROS map, or of the frame
+  /// of the points `walls`.
+  Pose pose;
   std::optional<Color> color;  ///< colour of the walls; empty: dark grey, (0.3, 0.3, 0.3)
   engine::Returns returns;     ///< how other bodies collide with the walls and sense them
   static void describe(DocumentKeys<FloorplanDocument>& d);  ///< adds the keys of this struct to `d`
 };
 
-/// A rectangular arena about the origin of the world: it extends the bounds of the world (the box in which
-/// bodies must stay) and, unless `walls` is false, has a body `arena` that consists of the four walls.
+/// A rectangular arena, centred on the origin of the world. It extends the bounds of the world, the box in
+/// which the origins of bodies must stay. Four walls enclose it: they are a static body with the name
+/// `arena`. If `walls` is false, there is no such body.
 struct ArenaDocument : Placed {
   std::optional<std::array<double, 2>> size;  ///< free floor along x and y, m; required
   bool walls = true;                          ///< false: no walls, only bounds
@@ -286,21 +300,22 @@ struct ColorDocument {
 /// the name of a rule, such as `grid:`, describes a parameter that only this rule has.
 struct PlaceDocument : Placed {
   std::optional<engine::PlacementRule::Kind> rule;  ///< the rule: grid, uniform, ...; required
-  /// Rectangle that contains the origins of the bodies, m. Empty: the bounding box of `polygon`, else the
-  /// bounds of the world.
+  /// Rectangle in which the origins of the bodies lie, m, world frame. Empty: the bounding box of `polygon`
+  /// or, without a polygon, the bounds of the world.
   std::optional<Box> region;
-  std::optional<Ring> polygon;  ///< polygon that also contains the origins, m; empty: the whole `region`
-  std::optional<Box> spill;     ///< grid: region for bodies that do not fit in `region`, m
-  std::optional<double> pitch;  ///< grid: distance between neighbouring cells, m; required
-  double jitter = 0;            ///< grid: maximum random displacement of each coordinate, m
+  std::optional<Ring> polygon;                ///< polygon in which the origins also lie, m; empty: no polygon
+  std::optional<Box> spill;                   ///< grid: region for bodies that do not fit in `region`, m
+  std::optional<double> pitch;                ///< grid: distance between neighbouring cells, m; required
+  double jitter = 0;                          ///< grid: maximum random displacement of each coordinate, m
   std::optional<std::array<double, 2>> mean;  ///< gaussian: mean of the origins, m; required
   /// gaussian: standard deviations of the origins along x and y, m; required.
   std::optional<std::array<double, 2>> deviation;
   std::optional<double> distance;  ///< poisson_disc: minimum distance of two origins, m; required
-  /// free_floor: point from which the floor must be reachable, m; empty: a point of the largest connected
-  /// floor.
+  /// free_floor: a point, m, world frame. The bodies are placed only on floor that can be reached from this
+  /// point. Empty: on the largest connected area of floor.
   std::optional<std::array<double, 2>> from;
-  /// free_floor: cell size of the search, m; empty: half the radius of a body, at least 0.02.
+  /// free_floor: cell size of the search for reachable floor, m. Empty: half the radius of a body of the
+  /// population, but at least 0.02 m.
   std::optional<double> cell;
   std::optional<HeadingDocument> heading;  ///< heading of the bodies; empty: 0 on a grid, else random
   double z = 0;                            ///< height of the origins, m, world frame
@@ -342,15 +357,16 @@ struct ConditionDocument : Placed {
   static void describe(DocumentKeys<ConditionDocument>& d);  ///< adds the keys of this struct to `d`
 };
 
-/// A group of bodies: all bodies of a population, all bodies of a type or one model, or a random selection of
-/// these bodies. Exactly one of `population`, `type` and `model` is given, and at most one of `count` and
-/// `share`. Without `count` and `share`, all these bodies are in the group.
+/// A group of bodies: all bodies of a population, all bodies of a type, or a single body. Exactly one of
+/// `population`, `type` and `model` is given. If `count` or `share` is given, the group is a random selection
+/// of these bodies. At most one of `count` and `share` is given.
 struct GroupDocument : Placed {
   std::optional<std::string> population;  ///< name of a population
   std::optional<std::string> type;        ///< a key of WorldDocument::types
   std::optional<std::string> model;       ///< the name of one body
   std::optional<std::int64_t> count;      ///< number of bodies to select at random, or all if there are fewer
-  /// Fraction of the bodies to select at random, 0 to 1; rounded to a whole number of bodies, halves up.
+  /// Fraction of the bodies to select at random, 0 to 1. The number of bodies is rounded to the nearest
+  /// integer, halves up: 0.5 of 5 bodies are 3 bodies.
   std::optional<double> share;
   static void describe(DocumentKeys<GroupDocument>& d);  ///< adds the keys of this struct to `d`
 };
@@ -364,7 +380,7 @@ struct AddDocument : Placed {
   static void describe(DocumentKeys<AddDocument>& d);  ///< adds the keys of this struct to `d`
 };
 
-/// A change of a model's pose.
+/// A change of the pose of a body.
 struct MoveDocument : Placed {
   std::string model;                                    ///< name of the body
   std::optional<Pose> pose;                             ///< new pose, in the world frame; required
@@ -372,8 +388,8 @@ struct MoveDocument : Placed {
 };
 
 /// New parameters of the drive, a device or a controller, for all bodies of a type. Exactly one of `drive`,
-/// `device` and `controller` is given. The given one is stored as uninterpreted JSON, because the type
-/// determines which parameters are valid.
+/// `device` and `controller` is given. Its value is stored as a JSON node, because the valid parameters
+/// depend on the type.
 struct SettingDocument : Placed {
   std::string type;                                        ///< a key of WorldDocument::types
   std::optional<JsonNode> drive;                           ///< new parameters of the drive
@@ -382,7 +398,7 @@ struct SettingDocument : Placed {
   static void describe(DocumentKeys<SettingDocument>& d);  ///< adds the keys of this struct to `d`
 };
 
-/// An intervention: a time and exactly one action.
+/// An intervention: a change of the world at a given time. Exactly one of the members after `time` is given.
 struct InterventionDocument : Placed {
   std::optional<double> time;            ///< simulated time, s, rounded up to the end of a tick; required
   std::optional<GroupDocument> remove;   ///< bodies that leave the world
@@ -394,9 +410,10 @@ struct InterventionDocument : Placed {
   static void describe(DocumentKeys<InterventionDocument>& d);  ///< adds the keys of this struct to `d`
 };
 
-/// Faults (failures during the run) that the bodies of a group may have.
+/// Faults (failures during the run) that can occur in the bodies of a group, each independently of the
+/// others.
 struct FaultDocument : GroupDocument {
-  /// A kind of fault that each body of the group may have, with its parameters.
+  /// A kind of fault, with its parameters.
   struct Impairment {
     std::string kind;       ///< name in Registry::faults
     engine::Record params;  ///< one value per parameter of the kind (FaultKind::params)
@@ -418,10 +435,10 @@ struct ExperimentDocument : Placed {
 
 /// What a run records.
 struct RecordDocument : Placed {
-  /// Path of the recording that `troupe run` writes, relative to the working folder, which it must not leave.
-  /// Empty: a run records only if `--record` names a file.
+  /// Path of the recording that `troupe run` writes, relative to the working folder. The file must be in or
+  /// below this folder. Empty: a run records only if `--record` names a file.
   std::string file;
-  std::optional<double> every;  ///< simulated time between two recorded states, s, above 0; empty: 0.1
+  std::optional<double> every;  ///< simulated time between two recorded states, s, above 0; empty: 0.1 s
   /// Names of fields of the state, such as "pose" or "eye.ranges", to record; empty: only the poses.
   std::vector<std::string> fields;
   static void describe(DocumentKeys<RecordDocument>& d);  ///< adds the keys of this struct to `d`
@@ -435,9 +452,9 @@ struct GroundDocument : Placed {
 
 /// A whole world.
 struct WorldDocument : Placed {
-  /// Whether bodies that overlap at the start, or that have the same name, are an error or a warning.
-  /// expand(), which makes the spec of the document, reports these errors and warnings. Only the warnings
-  /// about overlaps come later, from the constructor of engine::World.
+  /// Whether a problem is an error or a warning. The problems are bodies that overlap at the start, and
+  /// bodies with the same name. expand(), which makes the spec of the document, reports both. However,
+  /// warnings about overlaps come from the constructor of engine::World.
   enum class Check : std::uint8_t {
     error,  ///< an overlap or a repeated name is an error
     warn,   ///< an overlap or a repeated name is a warning
@@ -450,19 +467,24 @@ struct WorldDocument : Placed {
   std::optional<double> quit_time;     ///< simulated time at which a run ends, s; empty: no end
   double measure_every = 1;            ///< simulated time between measurements, s; 0: every tick
   engine::RangingEngine ranging = engine::RangingEngine::exact;  ///< method of computing ranges
-  /// Edge length of the cells, m; used only with RangingEngine::grid.
+  /// Edge length of the cells of the grid in which ranges are computed, m. Used only if `ranging` is
+  /// RangingEngine::grid.
   double resolution = engine::k_resolution_m;
-  /// Box in which the origins of bodies must stay, m; empty: the bounding box of the floor plans and the
-  /// arena.
+  /// Box in which the origins of bodies must stay, m, world frame. Empty: the bounding box of the floor plans
+  /// and the arena.
   std::optional<Box> bounds;
   std::optional<GroundDocument> ground;  ///< properties of the ground
   std::optional<RecordDocument> record;  ///< what a run records
-  /// How fast a run is and whether it prints the time, one value for each field of engine::watch_fields().
+  /// Settings for watching a run: a limit of its speed, and whether it prints the simulated time. The record
+  /// has one value for each field of engine::watch_fields().
   std::optional<engine::Record> watch;
-  /// Settings of the view of `--camera window`, one value for each field of window_fields().
+  /// Settings of the view that the option `--camera window` selects. The record has one value for each field
+  /// of window_fields().
   std::optional<engine::Record> window;
-  /// True: programs may remove and disable bodies in any case. False: only if the world itself can do so, for
-  /// example by its faults.
+  /// True: programs that use Troupe as a library may remove and disable bodies. False: they may do so only in
+  /// certain worlds. To remove bodies, the world must have a reserve, or something that removes bodies, such
+  /// as an intervention. To disable bodies, it must have faults, or interventions that disable or enable
+  /// bodies.
   bool mortal = false;
   Check overlaps = Check::error;              ///< how a model that overlaps a body at the start is treated
   Check same_names = Check::error;            ///< how bodies with the same name are treated

@@ -6,12 +6,11 @@
 
 namespace troupe::worldio {
 
-/// Returns the JSON Schema (draft 7) of JSON worlds, as text. The worlds may use the kinds (sorts) of drives,
-/// devices, controllers, measures and faults in `registry`. Editors use the schema for completion and checks,
-/// and programs that write worlds can check their output with it. The schema is made from the tables of keys
-/// and parameters that the reader and docs/world-format.md also use. The reader refuses every world that the
-/// schema refuses, and some others: a schema cannot express that names must exist or that outlines must not
-/// cross themselves.
+/// Returns the JSON Schema (draft 7) of JSON worlds, as text. Editors use the schema for completion and
+/// checks, and programs that write worlds can check their output with it. `registry` lists the kinds (sorts)
+/// of drives, devices, controllers, measures and faults that the worlds may use. The reader of worlds refuses
+/// every world that the schema refuses. It also refuses worlds that the schema accepts, because a schema
+/// cannot express all rules, for example that the type of a body must exist.
 std::string world_schema(const engine::Registry& registry);
 
 }  // namespace troupe::worldio

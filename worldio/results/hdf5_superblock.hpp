@@ -7,18 +7,20 @@
 
 namespace troupe::worldio {
 
-/// The first bytes of an HDF5 file, unless it begins with a user block.
+/// The bytes with which an HDF5 file begins. If the file has a user block (bytes at the beginning that HDF5
+/// ignores), these bytes follow the user block.
 inline constexpr std::string_view k_hdf5_signature = "\x89HDF\r\n\x1a\n";
 
 /// Two fields of the superblock, which is the header of an HDF5 file (HDF5 File Format Specification 3.0,
-/// section II.A, versions 2 and 3). They show whether a program has the file open for writing, or was killed
-/// while it did, and are needed to repair the file in the second case. They are read and written without the
+/// section II.A, versions 2 and 3). The fields show whether the file is marked as open for writing. They are
+/// needed to repair a file whose writer was killed. The functions below read and write the fields without the
 /// HDF5 library.
 struct Hdf5Superblock {
-  /// Bits that a writer sets while it has the file open: k_writing, and in SWMR mode ("single writer,
-  /// multiple readers") k_swmr_writing.
+  /// The bit k_writing is set while a program has the file open for writing. The bit k_swmr_writing is also
+  /// set if this program writes in SWMR mode ("single writer, multiple readers"). A writer that is killed
+  /// leaves the bits set.
   std::uint8_t flags = 0;
-  std::uint64_t end = 0;  ///< size of the file, as the writer recorded it here, bytes
+  std::uint64_t end = 0;  ///< size of the file according to the superblock, bytes
 
   static constexpr std::uint8_t k_writing = 1;
   static constexpr std::uint8_t k_swmr_writing = 4;
@@ -26,15 +28,16 @@ struct Hdf5Superblock {
   bool swmr_writing() const { return (flags & k_swmr_writing) != 0; }
 };
 
-/// Reads the superblock of a file. Empty if the file cannot be read, or does not begin with a complete
-/// superblock of version 2 or 3 with a correct checksum. HDF5 writes the superblock with the first flush.
+/// Reads two fields of the superblock of a file. Returns std::nullopt if the file cannot be read, or if it
+/// does not begin with a complete superblock of version 2 or 3 with a correct checksum. A new file has no
+/// superblock until HDF5 flushes it for the first time.
 std::optional<Hdf5Superblock> read_superblock(const std::filesystem::path& file);
 
-/// Marks a file as closed after its writer was killed, so that ordinary HDF5 tools open the file. If the file
-/// is shorter than the size in its superblock, the file is extended to this size with zeros; if it is longer,
-/// the superblock gets the real size. The superblock is written as a whole (48 bytes) in a single write, so
-/// that it is never half changed. On failure, throws std::runtime_error with the name of the file and the
-/// reason.
+/// Marks a file as closed, so that ordinary HDF5 tools open it. Use this function only if the writer of the
+/// file was killed or has failed. The function also makes the size in the superblock equal to the size of the
+/// file. For this, a file that is too short is extended with zeros; for a file that is too long, the size in
+/// the superblock is changed. The superblock (48 bytes) is written in a single write, so it is never half
+/// changed. On failure, throws std::runtime_error with the name of the file and the reason.
 void close_superblock(const std::filesystem::path& file);
 
 }  // namespace troupe::worldio

@@ -17,29 +17,31 @@ struct Registry;
 
 namespace troupe::worldio {
 
-/// The appearance of a recorded world, for drawing its frames (the states at the recorded times). To read it,
-/// only the recording is needed, not the world file, the kinds or the plug-ins of the run. A body consists of
-/// parts (rigid pieces), and a type describes bodies of the same construction. A joint moves parts of a body;
-/// it is at rest while these parts are where the world file places them. A ranger is a sensor that measures
-/// distances along beams. The state of a world, and a recording of it, consists of components (tables with
-/// one row per body), such as "pose".
+/// The appearance of a recorded world: shapes, colours and start poses of all bodies. It is read from the
+/// recording alone. The world file and the plug-ins of the run are not needed.
+///
+/// A body consists of parts (rigid pieces). A type describes bodies of the same construction. A joint moves
+/// parts of a body; the joint is at rest while these parts have the poses that the world file gives them. A
+/// ranger is a sensor that measures distances along beams. A component is a table of recorded values with one
+/// row per body, such as "pose".
 struct RecordedScene {
-  /// Beams of a ranger that start at one point and are spread evenly over an angle, symmetric to the heading
-  /// of `pose_body_fan`.
+  /// Beams of a ranger that start at one point. They are spread evenly over the angle `fov_rad`. The heading
+  /// of `pose_body_fan` is the middle of this angle.
   struct Fan {
-    Pose pose_body_fan;      ///< start and middle direction of the beams, with all joints at rest
-    double range_max_m = 0;  ///< length of a beam that hits nothing
+    Pose pose_body_fan;      ///< pose of the fan in the body frame, with all joints at rest
+    double range_max_m = 0;  ///< length of a beam that hits nothing, m
     double fov_rad = 0;  ///< angle between the first and the last beam; for a single beam: its opening angle
     std::size_t beams = 1;  ///< number of beams
   };
   struct Eye {                             ///< a ranger
     std::string name;                      ///< name of the ranger's group in /sensors/<type>
-    std::vector<Fan> fans;                 ///< the fans of the ranger, one for each of its transducers
-    std::int32_t joint = engine::k_rigid;  ///< index in Type::joints of the joint that moves it, or k_rigid
+    std::vector<Fan> fans;                 ///< all beams of the ranger, grouped by their start poses
+    std::int32_t joint = engine::k_rigid;  ///< index in Type::joints of the ranger's joint; k_rigid: none
   };
   struct Joint {  ///< a joint that moves parts and devices of a body
-    /// Name of the component with the displacement of the joint from rest, in the joint's frame at rest: a
-    /// group in /state of the recording.
+    /// Name of the component that holds the displacement of the joint from rest, such as "joint/arm". The
+    /// displacement is in the frame that the joint has at rest. The component is the group of this name in
+    /// /state of the recording.
     std::string component;
     std::int32_t parent =
         engine::k_rigid;   ///< index of the joint that carries this joint (a lower index); k_rigid: none
@@ -55,14 +57,14 @@ struct RecordedScene {
       std::uint32_t part = 0;   ///< index of the part on which the device is mounted
     };
     std::vector<Device> devices;  ///< all sensors and other devices of the type
-    /// The component whose field `shown_color` gives each body its colour (engine/sensing/shown_color.hpp),
-    /// such as "sensors/robot/lamp". Empty if no such field was recorded.
+    /// Name of the component whose field `shown_color` gives each body its colour, such as
+    /// "sensors/robot/lamp" (engine/sensing/shown_color.hpp). Empty if no such field was recorded.
     std::string shown_color;
-    std::vector<std::int32_t> shape_joints;  ///< for each shape of `look`: joint that moves it; k_rigid: none
+    std::vector<std::int32_t> shape_joints;  ///< for each shape of `look`: index of its joint; k_rigid: none
     std::vector<std::uint32_t> shape_parts;  ///< for each shape of `look`: index of its part
-    /// For each part, the component whose field `shown_color` gives the shapes of this part their colour. The
-    /// text is empty if there is no such component. It is also empty for the first part, the body itself:
-    /// Type::shown_color has its component.
+    /// For each part, the name of the component whose field `shown_color` gives the shapes of this part their
+    /// colour. The name is empty if there is no such component. It is always empty for the first part, which
+    /// is the body itself: Type::shown_color is the component for the body.
     std::vector<std::string> part_colors;
   };
   struct Body {              ///< a body of the world, walls included
@@ -77,27 +79,30 @@ struct RecordedScene {
   std::vector<Body> bodies;   ///< indexed by BodyId, the number of a body in the world
 };
 
-/// Returns the columns of the group /scene of a recording: all bodies of a world, walls included, as the spec
-/// (the description of the world) defines them.
+/// Returns the data of the group /scene of a recording: the name, type, start pose and colour of each body of
+/// a world, walls included. `spec` is the description from which the engine builds the world.
 RecordingReader::Scene scene_columns(const engine::WorldSpec& spec);
 
-/// Returns the colour of a body in a frame. `parts` is the recorded value of the field `shown_color` of the
-/// body, which holds the colour that devices such as lights give it: red, green and blue, each from 0 to 1.
-/// The result is opaque. If the body was absent or showed no colour, red, green and blue are NaN: the result
-/// is then `of_the_world`, the colour of the body in the world file.
+/// Returns the colour in which to draw a body at a recorded time: the opaque colour in `parts` if its numbers
+/// are finite, else `of_the_world`.
+/// parts         red, green and blue, each from 0 to 1: the recorded value of the field `shown_color` of the
+///               body, in which devices such as lights store a colour; NaN if the body was absent or showed
+///               no colour
+/// of_the_world  the colour of the body in the world file
 Color shown_color(std::span<const double> parts, const Color& of_the_world);
 
-/// Reads the scene of a recording. Throws Hdf5Error with the file's name if the recording is damaged, or so
-/// old that it has no /scene.
+/// Reads the appearance of the recorded world. Throws Hdf5Error with the file's name if the recording is
+/// damaged, or so old that it has no group /scene.
 RecordedScene recorded_scene(const RecordingReader& recording);
 
-/// Returns the scene of a world that is not read from a recording: in all types, `shown_color` and the texts
-/// in `part_colors` are empty. Throws std::runtime_error if JSON cannot represent the world, for example
-/// because a number is not finite.
+/// Returns the appearance of a world without a recording. In each type, `shown_color` and all names in
+/// `part_colors` are empty. `registry` must have the drives, devices and controllers that `spec` names.
+/// Throws std::runtime_error if JSON cannot represent the world, for example because a number is not finite.
 RecordedScene recorded_scene(const engine::WorldSpec& spec, const engine::Registry& registry);
 
-/// Returns the window settings of the recorded world (worldio/window_fields.hpp). Empty if the world has
-/// none. Throws Hdf5Error if the file is damaged.
+/// Returns the settings of the key `window` of the recorded world, one value for each parameter in
+/// window_fields() (worldio/window_fields.hpp). Returns std::nullopt if the world does not have this key.
+/// Throws Hdf5Error if the file is damaged.
 std::optional<engine::Record> recorded_window(const RecordingReader& recording);
 
 }  // namespace troupe::worldio

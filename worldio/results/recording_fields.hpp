@@ -13,41 +13,44 @@
 
 namespace troupe::worldio {
 
-/// A component of the state (a set of fields that bodies have, such as the pose), as a recording stores it. A
-/// recording has one group for each component, such as /state/pose or /sensors/minibot/eye, and in it one
-/// array for each field. At each recorded time, the array has one row per body, in the order of the ids of
-/// the bodies. A row has one or more values. A component in /state has a row for each of recorded_bodies(),
-/// a component in /sensors for each body of one type (a type describes bodies of the same construction).
+/// A component of the state of the world, as a recording stores it. A component is a set of fields that
+/// bodies have, such as the pose. A recording is an HDF5 file with one group for each component, such as
+/// /state/pose or /sensors/minibot/eye. The group has one array for each field. At each recorded time, the
+/// array has one row per body, in the order of the ids of the bodies. A row has one or more values (columns).
 ///
-/// In memory, the values of a component in /state may be in several tables: the memory of a controller, for
-/// example, has a table for each type with this controller. `sources` lists these tables. If a field has
-/// different numbers of values per row in these tables, as the messages of radios may have, the recorded
-/// field has the largest of these numbers.
+/// A component in /state has one row for each body that recorded_bodies() returns. A component in
+/// /sensors/TYPE has one row for each body of this type. A type describes bodies of the same construction.
+///
+/// In memory, the values of a component in /state may be in several tables, which `sources` lists. For
+/// example, the memory of a controller has one table for each type with this controller. These tables may
+/// have different numbers of columns for a field, as for the messages of radios. The recorded field then has
+/// the largest of these numbers.
 struct RecordedComponent {
   std::vector<std::string> path;  ///< names of the groups from the root of the file: {"state", "pose"}
   std::string name;               ///< name of the component in the state: "pose", "ranger/eye"
-  /// Frame of the values: "world", "body", "sensor", "joint" (the frame of the joint at rest) or "carrier"
-  /// (the frame of the body that carries the body of the row). Empty: the values have no frame.
+  /// Reference frame of the values: "world", "body", "sensor", "joint" (the frame of the joint at rest) or
+  /// "carrier" (the frame of the body that carries the row's body). Empty if the values need no reference
+  /// frame.
   std::string frame;
-  std::size_t rows = 0;  ///< number of rows
-  /// For each row, 1 if its body has the component, else 0; empty: all bodies have it.
+  std::size_t rows = 0;  ///< number of rows of each field at one recorded time
+  /// For each row, 1 if its body has the component, else 0. An empty list means that all bodies have it.
   std::vector<std::uint8_t> has;
   std::vector<engine::StateField> fields;  ///< the recorded fields of the component
-  /// For each entry of `fields`, the index of the field in each of the tables that `sources` lists.
+  /// For each entry of `fields`, its index in StateTable::fields(). This index is the same in all tables that
+  /// `sources` lists.
   std::vector<std::size_t> columns;
-  /// One table of the state from which the component is copied.
+  /// A table of the state that holds rows of the component.
   struct Source {
     std::size_t table;  ///< index into World::tables()
-    /// For each body of the world, by BodyId (the number of the body), its row in the recorded component,
-    /// from 0. The entries for bodies that are not in the table have no meaning.
+    /// For each body of the world, its row in the recorded component, from 0. The index into this list is the
+    /// BodyId (the number of the body). Entries of bodies that are not in the table have no meaning.
     std::shared_ptr<const std::vector<std::uint32_t>> recorded;
-    /// The sensor whose readings the table stores; null for other tables.
+    /// The sensor whose readings the table stores; null if the table does not store readings.
     const engine::BodyType::Device* sensor = nullptr;
   };
   std::vector<Source> sources;  ///< the tables, in the order of World::tables()
 
-  /// Returns the size, in bytes, of the values that the field with this index has at one recorded time, in
-  /// all rows together.
+  /// Returns the size, in bytes, of all rows of fields[field] at one recorded time.
   std::size_t bytes(std::size_t field) const;
 };
 
@@ -56,51 +59,69 @@ struct RecordedComponent {
 /// in /state have one row for each of these bodies.
 std::vector<BodyId> recorded_bodies(const engine::World& world);
 
-/// Returns the name that each type has in a recording, by TypeId (the number of the type). The name is that
-/// of an HDF5 group, so it has no "/". If several types have the same name, the second is called "NAME~2".
+/// Returns, for each type, its name in a recording, in the order of TypeIds (the numbers of the types). The
+/// name is that of the type in the world, in which hdf5_name() replaces characters such as "/". If several
+/// types have the same name, the second is called "NAME~2", the third "NAME~3".
 std::vector<std::string> recorded_type_names(const engine::World& world);
 
-/// Returns the names that messages suggest for the option `--record-fields`, which selects what a recording
-/// of this world stores. Each name occurs once. The names are "all", components that every robot has (pose),
-/// fields of devices (ranges), kinds (sorts) of controllers and devices (wander, ranger), single controllers
-/// (wander/0) and names of devices (eye). `--record-fields` also accepts names of components (ranger/eye) and
-/// COMPONENT.FIELD (eye.ranges).
+/// Returns the names that error messages suggest for the option `--record-fields`, each once. The option
+/// selects what a recording of this world stores. A kind is a sort of controller or device. The suggested
+/// names are:
+/// - "all",
+/// - components of the state ("pose"),
+/// - fields of devices ("ranges"),
+/// - kinds of controllers and devices ("wander", "ranger"),
+/// - single controllers ("wander/0"),
+/// - devices ("eye").
+///
+/// The option also accepts KIND/DEVICE ("ranger/eye") and NAME.FIELD ("eye.ranges"), where NAME is a
+/// component, kind, controller or device.
 std::vector<std::string> recordable_names(const engine::World& world);
 
-/// If `name` is the path of a device or of one of its fields in a recording, returns the name that
-/// --record-fields and --color-by accept instead: "eye.ranges" for "sensors/minibot/eye/ranges",
-/// "minibot/eye/ranges" or "sensors/minibot/eye.ranges". The result is empty for all other names.
+/// Converts the path that a device or a field of a device has in a recording to the name that the options
+/// `--record-fields` and `--color-by` accept. For example, returns "eye.ranges" for
+/// "sensors/minibot/eye/ranges", "minibot/eye/ranges" and "sensors/minibot/eye.ranges". Returns std::nullopt
+/// if `name` is not such a path.
 std::optional<std::string> name_for_path(const engine::World& world, std::string_view name);
 
-/// Returns the message about a name in a spelling that is not accepted, although its meaning is clear:
-/// `unknown field "minibot/eye/ranges": write "eye.ranges" instead`. `what` is a word for the named thing,
-/// here "field"; `right` is the accepted name.
+/// Returns the error message for a name that must be written in another way, such as `unknown field
+/// "minibot/eye/ranges": write "eye.ranges" instead`. In this example, `what` is "field", `name` is
+/// "minibot/eye/ranges" and `right` is "eye.ranges".
 std::string wrong_spelling(std::string_view what, std::string_view name, std::string_view right);
 
-/// Returns the components that the names select, each once: first those in /state, in the order of the tables
-/// of the state, then those in /sensors, by type. recordable_names() describes the names. The name "pose"
-/// also selects the displacements of joints and the colours that devices show, which are needed to draw
-/// bodies. Throws std::invalid_argument for an unknown name, with a message such as `unknown field "posse"`
-/// and the known names. For a path, the message has the right name (name_for_path()).
+/// Returns the components and fields that `names` selects. Each name is one that `--record-fields` accepts
+/// (see recordable_names()). The result has first the components in /state, in the order of World::tables(),
+/// and then those in /sensors, in the order of the types.
+///
+/// The name "pose" also selects the displacements of joints and the colours that devices show, because both
+/// are needed to draw bodies.
+///
+/// Throws std::invalid_argument for an unknown name, with a message that lists the known names, such as
+/// `unknown field "posse"...`. If the unknown name is a path in a recording, the message has the accepted
+/// name instead (name_for_path()).
 std::vector<RecordedComponent> recorded_components(const engine::World& world,
                                                    std::span<const std::string> names);
 
-/// Joins names of fields with commas, as recordings store them in the attribute `record_fields`. A comma or a
-/// backslash inside a name is preceded by a backslash.
+/// Joins names of fields with commas. Recordings store the result in the attribute `record_fields`. A comma
+/// or a backslash inside a name is preceded by a backslash.
 std::string join_field_names(std::span<const std::string> names);
 /// Returns the names from which join_field_names() made `text`.
 std::vector<std::string> split_field_names(std::string_view text);
 
-/// Returns the byte with which all bytes of a row without a value are filled: 0xff for floating-point fields,
-/// which gives NaN, else 0.
+/// Returns the byte that fills the values of a field for a body without such values, such as an absent body.
+/// The byte is 0xff for floating-point fields, so that the values are NaN. For all other fields it is 0.
 std::byte absent(const engine::StateField& field);
 
-/// Copies one component of the state of the world into buffers. `fields` has one buffer, in row-major order,
-/// for each of component.fields; its size must be component.bytes(). Rows of bodies that lack the component
-/// are not written, nor are the last columns of a row that has fewer columns than the component. Rows of
-/// bodies that are not in the world at present are filled with absent(), except in the component `life`,
-/// which itself says that a body is absent. A sensor that is inactive and that no controller or program reads
-/// does not run: World::senses() is false, and its row is also filled with absent().
+/// Copies the current values of a component into buffers. `fields` has one buffer for each entry of
+/// component.fields. The buffer of entry f has component.bytes(f) bytes, in row-major order.
+///
+/// Two parts of a buffer are not written: the rows of bodies that do not have the component, and the last
+/// columns of a row whose table has fewer columns than the recorded field.
+///
+/// Two kinds of rows are filled with absent(). The first are the rows of bodies that are not in the world at
+/// present. The component `life` is an exception: its values say that these bodies are absent. The second are
+/// the rows of sensors that do not run, which means that the sensor is inactive and that no controller or
+/// program reads it (World::senses() is false).
 void gather(const engine::World& world, const RecordedComponent& component,
             std::span<const std::span<std::byte>> fields);
 

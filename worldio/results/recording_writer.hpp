@@ -15,14 +15,15 @@
 
 namespace troupe::worldio {
 
-/// The version of the layout that docs/recordings.md describes.
+/// The version of the file structure that docs/recordings.md describes.
 inline constexpr std::int64_t k_recording_layout = 1;
-/// The value of /frames/tick where no tick (number of a simulation step) was written: a frame is complete
-/// once its tick has another value.
+/// The value of an entry of the array /frames/tick that is not written yet. The array has one entry for each
+/// frame, which is the recorded state of the world at one tick (simulation step). A frame is complete once
+/// its entry has another value.
 inline constexpr std::uint64_t k_no_tick = ~std::uint64_t{0};
 
-/// The data in the header of a recording that the caller provides. The writer takes all other data from the
-/// world.
+/// The data in the header of a recording that the caller provides. RecordingWriter takes all other data in
+/// the header from the world.
 struct RecordingHead {
   std::vector<std::pair<std::string, std::string>>
       meta;  ///< attributes of /meta, as keys and values: version, world, seed, ...
@@ -32,50 +33,58 @@ struct RecordingHead {
   std::vector<std::string> fields;  ///< names of the recorded fields, as the user gave them
 };
 
-/// Writes a recording (docs/recordings.md) frame by frame; a frame is the state of the world at a recorded
-/// tick (simulation step). The class writes in the SWMR mode of HDF5 (single writer, multiple readers): other
-/// programs can read the file in the meantime, and flushed data survives if the process is killed.
+/// Writes a recording (docs/recordings.md): an HDF5 file with the state of a world at certain ticks
+/// (simulation steps). The state at one of these ticks is called a frame. The writer uses the SWMR mode of
+/// HDF5 (single writer, multiple readers): other programs can read the file in the meantime, and flushed data
+/// survive if the process is killed.
 ///
-/// Frames are gathered in memory and written in batches. HDF5 stores an array in chunks. A chunk holds the
-/// frames of one batch or, if a batch is one large frame, a part of this frame. The state of a batch is
-/// flushed before its ticks are written, so a frame whose tick can be read is complete.
+/// The writer collects frames in memory and writes them in batches. It flushes the state of a batch before it
+/// writes the ticks of the batch. A frame whose tick is in the file is therefore complete.
 ///
-/// With `in_background`, a thread of the writer writes a batch while the caller gathers the next one. The
-/// caller waits only if batches come faster than they can be written. The bytes of the file do not depend on
-/// `in_background`.
+/// With `in_background`, a thread of the writer writes a batch while the caller records the next one. The
+/// caller waits only if it fills a batch before the previous batch is written. The bytes of the file do not
+/// depend on `in_background`.
 ///
 /// On failure, all functions throw Hdf5Error. An error in the background thread is thrown by the next call of
-/// a function that writes. After an error, the file holds what was flushed last, and every further call does
-/// nothing. The writer marks the file as closed; if that also fails, `troupe repair` can close it.
+/// record(), flush(), start_flush() or close(). After an error, all further calls do nothing, and the file
+/// keeps the data that were flushed. The writer then marks the file as closed. If this fails too, `troupe
+/// repair` can close the file.
 class RecordingWriter {
  public:
-  /// Creates a file without frames, replacing an existing file of the same name. `components` are the tables
-  /// of the state to record, from recorded_components(). After an error, the file does not exist.
+  /// Creates a file without frames. Replaces an existing file of the same name. `components` are the
+  /// components of the state to record, from recorded_components(). If the constructor throws after it has
+  /// created the file, it also removes the file.
   RecordingWriter(const std::filesystem::path& file, const engine::World& world,
                   std::vector<RecordedComponent> components, const RecordingHead& head,
                   bool in_background = false);
-  /// Continues an existing recording of the same world at tick world.tick(): removes the frames of later
-  /// ticks, and record() then appends new ones. Throws if the recording has other bodies or fields than the
-  /// world, or if it lacks the last frame that was due before this tick, because a gap would remain. A
-  /// recording that was cut off is repaired first, which can also throw std::runtime_error: see
+  /// Continues an existing recording of the same world at tick world.tick(). Frames of later ticks are
+  /// removed; record() appends new frames.
+  ///
+  /// Throws Hdf5Error if the recording has other bodies or fields than the world. Also throws Hdf5Error if
+  /// the recording lacks frames that were due before world.tick(), because these frames can no longer be
+  /// recorded.
+  ///
+  /// A recording that was cut off is repaired first. This can also throw std::runtime_error: see
   /// repair_recording().
   RecordingWriter(const std::filesystem::path& file, const engine::World& world, bool in_background = false);
   RecordingWriter(const RecordingWriter&) = delete;
   RecordingWriter& operator=(const RecordingWriter&) = delete;
-  /// Like close(), but ignores errors.
+  /// Closes the file like close(), but ignores errors.
   ~RecordingWriter();
 
-  /// Whether a frame of this tick is due (every `every_ticks` ticks) and not recorded yet. False after
-  /// close() and after an error.
+  /// Whether a frame of this tick is due and not recorded yet. Frames are due at the multiples of
+  /// RecordingHead::every_ticks. Returns false after close() and after an error.
   bool due(std::uint64_t tick) const;
-  /// Adds the present state of the world as a frame, with its hash. due(world.tick()) must be true.
+  /// Adds the present state of the world as a frame. `state_hash` is the hash of this state.
+  /// due(world.tick()) must be true.
   void record(const engine::World& world, std::uint64_t state_hash);
   /// Writes and flushes all frames that are not in the file yet.
   void flush();
-  /// Like flush(), but with `in_background` the function may return before the frames are in the file.
+  /// Starts to write and flush all frames that are not in the file yet. With `in_background`, the function
+  /// may return before they are in the file.
   void start_flush();
-  /// Flushes all frames and closes the file, so that ordinary HDF5 tools can open it. Every further call of
-  /// any function does nothing.
+  /// Flushes all frames and closes the file, so that ordinary HDF5 tools can open it. After this call, all
+  /// functions do nothing.
   void close();
 
  private:

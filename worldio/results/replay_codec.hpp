@@ -15,21 +15,24 @@ namespace troupe::worldio {
 /// consecutive frames. It has no value in frames in which the body is absent or the number is not finite.
 inline constexpr std::int32_t k_absent = std::numeric_limits<std::int32_t>::min();
 /// The largest absolute value in a series. With this limit, every number that append_series() stores fits in
-/// 31 bits, for both ways of prediction (Expected).
+/// 31 bits, for all predictions (Expected).
 inline constexpr std::int32_t k_most_in_series = 130000000;
 
 /// How a value of a series is predicted from the values before it. Only the difference from the prediction,
 /// which is usually small, is stored.
 enum class Expected : std::uint8_t {
-  same,  ///< equals the previous value
-  line,  ///< continues the line through the previous two values; like `same` if only one is known
+  same,  ///< equals the last value that is not absent
+  line,  ///< continues the line through the previous two values; like `same` if one is missing or absent
 };
 
-/// Appends a series to `out`. The values must be k_absent, or from -k_most_in_series to k_most_in_series.
-/// Each value is stored as an unsigned number, 7 bits per byte, low bits first; bit 7 is set in every byte
-/// except the last of a number. The number is 0 for k_absent. For other values, let d be the value minus its
-/// prediction: the number is 1 + 2 d if d is not negative, else -2 d. The prediction of the first value is 0.
-/// After absent values, the prediction is the last value before them.
+/// Appends a series to `out`. Each value must be k_absent, or from -k_most_in_series to k_most_in_series.
+///
+/// Each value is converted to an unsigned number n. For k_absent, n is 0. For any other value, let d be the
+/// value minus its prediction: n is 1 + 2 d if d >= 0, else -2 d. The prediction of the first value that is
+/// not absent is 0. For example, the series 5, 7, 6 with Expected::same gives the numbers 11, 5, 2.
+///
+/// Each number is then stored with 7 bits per byte, low bits first. Bit 7 is set in every byte of a number
+/// except the last.
 void append_series(std::span<const std::int32_t> values, Expected expected, std::string& out);
 
 /// Compresses bytes in the format of zlib (RFC 1950), which browsers call "deflate". Throws

@@ -12,23 +12,24 @@ namespace troupe::worldio {
 struct ReplayOptions {
   /// Maximum size of ReplayData::bytes, bytes. Frames are omitted until the data fit.
   std::size_t most_bytes = 18000000;
-  /// Names of the fields or components to show, as for plan_replay(), such as "stall" or "ranges"; empty: all
-  /// recorded fields.
+  /// Names of the fields or components to show, such as "ranges" or "stall"; plan_replay() describes these
+  /// names. Empty: all recorded fields.
   std::vector<std::string> fields;
 };
 
-/// A recording as data for a replay page, an HTML file that shows it: rounded, compressed, and with fewer
-/// frames if it would be too large.
+/// A recording as data for a replay page, an HTML file that shows the recording. The numbers are rounded and
+/// compressed. If the data would be too large, frames (recorded states of the world) are omitted.
 struct ReplayData {
   std::string bytes;         ///< the data, in the format of docs/replay.md
   std::size_t robots = 0;    ///< number of bodies with a drive
-  std::size_t others = 0;    ///< number of the other recorded bodies
+  std::size_t others = 0;    ///< number of recorded bodies without a drive
   std::size_t recorded = 0;  ///< number of frames in the recording
   std::size_t frames = 0;    ///< number of frames in the page
   std::size_t stride = 1;    ///< the page has every stride-th frame, and always the last frame
   /// Simulated time between the first two frames of the page, s; 0 if the page has only one frame.
   double every_s = 0;
-  /// Whether moving parts are drawn at rest, because the displacements of their joints were not recorded.
+  /// Whether moving parts of bodies are drawn where the world file places them, because the displacements of
+  /// their joints were not recorded.
   bool at_rest = false;
 };
 

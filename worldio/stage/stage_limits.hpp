@@ -7,19 +7,19 @@
 
 namespace troupe::worldio {
 
-/// Largest absolute value of a number in a `.world` file, the world file of Stage (an older robot simulator).
-/// Above this value, doubles do not represent every whole number.
+/// Largest absolute value that a number in a `.world` file may have. Such files are the world files of Stage,
+/// an older robot simulator. Above this value, doubles do not represent every whole number.
 inline constexpr double k_largest_number = 9007199254740992.0;  // 2^53
-/// Greatest number of levels of models and blocks inside one another, both in the text of a file and after
-/// macros are expanded.
+/// Greatest depth to which models and blocks may be nested, both in the text of a file and after macros are
+/// expanded.
 inline constexpr std::size_t k_deepest_nesting = 200;
 
-/// Checks a number, in SI units, against the limits of a field (the description of a parameter). The error
-/// text continues a sentence about the number, as in "must be above 0 m".
+/// Checks that a number, in SI units, is within the limits of a parameter. `field` describes the parameter.
+/// The text of the error is the end of a sentence about the number, such as "must be above 0 m".
 Result<> check_limits(const engine::Field& field, double value);
 
-/// Returns a whole turn, 2 pi rad, if the angle, rad, exceeds it by less than 1e-5 of a turn, because files
-/// write a whole turn as 6.2832. Returns every other angle unchanged.
+/// Returns 2 pi for an angle, rad, that exceeds 2 pi by less than 1e-5 of a turn. Returns every other angle
+/// unchanged. Files write a whole turn as 6.2832, which is slightly more than 2 pi.
 double within_a_turn(double angle);
 
 }  // namespace troupe::worldio

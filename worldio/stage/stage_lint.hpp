@@ -11,13 +11,19 @@
 
 namespace troupe::worldio {
 
-/// Warns of every property of a `.world` file of Stage (an older robot simulator) that Troupe does not know,
-/// or that never has an effect, so that nothing is dropped silently. It looks each property up in the table
-/// of all properties (stage_rows()). It also warns of models that are devices in Stage but only bodies in
-/// Troupe. As in Stage, macros that no model uses are not checked. With thorough diagnostics
-/// (Diagnostics::thorough(), used by `troupe lint`), each place is reported separately. In this mode,
-/// StageLint also warns of every property that the same entity sets again, that another property of the model
-/// overrides, or that has no effect because of the type of the model.
+/// Warns of properties and models in a `.world` file of Stage (an older robot simulator) that Troupe ignores.
+/// An entity is a model, block, sensor or window in such a file. The warnings are about
+/// - properties that Troupe does not know, because they are not in stage_rows(),
+/// - properties that never have an effect, and
+/// - models that are devices in Stage but only bodies in Troupe.
+///
+/// With thorough diagnostics (Diagnostics::thorough(), used by `troupe lint`), each place has a warning of
+/// its own. There are then also warnings about
+/// - properties that the same entity sets again later,
+/// - properties that another property of the same entity overrides, and
+/// - properties that have no effect because of the type of the entity.
+///
+/// Macros that no model uses are not checked, as in Stage.
 class StageLint {
  public:
   StageLint(const StageDocument& document, StageMacros& macros, StageValues& values)
@@ -25,26 +31,26 @@ class StageLint {
 
   /// Checks the properties at the top level of the file.
   void check_world();
-  /// Checks an entity (a model, block, sensor or window), its macros and its children. The body of a macro is
-  /// checked only at its first use.
+  /// Checks an entity, the macros that it uses, and its children. Each macro is checked only once.
   void check(const StageEntity& entity) { check(entity, 0); }
-  /// Reports one warning for each group of properties (Summary) that occur in the file. With thorough
-  /// diagnostics it reports nothing, because the other functions have reported each property already. Must be
-  /// called last.
+  /// Reports one warning for each group of properties (Summary) that occurs in the file. Must be called last.
+  /// With thorough diagnostics, it reports nothing, because the other functions have reported each property
+  /// already.
   void finish();
 
  private:
-  /// A group of properties that are reported together in one warning, or with thorough diagnostics one by
-  /// one.
+  /// A group of properties without effect that one warning lists together. With thorough diagnostics, there
+  /// is one warning for each property instead.
   struct Summary {
-    std::string_view all;                 ///< text of the common warning, before the names of the properties
-    std::string_view each;                ///< text of the warning about one property, after its name
+    std::string_view all;                 ///< text of the common warning; the names of the properties follow
+    std::string_view each;                ///< text of the warning about one property; follows its name
     Where first = {};                     ///< place of the common warning: that of the first property
     std::vector<std::string> names = {};  ///< names of the properties, each once
   };
 
   void check(const StageEntity& entity, std::size_t depth);
-  /// `type`: the type of the entity that has the property, or the alias that the file uses for it ("laser").
+  /// Warns of a property that is unknown or never has an effect. `type` is the type of the entity that has
+  /// the property, or the older name of this type if the file uses it ("laser").
   void check_property(const StageProperty& property, std::string_view type);
   void check_repeated(std::span<const StageProperty> properties);
   void check_overruled(const StageModel& model);

@@ -15,12 +15,12 @@ namespace troupe::worldio {
 // The syntax of the `.world` files of Stage, an older robot simulator: tokens, properties, entities and
 // macros. Their meaning is not checked here.
 
-/// A token of a world file. The lexer inserts the tokens of an included file in place of the `include`, so
-/// each token has its own file and line.
+/// A token of a world file. The tokens of an included file are inserted in place of its `include "FILE"`.
+/// Each token has the file and the line in which it was written.
 struct StageToken {
   enum class Kind : std::uint8_t { word, number, string, open, close, tuple_open, tuple_close, end };
   Kind kind = Kind::end;                  ///< `end`: the end of the document
-  std::uint32_t file = Where::k_no_file;  ///< number of the file in SourceFiles
+  std::uint32_t file = Where::k_no_file;  ///< index of the file in SourceFiles
   std::uint32_t line = 0;                 ///< line in the file, from 1
   std::string_view text;  ///< points into a source of the document; strings without their quotes
 
@@ -50,8 +50,8 @@ struct StageEntity {
   Run children;            ///< entries of StageDocument::all_children
 };
 
-/// A macro or an entity at the top level of a file. A macro is written `define word base body`, an entity
-/// `word body`, where `body` is the part in parentheses.
+/// A macro or an entity at the top level of a file. A macro is written `define word base body`. An entity is
+/// written `word body`. The body is the part in parentheses.
 struct StageItem {
   bool is_define = false;  ///< true: a macro; false: an entity
   /// The type or macro from which a macro inherits; index into StageDocument::tokens.
@@ -59,8 +59,9 @@ struct StageItem {
   StageEntity entity;  ///< the entity; for a macro, `word` and `body` of the `define`
 };
 
-/// A parsed world file, with the files that it includes. To save memory (a world has about a dozen tokens per
-/// robot), tokens are packed, and an entity refers to ranges of shared lists instead of owning lists.
+/// A parsed world file, together with the files that it includes. To save memory (a world has about a dozen
+/// tokens per robot), tokens are packed, and an entity refers to ranges of shared lists instead of owning
+/// lists.
 struct StageDocument {
   struct Source {
     std::string text;
@@ -80,12 +81,12 @@ struct StageDocument {
   std::vector<StageEntity> all_children;
   std::vector<StageProperty> world;  ///< properties at the top level, in order
   std::vector<StageItem> items;      ///< defines and entities, in order
-  /// The folder to which relative paths in the document are relative. It is the folder of the world file or,
-  /// if included files were found only through the search path (see parse_stage()), the folder of the last of
-  /// these files.
+  /// The folder that relative paths in the document start from. It is the folder of the world file until an
+  /// included file is found in a folder of the search path (see parse_stage()). From then on, it is this
+  /// folder of the search path.
   std::filesystem::path base_directory;
-  /// False if parentheses do not match, or if parsing stopped early: then it is unknown which property
-  /// belongs to which entity.
+  /// False if parentheses do not match, or if parsing stopped early. The entity to which a property belongs
+  /// is then not known for certain.
   bool well_nested = true;
 
   StageToken token(std::uint32_t position) const {
@@ -99,7 +100,7 @@ struct StageDocument {
   StageToken value(const StageProperty& property, std::uint32_t i) const {
     return token(property.first() + i);
   }
-  /// The last property of this name at the top level; null if there is none.
+  /// Returns the last property of this name at the top level; null if there is none.
   const StageProperty* world_property(std::string_view name) const {
     for (auto property = world.rbegin(); property != world.rend(); ++property)
       if (key(*property) == name) return &*property;
@@ -114,13 +115,17 @@ struct StageDocument {
 };
 
 /// Parses the text of a world file and of the files that it includes.
-/// file         path of the world file in messages
-/// search_path  folders to search for a missing included file, by the last component of its path
-/// The path of an included file is relative to the value that StageDocument::base_directory has when the
-/// parser reaches the `include`, even if the `include` is in an included file. Reports every violation of the
-/// grammar at its file and line, with the correct form, and every included file that cannot be read. Parsing
-/// continues after an error, up to 50 errors. Nesting deeper than 200 levels, more than 1,000 inclusions,
-/// more than 256 MiB of included text, and a world file of 4 GiB or more are errors that end the parsing.
+/// file         path of the world file, for messages and for relative paths
+/// text         the text of the world file
+/// search_path  folders in which an included file is searched for, by the last component of its path, if
+///              there is no file at its path
+/// The path of an included file is relative to StageDocument::base_directory, even if the `include` is in
+/// another included file.
+///
+/// Reports an error for every violation of the grammar, with the correct form, and for every included file
+/// that cannot be read. Parsing continues after an error, but stops at the 50th. Parsing also stops with an
+/// error at nesting deeper than 200 levels, at more than 1,000 inclusions, at more than 256 MiB of included
+/// text, and at a world file of 4 GiB or more.
 StageDocument parse_stage(const std::filesystem::path& file, std::string text,
                           std::span<const std::filesystem::path> search_path, Diagnostics& diagnostics);
 

@@ -26,29 +26,29 @@ struct StageRow {
   std::string_view note;  ///< meaning of the property, or difference from Stage, as Markdown; may be empty
 };
 
-/// Returns every property that Stage 4.3 knows, that files written for Stage have, or that Troupe adds, in
-/// the order of the table in docs/stage-worlds.md.
+/// Returns all rows, in the order of the table in docs/stage-worlds.md. There is a row for every property
+/// that Stage 4.3 knows, that files written for Stage have, or that Troupe adds.
 std::span<const StageRow> stage_rows();
 
-/// Returns the row that describes a property of an entity of this type. If a model type has no row for the
-/// property, the rows of "model" are searched. `type` may also be an older name of a type: for "laser" and
-/// "sonar", the rows of "ranger" and "sensor" are also searched. Null if there is no row. `name` is the name
-/// in the file, with its numbers: "point[3]".
+/// Returns the row that describes a property of an entity of this type; null if there is none. `name` is the
+/// name in the file, with its numbers: "point[3]". If a model type has no row for the property, the rows of
+/// "model" are searched. `type` may also be an older name of a type: "wifi" means "radio", and for "laser"
+/// and "sonar" the rows of "ranger" and "sensor" are searched.
 const StageRow* find_stage_row(std::string_view type, std::string_view name);
 
-/// Whether properties of this name never have an effect on a run, in any type of entity. Bodies that differ
-/// only in such a property can have the same type. False for an unknown property. `name` is the name in the
-/// file.
+/// Whether a property of this name never has an effect on a run, whatever the type of its entity. Bodies that
+/// differ only in such properties can have the same type. Returns false for an unknown property. `name` is
+/// the name in the file.
 bool is_without_effect(std::string_view name);
 
-/// Returns the names of the properties that an entity of this type can have, without obsolete ones. For the
-/// older types "laser" and "sonar", the properties of "ranger" and "sensor" are missing. The names are used
-/// to suggest one for a misspelt property.
+/// Returns the names of the properties that an entity of this type can have, without obsolete ones. The names
+/// are used to suggest one for a misspelt property. `type` may be an older name of a type, as in
+/// find_stage_row().
 std::vector<std::string_view> stage_property_names(std::string_view type);
 
-/// Returns, as text for `troupe describe`, the properties that models of this type and their blocks can have,
-/// without those that have no effect on a run. For "ranger", the properties of its `sensor` blocks are
-/// included.
+/// Returns the properties that models of this type, and the blocks in such models, can have. The result is
+/// text for `troupe describe`. Properties without effect on a run are omitted. For "ranger", the properties
+/// of a `sensor` in a ranger are included.
 std::string stage_properties_text(std::string_view model);
 
 /// Returns all properties of stage_rows() as a Markdown table, which docs/stage-worlds.md contains.

@@ -12,9 +12,9 @@
 
 namespace troupe::worldio {
 
-/// Searches for a number x for which read(x) equals `value` in every bit, and returns x. The function tries
-/// `guess`, the seven nearest doubles above it and the seven nearest below it. If none of them fits, the
-/// function returns `guess`.
+/// Searches for a number x for which read(x) equals `value` in every bit, and returns x. `read` is a function
+/// from double to double, such as a conversion of units. The function tries `guess`, the seven nearest
+/// doubles above it and the seven nearest below it. If none of them fits, the function returns `guess`.
 template <class Read>
 double solved(double value, double guess, Read read) {
   constexpr int k_neighbours = 8;
@@ -30,23 +30,24 @@ double solved(double value, double guess, Read read) {
   return guess;
 }
 
-/// Returns the pose of a frame c in a frame b: the pose for which compose(pose_a_b, result) == pose_a_c. The
-/// arguments are the poses of b and c in a frame a. The equation holds to the last bit if the function finds
-/// such numbers near the rounded result; otherwise it holds up to rounding.
+/// Returns the pose of a frame c in a frame b. The arguments are the poses of b and c in a frame a.
+/// compose(pose_a_b, result) equals pose_a_c in every bit if the function finds such a result; otherwise the
+/// two poses differ by rounding.
 Pose relative_pose(const Pose& pose_a_b, const Pose& pose_a_c);
 
 /// Builds the text of a world in the syntax of Stage, an older robot simulator. Numbers have the fewest
-/// digits that read back as the same double, and no exponent: Stage's syntax has none.
+/// digits that read back as the same double. They have no exponent, because Stage's syntax has none.
 class StageText {
  public:
   explicit StageText(Diagnostics& diagnostics) : diagnostics_(diagnostics) {}
 
-  /// Sets the place at which later calls report errors. Later calls report an error for a text with a double
-  /// quote or a line end, and for a number that is not finite or above 2^53 in absolute value.
+  /// Sets the place that the errors of later calls refer to. A text with a double quote or a line end is an
+  /// error. A number that is not finite, or that exceeds 2^53 in absolute value, is also an error.
   void at(Where where) { where_ = where; }
   /// Writes a line `# text`. The text must not have a line end.
   void comment(std::string_view text);
-  /// open() writes `word (`, define() writes `define word base (`, and close() writes the `)` of either.
+  /// Writes the beginning or end of an entity: open() writes `word (`, define() writes `define word base (`,
+  /// and close() writes the `)` of either.
   void open(std::string_view word);
   void define(std::string_view word, std::string_view base);
   void close();
@@ -62,7 +63,7 @@ class StageText {
   void texts(std::string_view key, std::span<const std::string> values);
   ///@}
 
-  /// The text written so far.
+  /// Returns the text written so far.
   const std::string& str() const { return out_; }
 
  private:

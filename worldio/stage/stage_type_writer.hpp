@@ -26,30 +26,31 @@ struct StagePlaces {
   Diagnostics& diagnostics;             ///< receives an error for each value that Stage cannot express
 };
 
-/// Returns, for each part of a type, whether the part must be omitted from the file, because a controller of
-/// the type adds the part each time the file is read (worldio/stage/stage_demos.hpp). `seed` is that of the
-/// world.
+/// Returns, for each part of a type, whether the file must not contain the part. These are the parts that a
+/// controller of the type adds each time the file is read (worldio/stage/stage_demos.hpp). `seed` is the seed
+/// of the world.
 std::vector<bool> added_parts(const engine::TypeSpec& type, std::uint64_t seed,
                               const engine::Registry& registry);
 
-/// Describes the macro with which a type is written.
+/// The macro that write_stage_type() writes for a type.
 struct StageMacro {
   std::string word;                    ///< name of the macro
   Color color;                         ///< colour of bodies whose own model has no colour
-  bool has_many_colors = false;        ///< true: bodies differ in colour; the macro then has no `color`
+  bool has_many_colors = false;        ///< true: bodies differ in colour; the macro then has `color_rgba`
   std::vector<bool> added;             ///< result of added_parts() for the type
   std::set<std::string> global_parts;  ///< names of parts that programs can look up without the body's name
 };
 
-/// Writes a type as a macro. The body of the macro is the root part of the type. The macro contains a model
-/// for each other part, and a model for each device that is mounted on a part. A part that is itself a
-/// device, such as a ranger, is only one model. Power packs, power contacts and devices of kind `flags`
-/// (tokens that bodies exchange) have no models: they become properties of the model of their part.
+/// Writes a type as a macro. The content of the macro is the root part of the type. The macro contains a
+/// model for each other part, and a model for each device. A part that is itself a device, such as a ranger,
+/// is only one model. Three kinds of devices have no models, but become properties of the model of their
+/// part: power packs, power contacts and devices of kind `flags` (tokens that bodies exchange).
 void write_stage_type(const engine::TypeSpec& type, const StageMacro& macro, const StagePlaces& places,
                       StageText& text);
 
-/// Writes `color` if the colour has an X11 name, else `color_rgba`. Stage reads `color_rgba` only if neither
-/// the model nor its macros have a `color`.
+/// Writes the property `color` if the colour has an X11 name, else the property `color_rgba`. Do not use this
+/// function for a macro whose bodies differ in colour: Stage ignores the `color_rgba` of a model if its macro
+/// has a `color`.
 void write_stage_color(const Color& color, StageText& text);
 
 }  // namespace troupe::worldio
