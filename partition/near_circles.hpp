@@ -13,8 +13,8 @@
 namespace troupe::partition {
 
 /// A list of circles, metres. Each member of a circle has an array of its own, so that SIMD loops can load
-/// several circles at a time. The object that owns the list states the frame of the centres. The arrays never
-/// shrink and may have more entries than there are circles.
+/// several circles at a time. The docstring of each object that has such a list gives the frame of the
+/// centres. The arrays never shrink and may have more entries than there are circles.
 struct CircleArrays {
   std::vector<float> x;            ///< x of the centres
   std::vector<float> y;            ///< y of the centres

@@ -241,8 +241,9 @@ float limits_of(const Fan& fan, const float* inverse, const float* range_max, fl
 /// fan.count entries; the other two arrays have fan.padded() entries.
 void ranges_of(const Fan& fan, const float* inverse, const float* range_max, float* ranges);
 
-/// The result of may_meet(): one entry in `row` and `beams` for each circle that may_meet() keeps. The
-/// members x, y and radius are working memory of may_meet().
+/// The result of may_meet(), which selects the circles that some beam may hit. `row` and `beams` have one
+/// entry for each selected circle. The entry of `row` is that of the circle (CircleArrays::row). The members
+/// x, y and radius are working memory of may_meet().
 struct MetCircles : CircleArrays {
   std::vector<BeamSet> beams;  ///< per circle: the beams that may hit it
 
@@ -253,14 +254,14 @@ struct MetCircles : CircleArrays {
   }
 };
 
-/// The range of circles that may_meet() processes begins and ends at a multiple of this number.
+/// The arguments `begin` and `end` of may_meet() must be multiples of this number.
 inline constexpr std::size_t k_circle_padding = 16;
-/// Finds the circles that the beams of a fan may hit. Keeps a circle if it passes two tests: some beam may
+/// Finds the circles that the beams of a fan may hit. Selects a circle if it passes two tests: some beam may
 /// hit it within the limit of this beam, and the distance from the reference point to the circle is from
-/// `low` to `high`. Writes the member `row` of the kept circles, and the beams that may hit them, to the
-/// first entries of `met`. Returns the number of kept circles. The tests have margins far above rounding
+/// `low` to `high`. Writes the member `row` of the selected circles, and the beams that may hit them, to the
+/// first entries of `met`. Returns the number of selected circles. The tests have margins far above rounding
 /// errors, so that no circle that a beam hits is lost.
-/// circles     the circles, world frame, metres; a circle with a radius of minus infinity is never kept
+/// circles     the circles, world frame, metres; a circle with a radius of minus infinity is never selected
 /// begin, end  the circles to test have the indices `begin` to `end` - 1 in `circles`; `begin` and `end` must
 ///             be multiples of k_circle_padding
 /// reference   the reference point of the fan, world frame, metres

@@ -401,7 +401,9 @@ void bind_batch(py::module_& module) {
                          {extent(batch.copies()), extent(batch.measure_columns().size())}, batch.measures(),
                          b, false);
           },
-          "The measures of each copy after the last step: copies x columns, read-only.")
+          "The measures (numbers computed from the state of a world) of each copy after the last step: "
+          "copies x "
+          "columns, read-only.")
       .def_property_readonly(
           "seeds",
           [](const BatchHolder& b) {

@@ -179,9 +179,9 @@ py::dtype dtype_of(engine::Element element);
 void bind_exit();
 /// Adds the exceptions of the module and maps C++ exceptions to Python exceptions.
 void bind_errors(py::module_& module);
-/// Converts the energies of a power pack (the energy store of a body), or sums over several, to a dict. The
-/// keys are the names of the members of Model::Energy. The values are energies in J, and bools for `infinite`
-/// and `charging`.
+/// Converts the energies of a power pack (the energy store of a body) to a dict. `energy` may also be the sum
+/// of the energies of several packs. The keys are the names of the members of Model::Energy. The values are
+/// energies in J, and bools for `infinite` and `charging`.
 py::dict dict_of(const Model::Energy& energy);
 
 // Each of the following functions adds classes and functions to the module.

@@ -79,12 +79,14 @@ struct Radio {
                                     "are heard and the others count as `lost`");
       d.member<&Params::drop_rate>("drop_rate", within(0, 1),
                                    "probability that a message to this radio is dropped");
-      d.member<&Params::walls>("walls",
-                               "how static geometry between the radios, if rangers see it, affects a "
-                               "message: blocks it, weakens it or lets it pass");
-      d.member<&Params::bodies>("bodies",
-                                "how other bodies between the radios, if rangers see them, affect a message: "
-                                "block it or let it pass");
+      d.member<&Params::walls>(
+          "walls",
+          "how static geometry between two radios affects a message: blocks it, weakens it or "
+          "lets it pass; only geometry that rangers see has an effect");
+      d.member<&Params::bodies>(
+          "bodies",
+          "how other bodies between two radios affect a message: block it or let it pass; only "
+          "bodies that rangers see have an effect");
       d.member<&Params::law>("law",
                              "law by which messages weaken with the distance, see docs/radio.md; with `disc` "
                              "they do not weaken");

@@ -288,10 +288,10 @@ void BatchEnv::Impl::bind_commands(const TeamData& team, std::vector<Model>& rob
       const std::span<const engine::StateField> fields = robot.command_fields(action.device);
       const auto field = std::ranges::find(fields, action.command, &engine::StateField::name);
       if (field == fields.end() || field->element != team.actions_plan[a].element)
-        refuse(
-            fmt::format("robots of team \"{}\" differ: not all have command \"{}\" of device \"{}\" with the "
-                        "same type of number; make two teams",
-                        team.spec->name, action.command, action.device));
+        refuse(fmt::format(
+            "robots of team \"{}\" differ: each robot must have the command \"{}\" of device \"{}\", "
+            "and the numbers of this command must be of the same type in all robots; make two teams",
+            team.spec->name, action.command, action.device));
       // Find the device to whose command `fields` belongs.
       for (const engine::BodyType::Device& device : world.type(world.row(robot.id())).devices)
         if (device.prepared.commands.data() == fields.data())

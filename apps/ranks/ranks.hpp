@@ -45,8 +45,8 @@ class RankDeal {
   explicit RankDeal(unsigned threads);
   /// transport: the connection to the other processes
   /// threads: number of runs that this process makes at the same time
-  /// limit_s: time limit of `transport`, s. A rank that waits longer for another rank throws
-  /// partition::RankError.
+  /// limit_s: the time limit that `transport` already has, s. A rank that waits longer for another rank
+  /// throws partition::RankError.
   RankDeal(partition::Transport& transport, unsigned threads, double limit_s);
   /// If rank 0 has not called share(), its destructor makes shared() return std::nullopt on the other ranks.
   ~RankDeal();

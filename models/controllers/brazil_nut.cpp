@@ -46,10 +46,11 @@ struct BrazilNut {
       d.member<&Params::noise>(
           "noise", at_least(0),
           "weight of a unit vector of random direction in the vector sum that the robot follows");
-      d.member<&Params::push>(
-          "push", at_least(0),
-          "weight of the repulsion by another robot at distance 0 in the vector sum that the robot follows; "
-          "the weight falls linearly to 0 at a distance of the sum of both radii");
+      d.member<&Params::push>("push", at_least(0),
+                              "largest weight of the repulsion by another robot, in the vector sum that the "
+                              "robot follows; the weight "
+                              "falls linearly with the distance between the robots, from this value at 0 m "
+                              "to 0 at the sum of both radii");
       d.member<&Params::shake>("shake", seconds, within(0, 1e6),
                                "time after which the robot chooses a new random direction");
     }

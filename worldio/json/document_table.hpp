@@ -180,7 +180,8 @@ struct DocumentKey {
   }
 };
 
-/// A rule about which keys an object must or must not have together. The reader and the schema check it.
+/// A rule about a group of keys: how many keys of the group an object must have. The reader and the schema
+/// check it.
 struct DocumentRule {
   /// How many of the keys an object must have: exactly one (one_of), at least one (any_of), or at most one
   /// (not_both).

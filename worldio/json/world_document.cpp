@@ -515,7 +515,8 @@ template <class T, auto... Path>
 void describe_experiment(DocumentKeys<T>& d) {
   d.template list<Path..., &ExperimentDocument::stop_when>(
       "stop_when",
-      "conditions on measures: the run ends with the first tick after which one of them holds "
+      "conditions on measures, which are numbers computed from the state: the run ends with the first tick "
+      "after which one of them holds "
       "(docs/experiments.md)");
   d.template list<Path..., &ExperimentDocument::at>("at",
                                                     "interventions, which are changes to the world at given "
