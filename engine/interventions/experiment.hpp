@@ -25,7 +25,8 @@ namespace troupe::engine {
 /// - A *random stream* is a sequence of random numbers. It is identified by a number, which stream_id()
 ///   computes from two names.
 struct Experiment {
-  /// The value of `due` if no intervention or fault event follows. It is larger than the number of any tick.
+  /// The value of the member `due` if no intervention or fault event follows. It is larger than the number of
+  /// any tick.
   static constexpr std::uint64_t k_never = std::numeric_limits<std::uint64_t>::max();
 
   /// An intervention, compiled from its InterventionSpec.

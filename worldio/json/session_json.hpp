@@ -49,8 +49,8 @@ struct Session {
 /// These functions return lines of a session file, without line ends: the header, an act, and the line that
 /// marks the end. `tick` is the number of ticks that were completed when the act was performed or the session
 /// ended. `n` numbers the lines after the header: 1, 2, 3, ... The functions throw std::invalid_argument for
-/// text that is not UTF-8. The numbers of the act must be finite. For an act of the kind Act::Kind::set,
-/// Act::setting must be the text of a JSON object.
+/// text that is not UTF-8. The values in the act, such as a pose, must be finite. For an act of the kind
+/// Act::Kind::set, Act::setting must be the text of a JSON object.
 ///@{
 std::string header_line(const SessionHeader& header);
 std::string act_line(std::uint64_t tick, std::uint64_t n, const engine::Act& act);
