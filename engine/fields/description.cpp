@@ -151,7 +151,14 @@ void add_field(FieldTable& table, std::string_view name, const MemberType& type,
   const bool is_number = field.type == FieldType::number || field.type == FieldType::numbers;
   if (field.unit != Unit::none && !is_number)
     contradicts(name, "gives a unit to a member that is not a number");
+  const bool has_limits = field.min > type.min || field.max < type.max;
+  if (has_limits && !is_number && field.type != FieldType::integer)
+    contradicts(name, "gives limits to a member that is not a number");
   if (field.min > field.max) contradicts(name, "has a lower limit above its upper limit");
+  if (field.choices.size() != type.choices.size() && field.type != FieldType::text)
+    contradicts(name, "gives choices to a member that is not a text");
+  if (field.counts_readings && field.type != FieldType::integer)
+    contradicts(name, "counts readings with a member that is not an integer");
   if (field.columns != type.columns && (field.type != FieldType::numbers || type.columns > 0))
     contradicts(name, "contradicts the number of columns of its type");
   if (required && field.optional) contradicts(name, "makes an optional member required");

@@ -365,6 +365,24 @@ struct NoNumber {
   bool a = false;
   static constexpr void describe(Description<NoNumber>& d) { d.member<&NoNumber::a>("a", Unit::meters); }
 };
+struct NoLimits {
+  std::string a;
+  static constexpr void describe(Description<NoLimits>& d) {
+    d.member<&NoLimits::a>("a", facts::at_least(1));
+  }
+};
+struct NoText {
+  double a = 0;
+  static constexpr void describe(Description<NoText>& d) {
+    d.member<&NoText::a>("a", facts::one_of({"left", "right"}));
+  }
+};
+struct NoCount {
+  double a = 0;
+  static constexpr void describe(Description<NoCount>& d) {
+    d.member<&NoCount::a>("a", facts::counts_readings);
+  }
+};
 struct NothingBetween {
   std::uint8_t a = 0;
   static constexpr void describe(Description<NothingBetween>& d) {
@@ -391,6 +409,9 @@ struct DefaultedOptional {
 TEST(Description, FactsThatContradictOneAnotherAreTold) {
   EXPECT_THAT(contradiction<SameNames>(), HasSubstr("description of \"a\" gives this name to two members"));
   EXPECT_THAT(contradiction<NoNumber>(), HasSubstr("gives a unit to a member that is not a number"));
+  EXPECT_THAT(contradiction<NoLimits>(), HasSubstr("gives limits to a member that is not a number"));
+  EXPECT_THAT(contradiction<NoText>(), HasSubstr("gives choices to a member that is not a text"));
+  EXPECT_THAT(contradiction<NoCount>(), HasSubstr("counts readings with a member that is not an integer"));
   EXPECT_THAT(contradiction<NothingBetween>(), HasSubstr("has a lower limit above its upper limit"));
   EXPECT_THAT(contradiction<RequiredOptional>(), HasSubstr("makes an optional member required"));
   EXPECT_THAT(contradiction<OtherColumns>(), HasSubstr("contradicts the number of columns of its type"));
