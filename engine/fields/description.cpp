@@ -152,8 +152,9 @@ void add_field(FieldTable& table, std::string_view name, const MemberType& type,
   if (field.unit != Unit::none && !is_number)
     contradicts(name, "gives a unit to a member that is not a number");
   const bool has_limits = field.min > type.min || field.max < type.max;
-  if (has_limits && !is_number && field.type != FieldType::integer)
-    contradicts(name, "gives limits to a member that is not a number");
+  if (has_limits &&
+      (field.type == FieldType::boolean || field.type == FieldType::text || field.type == FieldType::texts))
+    contradicts(name, "gives limits to a member without numbers");
   if (field.min > field.max) contradicts(name, "has a lower limit above its upper limit");
   if (field.choices.size() != type.choices.size() && field.type != FieldType::text)
     contradicts(name, "gives choices to a member that is not a text");

@@ -654,7 +654,8 @@ constexpr Description<T> described_members() {
 /// - two fields have the same name;
 /// - a lower limit is above an upper limit;
 /// - a std::optional has a default or is `required`;
-/// - a unit, a limit, one_of(), columns(), counts_readings or `required` does not suit the type of the member.
+/// - a unit, a limit, one_of(), columns(), counts_readings or `required` does not suit the type of the
+/// member.
 template <class T>
 TROUPE_OF_TYPE const FieldTable& described() {
   static_assert(std::is_aggregate_v<T>,

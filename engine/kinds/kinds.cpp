@@ -5,6 +5,8 @@
 
 #include <algorithm>
 #include <cstddef>
+#include <stdexcept>
+#include <string>
 
 namespace troupe::engine {
 namespace {
@@ -33,6 +35,16 @@ std::vector<StateField> command_fields() {
       {"off", Element::u32, 1, "",
        "devices that are switched off: bit d stands for device d of the type, counted from 0",
        offsetof(Command, off), true}};
+}
+
+void throw_no_device(std::size_t index, std::size_t count) {
+  throw std::out_of_range("uses its device with the index " + std::to_string(index) +
+                          " (counted from 0), but has chosen only " + std::to_string(count) + " devices");
+}
+
+void throw_no_command(std::size_t index) {
+  throw std::logic_error("commands its device with the index " + std::to_string(index) +
+                         " (counted from 0), but the kind of this device takes no commands");
 }
 
 BodyId DeviceBatch::body(std::size_t i) const { return view.body(rows[i]); }

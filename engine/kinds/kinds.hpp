@@ -153,12 +153,13 @@ struct DeviceBatch {
   /// Emits an effect of row i: a record of an action of the device on a body. After all bodies have moved,
   /// the hook DeviceKind::apply applies the effect. Only the hook `act` may call this. Throws
   /// std::length_error if all devices of the world together emit more effects in a tick than their kinds
-  /// declare (DeviceKind::Prepared::most_effects).
+  /// declare (DeviceKind::Prepared::most_effects). World::step() throws a StepError if there is no body with
+  /// the id `target`, or if the kind has no hook `apply`.
   ///
   /// sequence: number that orders the effects of the device of one body in a tick; each of these effects must
   /// have a different number
   /// verb, payload: the kind defines their meaning; the verb must be neither k_birth nor k_death
-  /// target: the affected body; not valid() if there is none
+  /// target: the affected body; not valid() if there is none. It may be a static body, which has no row
   void emit(std::size_t i, std::uint32_t sequence, std::uint32_t verb, BodyId target,
             const std::array<double, 4>& payload = {}) const {
     effects.emit({body(i), device, sequence, verb, target, payload});
@@ -168,8 +169,8 @@ struct DeviceBatch {
   /// which says whether a body was born. If the body of row i dies in this tick, there is no birth, and
   /// `born` is not called.
   ///
-  /// The request counts as an effect: std::length_error is thrown as in emit(). If World::has_lives() is
-  /// false, no body of the world can be born or die, and World::step() throws std::logic_error.
+  /// The request counts as an effect: std::length_error is thrown as in emit(). World::step() throws a
+  /// StepError if the reserve does not exist.
   ///
   /// sequence: as in emit(); each effect of the device of one body in a tick must have a different number
   /// reserve: index into WorldSpec::reserves; must exist
@@ -515,6 +516,13 @@ struct DriveKind {
 /// The largest number of sensors and other devices that one controller can use.
 inline constexpr std::size_t k_most_devices_read = 16;
 
+/// Throws std::out_of_range with a message for the author of a controller: the controller used the device
+/// with the index `index`, but it has chosen only `count` devices (ControllerKind::Prepared::devices).
+[[noreturn]] void throw_no_device(std::size_t index, std::size_t count);
+/// Throws std::logic_error with such a message: the controller commanded a device whose kind takes no
+/// commands.
+[[noreturn]] void throw_no_command(std::size_t index);
+
 /// The state of one sensor or other device of one robot, as its controllers read it.
 class Readings {
  public:
@@ -555,8 +563,11 @@ struct Percept {
   Pose estimate;
 
   /// Ranges that a ranger (range sensor) measured, m, one per beam. `ranger` is the index of the ranger in
-  /// `devices`.
-  std::span<const float> ranges(std::size_t ranger) const { return devices[ranger].field<float>(0); }
+  /// `devices`. Throws std::out_of_range if there is no such index. The device must be a ranger.
+  std::span<const float> ranges(std::size_t ranger) const {
+    if (ranger >= devices.size()) throw_no_device(ranger, devices.size());
+    return devices[ranger].field<float>(0);
+  }
 };
 
 /// The outputs of one robot's controller. An output that the controller does not set keeps its last value.
@@ -597,10 +608,13 @@ struct Actions {
   /// next tick on, the robot drives to that pose and stays there, until the command is replaced.
   void go_to(double x, double y, double heading) { command = {x, y, heading, ControlMode::position}; }
 
-  /// The command struct of the device with the index `chosen` in Percept::devices. The kind of the device
-  /// must take commands, and its command struct must be DeviceCommand.
+  /// The command struct of the device with the index `chosen` in Percept::devices. Throws std::out_of_range
+  /// if there is no such index, and std::logic_error if the kind of the device takes no commands. Its command
+  /// struct must be DeviceCommand.
   template <class DeviceCommand>
   DeviceCommand& device(std::size_t chosen) const {
+    if (chosen >= devices.size()) throw_no_device(chosen, devices.size());
+    if (devices[chosen] == nullptr) throw_no_command(chosen);
     return *reinterpret_cast<DeviceCommand*>(devices[chosen]);
   }
 };

@@ -45,7 +45,10 @@ template <class Parts>
 void see_all(World& world, const Parts& parts, const std::vector<std::string>& columns,
              std::span<const std::unique_ptr<Measure>> measures) {
   for (std::size_t i = 0; i < parts.size(); ++i)
-    call_measure(world, *parts[i].kind, columns[i], [&] { measures[i]->see(world); });
+    call_measure(world, *parts[i].kind, columns[i], [&] {
+      const World::Frozen frozen(world);
+      measures[i]->see(world);
+    });
 }
 
 }  // namespace
@@ -128,8 +131,10 @@ void MeasureSet::see() {
 
 double MeasureSet::value(std::size_t column) {
   world_.require_whole();
-  return call_measure(world_, *parts_[column].kind, columns_[column],
-                      [&] { return measures_[column]->value(world_); });
+  return call_measure(world_, *parts_[column].kind, columns_[column], [&] {
+    const World::Frozen frozen(world_);
+    return measures_[column]->value(world_);
+  });
 }
 
 std::vector<double> MeasureSet::values() {

@@ -2,6 +2,7 @@
 
 #include "engine/conflicts/conflicts.hpp"
 #include "engine/spec/placement.hpp"
+#include "engine/spec/prepared_check.hpp"
 #include "engine/spec/ticks.hpp"
 #include "engine/world/kind_errors.hpp"
 
@@ -391,6 +392,8 @@ Result<DeviceKind::Prepared> prepare_device(const DeviceKind& kind, const Device
   if (kind.bind_world)
     if (const Result<> looked = kind.bind_world(prepared.data, world); !looked) return looked.error();
   if (kind.reach_m) prepared.reach_m = kind.reach_m(prepared.data);
+  if (const Result<> fits = check_prepared(kind, prepared); !fits)
+    return Error{fmt::format("({}) {}", kind.name, fits.error().text)};
   return prepared;
 } catch (...) {
   return Error{fmt::format("({}) {}", kind.name, thrown_text())};

@@ -147,7 +147,7 @@ void Blinkers::show_hidden(Row row, const DeviceKind& kind) {
 void Blinkers::check_targets(const BodyType::Device& device, std::span<const Effect> emitted) const {
   if (device.kind->scope != ApplyScope::trees) return;
   for (const Effect& effect : emitted) {
-    if (!effect.target.valid()) continue;
+    if (!effect.target.valid() || effect.target.index() >= state_.rows.size()) continue;
     const Row target = state_.view.row(effect.target);
     if (!target.valid() || !std::ranges::binary_search(hidden_, target)) continue;
     throw StepError(fmt::format(

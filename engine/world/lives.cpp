@@ -250,13 +250,9 @@ void World::die(Row row) {
 }
 
 /// Carries out the deaths and births that devices requested in this tick. Deaths come first, so that a body
-/// can be born where another body died in the same tick. Throws std::logic_error if has_lives() is false. If
-/// the rows are distributed among ranks, `effects` must have the effects of all ranks.
+/// can be born where another body died in the same tick. has_lives() must be true. If the rows are
+/// distributed among ranks, `effects` must have the effects of all ranks.
 void World::resolve_lives(std::span<const Effect> effects) {
-  if (!state_.life_table)
-    throw std::logic_error(
-        "a device requested a birth, but no population of the world has a \"reserve\"; or it requested a "
-        "death, but its kind does not set DeviceKind::Prepared::ends_lives in prepare()");
   const auto is_here = [&](BodyId body) { return location(body) == RowLocation::here; };
   for (const Effect& effect : effects)
     if (effect.verb == k_death && effect.target.index() < state_.rows.size() && is_here(effect.target))

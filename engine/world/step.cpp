@@ -19,8 +19,13 @@ std::string_view asked_for(ControlMode mode) {
     case ControlMode::velocity: break;
     case ControlMode::acceleration: return "an acceleration that is not a finite number";
     case ControlMode::position: return "to drive to a goal pose that is not finite";
+    default: return "in a mode that is no value of ControlMode";
   }
   return "a speed that is not a finite number";
+}
+
+bool is_command(const Command& command) {
+  return is_finite(command) && static_cast<std::size_t>(command.mode) < k_control_modes;
 }
 
 Velocity scaled(const Velocity& v, double by) { return {v.x * by, v.y * by, v.turn * by}; }
@@ -41,6 +46,7 @@ std::string_view phase_name(Phase phase) {
 
 void World::step() {
   require_whole();
+  require_unfrozen();
   const Completion completion(*this);
   // A library that was loaded since the last step may have made this thread flush denormals to zero.
   restore_fp_environment();
@@ -176,11 +182,45 @@ void World::actuate() {
     const Command& command = commands()[row(id).index()];
     const std::string& name = state_.spec.name(id);
     const std::string wrong =
-        is_finite(command)
+        is_command(command)
             ? fmt::format("the drive of robot \"{}\" computed a velocity that is not a finite number", name)
             : fmt::format("robot \"{}\" was commanded {}", name, asked_for(command.mode));
     throw StepError(fmt::format("tick {}: {}", state_.now.tick, wrong), id);
   }
+  check_effects();
+}
+
+/// Throws StepError if a device has emitted an effect that it must not emit. Kinds of plug-ins may do so.
+void World::check_effects() {
+  const auto is_wrong = [this](const Effect& effect) { return !check(effect); };
+  if (std::ranges::none_of(effects_.emitted(), is_wrong)) return;
+  const Effect& effect = *std::ranges::find_if(effects_.sorted(), is_wrong);
+  const BodyType::Device& device = type(row(effect.source)).devices[effect.device];
+  throw StepError(fmt::format("tick {}: device \"{}\" ({}) of \"{}\" {}", state_.now.tick, device.name,
+                              device.kind->name, state_.spec.name(effect.source),
+                              check(effect).error().text));
+}
+
+/// The text of the error continues the words `device "NAME"`.
+Result<> World::check(const Effect& effect) const {
+  const BodyType::Device& device = type(row(effect.source)).devices[effect.device];
+  const std::size_t reserves = state_.spec.reserves.size();
+  if (device.kind->is_sensor())
+    return Error{"emitted an effect, but it is a sensor: only the hook \"act\" may emit effects"};
+  if (effect.verb == k_birth && effect.reserve >= reserves)
+    return Error{
+        fmt::format("requested a birth from the reserve with index {} (counted from 0), but the "
+                    "world has {} populations with a reserve",
+                    effect.reserve, reserves)};
+  if (effect.verb == k_death && !device.prepared.ends_lives)
+    return Error{
+        "requested a death, but its kind does not set DeviceKind::Prepared::ends_lives in prepare()"};
+  if (!effect.is_of_life() && device.kind->apply == nullptr)
+    return Error{"emitted an effect, but its kind has no hook \"apply\", which would apply it"};
+  if (effect.target.valid() && effect.target.index() >= state_.rows.size())
+    return Error{fmt::format("emitted an effect on the body with the id {}, but the largest id is {}",
+                             effect.target.value, state_.rows.size() - 1)};
+  return {};
 }
 
 void World::decide() {
@@ -263,7 +303,7 @@ void World::drive(std::span<const Row> rows, const BodyType::Drive& drive,
   for (std::size_t i = 0; i < rows.size(); ++i) {
     const Velocity v = has_slow ? scaled(velocities[i], speed_scale(rows[i])) : velocities[i];
     const Command& command = commands[i];  // tested too: a drive may clamp an infinite command
-    if (!is_finite(command) || !is_finite(v)) {
+    if (!is_command(command) || !is_finite(v)) {
       std::uint32_t lowest = faulty.load();
       const std::uint32_t id = body(rows[i]).value;
       while (id < lowest && !faulty.compare_exchange_weak(lowest, id)) {

@@ -297,7 +297,14 @@ void World::throw_half_made() const {
       state_.now.tick));
 }
 
+void World::throw_frozen() {
+  throw std::logic_error(
+      "a measure must not change the world, for example with step(), reset() or set_poses(): measures only "
+      "read");
+}
+
 void World::reset() {
+  require_unfrozen();
   restore_fp_environment();  // a library may have changed it: see step()
   if (replica_) replica_->reset();
   forget_settings();
@@ -305,6 +312,7 @@ void World::reset() {
 }
 
 void World::restart(std::uint64_t seed, std::span<const BodySpec> bodies, const Registry& registry) {
+  require_unfrozen();
   restore_fp_environment();  // a library may have changed it: see step()
   if (replica_) replica_->restart(seed, bodies);
   bool has_scene_changed = false;
@@ -341,6 +349,7 @@ void World::restart(std::uint64_t seed, std::span<const BodySpec> bodies, const 
 
 bool World::restore(std::uint64_t tick, const Counters& counters, std::uint64_t state_hash,
                     const Fill& fill) {
+  require_unfrozen();
   restore_fp_environment();  // a library may have changed it: see step()
   is_half_made_ = false;
   if (replica_) replica_->replace();

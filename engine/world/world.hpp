@@ -30,6 +30,7 @@
 #include <span>
 #include <string>
 #include <string_view>
+#include <utility>
 #include <vector>
 
 namespace troupe::engine {
@@ -625,7 +626,22 @@ class World {
   /// and `types` are set. All other members are empty.
   Frame frame() const;
 
+  /// While an object of this class exists, functions that change the world throw std::logic_error. MeasureSet
+  /// has such an object while it calls measures, because measures must not change the world.
+  class Frozen {
+   public:
+    explicit Frozen(World& world) : world_(world), before_(std::exchange(world.is_frozen_, true)) {}
+    ~Frozen() { world_.is_frozen_ = before_; }
+    Frozen(const Frozen&) = delete;
+    Frozen& operator=(const Frozen&) = delete;
+
+   private:
+    World& world_;
+    bool before_;
+  };
+
  private:
+  [[noreturn]] static void throw_frozen();
   [[noreturn]] void throw_half_made() const;
   /// Exists while work changes the state. The destructor sets is_half_made_ if the work threw an exception,
   /// and clears it otherwise.
@@ -687,6 +703,8 @@ class World {
   void decide(std::span<const Row> rows, const BodyType& type, const BodyType::Controller& controller);
   void decide_together(const BodyType& type, const BodyType::Controller& controller);
   void move();
+  void check_effects();
+  Result<> check(const Effect& effect) const;
   void apply_effects();
 
   // engine/world/lives.cpp
@@ -765,7 +783,11 @@ class World {
   /// Called when a program is about to change the state, so that the other ranks receive the changed state
   /// before the next tick. Does nothing during a tick.
   void touch() {
+    require_unfrozen();
     if (replica_ != nullptr) touch_rows();
+  }
+  void require_unfrozen() const {
+    if (is_frozen_) throw_frozen();
   }
   void touch_rows();
   RowRange own_rows() const;
@@ -789,6 +811,7 @@ class World {
 
   // State, and counters.
   bool is_half_made_ = false;  // a step threw: only reset(), restart() and restore() are allowed
+  bool is_frozen_ = false;     // an object Frozen exists
   std::uint64_t beams_ = 0;
   std::uint64_t conflict_rounds_ = 0;
 

@@ -15,6 +15,9 @@ using Layout = StateTable::Layout;
 // Limit on the number of beams of all types together. A beam takes about a hundred bytes of memory.
 constexpr double k_most_beams = 10e6;
 
+// Longest reach that counts for the width of the cells, m. A device may have an infinite reach.
+constexpr double k_most_hint = 10'000;
+
 /// Chooses the cells of the spatial index. Their width is an eighth of the mean reach of the bodies with
 /// rows. The reach of a body is the longest reach of its active devices (DeviceKind::Prepared::cell_hint_m,
 /// or reach_m if that is not set) plus its radius; without such devices, it counts as 16 radii. Such cells
@@ -35,7 +38,8 @@ partition::GridGeometry choose_geometry(const WorldSpec& spec, std::span<const B
     double reach = 0;
     for (const BodyType::Device& sensor : type.devices)
       if (sensor.active)
-        reach = std::max(reach, sensor.prepared.cell_hint_m.value_or(sensor.prepared.reach_m));
+        reach = std::max(
+            reach, std::min(sensor.prepared.cell_hint_m.value_or(sensor.prepared.reach_m), k_most_hint));
     const double radius = type.radius + type.joint_reach;
     sum += reach > 0 ? 1.001 * (reach + radius) : 16 * radius;
     widths += 2 * radius;

@@ -409,7 +409,7 @@ struct DefaultedOptional {
 TEST(Description, FactsThatContradictOneAnotherAreTold) {
   EXPECT_THAT(contradiction<SameNames>(), HasSubstr("description of \"a\" gives this name to two members"));
   EXPECT_THAT(contradiction<NoNumber>(), HasSubstr("gives a unit to a member that is not a number"));
-  EXPECT_THAT(contradiction<NoLimits>(), HasSubstr("gives limits to a member that is not a number"));
+  EXPECT_THAT(contradiction<NoLimits>(), HasSubstr("gives limits to a member without numbers"));
   EXPECT_THAT(contradiction<NoText>(), HasSubstr("gives choices to a member that is not a text"));
   EXPECT_THAT(contradiction<NoCount>(), HasSubstr("counts readings with a member that is not an integer"));
   EXPECT_THAT(contradiction<NothingBetween>(), HasSubstr("has a lower limit above its upper limit"));

@@ -1,12 +1,14 @@
 #include "engine/kinds/effects.hpp"
 
 #include "engine/kinds/controller.hpp"
+#include "engine/kinds/step_error.hpp"
 #include "tests/support/scene.hpp"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
 #include <stdexcept>
+#include <string>
 #include <vector>
 
 namespace troupe::engine {
@@ -101,6 +103,86 @@ TEST(Effects, OfAStepThatThrewAreForgotten) {
   EXPECT_EQ(Holder::state(world, BodyId(1)).holder, 0u);
   world.step();
   EXPECT_EQ(world.hashes().state, after_one);
+}
+
+/// A device that calls `emits` for each robot.
+struct Emitter {
+  static inline void (*emits)(const DeviceBatch& batch, std::size_t i) = nullptr;
+
+  static DeviceKind kind() {
+    DeviceKind kind{.name = "emitter", .text = ""};
+    kind.prepare = [](const Record&, const Pose&) {
+      return DeviceKind::Prepared{.data = 0, .most_effects = 1};
+    };
+    kind.act = emit_all;
+    kind.apply = [](World&, const std::any&, const Effect&) {};
+    return kind;
+  }
+  static void emit_all(const DeviceBatch& batch) {
+    for (std::size_t i = 0; i < batch.rows.size(); ++i) emits(batch, i);
+  }
+};
+
+/// Returns the error of the first step of three robots with these devices.
+std::string error_of(std::vector<DeviceKind> kinds) {
+  Registry registry = test::registry();
+  SceneBuilder scene;
+  const TypeId type = scene.robot("robot", {box(0.4, 0.4)});
+  for (const DeviceKind& kind : kinds) {
+    scene[type].devices.push_back({.name = std::string(kind.name),
+                                   .kind = std::string(kind.name),
+                                   .params = {},
+                                   .active = true,
+                                   .where = {}});
+    registry.devices.push_back(kind);
+  }
+  for (int i = 0; i < 3; ++i) scene.body(std::to_string(i), type, {i * 1.0, 0, 0, 0});
+  Diagnostics diagnostics;
+  World world(scene.spec, registry, {.threads = 1}, diagnostics);
+  try {
+    world.step();
+  } catch (const StepError& error) {
+    return error.what();
+  }
+  return {};
+}
+
+TEST(Effects, ThatADeviceMustNotEmitEndTheStep) {
+  Emitter::emits = [](const DeviceBatch& batch, std::size_t i) { batch.emit(i, 0, 0, BodyId(1)); };
+  EXPECT_EQ(error_of({Emitter::kind()}), "");
+  DeviceKind useless = Emitter::kind();
+  useless.apply = nullptr;
+  EXPECT_EQ(
+      error_of({useless}),
+      "tick 1: device \"emitter\" (emitter) of \"0\" emitted an effect, but its kind has no hook \"apply\", "
+      "which would apply it");
+
+  DeviceKind sensor{.name = "eye", .text = ""};
+  sensor.prepare = [](const Record&, const Pose&) { return DeviceKind::Prepared{.data = 0}; };
+  sensor.sense = [](const SenseBatch& batch) -> std::uint64_t {
+    batch.emit(0, 0, 0, BodyId(1));
+    return 0;
+  };
+  Emitter::emits = [](const DeviceBatch&, std::size_t) {};
+  EXPECT_EQ(error_of({Emitter::kind(), sensor}),
+            "tick 1: device \"eye\" (eye) of \"0\" emitted an effect, but it is a sensor: only the hook "
+            "\"act\" may "
+            "emit effects");
+
+  Emitter::emits = [](const DeviceBatch& batch, std::size_t i) { batch.emit(i, 0, 0, BodyId(999)); };
+  EXPECT_EQ(
+      error_of({Emitter::kind()}),
+      "tick 1: device \"emitter\" (emitter) of \"0\" emitted an effect on the body with the id 999, but the "
+      "largest id is 3");
+  Emitter::emits = [](const DeviceBatch& batch, std::size_t i) { batch.emit_birth(i, 0, 7, {}); };
+  EXPECT_EQ(error_of({Emitter::kind()}),
+            "tick 1: device \"emitter\" (emitter) of \"0\" requested a birth from the reserve with index 7 "
+            "(counted "
+            "from 0), but the world has 0 populations with a reserve");
+  Emitter::emits = [](const DeviceBatch& batch, std::size_t i) { batch.emit_death(i, 0, BodyId(1)); };
+  EXPECT_EQ(error_of({Emitter::kind()}),
+            "tick 1: device \"emitter\" (emitter) of \"0\" requested a death, but its kind does not set "
+            "DeviceKind::Prepared::ends_lives in prepare()");
 }
 
 }  // namespace

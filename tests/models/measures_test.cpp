@@ -328,6 +328,46 @@ TEST(Measures, AreTheSameBitsOnAnyThreadsAndTiles) {
   EXPECT_THAT(runs, ::testing::Each(runs.front()));
 }
 
+/// A measure that calls `change` instead of only reading.
+class Changing : public engine::Measure {
+ public:
+  Changing(const World&, std::vector<BodyId>) {}
+  double value(World& world) override {
+    change(world);
+    return 0;
+  }
+  static inline void (*change)(World& world) = nullptr;
+};
+
+TEST(Measures, ThatChangeTheWorldThrow) {
+  engine::Registry registry = test::registry();
+  registry.measures.push_back(
+      engine::make_measure_kind<Changing>("changing", engine::Unit::none, "changes the world", ""));
+  World world = crowd().world();
+  Diagnostics diagnostics;
+  MeasureSet set(world, registry, std::vector<MeasureSpec>{{.kind = "changing"}}, diagnostics);
+  const std::uint64_t before = world.hashes().state;
+  constexpr void (*k_changes[])(World&) = {[](World& w) { w.step(); }, [](World& w) { w.reset(); },
+                                           [](World& w) {
+                                             w.set_command(Row(0), {1, 0, 0});
+                                           },
+                                           [](World& w) {
+                                             w.set_poses(std::vector<World::Placed>{{Row(0), {1, 1, 0, 0}}});
+                                           }};
+  for (const auto change : k_changes) {
+    Changing::change = change;
+    try {
+      set.value(0);
+      ADD_FAILURE() << "nothing was thrown";
+    } catch (const std::runtime_error& error) {
+      EXPECT_THAT(error.what(),
+                  HasSubstr("tick 0: measure \"changing\" threw: a measure must not change the world"));
+    }
+    EXPECT_EQ(world.hashes().state, before);
+  }
+  EXPECT_NO_THROW(world.step());
+}
+
 TEST(Measures, ChangeNoState) {
   World watched = crowd().world();
   World plain = crowd().world();

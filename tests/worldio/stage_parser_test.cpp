@@ -278,7 +278,7 @@ TEST_F(StageParser, LexicalErrors) {
            "a unit, as in 0.02",
            "w.world:8: error: a tuple must end with ] on the line on which it begins",
            "w.world:9: error: a tuple cannot contain a tuple: remove the inner [ and ]",
-           "w.world:10: error: \"two\" in a tuple needs quotes: [\"two\"]",
+           "w.world:10: error: \"two\" in a tuple is not a number; a text needs quotes: [\"two\"]",
            "w.world:11: error: the value 5 has no property name before it; a property is written: name value",
            "w.world:12: error: this ] has no matching [",
            "w.world:13: error: this tuple has no property name before it; a property is written: name [1 2 "

@@ -148,7 +148,10 @@ void write_stage_device(const DeviceSpec& device, const DeviceKind& kind, StageT
                                         get(kind.params, device.params, "lift").text()});
 }
 
-void write_stage_drive(const engine::DriveSpec& drive, const engine::DriveKind& kind, StageText& text) {
+namespace {
+
+/// Writes the kind of a drive, its period, its limits and its first velocity.
+void write_limits(const engine::DriveSpec& drive, const engine::DriveKind& kind, StageText& text) {
   const auto value = [&](std::string_view name, double fallback) {
     const int at = kind.params.find(name);
     return at < 0 ? fallback : drive.params[static_cast<std::size_t>(at)].number();
@@ -168,6 +171,12 @@ void write_stage_drive(const engine::DriveSpec& drive, const engine::DriveKind& 
   if (kind.params.find("wheelbase") >= 0) text.number("wheelbase", value("wheelbase", 1));
   const std::array start{value("start_x", 0), value("start_y", 0), 0.0, value("start_turn", 0)};
   if (start != std::array{0.0, 0.0, 0.0, 0.0}) text.numbers("velocity", start);
+}
+
+}  // namespace
+
+void write_stage_drive(const engine::DriveSpec& drive, const engine::DriveKind& kind, StageText& text) {
+  write_limits(drive, kind, text);
   if (kind.params.find("localization") < 0) return;
   const std::string& localization = get(kind.params, drive.params, "localization").text();
   text.text("localization", localization);
@@ -175,7 +184,8 @@ void write_stage_drive(const engine::DriveSpec& drive, const engine::DriveKind& 
   const std::vector<double>& origin = get(kind.params, drive.params, "localization_origin").numbers();
   if (origin.size() == 2) {
     text.numbers("localization_origin",
-                 std::array{origin[0], origin[1], 0.0, value("localization_origin_heading", 0)});
+                 std::array{origin[0], origin[1], 0.0,
+                            get(kind.params, drive.params, "localization_origin_heading").number()});
     if (localization == "gps") text.flag("gps_origin", true);
   }
   const std::vector<double>& error = get(kind.params, drive.params, "odom_error").numbers();
@@ -193,7 +203,7 @@ void write_stage_wheels(const DeviceSpec& wheels, double period_s, const engine:
   for (std::size_t f = 0; f < kind->params.fields.size(); ++f)
     if (const int at = own->params.find(kind->params.fields[f].name); at >= 0)
       drive.params[f] = wheels.params[static_cast<std::size_t>(at)];
-  write_stage_drive(drive, *kind, text);
+  write_limits(drive, *kind, text);  // such a drive has no odometry
 }
 
 std::string stage_call(const engine::ControllerSpec& controller, const engine::ControllerKind& kind) {

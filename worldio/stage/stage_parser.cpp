@@ -231,12 +231,14 @@ class Lexer {
     const std::optional<fs::path> found = find_stage_file(path, search_path_);
     std::optional<std::string> text = found ? read_file(*found) : std::nullopt;
     if (!text) {
-      if (found)
-        if (const Result<> readable = check_readable(*found, k_most_input_bytes); !readable) {
-          errors_.add(where, fmt::format("cannot read the included file {}: {}", found->string(),
-                                         readable.error().text));
-          return;
-        }
+      const fs::path tried = found.value_or(path.lexically_normal());
+      std::error_code ignored;
+      if (const Result<> readable = check_readable(tried, k_most_input_bytes);
+          !readable && fs::exists(tried, ignored)) {
+        errors_.add(where, fmt::format("cannot read the included file {}: {}", tried.string(),
+                                       readable.error().text));
+        return;
+      }
       errors_.add(
           where,
           fmt::format(
@@ -431,10 +433,11 @@ class Parser {
         continue;
       }
       clean = false;
-      errors_.add(token.where(),
-                  token.kind == TokenKind::word
-                      ? fmt::format("\"{0}\" in a tuple needs quotes: [\"{0}\"]", token.text)
-                      : std::string("a tuple cannot contain a tuple: remove the inner [ and ]"));
+      errors_.add(
+          token.where(),
+          token.kind == TokenKind::word
+              ? fmt::format("\"{0}\" in a tuple is not a number; a text needs quotes: [\"{0}\"]", token.text)
+              : std::string("a tuple cannot contain a tuple: remove the inner [ and ]"));
     }
     ++at_;
     return count;

@@ -97,7 +97,8 @@ constexpr auto k_rows = std::to_array<StageRow>({
      "kg; used for a top-level `position`: its drive draws 1 W, plus 10 W times the mass in kg times the "
      "speed in m/s"},
     {"model", "watts", fixed,
-     "power that the model draws while it runs, W, whatever the length of a tick; no effect for model types "
+     "power that the model draws while it runs, W, whatever the length of a tick. A sensor or device counts "
+     "as running if its robot has a controller, even if no controller uses it. No effect for model types "
      "whose power Troupe itself determines: position, ranger (0.2 W per sensor), blobfinder (2 W), bumper "
      "(0.1 W), actuator (2 W), camera (100 W)"},
     {"model", "joules", fixed,

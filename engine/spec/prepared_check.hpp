@@ -1,0 +1,20 @@
+#pragma once
+
+#include "base/result.hpp"
+#include "engine/kinds/kinds.hpp"
+
+namespace troupe::engine {
+
+/// Checks what the hook `prepare` of a kind of device returned, so that a mistake in a kind is an error when
+/// the world is built, and not memory that is overwritten during the run. Checks these rules:
+/// - Fields of percepts and commands have unique names without "/". In a struct they are aligned, do not
+///   overlap, and end within the size that the kind gives.
+/// - Reach and hint for the cells are not negative or NaN, and the hint is finite. Power and poses of joints
+///   are finite. There is one pose per joint, or none.
+/// - A ranger has one bearing per range, and each of its fans has readings that exist.
+/// - A kind with effects has the hook `act`, from which they must be emitted.
+///
+/// The text of the error continues the words `device "NAME"`.
+Result<> check_prepared(const DeviceKind& kind, const DeviceKind::Prepared& prepared);
+
+}  // namespace troupe::engine
