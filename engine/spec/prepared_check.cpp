@@ -21,8 +21,8 @@ Result<> check_fields(std::span<const StateField> fields, std::size_t bytes, std
   std::vector<const StateField*> sorted;
   for (const StateField& field : fields) {
     if (field.name.empty() || field.name.find('/') != std::string::npos)
-      return Error{fmt::format("has a {} with the name \"{}\": a name must not be empty or contain \"/\"", what,
-                               field.name)};
+      return Error{fmt::format("has a {} with the name \"{}\": a name must not be empty or contain \"/\"",
+                               what, field.name)};
     if (std::ranges::count(fields, field.name, &StateField::name) > 1)
       return Error{fmt::format("has two {}s with the name \"{}\"", what, field.name)};
     if (field.element > Element::u8)
@@ -36,10 +36,11 @@ Result<> check_fields(std::span<const StateField> fields, std::size_t bytes, std
   std::size_t end = 0;
   for (const StateField* field : sorted) {
     if (field->offset % element_size(field->element) != 0)
-      return Error{fmt::format("has the {} \"{}\" at the offset {}, which is no multiple of its size: {}", what,
-                               field->name, field->offset, k_advice)};
+      return Error{fmt::format("has the {} \"{}\" at the offset {}, which is no multiple of its size: {}",
+                               what, field->name, field->offset, k_advice)};
     if (field->offset < end)
-      return Error{fmt::format("has the {} \"{}\", which overlaps another {}: {}", what, field->name, what, k_advice)};
+      return Error{
+          fmt::format("has the {} \"{}\", which overlaps another {}: {}", what, field->name, what, k_advice)};
     end = field->offset + width_of(*field);
     if (end > bytes)
       return Error{fmt::format("has the {} \"{}\", which ends at byte {} of a struct of {} bytes: {}", what,
@@ -50,11 +51,14 @@ Result<> check_fields(std::span<const StateField> fields, std::size_t bytes, std
 
 Result<> check_numbers(const DeviceKind& kind, const DeviceKind::Prepared& prepared) {
   if (!(prepared.reach_m >= 0))
-    return Error{fmt::format("has the reach {} m (reach_m): it must not be negative or NaN", prepared.reach_m)};
+    return Error{
+        fmt::format("has the reach {} m (reach_m): it must not be negative or NaN", prepared.reach_m)};
   if (const double hint = prepared.cell_hint_m.value_or(0); !(hint >= 0 && std::isfinite(hint)))
-    return Error{fmt::format("gives {} m for the cells (cell_hint_m): this must be a finite number of at least 0", hint)};
+    return Error{fmt::format(
+        "gives {} m for the cells (cell_hint_m): this must be a finite number of at least 0", hint)};
   if (!(prepared.watts >= 0 && std::isfinite(prepared.watts)))
-    return Error{fmt::format("draws {} W (watts): this must be a finite number of at least 0", prepared.watts)};
+    return Error{
+        fmt::format("draws {} W (watts): this must be a finite number of at least 0", prepared.watts)};
   if (!prepared.joints.empty() && prepared.joints.size() != kind.joints.size())
     return Error{fmt::format("has {} poses of joints (Prepared::joints), but {} joints (DeviceKind::joints)",
                              prepared.joints.size(), kind.joints.size())};
@@ -68,25 +72,31 @@ Result<> check_ranger(const DeviceKind::Prepared& prepared) {
   if (readings == 0) return {};
   if (prepared.percepts.empty() || prepared.percepts[0].element != Element::f32 ||
       prepared.percepts[0].columns != readings)
-    return Error{fmt::format("has {} bearings, so its first percept must have {} columns of type f32, the ranges",
-                             readings, readings)};
+    return Error{
+        fmt::format("has {} bearings, so its first percept must have {} columns of type f32, the ranges",
+                    readings, readings)};
   for (const Transducer& fan : prepared.transducers)
     if (fan.first > readings || fan.samples > readings - fan.first)
-      return Error{fmt::format("has a fan of {} readings from reading {} on (transducers), but only {} bearings",
-                               fan.samples, fan.first, readings)};
+      return Error{
+          fmt::format("has a fan of {} readings from reading {} on (transducers), but only {} bearings",
+                      fan.samples, fan.first, readings)};
   return {};
 }
 
 }  // namespace
 
 Result<> check_prepared(const DeviceKind& kind, const DeviceKind::Prepared& prepared) {
-  if (Result<> fields = check_fields(prepared.percepts, prepared.percept_bytes, "percept"); !fields) return fields;
-  if (Result<> fields = check_fields(prepared.commands, prepared.command_bytes, "command"); !fields) return fields;
+  if (Result<> fields = check_fields(prepared.percepts, prepared.percept_bytes, "percept"); !fields)
+    return fields;
+  if (Result<> fields = check_fields(prepared.commands, prepared.command_bytes, "command"); !fields)
+    return fields;
   if (Result<> numbers = check_numbers(kind, prepared); !numbers) return numbers;
   if (Result<> ranger = check_ranger(prepared); !ranger) return ranger;
   if ((prepared.most_effects > 0 || prepared.ends_lives) && kind.act == nullptr)
-    return Error{"declares effects (most_effects or ends_lives), which only the hook \"act\" may emit, but has no such "
-                 "hook"};
+    return Error{
+        "declares effects (most_effects or ends_lives), which only the hook \"act\" may emit, but has no "
+        "such "
+        "hook"};
   return {};
 }
 

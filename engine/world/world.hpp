@@ -629,7 +629,7 @@ class World {
   /// While an object of this class exists, functions that change the world throw std::logic_error. MeasureSet
   /// has such an object while it calls measures, because measures must not change the world.
   class Frozen {
-   public:
+   public:  /// Freezes the world until the destructor runs.
     explicit Frozen(World& world) : world_(world), before_(std::exchange(world.is_frozen_, true)) {}
     ~Frozen() { world_.is_frozen_ = before_; }
     Frozen(const Frozen&) = delete;
