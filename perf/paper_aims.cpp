@@ -59,7 +59,7 @@ class Aims {
 
   const Report& report_;
   Sheet sheet_{"Aims",
-               "The column `measured` shows the medians of the rows in the tables below.",
+               "Each value in the column `measured` is the median of one row of the tables below.",
                {"what", "aim", "measured", "met"},
                {}};
 };

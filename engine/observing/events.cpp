@@ -18,8 +18,8 @@ std::span<const EventKind> event_kinds() {
       {stall_begins, "stall_begins",
        "the motion of the robot was blocked by a body or a wall in this tick, but not in the tick before"},
       {held_begins, "held_begins",
-       "the robot stayed in place in this tick, but not in the tick before, because its motion would have "
-       "left the bounds of the world"},
+       "the motion of the robot would have left the bounds of the world in this tick, but not in the tick "
+       "before; the robot stayed in place"},
       {release, "release", "the robot released a body that it carried"},
       {grip, "grip", "the robot gripped a body, and carries it from now on"},
       {birth, "birth", "a body from the reserve of its population entered the world at this pose"},

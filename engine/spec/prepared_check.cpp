@@ -54,8 +54,10 @@ Result<> check_numbers(const DeviceKind& kind, const DeviceKind::Prepared& prepa
     return Error{
         fmt::format("has the reach {} m (reach_m): it must not be negative or NaN", prepared.reach_m)};
   if (const double hint = prepared.cell_hint_m.value_or(0); !(hint >= 0 && std::isfinite(hint)))
-    return Error{fmt::format(
-        "gives {} m for the cells (cell_hint_m): this must be a finite number of at least 0", hint)};
+    return Error{
+        fmt::format("gives {} m as the hint for the width of the cells of the spatial index (cell_hint_m): "
+                    "this must be a finite number of at least 0",
+                    hint)};
   if (!(prepared.watts >= 0 && std::isfinite(prepared.watts)))
     return Error{
         fmt::format("draws {} W (watts): this must be a finite number of at least 0", prepared.watts)};
@@ -78,7 +80,8 @@ Result<> check_ranger(const DeviceKind::Prepared& prepared) {
   for (const Transducer& fan : prepared.transducers)
     if (fan.first > readings || fan.samples > readings - fan.first)
       return Error{
-          fmt::format("has a fan of {} readings from reading {} on (transducers), but only {} bearings",
+          fmt::format("has a fan of {} readings that begins with reading {} (Prepared::transducers), but "
+                      "only {} bearings",
                       fan.samples, fan.first, readings)};
   return {};
 }

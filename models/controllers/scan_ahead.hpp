@@ -29,18 +29,18 @@ struct ScanAhead {
 /// Detects obstacles in the readings of a ranger (range sensor). It uses the bearings of the beams. The order
 /// of the beams, and the transducers (fans of beams) to which they belong, make no difference.
 ///
-/// window  The beams that look ahead. The outermost beams, 1 / `share` of all beams at either end, are not in
-///         the window. So if the beams are spread evenly and symmetrically about straight ahead, the window
-///         is the middle third (`share` 3) or the middle half (`share` 4) of the scan, as in Stage's
-///         `wander`.
+/// window  The beams that look ahead. The argument `share` of the constructor is 3 or 4. At either end of the
+///         scan, 1 / `share` of all beams are not in the window. So if the beams are spread evenly and
+///         symmetrically about straight ahead, the window is the middle third (`share` 3) or the middle half
+///         (`share` 4) of the scan, as in Stage's `wander`.
 ///         The exact rule: Let n be the number of beams, F the angle between the outermost beams, and
 ///         m = n / `share`, rounded down. A beam with the bearing b is in the window if -W < b <= W, where
 ///         W = F / 2 - m F / (n - 1). A beam exactly straight ahead is always in the window.
 /// middle  The middle beam is the beam nearest to straight ahead. If two beams are nearest, one on either
 ///         side, it is the left one. If several parallel beams are nearest, all of them are middle beams.
-/// sides   Each beam counts as left or right. A middle beam counts as right, as in Stage. But if there are
-///         several middle beams, those that start left of their common centre count as left. All other beams
-///         count by the sign of their bearing.
+/// sides   Each beam counts as left or right: by the sign of its bearing, except for middle beams. A single
+///         middle beam counts as right, as in Stage. If several parallel beams are middle beams, those count
+///         as left that start left of the middle between the leftmost and the rightmost starting point.
 class Scanner {
  public:
   Scanner() = default;

@@ -90,7 +90,9 @@ TEST(PreparedCheck, RefusesRangersWithOtherNumbersOfBeams) {
   EXPECT_EQ(ranger(3, 0, 3), "");
   EXPECT_EQ(ranger(9, 0, 3),
             "has 3 bearings, so its first percept must have 3 columns of type f32, the ranges");
-  EXPECT_EQ(ranger(3, 1, 3), "has a fan of 3 readings from reading 1 on (transducers), but only 3 bearings");
+  EXPECT_EQ(
+      ranger(3, 1, 3),
+      "has a fan of 3 readings that begins with reading 1 (Prepared::transducers), but only 3 bearings");
 }
 
 TEST(PreparedCheck, RefusesEffectsOfSensors) {

@@ -406,8 +406,8 @@ class DocumentKeys {
     return key;
   }
 
-  /// Adds a key of Form::list. The member is a vector of structs with a DocumentTable, or a std::optional of
-  /// such a vector.
+  /// Adds a key of Form::list. The member is a vector of structs, or a std::optional of such a vector. A
+  /// DocumentTable describes the struct.
   template <auto... Path>
   DocumentKey& list(std::string_view name, std::string_view text = {}) {
     DocumentKey& key = other<Path...>(Form::list, name, text);
