@@ -111,8 +111,9 @@ Table table_of(const Holder& held, const std::string& component, const std::stri
     if (std::ranges::find(components, table.table->component()) == components.end())
       components.emplace_back(table.table->component());
   if (components.size() > 1)
-    throw std::invalid_argument(fmt::format("{} components are called {}; give the name of one of them: {}",
-                                            components.size(), component, comma_list(components)));
+    throw std::invalid_argument(fmt::format(
+        "the name {1} stands for {0} components; use the name that belongs to only one of them: {2}",
+        components.size(), component, comma_list(components)));
   std::vector<std::string_view> types;
   for (const Table& table : found) types.push_back(table.type);
   throw std::invalid_argument(

@@ -176,8 +176,8 @@ class Conflicts {
     ///   were made.
     ///
     /// Conflicts::resolve() calls this each time when no own row can be resolved until more outcomes of
-    /// ghosts are known, and after all own rows are resolved. Returns false when all outcomes of own rows
-    /// have been sent and those of all ghosts have been received. This is the last call in a tick.
+    /// ghosts are known, and after all own rows are resolved. The last call in a tick returns false: then
+    /// all outcomes of own rows have been sent, and those of all ghosts have been received.
     virtual bool exchange(Conflicts& conflicts) = 0;
     /// Exchanges the final positions of pushed bodies. Called at the end of a resolution. If a row of this
     /// rank made the last push of a body, sends the final position of the body to all other ranks. Passes

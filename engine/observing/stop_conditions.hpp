@@ -18,8 +18,8 @@ class StopConditions {
  public:
   /// Makes the measures of the conditions, and updates them with the present state. Does not evaluate the
   /// conditions. Reports errors of their measures, such as an unknown kind of measure, to `diagnostics`, with
-  /// the position and the path of the condition in the file. The constructor of MeasureSet lists these errors
-  /// and the exceptions. World and registry (the list of all kinds) must outlive the object.
+  /// the position and the path of the condition in the file. The errors and the exceptions are those of the
+  /// constructor of MeasureSet. World and registry (the list of all kinds) must outlive the object.
   StopConditions(World& world, const Registry& registry, std::span<const StopSpec> conditions,
                  Diagnostics& diagnostics);
 

@@ -107,8 +107,8 @@ class RankRows {
   /// Each message begins with a copy of `head`. In a distributed world, throws StepError if a device acts on
   /// a body that is farther away than the device declares.
   virtual Messages written(const partition::MessageWriter& head) = 0;
-  /// Reads the message that written() has returned for this rank on rank `from`. The head of `message` has
-  /// already been read.
+  /// Reads `message`, which rank `from` has sent to this rank. On rank `from`, written() made it. The head of
+  /// the message has already been read.
   virtual void get_written(unsigned from, partition::MessageReader& message) = 0;
   /// Called when get_written() has read the messages of all other ranks, before any body moves. Gives rows to
   /// other owners if necessary. Returns whether it has done so because of `times`.

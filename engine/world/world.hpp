@@ -454,7 +454,7 @@ class World {
   /// intervention can remove bodies, or if WorldSpec::mortal is set. In all other worlds the state has no
   /// component `life`.
   bool has_lives() const { return state_.life_table.has_value(); }
-  /// Whether the row's body is in the world, unborn or dead; Presence::there if has_lives() is false.
+  /// Returns one of: the row's body is in the world (always if !has_lives()), it is unborn, it is dead.
   Presence presence(Row row) const { return state_.view.presence(row); }
   /// Whether the row's body is in the world. An unborn or dead body is not in the spatial index, and does not
   /// sense, decide or move. Its state is 0, except for the component `life` and the pose of a dead body.

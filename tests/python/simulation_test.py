@@ -730,7 +730,7 @@ class Tables(InAFolder):
         lantern = {"size_m": [0.1, 0.1, 0.1], "drive": {"kind": "diff"}, "devices": [{"name": "eye", "kind": "led"}]}
         two = {**ROOM, "types": {**ROOM["types"], "lantern": lantern},
                "models": [*ROOM.get("models", []), {"name": "lantern", "type": "lantern", "pose": {"z_m": 5}}]}
-        with self.assertRaisesRegex(ValueError, "2 components are called eye; give the name of one of them: .*ranger/eye"):
+        with self.assertRaisesRegex(ValueError, "the name eye stands for 2 components; use the name that belongs to only one of them: .*ranger/eye"):
             troupe.Simulation(two).table("eye")
 
     def test_have_no_readings_of_sensors_that_do_not_run(self):
