@@ -475,7 +475,9 @@ TEST_F(PluginSensors, ThatThrowAreNamedWithTickAndRobot) {
                 MatchesRegex("tick 0: device \"eye\" .thrower:unstartable. of \"r[0-2]\" threw: the "
                              "map is missing"));
   }
-  Simulation unhaltable(bots("unhaltable"), options({folder_of("plugins")}));
+  SimulationOptions mortal = options({folder_of("plugins")});
+  mortal.mortal = true;
+  Simulation unhaltable(bots("unhaltable"), mortal);
   unhaltable.disable(unhaltable.find("r1"));
   try {
     unhaltable.step();

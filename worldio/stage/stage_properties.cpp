@@ -315,7 +315,8 @@ constexpr auto k_rows = std::to_array<StageRow>({
      "actuator"},
     {"actuator", "max_speed", fixed, "m/s or rad/s, whatever the file's units"},
     {"actuator", "start_position", fixed,
-     "position at the start relative to the pose of the model, m or rad; in Stage, it overwrites the pose"},
+     "position at the start relative to the pose of the model, m or rad; in Stage, it overwrites the pose. A "
+     "position outside of the limits is set to the nearer limit"},
 
     {"camera", "resolution", fixed,
      "[width height], pixels; any size (in Stage, the size of its window is the limit)"},
