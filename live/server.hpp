@@ -84,8 +84,8 @@ class ViewServer {
   /// be called on any thread.
   void send(std::uint64_t client, std::string text);
   /// Announces a new picture. The server then calls ViewBackend::picture() for each client: at once, or as
-  /// soon as all texts for this client have been sent and it has drawn all earlier pictures except one (see
-  /// drawn()). May be called on any thread.
+  /// soon as all texts for this client have been sent, and the client has yet to draw at most one of the
+  /// earlier pictures (see drawn()). May be called on any thread.
   void offer();
   /// Tells the server that a client has drawn one of the pictures that were sent to it. While a client has
   /// not yet drawn two of the pictures that were sent to it, the server sends it no further picture. Does

@@ -88,7 +88,7 @@ Plan make_plan(bool quick, const std::vector<unsigned>& threads, const std::vect
        "one octagon; a complex body consists of seven prisms, and the laser of four more."},
       {"2", "Table 2: minibots of 0.2 m in the hospital", "Each robot has 12 infrared beams of 2 m."},
       {"3", "Table 3: minibots of 0.1 m in the hospital",
-       "`stage` is Stage's own `hospital.world` with its 1,000 robots."},
+       "In this table, the world `stage` is Stage's own `hospital.world` with its 1,000 robots."},
       {"simd", "Comparison of instruction sets",
        "Wall time in ns per robot and tick, on one thread. The runs of a row take turns, and all end with "
        "the same hash. docs/determinism.md describes how to select an instruction set."},

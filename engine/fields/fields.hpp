@@ -132,8 +132,8 @@ struct Field {
   const FieldTable* record = nullptr;
   /// True: the number must be greater than `min`, not equal to it (for example a size or a period).
   bool above_min = false;
-  /// For type integer: the value is a number of readings of a sensor. The sum of all such fields of a device
-  /// must not exceed 1,000,000. The engine checks this limit before it allocates the memory of the sensor.
+  /// True (only for type integer): the value is a number of readings of a sensor. The sum of all such fields
+  /// of a device must not exceed 1,000,000. The engine checks this before it allocates the sensor's memory.
   bool counts_readings = false;
   /// True: a file may omit the field. The parameter then has no value (Value::given() is false). The field
   /// has no default.

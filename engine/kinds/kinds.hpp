@@ -494,8 +494,8 @@ struct DriveKind {
   std::any (*prepare)(const Record& params);
   /// Checks that the parameters are consistent. The error says which parameters are inconsistent, and why.
   Result<> (*check)(const Record& params);
-  /// Computes the velocities of a batch from the commands, within the limits of the drive. If a velocity or a
-  /// number of a command is not finite, World::step() throws a StepError that names the robot.
+  /// Computes the velocities of a batch from the commands, within the limits of the drive. If a computed
+  /// velocity, or a command, is not finite, World::step() throws a StepError that names the robot.
   void (*drive)(const std::any& data, const DriveBatch& batch);
   /// Returns the velocity that a robot has until its drive runs for the first time. Null: 0.
   Velocity (*start)(const std::any& data) = nullptr;

@@ -156,9 +156,9 @@ inline PushAnswer resolve_pushing(const PushQuestion& question, bool by_priority
   }
   std::vector<bool> touched(count);
   const auto body = [&](std::size_t i, const Pose& pose) { return place(q.bodies[i]->blocks, pose); };
-  /// Whether body o, at its present pose, blocks a motion of body i. The motion starts at `from` and ends at
-  /// `to`, where the blocks of i are `there`. It is blocked if i and o overlap at its end. Exception: bodies
-  /// that overlap at the start may move apart.
+  /// Whether body o, at its present pose, blocks a motion of body i from the pose `from` to the pose `to`.
+  /// The argument `there` has the blocks of i at the pose `to`. The motion is blocked if i and o overlap at
+  /// its end. Exception: bodies that overlap at the start may move apart.
   const auto forbids = [&](std::size_t o, std::size_t i, const Pose& from, const Pose& to,
                            const Blocks& there) {
     if (!overlap(there, placed[o])) return false;

@@ -33,8 +33,8 @@
 ///             key `kind` names a kind, and the parameters of the kind are further keys of this object, as in
 ///             {"kind": "wander", "cruise_speed_mps": 0.2}.
 /// preset      A kind of controller with other default values, under a name of its own.
-/// registry    The list of all kinds and presets (engine::Registry). Plug-ins (shared libraries) can have
-///             more kinds.
+/// registry    The list of kinds and presets (engine::Registry): the built-in ones, and those that loaded
+///             plug-ins (shared libraries) have added.
 /// field       The description of a value: name, type, unit, limits, default (engine::Field). An
 ///             engine::FieldTable is a list of fields.
 /// record      One value for each field of a table (engine::Record).

@@ -36,8 +36,8 @@ void change_json_world(JsonNode& document, const std::filesystem::path& file, co
 
 /// Converts the JSON nodes of a world to a document. Reports all errors, each at its line. A wrong value is
 /// treated as absent, with the exceptions that read_described() lists (worldio/json/read_document.hpp). Of
-/// `options`, the function uses only `most_bodies`. Throws InputError if the world has too many objects in
-/// rings (check_rings()).
+/// `options`, the function uses only `most_bodies`. Throws InputError if a `ring` (a key that repeats an
+/// object in a circle) makes too many objects (check_rings()).
 WorldDocument read_json_document(const JsonNode& document, const engine::Registry& registry,
                                  const LoadOptions& options, Diagnostics& diagnostics);
 
