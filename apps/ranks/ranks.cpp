@@ -286,22 +286,6 @@ void ignore_signals() {
   for (const int signal : {SIGINT, SIGTERM, SIGUSR2, SIGHUP}) std::signal(signal, SIG_IGN);
 }
 
-/// Calls connect(). If connect() throws an InputError on a rank other than 0, rank 0 usually has the same
-/// error. It prints the error and ends, and the launcher then ends this process. If this process still runs
-/// after ten seconds (or half of the time limit limit_s, s, if that is shorter), rank 0 does not have the
-/// error, for example because only this host lacks the module. This process then prints the error.
-std::unique_ptr<MpiTransport> connect_or_say_why(const Launcher& launcher, double limit_s) {
-  try {
-    return connect(launcher);
-  } catch (const InputError& error) {
-    if (launcher.rank > 0) {
-      std::this_thread::sleep_for(std::chrono::duration<double>(std::min(10.0, limit_s / 2)));
-      fmt::print(stderr, "rank {} on {}: {}\n", launcher.rank, host(), error.what());
-    }
-    throw;
-  }
-}
-
 /// Connects this process with the other processes of the launcher. Then calls work() with the transport and
 /// the host names of the ranks, and returns its result. limit_s: the longest time that this process waits for
 /// another, also when the connection begins and ends, s
@@ -310,7 +294,7 @@ ExitCode with_others(const Launcher& launcher, double limit_s,
   std::unique_ptr<MpiTransport> transport;
   {
     const EndsWithin limit(limit_s, launcher.rank, "the connection to the other ranks (MPI_Init)");
-    transport = connect_or_say_why(launcher, limit_s);
+    transport = connect(launcher);
   }
   transport->set_limit(limit_s);
   const std::vector<std::string> hosts = meet(*transport, limit_s);
