@@ -7,6 +7,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <limits>
 #include <stdexcept>
 #include <string>
 #include <vector>
@@ -145,6 +146,38 @@ std::string error_of(std::vector<DeviceKind> kinds) {
     return error.what();
   }
   return {};
+}
+
+TEST(DeviceReach, MayBeInfinite) {
+  Registry registry = test::registry();
+  DeviceKind eye{.name = "eye", .text = ""};
+  eye.prepare = [](const Record&, const Pose&) {
+    return DeviceKind::Prepared{.data = 0, .reach_m = std::numeric_limits<double>::infinity()};
+  };
+  eye.sense = [](const SenseBatch&) -> std::uint64_t { return 0; };
+  registry.devices.push_back(eye);
+  SceneBuilder scene;
+  const TypeId type = scene.robot("robot", {box(0.4, 0.4)});
+  scene[type].devices = {{.name = "eye", .kind = "eye", .params = {}, .active = true, .where = {}}};
+  for (int i = 0; i < 3; ++i) scene.body(std::to_string(i), type, {i * 1.0, 0, 0, 0});
+  Diagnostics diagnostics;
+  World world(scene.spec, registry, {.threads = 1}, diagnostics);
+  std::size_t near = 0;
+  world.index().for_each_near(Box::around({0, 0}, 5), [&](const partition::BodyCircle&) { ++near; });
+  EXPECT_EQ(near, 3u);
+}
+
+TEST(Commands, InAnUnknownModeEndTheStep) {
+  SceneBuilder scene;
+  scene.body("r", scene.robot("robot", {box(0.4, 0.4)}), {0, 0, 0, 0});
+  World world = scene.world();
+  world.set_command(Row(0), {1, 0, 0, static_cast<ControlMode>(77)});
+  try {
+    world.step();
+    ADD_FAILURE() << "nothing was thrown";
+  } catch (const StepError& error) {
+    EXPECT_STREQ(error.what(), "tick 1: robot \"r\" was commanded in a mode that is no value of ControlMode");
+  }
 }
 
 TEST(Effects, ThatADeviceMustNotEmitEndTheStep) {
