@@ -24,9 +24,11 @@ std::string column_name(const MeasureSpec& spec, const MeasureKind& kind) {
 /// Calls `call`, which runs a function of a measure, and returns its result. Replaces an exception of `call`
 /// by a std::runtime_error whose text names the tick and the measure, because the exception of a plug-in does
 /// not name its origin. Exceptions of another language (MeasureKind::is_foreign) propagate unchanged: they
-/// name the file and the line, and programs in that language catch them.
+/// name the file and the line, and programs in that language catch them. During the call, functions that
+/// change the world throw (World::Frozen).
 template <class Call>
-auto call_measure(const World& world, const MeasureKind& kind, const std::string& column, Call&& call) {
+auto call_measure(World& world, const MeasureKind& kind, const std::string& column, Call&& call) {
+  const World::Frozen frozen(world);
   if (kind.is_foreign) return call();
   try {
     return call();
@@ -45,10 +47,7 @@ template <class Parts>
 void see_all(World& world, const Parts& parts, const std::vector<std::string>& columns,
              std::span<const std::unique_ptr<Measure>> measures) {
   for (std::size_t i = 0; i < parts.size(); ++i)
-    call_measure(world, *parts[i].kind, columns[i], [&] {
-      const World::Frozen frozen(world);
-      measures[i]->see(world);
-    });
+    call_measure(world, *parts[i].kind, columns[i], [&] { measures[i]->see(world); });
 }
 
 }  // namespace
@@ -131,10 +130,8 @@ void MeasureSet::see() {
 
 double MeasureSet::value(std::size_t column) {
   world_.require_whole();
-  return call_measure(world_, *parts_[column].kind, columns_[column], [&] {
-    const World::Frozen frozen(world_);
-    return measures_[column]->value(world_);
-  });
+  return call_measure(world_, *parts_[column].kind, columns_[column],
+                      [&] { return measures_[column]->value(world_); });
 }
 
 std::vector<double> MeasureSet::values() {

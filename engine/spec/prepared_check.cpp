@@ -98,8 +98,7 @@ Result<> check_prepared(const DeviceKind& kind, const DeviceKind::Prepared& prep
   if ((prepared.most_effects > 0 || prepared.ends_lives) && kind.act == nullptr)
     return Error{
         "declares effects (most_effects or ends_lives), which only the hook \"act\" may emit, but has no "
-        "such "
-        "hook"};
+        "such hook"};
   return {};
 }
 

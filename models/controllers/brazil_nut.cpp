@@ -48,9 +48,8 @@ struct BrazilNut {
           "weight of a unit vector of random direction in the vector sum that the robot follows");
       d.member<&Params::push>("push", at_least(0),
                               "largest weight of the repulsion by another robot, in the vector sum that the "
-                              "robot follows; the weight "
-                              "falls linearly with the distance between the robots, from this value at 0 m "
-                              "to 0 at the sum of both radii");
+                              "robot follows; the weight falls linearly with the distance between the "
+                              "robots, from this value at 0 m to 0 at the sum of both radii");
       d.member<&Params::shake>("shake", seconds, within(0, 1e6),
                                "time after which the robot chooses a new random direction");
     }
