@@ -1,6 +1,7 @@
 """The table of scripts/prove, and its progress line."""
 
 import sys
+import threading
 import time
 
 
@@ -15,21 +16,30 @@ def print_row(cells):
 
 class Progress:
     """A progress line on standard error. On a terminal, show() overwrites the line; elsewhere, it prints a new line, but at most
-    every 15 s. total: number of runs; the caller must increase `done` with each run."""
+    every 15 s. Several threads may use it."""
 
-    def __init__(self, total):
-        self.total, self.done, self.start, self.shown = total, 0.0, time.monotonic(), 0.0
+    def __init__(self):
+        self.total, self.started, self.start, self.shown = 0, 0, time.monotonic(), 0.0
         self.terminal = sys.stderr.isatty()
+        self.lock = threading.Lock()
+
+    def expect(self, runs):
+        """Adds runs to those that are expected."""
+        with self.lock:
+            self.total += runs
 
     def show(self, what):
-        now = time.monotonic()
-        if not self.terminal and now - self.shown < 15:
-            return
-        self.shown = now
-        elapsed = now - self.start
-        left = f", about {clock(elapsed * (self.total - self.done) / self.done)} remain" if self.done else ""
-        text = f"  {what}; {clock(elapsed)} minutes passed{left}"
-        print(f"\r{text:<120}" if self.terminal else text, end="" if self.terminal else "\n", file=sys.stderr, flush=True)
+        """Counts one more started run, `what`."""
+        with self.lock:
+            self.started += 1
+            now = time.monotonic()
+            if not self.terminal and now - self.shown < 15:
+                return
+            self.shown = now
+            elapsed, done = now - self.start, self.started - 1
+            left = f", about {clock(elapsed * (self.total - done) / done)} remain" if done else ""
+            text = f"  {what}; {clock(elapsed)} minutes passed{left}"
+            print(f"\r{text:<120}" if self.terminal else text, end="" if self.terminal else "\n", file=sys.stderr, flush=True)
 
     def clear(self):
         if self.terminal:

@@ -92,18 +92,23 @@ def allocator(base):
     return Proof("T0 hostile allocator", "descending, shuffled addresses; junk", variants)
 
 
-def surroundings(base, folder):
-    """A process with the floating-point mode of -ffast-math, and with another rounding mode, locale and working directory
-    than usual (tests/hostile/surroundings.cpp)."""
-    locale = folder / "locale" / "de_DE.UTF-8"
-    if not locale.exists():
-        locale.parent.mkdir()
-        made = subprocess.run(["localedef", "-i", "de_DE", "-f", "UTF-8", locale], capture_output=True, text=True)
-        if not locale.exists():
+LOCALE = "de_DE.UTF-8"  # has decimal commas
+
+
+def locales(folder):
+    """Makes the locale LOCALE in `folder`, unless it is there, and returns the folder, for the variable LOCPATH."""
+    if not (folder / LOCALE).exists():
+        made = subprocess.run(["localedef", "-i", "de_DE", "-f", "UTF-8", folder / LOCALE], capture_output=True, text=True)
+        if not (folder / LOCALE).exists():
             raise Fault(f"cannot make a locale with decimal commas: {made.stderr.strip()}; scripts/setup --checks installs "
                         "Debian's package locales")
-    environment = {"LD_PRELOAD": str(hostile("surroundings")), "LOCPATH": str(locale.parent),
-                   "TROUPE_LOCALE": locale.name, "LC_ALL": locale.name}
+    return folder
+
+
+def surroundings(base, locales):
+    """A process with the floating-point mode of -ffast-math, and with another rounding mode, locale and working directory
+    than usual (tests/hostile/surroundings.cpp). locales: the result of locales()."""
+    environment = {"LD_PRELOAD": str(hostile("surroundings")), "LOCPATH": str(locales), "TROUPE_LOCALE": LOCALE, "LC_ALL": LOCALE}
     variants = tuple(replace(base, label=f"hostile surroundings, {n} threads", threads=n, environment=environment,
                              folder=pathlib.Path("/")) for n in (1, 2))
     return Proof("T0 hostile surroundings", "fast-math mode, rounding up, locale, folder", variants)
