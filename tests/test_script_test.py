@@ -34,8 +34,13 @@ class Arguments(unittest.TestCase):
             done = call(*arguments)
             self.assertEqual((done.returncode, done.stdout), (2, ""))
             wrong = next(argument for argument in arguments if argument not in ("--all", "release"))
-            self.assertEqual(done.stderr, f'scripts/test: error: unknown argument "{wrong}"; allowed are --all, --help, '
-                                          f"and the presets {allowed}\n")
+            self.assertEqual(done.stderr, f'scripts/test: error: unknown argument "{wrong}"; allowed are --all, '
+                                          f"--folders=NAME,..., --help, and the presets {allowed}\n")
+
+    def test_folders_without_tests_are_errors(self):
+        done = call("--folders=base,docs", "dev")
+        self.assertEqual((done.returncode, done.stdout), (2, ""))
+        self.assertEqual(done.stderr, "scripts/test: error: tests/docs has no test program, in --folders=base,docs\n")
 
     def test_ci_tests_what_is_shipped_wholly_and_with_sanitizers(self):
         self.assertIn("\nscripts/test --all release\nscripts/test dev\n", (ROOT / ".ci/run").read_text())
