@@ -29,7 +29,7 @@ PROCESSORS = (
     Processor("cortex-a57", "no SVE", "neon", 0.3),
     Processor("a64fx", "SVE of 512 bits", "sve", 0.5),
     Processor("max,sve-default-vector-length=16", "SVE2 of 128 bits", "sve2_128", 0.5),
-    Processor("max,sve-default-vector-length=32", "SVE2 of 256 bits", "sve2", 0.4),
+    Processor("max,sve-default-vector-length=32", "SVE2 of 256 bits", "sve_256", 0.4),
     Processor("max,sve-default-vector-length=256", "SVE2 of 2048 bits", "sve2", 1.4),
 )
 
