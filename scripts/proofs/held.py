@@ -5,14 +5,18 @@ from .runs import Fault, difference, state_of
 from .table import Progress, print_row
 
 
+def runs_of(proofs):
+    return sum(len(proof.variants) for proof in proofs)
+
+
 def hold(world, proofs, ticks, folder, golden=None, robots=None, progress=None):
     """Runs the variants of the proofs in one world and prints one row of the table per proof. Yields each proof with a list of
     the differences, as texts. folder: folder for the files of the runs; calls that run at the same time need different ones.
     golden: the result of read_golden(), with which the last hash of the first run is compared; None: no comparison. robots:
-    number of robots; None: the number in the world. progress: the progress line of several calls; None: a line of its own.
+    number of robots; None: the number in the world. progress: the progress line of several calls, which expects the runs of
+    all of them; None: a line of its own.
     Raises Fault if the first run fails."""
-    progress = progress or Progress()
-    progress.expect(sum(len(proof.variants) for proof in proofs))
+    progress = progress or Progress(runs_of(proofs))
     expected = None
     for proof in proofs:
         found = []

@@ -16,17 +16,12 @@ def print_row(cells):
 
 class Progress:
     """A progress line on standard error. On a terminal, show() overwrites the line; elsewhere, it prints a new line, but at most
-    every 15 s. Several threads may use it."""
+    every 15 s. Several threads may use it. total: number of runs."""
 
-    def __init__(self):
-        self.total, self.started, self.start, self.shown = 0, 0, time.monotonic(), 0.0
+    def __init__(self, total):
+        self.total, self.started, self.start, self.shown = total, 0, time.monotonic(), 0.0
         self.terminal = sys.stderr.isatty()
         self.lock = threading.Lock()
-
-    def expect(self, runs):
-        """Adds runs to those that are expected."""
-        with self.lock:
-            self.total += runs
 
     def show(self, what):
         """Counts one more started run, `what`."""
