@@ -3,6 +3,7 @@
 #include "base/assert.hpp"
 #include "base/math_tables.hpp"
 
+#include <algorithm>
 #include <array>
 #include <bit>
 #include <cstddef>
@@ -252,6 +253,24 @@ void sincos(std::span<const double> radians, std::span<SinCos> out) {
     for (std::size_t i = 0; i < radians.size(); ++i) out[i] = sincos_near(radians[i]);
   else
     for (std::size_t i = 0; i < radians.size(); ++i) out[i] = sincos(radians[i]);
+}
+
+// Eight rows are summed at a time, because within one row each addition must wait for the previous one.
+void sum_rows(std::span<const double> values, std::size_t columns, std::span<double> sums) {
+  TROUPE_ASSERT(values.size() == columns * sums.size());
+  constexpr std::size_t k_some = 8;
+  std::size_t row = 0;
+  for (; row + k_some <= sums.size(); row += k_some) {
+    double sum[k_some] = {};
+    for (std::size_t c = 0; c < columns; ++c)
+      for (std::size_t r = 0; r < k_some; ++r) sum[r] += values[(row + r) * columns + c];
+    std::copy_n(sum, k_some, &sums[row]);
+  }
+  for (; row < sums.size(); ++row) {
+    double sum = 0;
+    for (std::size_t c = 0; c < columns; ++c) sum += values[row * columns + c];
+    sums[row] = sum;
+  }
 }
 
 double sin(double radians) { return sincos(radians).sin; }

@@ -61,8 +61,8 @@ function(troupe_add_library folder)
   add_library(troupe::${folder} ALIAS troupe_${folder})
   set_target_properties(troupe_${folder} PROPERTIES EXPORT_NAME ${folder} POSITION_INDEPENDENT_CODE ON)
   target_compile_features(troupe_${folder} PUBLIC cxx_std_20)
-  if(${folder} IN_LIST troupe_unity_libraries AND NOT DEFINED CMAKE_UNITY_BUILD)
-    set_target_properties(troupe_${folder} PROPERTIES UNITY_BUILD ON UNITY_BUILD_BATCH_SIZE 16)
+  if(${folder} IN_LIST troupe_unity_libraries)
+    troupe_compile_together(troupe_${folder} others ${arg_SOURCES})
   endif()
   file(GLOB_RECURSE headers CONFIGURE_DEPENDS *.hpp)
   set(public_headers)
@@ -89,20 +89,55 @@ function(troupe_add_library folder)
   endforeach()
 endfunction()
 
-# troupe_compile_briefly(TARGET): compiles at -O1 where a release uses -O3, for code in which no tick spends time. In such
-# sources optimisation takes three quarters of the compile time.
-function(troupe_compile_briefly target)
-  if(CMAKE_CXX_FLAGS_RELEASE MATCHES "-O3")
-    target_compile_options(${target} PRIVATE $<$<CONFIG:Release>:-O1>)
+# troupe_compile_together(TARGET GROUP SOURCES...): makes TARGET a unity build unless -DCMAKE_UNITY_BUILD is set, in which the
+# sources of a group are compiled in units of at most 20. A later call moves sources to another group. Sources of no group are
+# compiled alone.
+set(troupe_unit_size 20)
+function(troupe_compile_together target group)
+  if(DEFINED CMAKE_UNITY_BUILD)
+    return()
   endif()
+  set_target_properties(${target} PROPERTIES UNITY_BUILD ON UNITY_BUILD_MODE GROUP)
+  set(count 0)
+  foreach(source ${ARGN})
+    math(EXPR unit "${count} / ${troupe_unit_size}")
+    math(EXPR count "${count} + 1")
+    set_source_files_properties(${source} PROPERTIES UNITY_GROUP ${group}_${unit})
+  endforeach()
 endfunction()
 
-# For sources of a target of troupe_compile_briefly() that process much data: compiles them at -O3, outside the unity
-# build.
-function(troupe_compile_optimised)
-  if(CMAKE_CXX_FLAGS_RELEASE MATCHES "-O3" AND (NOT CMAKE_BUILD_TYPE OR CMAKE_BUILD_TYPE STREQUAL "Release"))
-    set_source_files_properties(${ARGN} PROPERTIES COMPILE_OPTIONS $<$<CONFIG:Release>:-O3>)
+# troupe_compile_as(OPTION TARGET GROUP SOURCES...): compiles the units of a group of sources with an additional option, which
+# may contradict those of the target.
+function(troupe_compile_as option target group)
+  troupe_compile_together(${target} ${group} ${ARGN})
+  if(NOT CMAKE_CXX_FLAGS_RELEASE MATCHES "-O3" OR (CMAKE_BUILD_TYPE AND NOT CMAKE_BUILD_TYPE STREQUAL "Release"))
+    return()
   endif()
+  set(units ${ARGN})
+  if(NOT DEFINED CMAKE_UNITY_BUILD)
+    set(units)
+    list(LENGTH ARGN count)
+    math(EXPR last "(${count} - 1) / ${troupe_unit_size}")
+    foreach(unit RANGE ${last})
+      list(APPEND units ${CMAKE_CURRENT_BINARY_DIR}/CMakeFiles/${target}.dir/Unity/unity_${group}_${unit}_cxx.cxx)
+    endforeach()
+  endif()
+  set_source_files_properties(${units} PROPERTIES COMPILE_OPTIONS $<$<CONFIG:Release>:${option}>)
+endfunction()
+
+# Code in which no tick spends time is compiled at -Og where a release uses -O3: in such sources, optimisation takes most of the
+# compile time. troupe_compile_briefly(TARGET) does this for a whole target, except for the sources for which
+# troupe_compile_optimised(TARGET SOURCES...) is called, because they process much data.
+# troupe_compile_briefly(TARGET SOURCES...) does it only for these sources.
+function(troupe_compile_briefly target)
+  if(ARGN)
+    troupe_compile_as(-Og ${target} brief ${ARGN})
+  elseif(CMAKE_CXX_FLAGS_RELEASE MATCHES "-O3")
+    target_compile_options(${target} PRIVATE $<$<CONFIG:Release>:-Og>)
+  endif()
+endfunction()
+function(troupe_compile_optimised target)
+  troupe_compile_as(-O3 ${target} optimised ${ARGN})
 endfunction()
 
 # For sources in which a tick spends its time. They take part only in unity builds of the whole project

@@ -25,31 +25,14 @@ py::tuple sincos_of(const Numbers& angles) {
   return py::make_tuple(sines, cosines);
 }
 
-/// Writes the sum of each row of a row-major array to `sums`. Eight rows are summed at a time, because within
-/// one row each addition must wait for the previous one.
-void sum_rows(const double* first, std::size_t rows, std::size_t columns, double* sums) {
-  constexpr std::size_t k_some = 8;
-  std::size_t row = 0;
-  for (; row + k_some <= rows; row += k_some) {
-    double sum[k_some] = {};
-    for (std::size_t c = 0; c < columns; ++c)
-      for (std::size_t r = 0; r < k_some; ++r) sum[r] += first[(row + r) * columns + c];
-    for (std::size_t r = 0; r < k_some; ++r) sums[row + r] = sum[r];
-  }
-  for (; row < rows; ++row) {
-    double sum = 0;
-    for (std::size_t c = 0; c < columns; ++c) sum += first[row * columns + c];
-    sums[row] = sum;
-  }
-}
-
 /// Returns the sums over the last axis of an array, added in ascending order of the index.
 py::array_t<double> ordered_sum(const Numbers& values) {
   if (values.ndim() == 0) throw py::value_error("ordered_sum() takes an array, found a single number");
   const std::vector<py::ssize_t> shape(values.shape(), values.shape() + values.ndim() - 1);
   py::array_t<double> sums(shape);
-  sum_rows(values.data(), static_cast<std::size_t>(sums.size()),
-           static_cast<std::size_t>(values.shape(values.ndim() - 1)), sums.mutable_data());
+  sum_rows({values.data(), static_cast<std::size_t>(values.size())},
+           static_cast<std::size_t>(values.shape(values.ndim() - 1)),
+           {sums.mutable_data(), static_cast<std::size_t>(sums.size())});
   return sums;
 }
 

@@ -10,6 +10,7 @@
 #include <cmath>
 #include <cstdint>
 #include <limits>
+#include <numeric>
 #include <span>
 #include <vector>
 
@@ -344,6 +345,20 @@ TEST(Math, BitsAreTheSameEverywhere) {
     }
   }
   EXPECT_EQ(hex(hash_bytes(std::as_bytes(std::span(values)))), "1529330995fdd8f1");
+}
+
+TEST(SumRows, AddsTheTermsOfEachRowFromFirstToLast) {
+  Random random(5, 0, 0, 0);
+  for (const std::size_t rows : {0u, 1u, 7u, 8u, 9u, 20u})
+    for (const std::size_t columns : {0u, 1u, 2u, 33u}) {
+      std::vector<double> values(rows * columns);
+      for (double& value : values) value = random.uniform(-1e9, 1e-9);
+      std::vector<double> sums(rows, -1);
+      sum_rows(values, columns, sums);
+      for (std::size_t r = 0; r < rows; ++r)
+        EXPECT_EQ(sums[r],
+                  std::accumulate(values.data() + r * columns, values.data() + (r + 1) * columns, 0.0));
+    }
 }
 
 }  // namespace
