@@ -10,6 +10,8 @@
 
 #include <algorithm>
 #include <stdexcept>
+#include <string>
+#include <unordered_set>
 
 namespace troupe::engine {
 namespace {
@@ -247,6 +249,7 @@ class TypeCompiler {
       diagnostics_.error(device.where, fmt::format("device \"{}\" {}", device.name, prepared.error().text));
       return;
     }
+    device_names_.insert(name);
     type_.devices.push_back({name,
                              kind,
                              *std::move(prepared),
@@ -278,9 +281,7 @@ class TypeCompiler {
   /// are looked up and hashed by the name of the device.
   std::string unique_name(const DeviceSpec& device) {
     std::string name = device.name;
-    for (int n = 2; std::ranges::find(type_.devices, name, &BodyType::Device::name) != type_.devices.end();
-         ++n)
-      name = fmt::format("{}#{}", device.name, n);
+    for (int n = 2; device_names_.contains(name); ++n) name = fmt::format("{}#{}", device.name, n);
     if (name != device.name)
       diagnostics_.warning(
           device.where,
@@ -356,7 +357,8 @@ class TypeCompiler {
   const Registry& registry_;
   Diagnostics& diagnostics_;
   BodyType type_;
-  std::vector<bool> claimed_;  ///< by device: a controller has reserved it for itself
+  std::unordered_set<std::string> device_names_;  ///< of all devices of type_
+  std::vector<bool> claimed_;                     ///< by device: a controller has reserved it for itself
 };
 
 }  // namespace

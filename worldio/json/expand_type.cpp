@@ -5,6 +5,9 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <string>
+#include <unordered_map>
+#include <unordered_set>
 #include <utility>
 #include <variant>
 #include <vector>
@@ -57,6 +60,7 @@ class TypeExpander {
                      const Stand& stand);
   engine::PartSpec device_part(const DeviceDocument& document, const engine::DeviceSpec& device,
                                const engine::DeviceKind& kind) const;
+  std::size_t add_device(engine::DeviceSpec device, const engine::DeviceKind& kind);
   void expand_controller(const ControllerDocument& document, std::uint32_t part);
   /// Sets `joint` if the document names a joint or says that there is none (null). Otherwise `joint` keeps
   /// its value, such as the joint of the enclosing part.
@@ -70,6 +74,10 @@ class TypeExpander {
   ImageFolder& images_;
   engine::TypeSpec& type_;
   std::vector<Riding> riding_;
+  // The names and the kinds of the devices of the type. A search through the devices for each new device
+  // would take an hour for the many devices that rings can add.
+  std::unordered_set<std::string> device_names_;
+  std::unordered_map<std::string, std::size_t> devices_of_kind_;
 };
 
 void TypeExpander::expand_root(const TypeDocument& document, const DocumentPath& at) {
@@ -145,7 +153,7 @@ void TypeExpander::expand_own_device(const PartDocument& document, const Documen
                             .active = own.active,
                             .where = own.where};
   expand_joint(own.joint, own.where_of("joint"), at, device.joint);
-  const std::size_t d = engine::add_device(type_, std::move(device), *kind);
+  const std::size_t d = add_device(std::move(device), *kind);
   if (moves_itself(*kind)) type_.parts[stand.part].joint = stand.joint = type_.devices[d].moves;
   if (!kind->body || has_shape) return;
   engine::add_device_body(type_, d, *kind);
@@ -206,11 +214,17 @@ engine::PartSpec TypeExpander::device_part(const DeviceDocument& document, const
   return part;
 }
 
+/// Adds a device to the type. Returns its index.
+std::size_t TypeExpander::add_device(engine::DeviceSpec device, const engine::DeviceKind& kind) {
+  device_names_.insert(device.name);
+  ++devices_of_kind_[device.kind];
+  return engine::add_device(type_, std::move(device), kind);
+}
+
 void TypeExpander::expand_device(const DeviceDocument& document, const DocumentPath& at, bool is_sensor,
                                  const Stand& stand) {
   const engine::DeviceKind* kind = registry_.device(document.kind);
   if (!kind) return;
-  std::vector<engine::DeviceSpec>& devices = type_.devices;
   engine::DeviceSpec device{.name = document.name,
                             .kind = document.kind,
                             .part = stand.part,
@@ -221,9 +235,8 @@ void TypeExpander::expand_device(const DeviceDocument& document, const DocumentP
                             .active = document.active,
                             .where = document.where};
   if (device.name.empty()) {  // "ranger:1", as Stage names the second ranger of a robot
-    const auto before = std::ranges::count(devices, device.kind, &engine::DeviceSpec::kind);
-    device.name = fmt::format("{}:{}", device.kind, before);
-  } else if (std::ranges::find(devices, device.name, &engine::DeviceSpec::name) != devices.end()) {
+    device.name = fmt::format("{}:{}", device.kind, devices_of_kind_[device.kind]);
+  } else if (device_names_.contains(device.name)) {
     DocumentPath(at, "name", document.where_of("name"))
         .error(fmt::format("the type already has a {} \"{}\": choose another name",
                            is_sensor ? "sensor" : "device", device.name));
@@ -232,7 +245,7 @@ void TypeExpander::expand_device(const DeviceDocument& document, const DocumentP
   if (!document.on.empty()) {
     const DocumentPath on(at, "on", document.where_of("on"));
     if (is_sensor) {
-      riding_.push_back({devices.size(), document.on, false, on.where(), on.pointer()});
+      riding_.push_back({type_.devices.size(), document.on, false, on.where(), on.pointer()});
     } else if (const Result<> put = put_on(device, document.on); !put) {
       on.error(put.error().text);
       return;
@@ -240,7 +253,7 @@ void TypeExpander::expand_device(const DeviceDocument& document, const DocumentP
   }
   if (!has_part && document.joint && document.joint->name) {
     const DocumentPath joint(at, "joint", document.where_of("joint"));
-    riding_.push_back({devices.size(), *document.joint->name, true, joint.where(), joint.pointer()});
+    riding_.push_back({type_.devices.size(), *document.joint->name, true, joint.where(), joint.pointer()});
   } else {
     expand_joint(document.joint, document.where_of("joint"), at, device.joint);
   }
@@ -252,7 +265,7 @@ void TypeExpander::expand_device(const DeviceDocument& document, const DocumentP
     type_.parts.push_back(std::move(part));
   }
   const std::size_t part = device.part;
-  const std::size_t d = engine::add_device(type_, std::move(device), *kind);
+  const std::size_t d = add_device(std::move(device), *kind);
   if (has_part) {
     engine::add_device_body(type_, d, *kind);
     measure_part(type_.parts[part]);
