@@ -43,8 +43,11 @@ SinCos sincos(double radians);
 void sincos(std::span<const double> radians, std::span<SinCos> out);
 
 /// Sums the rows of a row-major array. The terms of a row are added from first to last, starting from 0, so
-/// an empty row gives 0. values   all rows, one after another: sums.size() x columns numbers columns  number
-/// of terms of each row, at least 0 sums     receives the sum of each row
+/// an empty row gives 0.
+///
+/// values   all rows, one after another: sums.size() x columns numbers
+/// columns  number of terms of each row, at least 0
+/// sums     receives the sum of each row
 void sum_rows(std::span<const double> values, std::size_t columns, std::span<double> sums);
 
 /// Wraps an angle into [-k_pi, k_pi]. An angle in this interval is returned unchanged, bit for bit. For any
