@@ -52,7 +52,7 @@ set_property(DIRECTORY APPEND PROPERTY CMAKE_CONFIGURE_DEPENDS ${internal_list})
 file(STRINGS ${internal_list} troupe_internal_headers REGEX "^[^#]")
 
 # Libraries that are unity builds unless -DCMAKE_UNITY_BUILD is set: most of their compile time goes into templates that
-# their sources share. The other libraries consist of hot code (partition) or of a few small sources.
+# their sources share. Of base and partition, which contain much hot code, only some sources are compiled together.
 set(troupe_unity_libraries engine sensors models worldio render troupe live)
 
 function(troupe_add_library folder)
