@@ -16,8 +16,9 @@ constexpr const char* k_repair_footer = R"(
 If a run is killed, its recording is left marked as open for writing, and its arrays may differ in length. Standard HDF5
 tools cannot open such a file. This command closes the recording and cuts it to its complete frames; frames that
 the run had not yet written to the disk are lost. The command changes a copy of the file in the same folder, and then
-replaces the file by the copy, so the disk must have room for both. A closed recording is not changed. A recording that
-a run is still writing is an error.
+replaces the file by the copy, so the disk must have room for both. If much of the file is unused, because frames were
+removed when the recording was continued, the command also removes this space. Any other closed recording is not
+changed. A recording that a run is still writing is an error.
 
 Exit codes: 0 the file is readable; 2 the file is not a recording or cannot be repaired, and was not changed.
 

@@ -232,6 +232,9 @@ void read_recording(std::string_view text) {
       check(std::string_view(error.what()).starts_with(file.string() + ": error: "));
     }
     check(worldio::repair_recording(file).frames == recording.frames());
+    const worldio::Hdf5File repaired = worldio::Hdf5File::open(file);
+    check(repaired.unused_bytes() <= std::filesystem::file_size(file));
+    worldio::Hdf5File::create_in_memory(file).copy_content(repaired);
   } catch (const worldio::Hdf5Error& error) {
     check(std::string_view(error.what()).starts_with(file.string() + ": error: "));
   }

@@ -17,6 +17,7 @@
 #include <cstddef>
 #include <cstdint>
 #include <fstream>
+#include <iterator>
 #include <optional>
 #include <span>
 #include <string>
@@ -117,6 +118,30 @@ TEST_F(RecordingTest, CutsOffWhatTheResumedRunDoesAgain) {
     step(simulation, second, 30);
   }
   EXPECT_EQ(values("run.h5"), values("whole.h5"));
+}
+
+TEST_F(RecordingTest, TheSpaceOfRemovedFramesIsNotLost) {
+  // Each robot has 4,000 readings, so that the frames of a few ticks are larger than what may stay unused.
+  std::string json = k_world;
+  const std::string few = R"("samples": 9)";
+  json.replace(json.find(few), few.size(), R"("samples": 4000)");
+  world_ = write("large.json", json);
+  options_.every_s = 0.1;
+  record_whole(60);
+  const std::filesystem::path file = folder_ / "run.h5";
+  std::filesystem::copy_file(folder_ / "whole.h5", file);
+  // HDF5 only returns space at the end of the file to the system, and this dataset lies there.
+  worldio::Hdf5File::open_to_write(file).write("last", std::span<const double>(std::vector<double>(100)));
+  Simulation simulation(world_);
+  for (int i = 0; i < 20; ++i) simulation.step();
+  Recording recording = Recording::resume(file, simulation);
+  EXPECT_LT(std::filesystem::file_size(file), std::filesystem::file_size(folder_ / "whole.h5") * 2 / 3);
+  step(simulation, recording, 60);
+  recording.close();
+  EXPECT_EQ(values("run.h5"), values("whole.h5"));
+  EXPECT_LT(std::filesystem::file_size(file),
+            std::filesystem::file_size(folder_ / "whole.h5") + (std::size_t{1} << 20));
+  EXPECT_EQ(std::distance(std::filesystem::directory_iterator(folder_), {}), 4);  // the worlds and recordings
 }
 
 TEST_F(RecordingTest, DoesNotGoOnWhereItCannot) {

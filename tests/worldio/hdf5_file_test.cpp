@@ -280,5 +280,42 @@ TEST_F(Hdf5, NamesAreOneStep) {
   EXPECT_EQ(hdf5_name(""), "%");
 }
 
+TEST_F(Hdf5, ACopyHasTheContentWithoutTheSpaceOfRemovedRows) {
+  constexpr std::size_t k_rows = 50000;
+  const std::string long_text(70000, 'x');  // is stored with variable length
+  {
+    Hdf5File file = Hdf5File::create(file_);
+    Hdf5Group group = file.create_group("state");
+    group.set_text("kind", "a group");
+    Hdf5Dataset rows =
+        group.create_group("pose").create_extendible("x", Element::u64, {2}, {.extent = {100, 2}});
+    rows.set_text("long", long_text);
+    rows.set_integer("count", -3);
+    rows.set_number("share", 0.25);
+    const std::vector<std::uint64_t> values = counted<std::uint64_t>(2 * k_rows);
+    rows.append(std::span<const std::uint64_t>(values));
+    file.flush();
+    rows.resize(10);
+    file.write_texts("names", std::vector<std::string>{"one", "three"});
+  }
+  const Hdf5File file = Hdf5File::open(file_);
+  EXPECT_THAT(file.paths(), ElementsAre("names", "state", "state/pose", "state/pose/x"));
+  EXPECT_GT(file.unused_bytes(), 16 * k_rows / 2);
+  const fs::path copy = folder_ / "copy.h5";
+  Hdf5File::create(copy).copy_content(file);
+
+  const Hdf5File copied = Hdf5File::open(copy);
+  EXPECT_LT(copied.unused_bytes(), 100000u);
+  EXPECT_LT(fs::file_size(copy), 200000u);
+  EXPECT_EQ(copied.paths(), file.paths());
+  EXPECT_EQ(copied.group("state").text("kind"), "a group");
+  const Hdf5Dataset rows = copied.dataset("state/pose/x");
+  EXPECT_EQ(rows.read<std::uint64_t>(), counted<std::uint64_t>(20));
+  EXPECT_EQ(rows.text("long"), long_text);
+  EXPECT_EQ(rows.integer("count"), -3);
+  EXPECT_EQ(rows.number("share"), 0.25);
+  EXPECT_THAT(copied.read_texts("names"), ElementsAre("one", "three"));
+}
+
 }  // namespace
 }  // namespace troupe::worldio

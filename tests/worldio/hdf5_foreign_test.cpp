@@ -71,6 +71,40 @@ class ForeignHdf5 : public test::ScratchTest {
   const std::filesystem::path file_ = folder_ / "a.h5";
 };
 
+TEST_F(ForeignHdf5, ObjectsHaveOnePath) {
+  const std::filesystem::path looped = folder_ / "looped.h5";
+  const hid_t file = H5Fcreate(looped.c_str(), H5F_ACC_TRUNC, H5P_DEFAULT, H5P_DEFAULT);
+  const hid_t group = H5Gcreate2(file, "group", H5P_DEFAULT, H5P_DEFAULT, H5P_DEFAULT);
+  H5Lcreate_hard(file, "/", group, "again", H5P_DEFAULT, H5P_DEFAULT);
+  H5Gclose(group);
+  H5Fclose(file);
+  try {
+    Hdf5File::open(looped).paths();
+    ADD_FAILURE() << "no error";
+  } catch (const Hdf5Error& error) {
+    EXPECT_THAT(error.what(), HasSubstr("/group/again has a second path: the file is damaged"));
+  }
+}
+
+TEST_F(ForeignHdf5, ValuesOfVariableLengthAreNotCopied) {
+  const std::filesystem::path texts = folder_ / "texts.h5";
+  const hid_t file = H5Fcreate(texts.c_str(), H5F_ACC_TRUNC, H5P_DEFAULT, H5P_DEFAULT);
+  const hid_t type = H5Tcopy(H5T_C_S1);
+  H5Tset_size(type, H5T_VARIABLE);
+  const hid_t space = H5Screate(H5S_SCALAR);
+  H5Dclose(H5Dcreate2(file, "text", type, space, H5P_DEFAULT, H5P_DEFAULT, H5P_DEFAULT));
+  H5Sclose(space);
+  H5Tclose(type);
+  H5Fclose(file);
+  const Hdf5File from = Hdf5File::open(texts);
+  try {
+    Hdf5File::create_in_memory(folder_ / "copy.h5").copy_content(from);
+    ADD_FAILURE() << "no error";
+  } catch (const Hdf5Error& error) {
+    EXPECT_THAT(error.what(), HasSubstr("/text has values of variable length"));
+  }
+}
+
 TEST_F(ForeignHdf5, ValuesInOtherFilesAreNotRead) {
   EXPECT_THAT(error_of([](const Hdf5File& file) { file.dataset("external"); }),
               HasSubstr("/external stores its values in other files"));

@@ -124,5 +124,25 @@ TEST_F(Reader, RepairKeepsTheFileWhereItCannotHelp) {
   EXPECT_EQ(std::distance(fs::directory_iterator(folder_), fs::directory_iterator()), 1);
 }
 
+TEST_F(Reader, RepairRemovesUnusedSpace) {
+  RecordingByHand().write(file_);
+  const std::uintmax_t size = fs::file_size(file_);
+  {
+    Hdf5File file = Hdf5File::open_to_write(file_);
+    Hdf5Dataset removed = file.create_extendible("removed", Element::u64, {}, {.extent = {1 << 18}});
+    removed.append(std::span<const std::uint64_t>(std::vector<std::uint64_t>(1 << 18)));  // 2 MiB
+    file.write("last", std::span<const double>(std::vector<double>(100)));
+    removed.resize(0);
+  }
+  EXPECT_GT(fs::file_size(file_), size + (2 << 20));
+  const Repair done = repair_recording(file_);
+  EXPECT_TRUE(done.needed);
+  EXPECT_EQ(done.frames, 3u);
+  EXPECT_LT(fs::file_size(file_), size + 10000);
+  EXPECT_THAT(RecordingReader(file_).ticks(), ElementsAre(0, 2, 4));
+  EXPECT_FALSE(repair_recording(file_).needed);
+  EXPECT_EQ(std::distance(fs::directory_iterator(folder_), fs::directory_iterator()), 1);
+}
+
 }  // namespace
 }  // namespace troupe::worldio

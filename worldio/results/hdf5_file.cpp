@@ -174,6 +174,14 @@ std::string reason() {
   throw Hdf5Error(fmt::format("{}: error: {}", file.string(), message));
 }
 
+/// Returns what HDF5 knows of an object: its address, its kind and the sizes of its header and index.
+H5O_info_t info_of(const Hdf5Object& object, hid_t id) {
+  H5O_info_t info{};
+  if (H5Oget_info1(id, &info) < 0)
+    fail_with(object.file_name(), fmt::format("{} cannot be read: {}", object.path(), reason()));
+  return info;
+}
+
 hid_t memory_type(engine::Element element) {
   switch (element) {
     case engine::Element::f64: return H5T_NATIVE_DOUBLE;
@@ -435,6 +443,30 @@ double Hdf5Object::number(const std::string& name) const {
   return value;
 }
 
+void Hdf5Object::copy_attributes(const Hdf5Object& from) {
+  const LibraryCall call;
+  for (const std::string& name : from.attributes()) {
+    const Hdf5Id attribute = from.open_attribute(name);
+    const Hdf5Id type(H5Aget_type(attribute.get()), H5Tclose);
+    switch (H5Tget_class(type.get())) {
+      case H5T_STRING: set_text(name, from.text(name)); break;
+      case H5T_INTEGER: set_integer(name, from.integer(name)); break;
+      case H5T_FLOAT: set_number(name, from.number(name)); break;
+      default: from.fail(fmt::format("has an attribute \"{}\" that is neither a text nor a number", name));
+    }
+  }
+}
+
+std::uint64_t Hdf5Object::bytes_in_file() const {
+  const LibraryCall call;
+  const H5O_info_t info = info_of(*this, id_.get());
+  std::uint64_t bytes = info.hdr.space.total;
+  for (const H5_ih_info_t& more : {info.meta_size.obj, info.meta_size.attr})
+    bytes += more.index_size + more.heap_size;
+  if (info.type == H5O_TYPE_DATASET) bytes += H5Dget_storage_size(id_.get());
+  return bytes;
+}
+
 // ---- datasets
 
 Hdf5Dataset::Hdf5Dataset(Hdf5Id id, fs::path file, std::string path)
@@ -609,6 +641,62 @@ std::vector<std::string> Hdf5Group::names() const {
   check(H5Literate(id_.get(), H5_INDEX_NAME, H5_ITER_INC, &from, add_name<H5L_info_t>, &names), "read");
   std::ranges::sort(names);
   return names;
+}
+
+Hdf5Object Hdf5Group::object(const std::string& name) const {
+  const LibraryCall call;
+  Hdf5Object found(Hdf5Id(H5Oopen(id_.get(), name.c_str(), links()), H5Oclose), file_, path_of(name));
+  found.check(found.id_.get(), "read");
+  return found;
+}
+
+std::vector<std::string> Hdf5Group::paths() const {
+  const LibraryCall call;
+  std::set<std::uint64_t> seen{info_of(*this, id_.get()).addr};
+  std::vector<std::string> paths;
+  add_paths("", seen, paths);
+  return paths;
+}
+
+/// Adds the paths of all objects in this group, each with a prefix. `seen` has the addresses of the objects
+/// that have a path already.
+void Hdf5Group::add_paths(const std::string& prefix, std::set<std::uint64_t>& seen,
+                          std::vector<std::string>& paths) const {
+  constexpr auto k_most_steps = 16;
+  if (std::ranges::count(prefix, '/') > k_most_steps) fail("is nested too deep: the file is damaged");
+  for (const std::string& name : names()) {
+    const Hdf5Object object = this->object(name);
+    if (!seen.insert(info_of(object, object.id_.get()).addr).second)
+      object.fail("has a second path: the file is damaged");
+    paths.push_back(prefix + name);
+    if (has_group(name)) group(name).add_paths(prefix + name + "/", seen, paths);
+  }
+}
+
+void Hdf5Group::copy_content(const Hdf5Group& from) {
+  for (const std::string& path : from.paths()) {
+    if (from.has_group(path)) {
+      create_group(path).copy_attributes(from.group(path));
+    } else {
+      copy_dataset(from, path);
+    }
+  }
+}
+
+/// Adds a copy of a dataset of another file, with its attributes. HDF5 copies the values; the attributes are
+/// copied one by one, because HDF5 must not read texts of variable length (see read_heap_text()).
+void Hdf5Group::copy_dataset(const Hdf5Group& from, const std::string& name) {
+  const LibraryCall call;
+  const Hdf5Object source = from.object(name);
+  const Hdf5Id type(H5Dget_type(source.id_.get()), H5Tclose);
+  if (H5Tdetect_class(type.get(), H5T_VLEN) != 0 || H5Tis_variable_str(type.get()) != 0)
+    source.fail("has values of variable length, or none: the file is damaged, or Troupe did not write it");
+  if (const Result<> own = check_own(source.id_.get()); !own) source.fail(own.error().text);
+  const Hdf5Id properties(H5Pcreate(H5P_OBJECT_COPY), H5Pclose);
+  H5Pset_copy_object(properties.get(), H5O_COPY_WITHOUT_ATTR_FLAG);
+  source.check(H5Ocopy(from.id_.get(), name.c_str(), id_.get(), name.c_str(), properties.get(), H5P_DEFAULT),
+               "copied");
+  object(name).copy_attributes(source);
 }
 
 Hdf5Dataset Hdf5Group::create_dataset(const std::string& name, engine::Element element,
@@ -788,6 +876,15 @@ void Hdf5File::flush() {
   const LibraryCall call;
   if (H5Fflush(id_.get(), H5F_SCOPE_GLOBAL) < 0)
     fail_with(file_, fmt::format("cannot be written: {}", reason()));
+}
+
+std::uint64_t Hdf5File::unused_bytes() const {
+  const LibraryCall call;
+  hsize_t size = 0;
+  check(H5Fget_filesize(id_.get(), &size), "read");
+  std::uint64_t used = bytes_in_file();
+  for (const std::string& path : paths()) used += object(path).bytes_in_file();
+  return size - std::min<std::uint64_t>(size, used);
 }
 
 std::vector<std::byte> Hdf5File::image() {

@@ -6,6 +6,7 @@
 #include <cstdint>
 #include <filesystem>
 #include <optional>
+#include <set>
 #include <span>
 #include <stdexcept>
 #include <string>
@@ -69,12 +70,21 @@ class Hdf5Object {
   std::string text(const std::string& name) const;
   std::int64_t integer(const std::string& name) const;
   double number(const std::string& name) const;
+  /// Adds copies of all attributes of another object, which is in another file. Throws if one of them is not
+  /// a text, integer or number.
+  void copy_attributes(const Hdf5Object& from);
+
+  /// The space that the object takes in the file, bytes: its header with its attributes, its index and the
+  /// values of a dataset. Not counted are the objects in a group, and texts that are stored with variable
+  /// length.
+  std::uint64_t bytes_in_file() const;
 
   /// Throws an Hdf5Error about this object. The argument is a predicate: fail("is larger than the file")
   /// gives the message `run.h5: error: /frames/tick is larger than the file`.
   [[noreturn]] void fail(std::string_view message) const;
 
  protected:
+  friend class Hdf5Group;
   Hdf5Object() = default;
   Hdf5Object(Hdf5Id id, std::filesystem::path file, std::string path);
   /// Checks `result`, which a function of the HDF5 library has returned, and returns it. If it is negative,
@@ -179,6 +189,11 @@ class Hdf5Group : public Hdf5Object {
   bool has_group(const std::string& name) const;
   /// The names of the groups and datasets in this group, sorted by their bytes.
   std::vector<std::string> names() const;
+  /// The paths of the groups and datasets in this group and in the groups inside it, as in "pose/x_m", which
+  /// group() and dataset() accept. A group comes before its content, and names are sorted by their bytes.
+  /// Throws if groups are nested more than 16 deep, or if an object has two paths: a group of a damaged file
+  /// may contain itself.
+  std::vector<std::string> paths() const;
 
   /// Creates a dataset of a fixed size. `extent` is the size along each dimension. Hdf5Dataset::write() sets
   /// the values.
@@ -190,6 +205,10 @@ class Hdf5Group : public Hdf5Object {
   Hdf5Dataset create_extendible(const std::string& name, engine::Element element,
                                 const std::vector<std::size_t>& row, const Hdf5Chunks& chunks);
   Hdf5Dataset dataset(const std::string& name) const;
+  /// Adds copies of all groups and datasets of another group, which is in another file, with their
+  /// attributes. Throws as paths() and copy_attributes() do, and if a dataset contains texts of variable
+  /// length.
+  void copy_content(const Hdf5Group& from);
   /// Creates a dataset of one dimension and writes `values` to it.
   template <class T>
   void write(const std::string& name, std::span<const T> values) {
@@ -208,9 +227,13 @@ class Hdf5Group : public Hdf5Object {
  protected:
   Hdf5Group() = default;
   Hdf5Group(Hdf5Id id, std::filesystem::path file, std::string path);
+  Hdf5Object object(const std::string& name) const;
 
  private:
   std::string path_of(const std::string& name) const;
+  void add_paths(const std::string& prefix, std::set<std::uint64_t>& seen,
+                 std::vector<std::string>& paths) const;
+  void copy_dataset(const Hdf5Group& from, const std::string& name);
 };
 
 /// A file and its root group. Only one thread at a time may use a file and the objects opened from it.
@@ -241,6 +264,9 @@ class Hdf5File : public Hdf5Group {
   void start_swmr();
   /// Hands all data written to the file to the operating system.
   void flush();
+  /// The size of the file without the space that its groups and datasets take (bytes_in_file()), bytes. Most
+  /// of this space was taken by values that were removed: HDF5 does not use it again.
+  std::uint64_t unused_bytes() const;
   /// Returns the present bytes of a file that create_in_memory() created. They begin with the user block,
   /// whose bytes are all 0.
   std::vector<std::byte> image();

@@ -27,6 +27,8 @@ bool Hdf5Object::has_attribute(const std::string&) const { refuse(file_); }
 std::string Hdf5Object::text(const std::string&) const { refuse(file_); }
 std::int64_t Hdf5Object::integer(const std::string&) const { refuse(file_); }
 double Hdf5Object::number(const std::string&) const { refuse(file_); }
+void Hdf5Object::copy_attributes(const Hdf5Object&) { refuse(file_); }
+std::uint64_t Hdf5Object::bytes_in_file() const { refuse(file_); }
 void Hdf5Object::fail(std::string_view) const { refuse(file_); }
 
 std::size_t Hdf5Dataset::row_values() const { refuse(file_); }
@@ -47,6 +49,8 @@ Hdf5Group Hdf5Group::group(const std::string&) const { refuse(file_); }
 bool Hdf5Group::has(const std::string&) const { refuse(file_); }
 bool Hdf5Group::has_group(const std::string&) const { refuse(file_); }
 std::vector<std::string> Hdf5Group::names() const { refuse(file_); }
+std::vector<std::string> Hdf5Group::paths() const { refuse(file_); }
+void Hdf5Group::copy_content(const Hdf5Group&) { refuse(file_); }
 Hdf5Dataset Hdf5Group::create_dataset(const std::string&, engine::Element, const std::vector<std::size_t>&) {
   refuse(file_);
 }
@@ -67,6 +71,7 @@ Hdf5File Hdf5File::open_swmr(const std::filesystem::path& file) { refuse(file); 
 Hdf5File Hdf5File::open_to_write(const std::filesystem::path& file) { refuse(file); }
 void Hdf5File::start_swmr() { refuse(file_); }
 void Hdf5File::flush() { refuse(file_); }
+std::uint64_t Hdf5File::unused_bytes() const { refuse(file_); }
 std::vector<std::byte> Hdf5File::image() { refuse(file_); }
 void Hdf5File::close() { refuse(file_); }
 void Hdf5File::abandon() noexcept {}

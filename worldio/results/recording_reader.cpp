@@ -12,8 +12,6 @@
 namespace troupe::worldio {
 namespace {
 
-constexpr int k_most_steps = 8;  // steps in the path of a component; Troupe writes at most three
-
 /// Returns the position of an array in the order in which a tick computes the arrays. Arrays are sorted by
 /// this position, so that a comparison of two recordings finds the earliest difference first.
 int phase_order(const RecordingReader::Array& array) {
@@ -89,20 +87,15 @@ Hdf5Group RecordingReader::checked_meta(const Hdf5File& file) {
   return meta;
 }
 
-void RecordingReader::find_arrays(const Hdf5Group& group, const std::string& component,
+void RecordingReader::find_arrays(const Hdf5Group& group, const std::filesystem::path& place,
                                   const std::vector<std::uint32_t>& bodies) {
-  // In a damaged file, a group may contain itself.
-  if (std::ranges::count(component, '/') > k_most_steps)
-    group.fail("is nested too deep: the file is damaged");
-  for (const std::string& name : group.names()) {
-    if (group.has_group(name)) {
-      find_arrays(group.group(name), component.empty() ? name : fmt::format("{}/{}", component, name),
-                  bodies);
-      continue;
-    }
-    Hdf5Dataset dataset = group.dataset(name);
+  for (const std::string& path : group.paths()) {
+    if (group.has_group(path)) continue;
+    Hdf5Dataset dataset = group.dataset(path);
     dataset.values();  // throws if the file is too small for so many values
     const std::vector<std::size_t>& extent = dataset.extent();
+    const std::string name = (place / path).filename();
+    const std::string component = (place / path).parent_path();
     if (component.empty()) {  // /state/alive belongs to no component
       if (name == "alive" && extent.size() == 2 && extent[1] == bodies.size() &&
           dataset.element() == engine::Element::u8)

@@ -96,7 +96,7 @@ class RecordingReader {
   void read(const Array& array, std::size_t frame, std::span<std::byte> into) const;
 
  private:
-  void find_arrays(const Hdf5Group& group, const std::string& component,
+  void find_arrays(const Hdf5Group& group, const std::filesystem::path& place,
                    const std::vector<std::uint32_t>& bodies);
   void read_frames();
 

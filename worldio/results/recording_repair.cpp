@@ -16,6 +16,7 @@
 #include <optional>
 #include <string>
 #include <system_error>
+#include <vector>
 
 namespace troupe::worldio {
 namespace fs = std::filesystem;
@@ -50,34 +51,48 @@ std::optional<std::string> writer_of(const fs::path& file) {
   return std::nullopt;
 }
 
-/// Removes the incomplete frames from every array in the group and in the groups inside it: `frames` rows
-/// remain.
-void cut(const Hdf5Group& group, std::size_t frames) {
-  for (const std::string& name : group.names()) {
-    if (group.has_group(name)) {
-      cut(group.group(name), frames);
-    } else if (Hdf5Dataset dataset = group.dataset(name); dataset.rows() != frames) {
-      dataset.resize(frames);
-    }
-  }
-}
-
-/// Whether every array in the group and in the groups inside it has exactly `frames` rows.
-bool has_only(const Hdf5Group& group, std::size_t frames) {
-  return std::ranges::all_of(group.names(), [&](const std::string& name) {
-    return group.has_group(name) ? has_only(group.group(name), frames) : group.dataset(name).rows() == frames;
-  });
-}
-
 // The groups whose arrays have one row per frame.
 constexpr std::array<const char*, 3> k_framed = {"frames", "state", "sensors"};
 
-/// Whether every array in the groups k_framed of a recording has exactly `frames` rows.
-bool is_even(const fs::path& file, std::size_t frames) {
-  const Hdf5File hdf5 = Hdf5File::open(file);
-  return std::ranges::all_of(k_framed, [&](const char* name) {
-    return !hdf5.has_group(name) || has_only(hdf5.group(name), frames);
-  });
+/// Returns the arrays of a recording that have one row per frame.
+std::vector<Hdf5Dataset> framed_arrays(const Hdf5File& recording) {
+  std::vector<Hdf5Dataset> arrays;
+  for (const char* name : k_framed) {
+    if (!recording.has_group(name)) continue;
+    const Hdf5Group group = recording.group(name);
+    for (const std::string& path : group.paths())
+      if (!group.has_group(path)) arrays.push_back(group.dataset(path));
+  }
+  return arrays;
+}
+
+fs::path packed_copy(fs::path file) { return file.concat(".packed"); }
+
+/// Whether every array of a recording has exactly `frames` rows.
+bool is_even(const Hdf5File& recording, std::size_t frames) {
+  return std::ranges::all_of(framed_arrays(recording),
+                             [&](const Hdf5Dataset& array) { return array.rows() == frames; });
+}
+
+/// Replaces a recording by a copy of its content, which has no unused space. Leaves the recording as it is if
+/// it cannot be copied: because the disk is full, or because another program added an object that cannot be
+/// copied.
+void remove_unused_space(const fs::path& file) {
+  const fs::path packed = packed_copy(file);
+  std::optional<Hdf5File> into;
+  try {
+    const Hdf5File from = Hdf5File::open(file);
+    into = Hdf5File::create(packed);
+    into->copy_content(from);
+    into->flush();
+    into->close();
+  } catch (const Hdf5Error&) {
+    if (into) into->abandon();
+    std::error_code ignored;
+    fs::remove(packed, ignored);
+    return;
+  }
+  fs::rename(packed, file);
 }
 
 /// Repairs a file in place. Returns the number of its complete frames.
@@ -85,11 +100,12 @@ std::uint64_t repair_copy(const fs::path& copy) {
   close_superblock(copy);
   const std::size_t frames = RecordingReader(copy).frames();
   Hdf5File hdf5 = Hdf5File::open_to_write(copy);
-  for (const char* name : k_framed)
-    if (hdf5.has_group(name)) cut(hdf5.group(name), frames);
+  for (Hdf5Dataset& array : framed_arrays(hdf5))
+    if (array.rows() != frames) array.resize(frames);
   hdf5.flush();
   hdf5.close();
-  if (RecordingReader(copy).frames() != frames || !is_even(copy, frames))
+  if (has_much_unused_space(Hdf5File::open(copy))) remove_unused_space(copy);
+  if (RecordingReader(copy).frames() != frames || !is_even(Hdf5File::open(copy), frames))
     throw Hdf5Error(fmt::format(
         "{}: error: cannot be repaired: some arrays in the file have more frames than others, and cannot be "
         "shortened, because the file is damaged",
@@ -98,6 +114,16 @@ std::uint64_t repair_copy(const fs::path& copy) {
 }
 
 }  // namespace
+
+bool has_much_unused_space(const Hdf5File& recording) {
+  constexpr std::uint64_t k_least_bytes = std::uint64_t{1} << 20;
+  try {
+    const std::uint64_t unused = recording.unused_bytes();
+    return unused > k_least_bytes && unused > fs::file_size(recording.file_name()) / 8;
+  } catch (const Hdf5Error&) {
+    return false;
+  }
+}
 
 Repair repair_recording(const fs::path& file) {
   if (const Result<> readable = check_readable(file); !readable)
@@ -110,7 +136,8 @@ Repair repair_recording(const fs::path& file) {
                     file.string()));
   if (!head->writing()) {
     const std::size_t frames = RecordingReader(file).frames();
-    if (is_even(file, frames)) return {false, frames};
+    const Hdf5File recording = Hdf5File::open(file);
+    if (is_even(recording, frames) && !has_much_unused_space(recording)) return {false, frames};
   }
   if (const std::optional<std::string> writer = writer_of(file))
     throw Hdf5Error(
@@ -122,9 +149,10 @@ Repair repair_recording(const fs::path& file) {
   try {
     // `turn` reserves a name for the copy: a second repair at the same time gets another name, and thus makes
     // another copy. The copy is a file in addition to `turn`, because both PartialFile and HDF5 lock their
-    // file. A copy that a killed repair left is overwritten.
+    // file. Copies that a killed repair left are removed.
     const PartialFile turn(file);
     copy = fs::path(turn.path()).concat(".copy");
+    fs::remove(packed_copy(copy), ignored);
     fs::copy_file(file, copy, fs::copy_options::overwrite_existing);
     const std::uint64_t frames = repair_copy(copy);
     fs::rename(copy, file);

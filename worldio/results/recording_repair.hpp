@@ -1,5 +1,7 @@
 #pragma once
 
+#include "worldio/results/hdf5_file.hpp"
+
 #include <cstdint>
 #include <filesystem>
 
@@ -7,14 +9,21 @@ namespace troupe::worldio {
 
 /// The result of repair_recording().
 struct Repair {
-  /// Whether the file was repaired. False: the file was closed and had only complete frames.
+  /// Whether the file was repaired. False: the file was closed, had only complete frames and had little
+  /// unused space.
   bool needed = false;
   std::uint64_t frames = 0;  ///< number of complete frames, all of which are kept
 };
 
+/// Whether more than an eighth of a recording, and more than 1 MiB, is unused space. HDF5 does not use the
+/// space of removed frames again. Returns false if the space is unknown, because another program added
+/// objects to the recording that have several paths or cannot be opened.
+bool has_much_unused_space(const Hdf5File& recording);
+
 /// Makes a recording that was cut off readable for ordinary HDF5 tools. The function marks the file as closed
-/// and removes incomplete frames from all arrays. A frame is the recorded state of the world at one time. A
-/// closed recording without incomplete frames is not changed.
+/// and removes incomplete frames from all arrays. A frame is the recorded state of the world at one time. If
+/// the file has much unused space, the function also tries to remove this space. A closed recording without
+/// incomplete frames and with little unused space is not changed.
 ///
 /// The function works on a copy next to the file. When the copy is complete, the function renames it to the
 /// name of the file. At every moment, the file is therefore either the old one or the repaired one.

@@ -99,21 +99,17 @@ RecordingWriter::RecordingWriter(const std::filesystem::path& file, const World&
 
 RecordingWriter::RecordingWriter(const std::filesystem::path& file, const World& world, bool in_background)
     : file_((repair_recording(file), Hdf5File::open_to_write(file))), bodies_(recorded_bodies(world)) {
-  const Hdf5Group meta = RecordingReader::checked_meta(file_);
-  every_ticks_ = static_cast<std::uint64_t>(std::max<std::int64_t>(meta.integer("record_every_ticks"), 1));
-  try {
-    components_ = recorded_components(world, split_field_names(meta.text("record_fields")));
-  } catch (const std::invalid_argument& error) {
-    meta.fail(fmt::format("belongs to another world: {}; choose another file", error.what()));
-  }
-  batch_frames_ = batch_frames(bytes_of(components_, bodies_.size()));
-  std::vector<std::uint32_t> ids;
-  for (const BodyId body : bodies_) ids.push_back(body.value);
-  if (file_.group("bodies").dataset("id").read<std::uint32_t>() != ids)
-    file_.group("bodies").fail(
-        "belongs to another world: its bodies are not those of this run; choose another file");
+  read_head(world);
   open_outputs();
   cut_after(world.tick());
+  if (has_much_unused_space(file_)) {
+    outputs_.clear();
+    frame_outputs_.clear();
+    file_.close();
+    repair_recording(file);
+    file_ = Hdf5File::open_to_write(file);
+    open_outputs();
+  }
   open_ = true;
   guarded([&] { start(in_background); });
 }
@@ -175,6 +171,23 @@ void RecordingWriter::write_head(const World& world, const RecordingHead& head) 
   bodies.write("id", std::span<const std::uint32_t>(ids));
   bodies.write_texts("type", types);
   bodies.write_texts("name", names);
+}
+
+/// Reads what a continued recording records. Throws if it is a recording of another world.
+void RecordingWriter::read_head(const World& world) {
+  const Hdf5Group meta = RecordingReader::checked_meta(file_);
+  every_ticks_ = static_cast<std::uint64_t>(std::max<std::int64_t>(meta.integer("record_every_ticks"), 1));
+  try {
+    components_ = recorded_components(world, split_field_names(meta.text("record_fields")));
+  } catch (const std::invalid_argument& error) {
+    meta.fail(fmt::format("belongs to another world: {}; choose another file", error.what()));
+  }
+  batch_frames_ = batch_frames(bytes_of(components_, bodies_.size()));
+  std::vector<std::uint32_t> ids;
+  for (const BodyId body : bodies_) ids.push_back(body.value);
+  if (file_.group("bodies").dataset("id").read<std::uint32_t>() != ids)
+    file_.group("bodies").fail(
+        "belongs to another world: its bodies are not those of this run; choose another file");
 }
 
 void RecordingWriter::create_outputs() {
@@ -245,8 +258,7 @@ void RecordingWriter::open_outputs() {
 }
 
 void RecordingWriter::add_output(Hdf5Dataset dataset, std::size_t frame_bytes, std::byte absent) {
-  outputs_.push_back({std::move(dataset), frame_bytes});
-  gathered_.state.emplace_back(frame_bytes * batch_frames_, absent);
+  outputs_.push_back({std::move(dataset), frame_bytes, absent});
 }
 
 void RecordingWriter::cut_after(std::uint64_t tick) {
@@ -267,6 +279,8 @@ void RecordingWriter::cut_after(std::uint64_t tick) {
 void RecordingWriter::start(bool in_background) {
   file_.flush();
   file_.start_swmr();
+  for (const Output& output : outputs_)
+    gathered_.state.emplace_back(output.frame_bytes * batch_frames_, output.absent);
   if (in_background) {
     written_ = gathered_;  // so that, in both batches, a byte that no frame overwrites has the value absent()
     written_.reserve(batch_frames_);

@@ -58,7 +58,8 @@ class RecordingWriter {
                   std::vector<RecordedComponent> components, const RecordingHead& head,
                   bool in_background = false);
   /// Continues an existing recording of the same world at tick world.tick(). Frames of later ticks are
-  /// removed; record() appends new frames.
+  /// removed; record() appends new frames. If the removed frames leave much unused space, the file is
+  /// replaced by a copy without this space, as repair_recording() does.
   ///
   /// Throws Hdf5Error if the recording has other bodies or fields than the world. Also throws Hdf5Error if
   /// the recording lacks frames that were due before world.tick(), because these frames can no longer be
@@ -91,6 +92,7 @@ class RecordingWriter {
   struct Output {  // one array of the state
     Hdf5Dataset dataset;
     std::size_t frame_bytes;
+    std::byte absent;  // each byte of a row that no frame writes
   };
   struct Batch {                                // frames that are written together
     std::vector<std::vector<std::byte>> state;  // one buffer per output, with room for a full batch
@@ -100,6 +102,7 @@ class RecordingWriter {
     void reserve(std::size_t frames);
   };
   void write_head(const engine::World& world, const RecordingHead& head);
+  void read_head(const engine::World& world);
   void create_outputs();
   void open_outputs();
   void add_output(Hdf5Dataset dataset, std::size_t frame_bytes, std::byte absent);
