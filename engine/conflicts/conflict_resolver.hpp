@@ -68,13 +68,15 @@ inline double value_of(const std::atomic<std::uint64_t>& most) {
 }
 
 /// Returns the number of samples of a motion: `displacement` divided by a quarter of `thinnest`, rounded up.
-/// The result is at least 1 and at most a million.
+/// The result is at least 1 and at most 10,000.
 ///
 /// displacement: upper bound on the distance that any vertex of the body moves, m
 /// thinnest: width of the thinnest part of the body, m
 inline std::size_t motion_samples(double displacement, double thinnest) {
   const double samples = displacement / (0.25 * thinnest);
-  constexpr double k_most = 1e6;  // a very thin body at a very high speed must not stall the step
+  // A very thin body at a very high speed must not stall the step. A motion of 10 m still has a sample for
+  // each millimetre.
+  constexpr double k_most = 1e4;
   const double n = samples < k_most ? samples : k_most;
   const auto whole = static_cast<std::size_t>(n);
   return std::max<std::size_t>(1, static_cast<double>(whole) < n ? whole + 1 : whole);

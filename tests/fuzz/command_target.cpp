@@ -57,6 +57,8 @@ class Scratch {
     std::string name = (fs::temp_directory_path() / "troupe-fuzz-command-XXXXXX").string();
     if (!mkdtemp(name.data())) std::abort();
     folder_ = name;
+    // Some commands replace the process by an interpreter of Python, and the target would end silently.
+    setenv("TROUPE_PYTHON", "/dev/null", 1);  // NOLINT(concurrency-mt-unsafe): before any thread exists
     enter();
     const fs::path files = fs::path(TROUPE_SOURCE_DIR) / "tests/fuzz/files";
     for (const char* file : {"study_room.json", "room.world", "gate.pgm"}) fs::copy_file(files / file, file);
