@@ -1,6 +1,7 @@
 #include "apps/hash_log_reader.hpp"
 
 #include "base/diagnostics.hpp"
+#include "base/number_text.hpp"
 #include "troupe/effective_options.hpp"
 #include "worldio/files.hpp"
 
@@ -102,9 +103,10 @@ HashLogReader::Line HashLogReader::parse(const std::string& text) const {
   };
   const std::vector<std::string_view> words = words_of(text);
   if (words.size() != 2 + engine::k_hash_groups) malformed();
-  const auto [end, error] = std::from_chars(words[0].data(), words[0].data() + words[0].size(), line.tick);
+  const auto tick = number_of<std::uint64_t>(words[0]);
   const auto state = hash_of(words[1]);
-  if (error != std::errc() || end != words[0].data() + words[0].size() || !state) malformed();
+  if (!tick || !state) malformed();
+  line.tick = *tick;
   line.state = *state;
   for (std::size_t g = 0; g < engine::k_hash_groups; ++g) {
     const std::string_view name = engine::hash_group_name(static_cast<engine::HashGroup>(g));

@@ -19,7 +19,8 @@ Reports likely mistakes in a world: bodies that overlap at the start, robots in 
 anything, floor plans that block no robot, unused types and macros, properties without effect, and all warnings of
 loading. Each finding is one line with file and line number: maze.world:41: warning: ...
 
-Exit codes: 0 nothing found; 1 findings; 2 the world cannot be loaded (errors on standard error).
+Exit codes: 0 nothing found; 1 findings; 2 the world cannot be loaded, or its measures or its recording have errors
+(errors on standard error).
 
 Examples:
   troupe lint worlds/hospital.json

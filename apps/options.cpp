@@ -2,6 +2,7 @@
 
 #include "apps/scripts.hpp"
 #include "base/diagnostics.hpp"
+#include "base/number_text.hpp"
 #include "engine/spec/ticks.hpp"
 #include "partition/parallel.hpp"
 #include "partition/simd_target.hpp"
@@ -10,7 +11,6 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <cmath>
 #include <cstdlib>
 #include <sstream>
 #include <stdexcept>
@@ -19,13 +19,10 @@
 namespace troupe::apps {
 namespace {
 
-// Largest time that --for accepts, s: 32,000 years. This time, in microseconds, still fits into 64 bits.
-constexpr double k_max_seconds = 1e12;
-
 /// Converts a value of --robots to the name of a population (empty: the only one) and its size.
 std::pair<std::string, std::size_t> population_size(const std::string& text) {
   const auto equals = text.rfind('=');
-  const auto count = number<std::size_t>(text.substr(equals == text.npos ? 0 : equals + 1));
+  const auto count = number_of<std::size_t>(text.substr(equals == text.npos ? 0 : equals + 1));
   if (!count || equals == 0)
     refuse("--robots", text,
            "a number of robots, as in --robots 500, or --robots NAME=500 for one population");
@@ -55,11 +52,6 @@ void append_folders(const std::string& list, std::vector<std::filesystem::path>&
 
 }  // namespace
 
-std::optional<double> finite(std::string_view text) {
-  const auto value = number<double>(text);
-  return value && std::isfinite(*value) ? value : std::nullopt;
-}
-
 void refuse(const char* option, std::string_view text, std::string_view expected) {
   throw CLI::ValidationError(option, fmt::format("\"{}\" is not {}", text, expected));
 }
@@ -85,21 +77,21 @@ std::filesystem::path file_name(const char* option, const std::string& text) {
 }
 
 double seconds_from_zero(const char* option, const std::string& text) {
-  const std::optional<double> seconds = finite(text);
+  const std::optional<double> seconds = finite_number_of(text);
   if (!seconds || *seconds < 0 || *seconds > engine::k_most_seconds)
     refuse(option, text, fmt::format("a time in seconds, from 0 to {}", engine::k_most_seconds));
   return *seconds;
 }
 
 double positive_seconds(const char* option, const std::string& text, std::string_view what) {
-  const std::optional<double> seconds = finite(text);
+  const std::optional<double> seconds = finite_number_of(text);
   if (!seconds || *seconds <= 0 || *seconds > engine::k_most_seconds)
     refuse(option, text, fmt::format("{} in seconds, above 0 and at most {}", what, engine::k_most_seconds));
   return *seconds;
 }
 
 unsigned thread_count(std::string_view text) {
-  const auto threads = number<unsigned>(text);
+  const auto threads = number_of<unsigned>(text);
   if (!threads || *threads < 1 || *threads > partition::Parallel::k_most_threads)
     refuse("--threads", text,
            fmt::format("a number of threads from 1 to {}", partition::Parallel::k_most_threads));
@@ -107,14 +99,14 @@ unsigned thread_count(std::string_view text) {
 }
 
 unsigned rank_count(std::string_view text) {
-  const auto ranks = number<unsigned>(text);
+  const auto ranks = number_of<unsigned>(text);
   if (!ranks || *ranks < 1 || *ranks > k_most_ranks)
     refuse("--ranks", text, fmt::format("a number of ranks from 1 to {}", k_most_ranks));
   return *ranks;
 }
 
 double tile_size_m(std::string_view text) {
-  const auto size = finite(text);
+  const auto size = finite_number_of(text);
   if (!size || *size <= 0) refuse("--tile-size", text, "a length in metres, above 0");
   return *size;
 }
@@ -132,7 +124,7 @@ void add_run_settings(CLI::App& app, WorldOptions& options) {
   add_end_option(app, options);
   add_value(app, "--seed", "N", "Seed of all random numbers (default: the world's, else 1)",
             [&options](const std::string& text) {
-              options.simulation.seed = number<std::uint64_t>(text);
+              options.simulation.seed = number_of<std::uint64_t>(text);
               if (!options.simulation.seed) refuse("--seed", text, "a whole number from 0 to 2^64 - 1");
             });
   add_value(app, "--raytracer", "exact|grid", "Method of range finding (default: the world's, else exact)",
@@ -150,7 +142,7 @@ void add_run_settings(CLI::App& app, WorldOptions& options) {
             "Spare robots per population, which can be added during the run (default: 0)",
             [&options](const std::string& text) {
               constexpr std::uint32_t k_most = 1000000;
-              const auto count = number<std::uint32_t>(text);
+              const auto count = number_of<std::uint32_t>(text);
               if (!count || *count > k_most)
                 refuse("--spare", text, fmt::format("a number of robots from 0 to {}", k_most));
               options.simulation.spare = *count;
@@ -166,7 +158,7 @@ void add_rank_seed_option(CLI::App& app, WorldOptions& options) {
   add_value(app, "--rank-seed", "N",
             "For tests: delay messages between ranks and move robots to other ranks at random, with seed N",
             [&options](const std::string& text) {
-              options.simulation.rank_seed = number<std::uint64_t>(text);
+              options.simulation.rank_seed = number_of<std::uint64_t>(text);
               if (!options.simulation.rank_seed)
                 refuse("--rank-seed", text, "a whole number from 0 to 2^64 - 1");
             })
@@ -189,9 +181,9 @@ void add_rank_limit_option(CLI::App& app, double& limit_s) {
 
 void add_end_option(CLI::App& app, WorldOptions& options) {
   add_value(app, "--for", "S", "End at S seconds of simulated time", [&options](const std::string& text) {
-    options.for_s = finite(text);
-    if (!options.for_s || *options.for_s < 0 || *options.for_s > k_max_seconds)
-      refuse("--for", text, fmt::format("a time in seconds, from 0 to {}", k_max_seconds));
+    options.for_s = finite_number_of(text);
+    if (!options.for_s || *options.for_s < 0 || *options.for_s > engine::k_longest_run_s)
+      refuse("--for", text, fmt::format("a time in seconds, from 0 to {}", engine::k_longest_run_s));
   });
 }
 

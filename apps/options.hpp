@@ -2,7 +2,6 @@
 
 #include "troupe/simulation.hpp"
 
-#include <charconv>
 #include <filesystem>
 #include <functional>
 #include <optional>
@@ -18,19 +17,6 @@ class Option;
 
 /// Command-line options that several commands share.
 namespace troupe::apps {
-
-/// Converts a whole text to a number of type T. Returns std::nullopt if the text is not a decimal number,
-/// contains anything else (a space, a unit, a leading `+`), or is outside the range of T. For a
-/// floating-point T, `inf` and `nan` are accepted.
-template <class T>
-std::optional<T> number(std::string_view text) {
-  T value{};
-  const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), value);
-  if (error != std::errc() || end != text.data() + text.size()) return std::nullopt;
-  return value;
-}
-/// Like number<double>(), but also returns std::nullopt for inf and nan.
-std::optional<double> finite(std::string_view text);
 
 /// Throws CLI::ValidationError for the value `text` of the option `option`. With `expected` = "a number of
 /// threads, ..." the error reads `--threads: "many" is not a number of threads, ...`.

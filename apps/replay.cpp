@@ -4,6 +4,7 @@
 #include "apps/outputs.hpp"
 #include "apps/replay_page.hpp"
 #include "base/diagnostics.hpp"
+#include "base/number_text.hpp"
 #include "worldio/results/replay_codec.hpp"
 #include "worldio/results/replay_data.hpp"
 #include "worldio/whole_file.hpp"
@@ -66,7 +67,7 @@ std::string ordinal(std::size_t n) {
   return fmt::format("{}{}", n, ending);
 }
 
-std::string number_of(std::size_t n, const char* what) {
+std::string counted(std::size_t n, const char* what) {
   return fmt::format("{} {}{}", n, what, n == 1 ? "" : "s");
 }
 
@@ -79,11 +80,11 @@ std::size_t room(double max_mb) {
 
 /// Returns a description of a page of `mb` megabytes, for the user: robots, frames, and what was omitted.
 std::string contents_of(const fs::path& page, double mb, double max_mb, const worldio::ReplayData& data) {
-  std::string bodies = number_of(data.robots, "robot");
+  std::string bodies = counted(data.robots, "robot");
   if (data.others > 0)
     bodies += fmt::format(" and {} other {}", data.others, data.others == 1 ? "body" : "bodies");
   std::string text =
-      fmt::format("{}: {}, {}{}, {:.1f} MB\n", page.string(), bodies, number_of(data.frames, "frame"),
+      fmt::format("{}: {}, {}{}, {:.1f} MB\n", page.string(), bodies, counted(data.frames, "frame"),
                   data.frames > 1 ? fmt::format(" every {:.6g} s", data.every_s) : "", mb);
   if (data.stride > 1)
     text += fmt::format("{}: contains every {} of {} recorded frames, to stay under {:g} MB (--max-mb)\n",
@@ -121,7 +122,7 @@ void add_replay_options(CLI::App& command, ReplayOptions& options) {
   command.add_flag("--force", options.force, "Replace an existing file")->disable_flag_override();
   add_value(command, "--max-mb", "MB", "Largest size of the page, in megabytes (default: 25)",
             [&options](const std::string& text) {
-              const auto mb = finite(text);
+              const auto mb = finite_number_of(text);
               if (!mb || *mb <= 0 || *mb > k_most_mb)
                 refuse("--max-mb", text,
                        fmt::format("a size in megabytes, above 0 and at most {}", k_most_mb));

@@ -77,7 +77,7 @@ void add_controller_option(CLI::App& app, std::vector<std::shared_ptr<const Scri
 bool python_is_wanted() { return g_wants_python; }
 
 void run_in_python(int argc, const char* const* argv) {
-  if (const std::optional<Launcher> launcher = find_launcher(); launcher && launcher->ranks > 1)
+  if (const std::optional<Launcher> launcher = find_launcher())
     throw InputError(
         fmt::format("troupe: error: --controller works only in one process, but {} started {} processes: "
                     "start the program without the launcher",

@@ -2,6 +2,7 @@
 
 #include "apps/interrupt.hpp"
 #include "base/diagnostics.hpp"
+#include "base/number_text.hpp"
 #include "live/view.hpp"
 #include "worldio/results/checkpoint.hpp"
 
@@ -189,13 +190,13 @@ void add_view_options(CLI::App& view, ViewOptions& options) {
              [&options](const std::string& text) { options.hosts.push_back(text); });
   add_value(view, "--port", "N", "TCP port to listen on (default: 0, any free port)",
             [&options](const std::string& text) {
-              const auto port = number<std::uint16_t>(text);
+              const auto port = number_of<std::uint16_t>(text);
               if (!port) refuse("--port", text, "a port from 0 to 65535");
               options.port = *port;
             });
   add_value(view, "--rate", "R", "Limit the speed to R times real time; 0: no limit (default: 1)",
             [&options](const std::string& text) {
-              const auto rate = finite(text);
+              const auto rate = finite_number_of(text);
               if (!rate || (*rate != 0 && (*rate < live::k_least_rate || *rate > live::k_most_rate)))
                 refuse("--rate", text,
                        fmt::format("0, or a multiple of real time from {} to {}", live::k_least_rate,

@@ -168,6 +168,13 @@ std::string did_you_mean(std::string_view word, std::span<const std::string_view
 /// what: what the name stands for, here `drive`
 /// known: the allowed names, in any order
 std::string unknown_name(std::string_view what, std::string_view name, std::vector<std::string_view> known);
+/// Returns the member `name` of every object of a range, for unknown_name().
+template <class Range>
+std::vector<std::string_view> name_list(const Range& objects) {
+  std::vector<std::string_view> names;
+  for (const auto& object : objects) names.push_back(object.name);
+  return names;
+}
 /// Returns the names joined as `a, b, c`; empty without names.
 std::string comma_list(std::span<const std::string_view> names);
 

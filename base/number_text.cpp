@@ -19,4 +19,9 @@ std::string plain_number(double x, int digits) {
   return text;
 }
 
+std::optional<double> finite_number_of(std::string_view text) {
+  const std::optional<double> value = number_of<double>(text);
+  return value && std::isfinite(*value) ? value : std::nullopt;
+}
+
 }  // namespace troupe

@@ -1,6 +1,10 @@
 #pragma once
 
+#include <charconv>
+#include <optional>
 #include <string>
+#include <string_view>
+#include <system_error>
 
 namespace troupe {
 
@@ -14,5 +18,18 @@ namespace troupe {
 ///
 /// digits: number of significant digits, from 1 to 16
 std::string plain_number(double x, int digits = 10);
+
+/// Converts a whole text to a number of type T. Returns std::nullopt if the text is not a decimal number,
+/// contains anything else (a space, a unit, a leading `+`), or is outside the range of T. For a
+/// floating-point T, `inf` and `nan` are accepted.
+template <class T>
+std::optional<T> number_of(std::string_view text) {
+  T value{};
+  const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), value);
+  if (error != std::errc() || end != text.data() + text.size()) return std::nullopt;
+  return value;
+}
+/// Like number_of<double>(), but also returns std::nullopt for inf and nan.
+std::optional<double> finite_number_of(std::string_view text);
 
 }  // namespace troupe

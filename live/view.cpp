@@ -185,22 +185,18 @@ void View::Impl::received(std::uint64_t client, bool may_steer, std::string_view
   const auto what = json.is_object() ? json.value("do", Json()) : Json();
   if (!what.is_string()) {
     refused("a message that is not a JSON object with a text under the key \"do\"");
-    return server_->send(
-        client,
-        R"({"type":"refused","reason":"a message must be a JSON object with a text under the key \"do\""})");
+    return refuse(client, {}, "a message must be a JSON object with a text under the key \"do\"");
   }
   if (what == "drawn") return server_->drawn(client);
-  const auto id = json.value("id", Json(0U));
-  if (!id.is_number_unsigned()) {
+  const auto given = json.value("id", Json(0U));
+  if (!given.is_number_unsigned()) {
     refused("a message with an invalid \"id\"");
-    return server_->send(client,
-                         R"({"type":"refused","reason":"\"id\" must be a whole number from 0 to 2^64 - 1"})");
+    return refuse(client, {}, "\"id\" must be a whole number from 0 to 2^64 - 1");
   }
-  const std::string said = json.contains("id") ? fmt::format(R"("id":{},)", id.get<std::uint64_t>()) : "";
+  const auto id = json.contains("id") ? std::optional(given.get<std::uint64_t>()) : std::nullopt;
   if (!may_steer && std::ranges::find(k_looking, what.get<std::string>()) == k_looking.end()) {
     refused("a command of a read-only viewer");
-    return server_->send(client,
-                         fmt::format(R"({{"type":"refused",{}"reason":"this address is read-only"}})", said));
+    return refuse(client, id, "this address is read-only");
   }
   bool is_full = false;
   {
@@ -208,12 +204,7 @@ void View::Impl::received(std::uint64_t client, bool may_steer, std::string_view
     is_full = messages_.size() >= k_most_messages;
     if (!is_full) messages_.push_back({client, std::string(text)});
   }
-  if (is_full)
-    return server_->send(
-        client,
-        fmt::format(
-            R"({{"type":"refused",{}"reason":"too many messages are waiting: send this one again later"}})",
-            said));
+  if (is_full) return refuse(client, id, "too many messages are waiting: send this one again later");
   wake_.notify_one();
 }
 
@@ -326,12 +317,7 @@ bool View::Impl::take_messages() {
   for (const auto& [client, may_steer] : arrived) {
     clients_[client].may_steer = may_steer;
     is_changed_ = true;
-    if (may_steer && !std::exchange(has_begun_, true)) {
-      playing_ = true;
-      line_.clear();
-      due_ = measured_ = Clock::now();
-      measured_s_ = simulation_.time_s();
-    }
+    if (may_steer && !std::exchange(has_begun_, true)) play(0);
   }
   const auto changes_world = [this](std::uint64_t client) {
     return std::ranges::any_of(holders_, [client](const auto& holder) { return holder.second == client; });
@@ -359,8 +345,11 @@ void View::Impl::answer(std::uint64_t client, std::uint64_t id, const Json& memb
   server_->send(client, text_of(json));
 }
 
-void View::Impl::refuse(std::uint64_t client, std::uint64_t id, const std::string& reason) {
-  server_->send(client, text_of({{"type", "refused"}, {"id", id}, {"reason", reason}}));
+/// Answers that a message cannot be obeyed. id: the number that the message gives itself, if any.
+void View::Impl::refuse(std::uint64_t client, std::optional<std::uint64_t> id, const std::string& reason) {
+  Json json{{"type", "refused"}, {"reason", reason}};
+  if (id) json["id"] = *id;
+  server_->send(client, text_of(json));
 }
 
 /// A request of a viewer: a JSON object whose key `do` has the name of the request. The functions throw
@@ -451,12 +440,15 @@ bool View::Impl::obey_question(const Request& request, std::uint64_t client) {
   return true;
 }
 
+/// Begins to measure the speed of the run, and the time of its next tick, from now.
+void View::Impl::restart_clock() {
+  due_ = measured_ = Clock::now();
+  measured_s_ = simulation_.time_s();
+}
+
 /// Lets the world run, and pauses it after `ticks` ticks; 0: does not pause it.
 void View::Impl::play(std::uint64_t ticks) {
-  if (!playing_) {
-    due_ = measured_ = Clock::now();
-    measured_s_ = simulation_.time_s();
-  }
+  if (!playing_) restart_clock();
   playing_ = true;
   steps_ = ticks;
   line_.clear();
@@ -611,8 +603,7 @@ void View::Impl::begin_run(std::uint64_t end) {
   ++runs_;
   next_tick_ = simulation_.tick();
   line_ = playing_ ? "" : simulation_.hash_log_line();
-  due_ = measured_ = Clock::now();
-  measured_s_ = simulation_.time_s();
+  restart_clock();
   is_changed_ = true;
   if (simulation_.seed() != std::exchange(seed_, simulation_.seed())) greet_again();
 }

@@ -83,12 +83,13 @@ class View::Impl : private ViewBackend {
   bool obey_clock(const Request& request);
   bool obey_watch(const Request& request, Client& client);
   bool postpone(const Request& request, std::uint64_t client);
+  void restart_clock();
   void play(std::uint64_t ticks);
   void carry_out(std::uint64_t client, const engine::Act& act);
   void release_all(std::uint64_t client);
   void answer(std::uint64_t client, std::uint64_t id,
               const nlohmann::ordered_json& members = nlohmann::ordered_json::object());
-  void refuse(std::uint64_t client, std::uint64_t id, const std::string& reason);
+  void refuse(std::uint64_t client, std::optional<std::uint64_t> id, const std::string& reason);
   void do_jobs();
   std::string do_job(const Job& job);
   void check_restart() const;

@@ -11,7 +11,6 @@
 #include <array>
 #include <cmath>
 #include <cstddef>
-#include <cstring>
 #include <map>
 #include <utility>
 
@@ -33,33 +32,13 @@ constexpr std::string_view k_sights = "sights";
 constexpr std::string_view k_grips = "grips";
 constexpr std::string_view k_carries = "carries";
 
-double number_in(const StateField& field, const std::byte* at) {
-  const auto as = [at]<class T>(T value) {
-    std::memcpy(&value, at, sizeof value);
-    return static_cast<double>(value);
-  };
-  switch (field.element) {
-    case engine::Element::f64: return as(double());
-    case engine::Element::f32: return as(float());
-    case engine::Element::i64: return as(std::int64_t());
-    case engine::Element::i32: return as(std::int32_t());
-    case engine::Element::u64: return as(std::uint64_t());
-    case engine::Element::u32: return as(std::uint32_t());
-    case engine::Element::u8: break;
-  }
-  return as(std::uint8_t());
-}
-
 /// Returns one column of a field, or the minimum of all columns if none is given.
 double value_of(const StateTable& table, std::size_t row, std::size_t f,
                 std::optional<std::uint32_t> column) {
-  const StateField& field = table.fields()[f];
-  const std::byte* cell = table.cell<std::byte>(row, f).data();
-  const std::size_t size = engine::element_size(field.element);
-  if (column) return number_in(field, cell + *column * size);
+  if (column) return table.number(row, f, *column);
   double least = std::numeric_limits<double>::infinity();
-  for (std::uint32_t c = 0; c < field.columns; ++c)
-    least = std::min(least, number_in(field, cell + c * size));
+  for (std::uint32_t c = 0; c < table.fields()[f].columns; ++c)
+    least = std::min(least, table.number(row, f, c));
   return least;
 }
 
@@ -115,8 +94,8 @@ WatchedJson commands_of(Model& model, const engine::BodyType& type) {
       if (field.columns > k_few) continue;
       WatchedJson& values = fields[field.name] = WatchedJson::array();
       for (std::uint32_t c = 0; c < field.columns; ++c)
-        values.push_back(
-            number_in(field, asked.bytes.data() + field.offset + c * engine::element_size(field.element)));
+        values.push_back(engine::number_at(
+            field.element, asked.bytes.data() + field.offset + c * engine::element_size(field.element)));
     }
   }
   return commands;

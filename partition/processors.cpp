@@ -1,9 +1,10 @@
 #include "partition/processors.hpp"
 
+#include "base/number_text.hpp"
+
 #include <sched.h>
 
 #include <algorithm>
-#include <charconv>
 #include <cmath>
 #include <cstddef>
 #include <fstream>
@@ -40,10 +41,8 @@ std::string first_line(const fs::path& file) {
 }
 
 std::optional<double> positive_number(std::string_view text) {
-  double value = 0;
-  const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), value);
-  if (error != std::errc() || end != text.data() + text.size() || !(value > 0)) return {};
-  return value;
+  const std::optional<double> value = number_of<double>(text);
+  return value && *value > 0 ? value : std::nullopt;
 }
 
 std::optional<double> ratio(std::string_view quota, std::string_view period) {

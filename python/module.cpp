@@ -14,6 +14,7 @@
 #include <filesystem>
 #include <stdexcept>
 #include <string>
+#include <string_view>
 
 namespace troupe::python {
 namespace {
@@ -29,8 +30,12 @@ py::handle input_error;
 py::handle step_error;
 
 void raise_input_error(const InputError& error) {
-  py::object value = py::reinterpret_borrow<py::object>(input_error)(error.what());
-  value.attr("findings") = py::str(error.what()).attr("splitlines")();
+  // The text may quote the name or the content of a file, whose bytes need not be UTF-8.
+  const std::string_view text = error.what();
+  const auto message = py::reinterpret_steal<py::object>(
+      PyUnicode_DecodeUTF8(text.data(), static_cast<py::ssize_t>(text.size()), "backslashreplace"));
+  py::object value = py::reinterpret_borrow<py::object>(input_error)(message);
+  value.attr("findings") = message.attr("splitlines")();
   PyErr_SetObject(input_error.ptr(), value.ptr());
 }
 

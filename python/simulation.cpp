@@ -218,7 +218,7 @@ void step(const py::object& self, std::uint64_t ticks) {
   advance(self, ticks, false);
 }
 
-bool is_time(double seconds) { return seconds >= 0 && seconds <= 1e12; }
+bool is_time(double seconds) { return seconds >= 0 && seconds <= engine::k_longest_run_s; }
 
 void run_for(const py::object& self, double seconds, const std::optional<py::function>& on_tick) {
   Simulation& simulation = self.cast<Holder>()->use_outside("run_for()");
@@ -658,8 +658,8 @@ SimulationClass bind_simulation(py::module_& module) {
            py::kw_only(), py::arg("camera") = "top", py::arg("layers") = "", py::arg("center_m") = py::none(),
            py::arg("angle_rad") = py::none(), py::arg("across_m") = py::none(), py::arg("color_by") = "",
            py::arg("color_range") = py::none(), py::arg("background") = "paper",
-           "Draws the world into a file: .svg or .pdf, which show the world only from straight above, or, "
-           "with any other ending,\nPNG. width and height are in pixels; docs/pictures.md describes the "
+           "Draws the world into a file, whose name must end in .png, .svg or .pdf; .svg and .pdf show the "
+           "world only from straight\nabove. width and height are in pixels; docs/pictures.md describes the "
            "other options. Raises ValueError for a size below\n1, InputError for unknown names, and "
            "RuntimeError if the file cannot be written or a library is missing.")
       .def("picture", &picture, py::arg("width") = 1280, py::arg("height") = 720, py::kw_only(),

@@ -124,16 +124,7 @@ Table table_of(const Holder& held, const std::string& component, const std::stri
 }  // namespace
 
 py::dtype dtype_of(Element element) {
-  switch (element) {
-    case Element::f64: return py::dtype::of<double>();
-    case Element::f32: return py::dtype::of<float>();
-    case Element::i64: return py::dtype::of<std::int64_t>();
-    case Element::i32: return py::dtype::of<std::int32_t>();
-    case Element::u64: return py::dtype::of<std::uint64_t>();
-    case Element::u32: return py::dtype::of<std::uint32_t>();
-    case Element::u8: break;
-  }
-  return py::dtype::of<std::uint8_t>();
+  return engine::visit_element(element, []<class T>(T) { return py::dtype::of<T>(); });
 }
 
 void bind_tables(py::module_& module, SimulationClass& simulation) {

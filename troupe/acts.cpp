@@ -51,18 +51,12 @@ void move(Model& model, const Pose& pose) {
   model.set_pose(pose);
 }
 
-template <class T>
-void store(std::byte* to, double x) {
-  const auto value = static_cast<T>(x);
-  std::memcpy(to, &value, sizeof value);
-}
-
-/// Whether an element of this type can store a finite number. An integer type stores only integers in its
-/// range (64-bit types: from -2^53, or 0 if unsigned, to 2^53 - 1, where doubles are exact). f32 rounds
-/// numbers that do not exceed the largest float in magnitude.
-bool holds(Element element, double x) {
+/// Whether a value of the field can be a finite number. An integer type stores only integers in its range
+/// (64-bit types: from -2^53, or 0 if unsigned, to 2^53 - 1, where doubles are exact), and a bool 0 and 1.
+/// f32 rounds numbers that do not exceed the largest float in magnitude.
+bool holds(const StateField& field, double x) {
   const auto within = [&](double least, double end) { return x >= least && x < end && std::trunc(x) == x; };
-  switch (element) {
+  switch (field.element) {
     case Element::f64: return true;
     case Element::f32: return std::abs(x) <= static_cast<double>(std::numeric_limits<float>::max());
     case Element::i64: return within(-0x1p53, 0x1p53);
@@ -71,19 +65,14 @@ bool holds(Element element, double x) {
     case Element::u32: return within(0, 0x1p32);
     case Element::u8: break;
   }
-  return within(0, 256);
+  return within(0, field.is_bool ? 2 : 256);
 }
 
 void put(Element element, std::byte* to, double x) {
-  switch (element) {
-    case Element::f64: return store<double>(to, x);
-    case Element::f32: return store<float>(to, x);
-    case Element::i64: return store<std::int64_t>(to, x);
-    case Element::i32: return store<std::int32_t>(to, x);
-    case Element::u64: return store<std::uint64_t>(to, x);
-    case Element::u32: return store<std::uint32_t>(to, x);
-    case Element::u8: return store<std::uint8_t>(to, x);
-  }
+  engine::visit_element(element, [=](auto value) {
+    value = static_cast<decltype(value)>(x);
+    std::memcpy(to, &value, sizeof value);
+  });
 }
 
 void command(Model& model, const Act& act) {
@@ -104,10 +93,10 @@ void command(Model& model, const Act& act) {
       refuse_act(fmt::format("command \"{}\" of device \"{}\" takes {} numbers, found {}", name, act.device,
                              field.columns, numbers.size()));
     for (const double x : numbers)
-      if (!std::isfinite(x) || !holds(field.element, x))
+      if (!std::isfinite(x) || !holds(field, x))
         refuse_act(
             fmt::format("command \"{}\" of device \"{}\" has the type {}, which cannot represent {:.17g}",
-                        name, act.device, engine::element_name(field.element), x));
+                        name, act.device, field.is_bool ? "bool" : engine::element_name(field.element), x));
   }
   for (const auto& [name, numbers] : act.values) {
     const StateField& field = field_of(name);

@@ -45,15 +45,7 @@ void put_number(std::byte* at, engine::Element element, double value) {
     }
     std::memcpy(at, &own, sizeof own);
   };
-  switch (element) {
-    case engine::Element::f64: return write(double());
-    case engine::Element::f32: return write(float());
-    case engine::Element::i64: return write(std::int64_t());
-    case engine::Element::i32: return write(std::int32_t());
-    case engine::Element::u64: return write(std::uint64_t());
-    case engine::Element::u32: return write(std::uint32_t());
-    case engine::Element::u8: return write(std::uint8_t());
-  }
+  engine::visit_element(element, write);
 }
 
 /// Returns the element of `all` with this index. Throws std::out_of_range if there is none. what: name of an

@@ -10,23 +10,6 @@
 namespace troupe {
 namespace {
 
-double number_at(const std::byte* at, engine::Element element) {
-  const auto read = [&]<class T>(T value) {
-    std::memcpy(&value, at, sizeof value);
-    return static_cast<double>(value);
-  };
-  switch (element) {
-    case engine::Element::f64: return read(double());
-    case engine::Element::f32: return read(float());
-    case engine::Element::i64: return read(std::int64_t());
-    case engine::Element::i32: return read(std::int32_t());
-    case engine::Element::u64: return read(std::uint64_t());
-    case engine::Element::u32: return read(std::uint32_t());
-    case engine::Element::u8: break;
-  }
-  return read(std::uint8_t());
-}
-
 /// Position of a body in the frame of a robot, m.
 struct Seen {
   double x = 0;
@@ -106,7 +89,7 @@ class BatchEnv::Impl::RowReader {
       return;
     }
     for (std::size_t k = 0; k < part.columns; ++k)
-      add(number_at(from + k * size, part.element) * part.spec->scale);
+      add(engine::number_at(part.element, from + k * size) * part.spec->scale);
   }
 
   struct Near {
@@ -201,7 +184,7 @@ double BatchEnv::Impl::value(const TeamData& team, const Column& column, std::si
   if (column.of_measure) return measures[c * measure_columns.size() + column.column];
   const ArrayData& array = team.arrays[column.array];
   const std::byte* row = array.bytes.data() + (c * team.robots + i) * array.row_bytes();
-  return number_at(row + column.column * engine::element_size(array.element), array.element);
+  return engine::number_at(array.element, row + column.column * engine::element_size(array.element));
 }
 
 }  // namespace troupe

@@ -1,4 +1,5 @@
 #include "base/diagnostics.hpp"
+#include "engine/spec/ticks.hpp"
 #include "engine/world/world.hpp"
 #include "troupe/batch_impl.hpp"
 #include "troupe/swarm.hpp"
@@ -19,7 +20,6 @@ namespace {
 
 constexpr std::size_t k_most_copies = 1'000'000;
 constexpr std::size_t k_most_neighbours = 1000;
-constexpr double k_longest_episode_s = 1e12;
 
 template <class Named>
 void check_names(const std::vector<Named>& all, std::string_view what) {
@@ -30,13 +30,6 @@ void check_names(const std::vector<Named>& all, std::string_view what) {
             fmt::format("{} \"{}\" occurs twice: names must be unique", what, all[i].name));
 }
 
-template <class List>
-std::vector<std::string_view> known_names(const List& all) {
-  std::vector<std::string_view> names;
-  for (const auto& each : all) names.push_back(each.name);
-  return names;
-}
-
 }  // namespace
 
 void BatchEnv::Impl::refuse(const std::string& text) { throw std::invalid_argument(text); }
@@ -45,9 +38,9 @@ void BatchEnv::Impl::check_spec() const {
   if (spec.copies < 1 || spec.copies > k_most_copies)
     refuse(fmt::format("the batch has {} copies of the world: give 1 to {}", spec.copies, k_most_copies));
   if (spec.ticks < 1) refuse("a step of the batch has 0 ticks: give 1 or more");
-  if (!(spec.seconds > 0 && spec.seconds <= k_longest_episode_s))
+  if (!(spec.seconds > 0 && spec.seconds <= engine::k_longest_run_s))
     refuse(fmt::format("episodes are {} s long: give a length above 0 s and at most {} s", spec.seconds,
-                       k_longest_episode_s));
+                       engine::k_longest_run_s));
   if (spec.teams.empty()) refuse("the batch has no teams: give one or more");
   check_names(spec.teams, "team");
   for (const BatchTeam& team : spec.teams) {
@@ -168,7 +161,7 @@ void BatchEnv::Impl::plan_device_action(const BatchAction& action, std::span<con
   const auto field = std::ranges::find(fields, action.command, &engine::StateField::name);
   if (field == fields.end())
     throw std::out_of_range(fmt::format("device \"{}\": {}", action.device,
-                                        unknown_name("command", action.command, known_names(fields))));
+                                        unknown_name("command", action.command, name_list(fields))));
   if (field->columns != 1)
     refuse(
         fmt::format("command \"{}\" of device \"{}\" has {} numbers, but an action sets only one: give "
@@ -204,8 +197,8 @@ BatchEnv::Impl::Column BatchEnv::Impl::find(const TeamData& team, const BatchCol
 std::size_t BatchEnv::Impl::array_index(const TeamData& team, std::string_view name) {
   const auto found = std::ranges::find(team.arrays, name, &ArrayData::name);
   if (found == team.arrays.end())
-    throw std::out_of_range(fmt::format("team \"{}\": {}", team.spec->name,
-                                        unknown_name("array", name, known_names(team.arrays))));
+    throw std::out_of_range(
+        fmt::format("team \"{}\": {}", team.spec->name, unknown_name("array", name, name_list(team.arrays))));
   return static_cast<std::size_t>(found - team.arrays.begin());
 }
 

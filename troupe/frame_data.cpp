@@ -45,20 +45,6 @@ const StateField* field_of(const StateTable& table, std::string_view name) {
   return found == table.fields().end() ? nullptr : &*found;
 }
 
-double number_of(const StateTable& table, std::size_t row, std::size_t field, std::size_t column) {
-  const auto as = [&]<class T>(T) { return static_cast<double>(table.cell<T>(row, field)[column]); };
-  switch (table.fields()[field].element) {
-    case Element::f64: return as(double{});
-    case Element::f32: return as(float{});
-    case Element::i64: return as(std::int64_t{});
-    case Element::i32: return as(std::int32_t{});
-    case Element::u64: return as(std::uint64_t{});
-    case Element::u32: return as(std::uint32_t{});
-    case Element::u8: return as(std::uint8_t{});
-  }
-  return std::numeric_limits<double>::quiet_NaN();
-}
-
 std::vector<std::string> value_names(const World& world) {
   std::vector<std::string> names;
   for (const StateTable& table : world.tables()) {
@@ -160,7 +146,7 @@ std::vector<double> values_of(const World& world, const ChosenValue& value, cons
     for (std::size_t row = 0; row < table.rows(); ++row) {
       const std::uint32_t place = places[table.ids()[row].index()];
       if (place < values.size() && readings.exist(row))
-        values[place] = number_of(table, row, index, value.column);
+        values[place] = table.number(row, index, value.column);
     }
   }
   return values;

@@ -1,11 +1,11 @@
 #include "troupe/launcher.hpp"
 
 #include "base/diagnostics.hpp"
+#include "base/number_text.hpp"
 
 #include <fmt/format.h>
 
 #include <array>
-#include <charconv>
 #include <cstdlib>
 #include <string_view>
 
@@ -14,12 +14,7 @@ namespace {
 
 std::optional<unsigned> number_in(const char* variable) {
   const char* text = std::getenv(variable);
-  if (text == nullptr) return {};
-  const std::string_view digits(text);
-  unsigned number = 0;
-  const auto [end, error] = std::from_chars(digits.data(), digits.data() + digits.size(), number);
-  if (error != std::errc() || end != digits.data() + digits.size()) return {};
-  return number;
+  return text == nullptr ? std::nullopt : number_of<unsigned>(text);
 }
 
 /// A launcher, and the names of the environment variables that it sets in each process. `rank` names the
@@ -46,7 +41,9 @@ std::optional<Launcher> find_launcher() {
   for (const Variables& variables : k_variables) {
     const std::optional<unsigned> rank = number_in(variables.rank);
     const std::optional<unsigned> ranks = number_in(variables.ranks);
-    if (rank && ranks && *rank < *ranks) return Launcher{variables.name, *rank, *ranks, variables.mpi};
+    if (!rank || !ranks || *rank >= *ranks) continue;
+    if (*ranks == 1) return {};
+    return Launcher{variables.name, *rank, *ranks, variables.mpi};
   }
   if (const auto tasks = number_in("SLURM_STEP_NUM_TASKS"); tasks && *tasks > 1)
     throw InputError(

@@ -9,11 +9,12 @@ namespace troupe {
 struct Launcher {
   std::string name;    ///< name for error messages: "mpirun of Open MPI"
   unsigned rank = 0;   ///< number of this process, from 0
-  unsigned ranks = 1;  ///< number of processes
+  unsigned ranks = 2;  ///< number of processes, at least 2
   std::string mpi;     ///< the MPI implementation that the launcher belongs to: "openmpi" or "mpich"
 };
 
-/// Returns the launcher that started this process; std::nullopt if no launcher did. Detects a launcher by the
+/// Returns the launcher that started this process; std::nullopt if no launcher did, or if this process is the
+/// only one that the launcher started. Detects a launcher by the
 /// environment variables that it sets. Throws InputError if Slurm's srun started several processes without
 /// MPI: such processes cannot connect to each other.
 std::optional<Launcher> find_launcher();

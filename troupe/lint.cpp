@@ -1,12 +1,14 @@
 #include "troupe/lint.hpp"
 
 #include "base/fp_environment.hpp"
+#include "engine/observing/measures.hpp"
 #include "engine/world/world.hpp"
 #include "sensors/ranger.hpp"
 #include "sensors/ranger_beams.hpp"
 #include "troupe/plugins.hpp"
 #include "troupe/registry.hpp"
 #include "worldio/load.hpp"
+#include "worldio/results/recording_fields.hpp"
 
 #include <fmt/format.h>
 
@@ -14,6 +16,7 @@
 #include <limits>
 #include <map>
 #include <set>
+#include <stdexcept>
 #include <tuple>
 #include <utility>
 
@@ -353,6 +356,20 @@ void Lint::check_who_stands_in(const std::vector<BodyId>& plans) {
                                      found - k_most_listed == 1 ? " starts" : "s start"));
 }
 
+/// Reports the errors that a run with the measures and the recording of the world would report.
+void check_outputs(engine::World& world, const engine::Registry& registry, Diagnostics& diagnostics) {
+  const engine::WorldSpec& spec = world.spec();
+  std::vector<std::string> paths;
+  for (std::size_t i = 0; i < spec.measures.size(); ++i) paths.push_back(fmt::format("/measures/{}", i));
+  const engine::MeasureSet measures(world, registry, spec.measures, diagnostics, paths);
+  if (!spec.record || spec.record->fields.empty()) return;
+  try {
+    worldio::recorded_components(world, spec.record->fields);
+  } catch (const std::invalid_argument& error) {
+    diagnostics.error(spec.record->where_fields, fmt::format("/record/fields: {}", error.what()));
+  }
+}
+
 }  // namespace
 
 std::vector<std::string> lint(const std::filesystem::path& file, const SimulationOptions& options) {
@@ -369,7 +386,9 @@ std::vector<std::string> lint(const std::filesystem::path& file, const Simulatio
                                   .base_types = &base_types};
   engine::WorldSpec spec = worldio::load_world(file, registry, load, diagnostics);
   diagnostics.throw_if_errors();
-  const engine::World world(std::move(spec), registry, {options.threads, options.tile_size_m}, diagnostics);
+  engine::World world(std::move(spec), registry, {options.threads, options.tile_size_m}, diagnostics);
+  check_outputs(world, registry, diagnostics);
+  diagnostics.throw_if_errors();
   Lint(world, std::move(base_types), diagnostics).check();
 
   std::vector<Finding> findings(diagnostics.findings().begin(), diagnostics.findings().end());

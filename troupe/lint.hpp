@@ -11,7 +11,8 @@ namespace troupe {
 /// Finds probable mistakes in a world that can be loaded. Returns one line per finding,
 /// `file:line: warning: ...`, in the order of files and lines, and then the warnings about plug-ins (shared
 /// libraries with controllers or devices). The list is empty if there are no findings. Throws InputError if
-/// the world cannot be loaded, as the constructor of Simulation does.
+/// the world cannot be loaded, as the constructor of Simulation does, and for errors in the measures and the
+/// recording that the world asks for.
 ///
 /// The findings are the warnings that loading the world gives, and:
 /// - bodies that overlap at the start, and robots that start inside walls;

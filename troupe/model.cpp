@@ -27,13 +27,6 @@ bool same_names(std::span<const engine::StateField> a, std::span<const engine::S
   return std::ranges::equal(a, b, {}, &engine::StateField::name, &engine::StateField::name);
 }
 
-/// The names of the fields, for messages.
-std::string names_of(std::span<const engine::StateField> fields) {
-  std::vector<std::string_view> names;
-  for (const engine::StateField& field : fields) names.push_back(field.name);
-  return fmt::format("{}", fmt::join(names, ", "));
-}
-
 /// The robot that Swarm::for_each() visits on this thread; null if this thread is not in for_each().
 thread_local const Model* visited_robot = nullptr;
 
@@ -291,11 +284,11 @@ std::byte* Model::asked(std::string_view wanted, std::size_t bytes,
   });
   if (!device) place_->throw_unknown("device that takes this command struct", wanted, takes);
   if (!takes_these(*device))
-    throw std::invalid_argument(
-        fmt::format("\"{}\" of \"{}\" takes commands of kind {}, with the fields {} in {} bytes; the given "
-                    "struct has the fields {} in {} bytes",
-                    device->name, name(), device->kind->name, names_of(device->prepared.commands),
-                    device->prepared.command_bytes, names_of(fields), bytes));
+    throw std::invalid_argument(fmt::format(
+        "\"{}\" of \"{}\" takes commands of kind {}, with the fields {} in {} bytes; the given "
+        "struct has the fields {} in {} bytes",
+        device->name, name(), device->kind->name, comma_list(name_list(device->prepared.commands)),
+        device->prepared.command_bytes, comma_list(name_list(fields)), bytes));
   refuse_absent();
   return place_->world->asked_of(*device).row(place_->slot());
 }

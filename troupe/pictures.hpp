@@ -136,21 +136,22 @@ class Pictures {
   /// take() of the same Pictures.
   static Shot between(const Shot& earlier, const Shot& later, double share);
 
-  /// Checks that write() can write a file of this name: writes a small picture to another file in the same
-  /// folder, and removes that file. Throws as write() and draw() do. Call it before a long run, to find
-  /// errors early.
+  /// Checks that a file of this name, a picture or a film of pictures, can be written: writes a small picture
+  /// to another file in the same folder, and removes that file. Throws as write() and draw() do. Call it
+  /// before a long run, to find errors early.
   void rehearse(const std::filesystem::path& file);
   /// Returns a picture of width() x height() pixels: 8-bit RGBA, four bytes per pixel, row by row from the
   /// top. Throws std::runtime_error if the library OSMesa is missing (the text names the package to install),
   /// and if the size exceeds the limit of OSMesa. Do not call draw() or write() while another thread is in
   /// one of them.
   std::vector<std::uint8_t> draw(const Shot& shot);
-  /// Writes a picture to a file. A name ending in `.svg` or `.pdf` selects vector graphics
-  /// (docs/pictures.md); any other name selects PNG. The metadata of the file state world, time, seed and
+  /// Writes a picture to a file. The name must end in `.png`, or in `.svg` or `.pdf` for vector graphics
+  /// (docs/pictures.md). The metadata of the file state world, time, seed and
   /// state hash. The file is written under a temporary name and renamed when complete. Do not call draw() or
   /// write() while another thread is in one of them.
   ///
-  /// Throws InputError for vector graphics of a view that is not from straight above. Throws
+  /// Throws InputError for a name with another ending, and for vector graphics of a view that is not from
+  /// straight above. Throws
   /// std::runtime_error if the file cannot be written. For PNG, also throws as draw() does. For PDF, also
   /// throws std::runtime_error if the library cairo is missing (the text names the package to install).
   void write(const Shot& shot, const std::filesystem::path& file);

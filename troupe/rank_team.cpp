@@ -33,7 +33,7 @@ void check_ranks(const RankOptions& options) {
   if (options.ranks < 1 || options.ranks > k_most_ranks)
     throw std::invalid_argument(fmt::format("{} ranks: must be 1 to {}", options.ranks, k_most_ranks));
   if (options.ranks == 1) return;
-  if (const std::optional<Launcher> launcher = find_launcher(); launcher && launcher->ranks > 1)
+  if (const std::optional<Launcher> launcher = find_launcher())
     throw std::invalid_argument(fmt::format(
         "{} ranks: the ranks of a program are threads of one process, but {} started {} processes: start the "
         "program without the launcher, or use troupe run, whose ranks may be processes",

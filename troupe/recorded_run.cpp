@@ -1,6 +1,7 @@
 #include "troupe/recorded_run.hpp"
 
 #include "base/diagnostics.hpp"
+#include "base/number_text.hpp"
 #include "engine/kinds/energy.hpp"
 #include "engine/kinds/mount.hpp"
 #include "engine/sensing/shown_color.hpp"
@@ -14,7 +15,6 @@
 
 #include <algorithm>
 #include <array>
-#include <charconv>
 #include <cmath>
 #include <cstring>
 #include <limits>
@@ -39,34 +39,10 @@ using Array = RecordingReader::Array;
 constexpr double k_same_s = 1e-9;
 
 template <class T>
-void convert(std::span<const std::byte> bytes, std::span<double> into) {
-  for (std::size_t i = 0; i < into.size(); ++i) {
-    T value;
-    std::memcpy(&value, bytes.data() + i * sizeof(T), sizeof(T));
-    into[i] = static_cast<double>(value);
-  }
-}
-
-void convert(Element element, std::span<const std::byte> bytes, std::span<double> into) {
-  switch (element) {
-    case Element::f64: return convert<double>(bytes, into);
-    case Element::f32: return convert<float>(bytes, into);
-    case Element::i64: return convert<std::int64_t>(bytes, into);
-    case Element::i32: return convert<std::int32_t>(bytes, into);
-    case Element::u64: return convert<std::uint64_t>(bytes, into);
-    case Element::u32: return convert<std::uint32_t>(bytes, into);
-    case Element::u8: return convert<std::uint8_t>(bytes, into);
-  }
-}
-
-template <class T>
 T number_in(const RecordingReader& reader, const std::string& key, T fallback) {
   const auto found = reader.meta().find(key);
   if (found == reader.meta().end()) return fallback;
-  const std::string& text = found->second;
-  T value = fallback;
-  const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), value);
-  return error == std::errc() && end == text.data() + text.size() ? value : fallback;
+  return number_of<T>(found->second).value_or(fallback);
 }
 
 }  // namespace
@@ -153,7 +129,7 @@ struct RecordedRun::Impl {
     std::vector<std::byte> bytes(array.bodies.size() * array.row_bytes());
     std::vector<double> values(array.bodies.size() * array.field.columns);
     reader.read(array, frame, bytes);
-    convert(array.field.element, bytes, values);
+    engine::to_doubles(array.field.element, bytes, values);
     return values;
   }
 

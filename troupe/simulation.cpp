@@ -23,14 +23,12 @@
 namespace troupe {
 namespace {
 
-constexpr double k_longest_run_s =
-    1e12;  // 32,000 years: a longer time is a mistake; the ticks of 1e12 s fit in 64 bits
 constexpr double k_longest_ray_m = 3e5;  // from corner to corner of the largest world
 
 std::uint64_t ticks_of(std::string_view call, double seconds, double tick_s) {
-  if (!(seconds >= 0 && seconds <= k_longest_run_s))
+  if (!(seconds >= 0 && seconds <= engine::k_longest_run_s))
     throw std::invalid_argument(
-        fmt::format("{}({}): give a time from 0 to {} s", call, seconds, k_longest_run_s));
+        fmt::format("{}({}): give a time from 0 to {} s", call, seconds, engine::k_longest_run_s));
   return engine::ticks_until(seconds, tick_s);
 }
 
@@ -321,11 +319,7 @@ void Simulation::set(std::string_view type, std::string_view setting) {
 std::string Simulation::parameters(std::string_view type) const {
   const std::vector<engine::TypeSpec>& types = impl_->world->spec().types;
   const auto found = std::ranges::find(types, type, &engine::TypeSpec::name);
-  if (found == types.end()) {
-    std::vector<std::string_view> known;
-    for (const engine::TypeSpec& each : types) known.push_back(each.name);
-    throw std::out_of_range(unknown_name("type", type, known));
-  }
+  if (found == types.end()) throw std::out_of_range(unknown_name("type", type, name_list(types)));
   const TypeId id(static_cast<std::size_t>(found - types.begin()));
   return worldio::parameters_json(impl_->world->present_type(id), *impl_->registry);
 }

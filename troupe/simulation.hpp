@@ -813,8 +813,9 @@ class Simulation {
   /// so on. The reference is valid while the simulation lives.
   const engine::Registry& registry() const;
 
-  /// Draws the world from above into a PNG file, or into an SVG or PDF file if the name ends in .svg or .pdf.
-  /// width, height: size in pixels; 0 or less: the default, 1280 x 720. Throws std::runtime_error if the
+  /// Draws the world from above into a file, whose name must end in .png, .svg or .pdf. width, height: size
+  /// in pixels; 0 or less: the default, 1280 x 720. Throws InputError for another name. Throws
+  /// std::runtime_error if the
   /// library OSMesa (for PDF: cairo) is missing, if the build has no renderer, if the file cannot be written,
   /// or if it is a file that the simulation was read from (world, image, plug-in, ...).
   void snapshot(const std::filesystem::path& png, int width = 1280, int height = 720) const;

@@ -211,10 +211,8 @@ std::size_t index_of(std::span<const engine::StateField> fields, std::string_vie
 
 [[noreturn]] void throw_unknown_field(std::string_view what, std::string_view device, std::string_view name,
                                       std::span<const engine::StateField> fields) {
-  std::vector<std::string_view> known;
-  for (const engine::StateField& field : fields) known.push_back(field.name);
   throw std::out_of_range(
-      fmt::format("device \"{}\": {}", device, unknown_name(what, name, std::move(known))));
+      fmt::format("device \"{}\": {}", device, unknown_name(what, name, name_list(fields))));
 }
 
 }  // namespace

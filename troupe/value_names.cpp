@@ -1,8 +1,9 @@
 #include "troupe/value_names.hpp"
 
+#include "base/number_text.hpp"
+
 #include <fmt/format.h>
 
-#include <charconv>
 #include <optional>
 #include <utility>
 
@@ -23,12 +24,10 @@ std::vector<ChosenValue> readings_of(const std::string& name) {
   const auto whole = split_last(name);
   if (!whole) return readings;
   readings.push_back({whole->first, whole->second, 0, {}});
-  std::size_t column = 0;
-  const std::string& last = whole->second;
-  const auto [end, error] = std::from_chars(last.data(), last.data() + last.size(), column);
-  if (error != std::errc() || end != last.data() + last.size()) return readings;
+  const std::optional<std::size_t> column = number_of<std::size_t>(whole->second);
+  if (!column) return readings;
   if (const auto field = split_last(whole->first))
-    readings.push_back({field->first, field->second, column, {}});
+    readings.push_back({field->first, field->second, *column, {}});
   return readings;
 }
 

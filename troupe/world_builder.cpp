@@ -1,11 +1,11 @@
 #include "troupe/world_builder.hpp"
 
 #include "base/math.hpp"
+#include "base/number_text.hpp"
 #include "worldio/json/json_text.hpp"
 
 #include <fmt/format.h>
 
-#include <charconv>
 #include <cmath>
 #include <span>
 #include <stdexcept>
@@ -26,9 +26,8 @@ std::shared_ptr<const JsonNode> shared(JsonNode node) {
 /// Returns the same node that a JSON reader makes of this number: an integer if the number has no fraction.
 JsonNode number_node(double value) {
   const std::string text = fmt::format("{}", value);  // the shortest text that reads as this number
-  std::int64_t whole = 0;
-  const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), whole);
-  return error == std::errc() && end == text.data() + text.size() ? json_node(whole) : json_node(value);
+  const std::optional<std::int64_t> whole = number_of<std::int64_t>(text);
+  return whole ? json_node(*whole) : json_node(value);
 }
 
 Settings device_of(std::string_view name, std::string_view kind, const Settings& parameters,

@@ -1,9 +1,10 @@
 #include "worldio/colors.hpp"
 
+#include "base/number_text.hpp"
+
 #include <algorithm>
 #include <array>
 #include <cctype>
-#include <charconv>
 #include <cstdint>
 #include <string>
 #include <vector>
@@ -206,10 +207,9 @@ std::optional<Color> color_by_name(std::string_view given) {
   if (digits == 0 || digits == std::string::npos || (name[digits] == '0' && name.size() > digits + 1))
     return {};
   const std::string_view stem = std::string_view(name).substr(0, digits);
-  std::uint32_t number = 0;
-  const char* end = name.data() + name.size();
-  const auto [rest, error] = std::from_chars(name.data() + digits, end, number);
-  if (error != std::errc() || rest != end) return {};
+  const std::optional<std::uint32_t> found = number_of<std::uint32_t>(std::string_view(name).substr(digits));
+  if (!found) return {};
+  const std::uint32_t number = *found;
   if (stem == "gray") {
     if (number > 100) return {};
     // X11's list rounds halves up, except for gray50 and gray90.

@@ -6,6 +6,7 @@
 #include "apps/options.hpp"
 #include "base/diagnostics.hpp"
 #include "base/hash.hpp"
+#include "base/number_text.hpp"
 
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
@@ -80,8 +81,8 @@ struct Span {
 };
 
 Span span_of(const fs::path& file, const Lines& lines, const std::vector<std::string_view>& cells) {
-  const auto tick = number<std::uint64_t>(cells[0]);
-  const auto time_s = cells.size() > 1 ? finite(cells[1]) : std::nullopt;
+  const auto tick = number_of<std::uint64_t>(cells[0]);
+  const auto time_s = cells.size() > 1 ? finite_number_of(cells[1]) : std::nullopt;
   if (!tick || !time_s)
     throw InputError(
         fmt::format("{}:{}: error: the line must begin with a tick and a time in seconds, found \"{}\"",
@@ -127,7 +128,7 @@ Summary summary_of_hash_log(const fs::path& file) {
     whole = fmt::format("no: {}", error.what());
   }
   if (first) {
-    const double tick_s = finite(header("tick_s")).value_or(0);
+    const double tick_s = finite_number_of(header("tick_s")).value_or(0);
     summary.emplace_back("ticks", apps::ticks_text(*first, last.tick, static_cast<double>(*first) * tick_s,
                                                    static_cast<double>(last.tick) * tick_s));
     summary.emplace_back("last state", hex(last.state));

@@ -3,6 +3,7 @@
 #include "apps/memory.hpp"
 #include "apps/options.hpp"
 #include "apps/outputs.hpp"
+#include "base/number_text.hpp"
 
 #include <CLI/CLI.hpp>
 #include <fmt/format.h>
@@ -230,8 +231,8 @@ class ProfileOutput : public ClonedOutput<ProfileOutput> {
  private:
   void set_ticks(const std::string& text) {
     const auto colon = text.find(':');
-    const auto first = number<std::uint64_t>(text.substr(0, colon));
-    const auto last = colon == text.npos ? std::nullopt : number<std::uint64_t>(text.substr(colon + 1));
+    const auto first = number_of<std::uint64_t>(text.substr(0, colon));
+    const auto last = colon == text.npos ? std::nullopt : number_of<std::uint64_t>(text.substr(colon + 1));
     if (!first || !last || *first < 1 || *first > *last)
       refuse("--profile-ticks", text,
              "a first and a last tick, counted from 1, as in --profile-ticks 100:120");

@@ -1,6 +1,7 @@
 #include "apps/pictures/picture_options.hpp"
 
 #include "apps/options.hpp"
+#include "base/number_text.hpp"
 #include "engine/spec/ticks.hpp"
 
 #include <CLI/CLI.hpp>
@@ -26,8 +27,8 @@ constexpr const char* k_number_mark = "%06d";
 
 void set_picture_size(PictureOptions& look, const std::string& text) {
   const auto cross = text.find('x');
-  const auto width = number<int>(text.substr(0, cross));
-  const auto height = cross == text.npos ? std::nullopt : number<int>(text.substr(cross + 1));
+  const auto width = number_of<int>(text.substr(0, cross));
+  const auto height = cross == text.npos ? std::nullopt : number_of<int>(text.substr(cross + 1));
   const auto good = [](std::optional<int> n) { return n && *n >= 1 && *n <= k_max_pixels; };
   if (!good(width) || !good(height))
     refuse("--size", text,
@@ -40,10 +41,10 @@ void set_picture_size(PictureOptions& look, const std::string& text) {
 /// `one_is_enough`, the second number may be missing and is then 0.
 std::optional<std::array<double, 2>> two_numbers(const std::string& text, bool one_is_enough) {
   const auto comma = text.find(',');
-  const auto first = finite(text.substr(0, comma));
+  const auto first = finite_number_of(text.substr(0, comma));
   std::optional<double> second;
   if (comma != text.npos)
-    second = finite(text.substr(comma + 1));
+    second = finite_number_of(text.substr(comma + 1));
   else if (one_is_enough)
     second = 0;
   if (!first || !second) return std::nullopt;
@@ -68,7 +69,7 @@ void set_angle(PictureOptions& look, const std::string& text) {
 }
 
 double number_within(const char* option, const std::string& text, double most, std::string_view what) {
-  const std::optional<double> value = finite(text);
+  const std::optional<double> value = finite_number_of(text);
   if (!value || *value <= 0 || *value > most)
     refuse(option, text, fmt::format("{}, above 0 and at most {}", what, most));
   return *value;
@@ -135,7 +136,7 @@ void add_film_options(CLI::App& app, PictureFiles& pictures) {
                 });
   add_value(app, "--fps", "N", "Frames per second of the film (default: 30)",
             [&pictures](const std::string& text) {
-              const std::optional<double> fps = finite(text);
+              const std::optional<double> fps = finite_number_of(text);
               if (!fps || *fps < k_least_fps || *fps > k_most_fps)
                 refuse("--fps", text,
                        fmt::format("a number of frames per second, from {} to {}", k_least_fps, k_most_fps));
@@ -144,7 +145,7 @@ void add_film_options(CLI::App& app, PictureFiles& pictures) {
       ->needs(film);
   add_value(app, "--film-speed", "R", "Simulated seconds per second of the film (default: 1)",
             [&pictures](const std::string& text) {
-              const std::optional<double> speed = finite(text);
+              const std::optional<double> speed = finite_number_of(text);
               if (!speed || *speed < k_least_speed || *speed > k_most_speed)
                 refuse("--film-speed", text,
                        fmt::format("a multiple of real time, from {} to {}", k_least_speed, k_most_speed));
@@ -217,7 +218,7 @@ void set_times(PictureFiles& pictures, const char* option, const std::string& te
   std::vector<double>& times = pictures.snapshot_at_s;
   for (std::size_t start = 0; start <= text.size();) {
     const std::size_t end = std::min(text.find(',', start), text.size());
-    const std::optional<double> time = finite(std::string_view(text).substr(start, end - start));
+    const std::optional<double> time = finite_number_of(std::string_view(text).substr(start, end - start));
     if (!time || *time < 0 || *time > engine::k_most_seconds)
       refuse(option, text,
              fmt::format("a list of simulated times in seconds, each from 0 to {}, as in {} 0,60,600",

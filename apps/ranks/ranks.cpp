@@ -3,6 +3,7 @@
 #include "apps/interrupt.hpp"
 #include "base/diagnostics.hpp"
 #include "base/hash.hpp"
+#include "base/number_text.hpp"
 #include "partition/mpi_transport.hpp"
 #include "partition/processors.hpp"
 #include "troupe/launcher.hpp"
@@ -258,7 +259,7 @@ std::vector<std::string> meet(MpiTransport& transport, double limit_s) {
 unsigned threads_of_rank(const std::vector<std::string>& hosts, unsigned rank) {
   const unsigned allowed = partition::processors_allowed();
   if (const char* slurm = std::getenv("SLURM_CPUS_PER_TASK"))
-    if (const auto cpus = number<unsigned>(slurm); cpus && *cpus > 0) {
+    if (const auto cpus = number_of<unsigned>(slurm); cpus && *cpus > 0) {
       // srun ignores the option -c of sbatch but passes on its variable, which may then exceed the processors
       // that srun gives the process.
       if (rank == 0 && *cpus > allowed)
@@ -375,7 +376,7 @@ ExitCode reported(const Launcher& launcher, double limit_s, const std::function<
 ExitCode on_ranks(const WorldOptions& options,
                   const std::function<ExitCode(const SimulationOptions& simulation)>& run) {
   const std::optional<Launcher> launcher = find_launcher();
-  if (!launcher || launcher->ranks == 1) return run(options.simulation);
+  if (!launcher) return run(options.simulation);
   return reported(*launcher, options.rank_limit_s, [&] {
     if (options.gives_ranks)
       throw InputError(
@@ -391,7 +392,7 @@ ExitCode on_ranks(const WorldOptions& options,
 
 ExitCode on_each_rank(unsigned threads, double limit_s, const std::function<ExitCode(RankDeal& deal)>& run) {
   const std::optional<Launcher> launcher = find_launcher();
-  if (!launcher || launcher->ranks == 1) {
+  if (!launcher) {
     RankDeal alone(threads > 0 ? threads : partition::processors_allowed());
     return run(alone);
   }
@@ -465,7 +466,7 @@ std::vector<Message> RankDeal::gather(Message own) const {
 
 bool is_refused_on_ranks(std::string_view command) {
   const std::optional<Launcher> launcher = find_launcher();
-  if (!launcher || launcher->ranks == 1) return false;
+  if (!launcher) return false;
   print_common_error(
       launcher->rank,
       fmt::format(

@@ -2,6 +2,7 @@
 
 #include "apps/pictures/picture_options.hpp"
 #include "apps/scripts.hpp"
+#include "base/number_text.hpp"
 #include "engine/spec/watch_spec.hpp"
 #include "worldio/json/spec_json.hpp"
 
@@ -155,7 +156,7 @@ void add_clock_options(CLI::App& app, RunOptions& options) {
             "Limit the speed to R times real time; world: the speed in the world file (default: no limit)",
             [&options](const std::string& text) {
               constexpr double k_least = 0.001;
-              const std::optional<double> rate = finite(text);
+              const std::optional<double> rate = finite_number_of(text);
               options.world_rate = text == "world";
               if (!options.world_rate && (!rate || *rate < k_least || *rate > engine::k_most_rate))
                 refuse("--rate", text,

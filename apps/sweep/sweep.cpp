@@ -9,6 +9,7 @@
 #include "apps/sweep/table.hpp"
 #include "base/diagnostics.hpp"
 #include "base/hash.hpp"
+#include "base/number_text.hpp"
 #include "engine/spec/ticks.hpp"
 #include "engine/world/world.hpp"
 #include "troupe/measures.hpp"
@@ -557,9 +558,9 @@ void add_sweep_options(CLI::App& command, SweepOptions& options) {
   add_value(command, "--part", "I/N", "Make only every N-th run, beginning with the I-th (1 to N)",
             [&options](const std::string& text) {
               const auto slash = text.find('/');
-              const auto part = number<std::size_t>(text.substr(0, slash));
+              const auto part = number_of<std::size_t>(text.substr(0, slash));
               const auto parts =
-                  slash == text.npos ? std::nullopt : number<std::size_t>(text.substr(slash + 1));
+                  slash == text.npos ? std::nullopt : number_of<std::size_t>(text.substr(slash + 1));
               if (!part || !parts || *part < 1 || *part > *parts || *parts > worldio::k_most_runs)
                 refuse("--part", text,
                        fmt::format("a part I/N, with I from 1 to N and N at most {}, as in --part 2/8",

@@ -2,6 +2,7 @@
 
 #include "apps/csv.hpp"
 #include "apps/outputs.hpp"
+#include "base/number_text.hpp"
 #include "worldio/files.hpp"
 #include "worldio/partial_file.hpp"
 #include "worldio/results/hdf5_file.hpp"
@@ -10,7 +11,6 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <charconv>
 #include <cmath>
 #include <iterator>
 #include <limits>
@@ -32,14 +32,6 @@ struct Column {
   std::variant<Numbers, Counts, Texts> cells;  // one per run
 };
 
-/// Returns the number that a JSON text represents; nothing if it is not a number.
-std::optional<double> number_of(const std::string& json) {
-  double value = 0;
-  const auto [end, error] = std::from_chars(json.data(), json.data() + json.size(), value);
-  if (error != std::errc() || end != json.data() + json.size()) return std::nullopt;
-  return value;
-}
-
 /// Returns the JSON text of a parameter's value as it appears in the table: a JSON string has no quotes
 /// there, unless it contains escapes.
 std::string plain(const std::string& json) {
@@ -54,7 +46,7 @@ Column parameter_column(const std::string& name, const Texts& values) {
   Texts texts;
   for (const std::string& value : values) {
     texts.push_back(plain(value));
-    if (const auto number = number_of(value)) numbers.push_back(*number);
+    if (const auto number = number_of<double>(value)) numbers.push_back(*number);
   }
   if (numbers.size() == texts.size()) return {name, std::move(numbers)};
   return {name, std::move(texts)};

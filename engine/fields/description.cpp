@@ -244,9 +244,11 @@ void fill(const FieldTable& table, void* object, const Record& record) {
 std::vector<StateField> state_fields(const FieldTable& table) {
   std::vector<StateField> fields;
   for (const Field& field : table.fields) {
+    const MemberType& member = member_of(field);
     StateField made;
     made.name = field.name;
-    made.element = member_of(field).element;
+    made.element = member.element;
+    made.is_bool = member.is_bool;
     made.columns = static_cast<std::uint32_t>(std::max<std::size_t>(field.columns, 1));
     made.unit = unit_suffixes(field.unit).front().symbol;
     made.text = field.text;

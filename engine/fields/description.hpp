@@ -194,6 +194,7 @@ struct MemberType {
   double max = std::numeric_limits<double>::infinity();
   bool optional = false;     ///< whether the member is a std::optional
   bool is_unsigned = false;  ///< true: std::uint64_t; a Value stores its bits in a std::int64_t
+  bool is_bool = false;      ///< whether the member is a bool or a fixed array of bools
   std::span<const std::string_view> choices = {};  ///< for enums: the names of the values
   /// Returns described<T>(), if the member is a described struct T, or a std::optional or std::vector of T.
   /// Null for all other members.
@@ -342,6 +343,7 @@ constexpr MemberType plain_type() {
   if constexpr (StateNumber<M>) {
     type.is_state = true;
     type.element = element_of<M>();
+    type.is_bool = std::is_same_v<M, bool>;
   }
   if constexpr (std::is_same_v<M, bool>) {
     type.type = FieldType::boolean;
@@ -425,6 +427,7 @@ constexpr MemberType plain_type() {
     if constexpr (StateNumber<E>) {
       type.is_state = true;
       type.element = element_of<E>();
+      type.is_bool = std::is_same_v<E, bool>;
     }
     // The limits of 64-bit integers are no doubles: set() checks them.
     if constexpr (std::is_integral_v<E> && sizeof(E) < sizeof(std::int64_t)) {

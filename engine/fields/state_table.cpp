@@ -11,16 +11,16 @@
 namespace troupe::engine {
 
 std::size_t element_size(Element element) {
-  switch (element) {
-    case Element::f64:
-    case Element::i64:
-    case Element::u64: return 8;
-    case Element::f32:
-    case Element::i32:
-    case Element::u32: return 4;
-    case Element::u8: break;
-  }
-  return 1;
+  return visit_element(element, [](auto value) { return sizeof value; });
+}
+
+void to_doubles(Element element, std::span<const std::byte> bytes, std::span<double> into) {
+  visit_element(element, [&](auto value) {
+    for (std::size_t i = 0; i < into.size(); ++i) {
+      std::memcpy(&value, bytes.data() + i * sizeof value, sizeof value);
+      into[i] = static_cast<double>(value);
+    }
+  });
 }
 
 std::string_view element_name(Element element) {
@@ -130,6 +130,16 @@ void StateTable::make_room(std::size_t rows) {
     copy(old_starts[f], starts_[f], this->rows() * strides_[f]);
   data_.swap(data);
   troupe::make_room(ids_, rows);
+}
+
+bool StateTable::bools_hold() const {
+  for (std::size_t field = 0; field < fields_.size(); ++field) {
+    if (!fields_[field].is_bool) continue;
+    for (std::size_t row = 0; row < rows(); ++row)
+      if (std::ranges::any_of(cell<std::uint8_t>(row, field), [](std::uint8_t value) { return value > 1; }))
+        return false;
+  }
+  return true;
 }
 
 void StateTable::fill_row(std::size_t row, std::byte value) {

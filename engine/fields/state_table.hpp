@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <cstddef>
 #include <cstdint>
+#include <cstring>
 #include <span>
 #include <string>
 #include <string_view>
@@ -48,6 +49,32 @@ constexpr Element element_of() {
   }
 }
 
+/// Calls visit(T()), where T is the C++ type of an element (std::uint8_t for Element::u8), and returns its
+/// result.
+template <class Visit>
+decltype(auto) visit_element(Element element, Visit&& visit) {
+  switch (element) {
+    case Element::f64: return visit(double());
+    case Element::f32: return visit(float());
+    case Element::i64: return visit(std::int64_t());
+    case Element::i32: return visit(std::int32_t());
+    case Element::u64: return visit(std::uint64_t());
+    case Element::u32: return visit(std::uint32_t());
+    case Element::u8: break;
+  }
+  return visit(std::uint8_t());
+}
+/// Returns the value whose bytes begin at `at`, as a double; integers of 64 bits are rounded.
+inline double number_at(Element element, const std::byte* at) {
+  return visit_element(element, [at](auto value) {
+    std::memcpy(&value, at, sizeof value);
+    return static_cast<double>(value);
+  });
+}
+/// Converts the values whose bytes follow one another in `bytes` to doubles, as number_at() does. `into` must
+/// have one element for each value.
+void to_doubles(Element element, std::span<const std::byte> bytes, std::span<double> into);
+
 /// A field of a state component (a StateTable): its name, element type, number of columns, unit and meaning.
 struct StateField {
   std::string name;                ///< name, unique in the component
@@ -65,6 +92,8 @@ struct StateField {
   /// True: the appearance of a body depends on the field. A recording of poses therefore also contains the
   /// field.
   bool appearance = false;
+  /// True: the values are bools. The element is u8, and each value is 0 or 1.
+  bool is_bool = false;
 };
 /// Returns a copy of `fields` in which StateField::sparse is true for every field.
 std::vector<StateField> sparse(std::vector<StateField> fields);
@@ -141,6 +170,14 @@ class StateTable {
     return {reinterpret_cast<const T*>(data_.data() + starts_[field] + row * strides_[field]),
             fields_[field].columns};
   }
+  /// The value in one column of a field in one row, as number_at() returns it; for both layouts.
+  double number(std::size_t row, std::size_t field, std::size_t column) const {
+    const Element element = fields_[field].element;
+    return number_at(element,
+                     data_.data() + starts_[field] + row * strides_[field] + column * element_size(element));
+  }
+  /// Whether every value of the fields with StateField::is_bool is 0 or 1.
+  bool bools_hold() const;
   /// Distance in memory between the values of a field in consecutive rows, bytes.
   std::size_t stride(std::size_t field) const { return strides_[field]; }
   /// Size of a row, including padding, bytes; Layout::rows only.

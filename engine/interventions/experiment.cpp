@@ -61,6 +61,28 @@ std::uint64_t key_of(Random random) {
   return high << 32 | random.bits();
 }
 
+/// Warns once of each population whose interventions `add` together add more bodies than its reserve has.
+void warn_of_small_reserves(const WorldSpec& spec, Diagnostics& diagnostics) {
+  std::map<std::string_view, std::uint64_t> left;  // by population: bodies that are still in the reserve
+  for (const ReserveSpec& reserve : spec.reserves) left[reserve.population] += reserve.count;
+  for (const InterventionSpec& at : spec.experiment.at) {
+    if (at.action != Action::add) continue;
+    const auto reserve = left.find(at.whom.name);
+    if (reserve == left.end()) continue;  // an error, or a population that was warned of
+    // Without a number, all bodies that are left are added.
+    const std::uint64_t wanted = at.whom.count ? static_cast<std::uint64_t>(*at.whom.count) : reserve->second;
+    if (wanted <= reserve->second) {
+      reserve->second -= wanted;
+      continue;
+    }
+    diagnostics.warning(at.where,
+                        fmt::format("at {:g} s: {} bodies are to be added to \"{}\", but at most {} "
+                                    "are left in its \"reserve\": enlarge the reserve",
+                                    at.time_s, wanted, at.whom.name, reserve->second));
+    left.erase(reserve);
+  }
+}
+
 bool same_fields(const std::vector<StateField>& a, const std::vector<StateField>& b) {
   return std::ranges::equal(a, b, [](const StateField& x, const StateField& y) {
     return x.name == y.name && x.element == y.element && x.columns == y.columns;
@@ -210,6 +232,7 @@ void World::build_experiment(const Registry& registry, Diagnostics& diagnostics)
                [&](Diagnostics& own) { build_intervention(intervention, registry, types, own); });
     most = std::max(most, intervention.whom.size());
   }
+  warn_of_small_reserves(state_.spec, diagnostics);
   build_faults(registry, diagnostics);
   e.candidates.reserve(most);
   if (std::ranges::any_of(spec.at, [](const auto& at) { return at.action == Action::move; }))
@@ -357,9 +380,7 @@ void World::build_fault(std::size_t at, const Registry& registry, Diagnostics& d
   for (const FaultSpec::Impairment& impairment : spec.impairments) {
     const FaultKind* kind = registry.fault(impairment.kind);
     if (kind == nullptr) {
-      std::vector<std::string_view> known;
-      for (const FaultKind& each : registry.faults) known.push_back(each.name);
-      diagnostics.error(spec.where, unknown_name("fault", impairment.kind, known));
+      diagnostics.error(spec.where, unknown_name("fault", impairment.kind, name_list(registry.faults)));
       continue;
     }
     const std::uint32_t stream = stream_id(kind->name, fmt::format("{}", at));

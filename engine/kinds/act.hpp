@@ -52,6 +52,7 @@ struct Act {
   /// For `command`: names of fields of the device's command struct, each with its new numbers. A field needs
   /// one number, or one per element if it is an array. All numbers must be finite. Further rules depend on
   /// the type of the field:
+  /// - bools: 0 or 1
   /// - integers of 8 or 32 bits: whole numbers within the range of the type
   /// - signed integers of 64 bits: whole numbers from -2^53 to 2^53 - 1
   /// - unsigned integers of 64 bits: whole numbers from 0 to 2^53 - 1

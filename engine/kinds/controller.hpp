@@ -172,6 +172,7 @@ std::vector<StateField> listed_fields() {
       StateField field;
       field.name = std::string(detail::nth_name(Memory::troupe_field_names(), i));
       field.element = element_of<typename Member::element>();
+      field.is_bool = std::is_same_v<typename Member::element, bool>;
       field.columns = Member::columns;
       field.offset =
           static_cast<std::uint32_t>(reinterpret_cast<char*>(&member) - reinterpret_cast<char*>(&example));

@@ -102,9 +102,7 @@ Result<const ControllerKind*> Registry::find_controller(std::string_view name) c
 }
 Result<const MeasureKind*> Registry::find_measure(std::string_view name) const {
   if (const MeasureKind* kind = measure(name)) return kind;
-  std::vector<std::string_view> known;
-  for (const MeasureKind& kind : measures) known.push_back(kind.name);
-  std::string unknown = unknown_name("measure", name, std::move(known));
+  std::string unknown = unknown_name("measure", name, name_list(measures));
   if (plugged_measures) return plugged_measures(name, std::move(unknown));
   return Error{std::move(unknown)};
 }

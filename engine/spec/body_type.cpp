@@ -18,13 +18,6 @@ namespace {
 
 constexpr double k_most_readings = 1e6;  // largest number of readings of one sensor
 
-template <class Kinds>
-std::string unknown(std::string_view what, std::string_view name, const Kinds& kinds) {
-  std::vector<std::string_view> names;
-  for (const auto& kind : kinds) names.push_back(kind.name);
-  return unknown_name(what, name, std::move(names));
-}
-
 /// Returns, for each piece of shape_of(spec, counts) in order, the index of the joint that it is mounted on.
 std::vector<std::int32_t> joints_of_pieces(const TypeSpec& spec, bool (*counts)(const PartSpec& part)) {
   std::vector<std::int32_t> joints;
@@ -197,7 +190,7 @@ class TypeCompiler {
   void add_drive(const DriveSpec& drive) {
     const DriveKind* kind = registry_.drive(drive.kind);
     if (!kind) {
-      diagnostics_.error(drive.where, unknown("drive", drive.kind, registry_.drives));
+      diagnostics_.error(drive.where, unknown_name("drive", drive.kind, name_list(registry_.drives)));
       return;
     }
     const auto report = [&](const Result<>& checked) {
@@ -226,7 +219,7 @@ class TypeCompiler {
   void add_device(const DeviceSpec& device) {
     const DeviceKind* kind = registry_.device(device.kind);
     if (!kind) {
-      diagnostics_.error(device.where, unknown("sensor", device.kind, registry_.devices));
+      diagnostics_.error(device.where, unknown_name("sensor", device.kind, name_list(registry_.devices)));
       return;
     }
     if (const double samples = samples_asked_for(kind->params, device.params); samples > k_most_readings) {
@@ -307,7 +300,8 @@ class TypeCompiler {
     const ControllerSpec& controller = spec_.controllers[c];
     const ControllerKind* kind = registry_.controller(controller.kind);
     if (!kind) {
-      diagnostics_.error(controller.where, unknown("controller", controller.kind, registry_.controllers));
+      diagnostics_.error(controller.where,
+                         unknown_name("controller", controller.kind, name_list(registry_.controllers)));
       return;
     }
     const std::optional<std::size_t> drive = drive_of(spec_, type_, controller.part);

@@ -4,9 +4,12 @@
 
 namespace troupe::engine {
 
-/// Longest time or interval that a world file or an option may give, s. A tick is a time step of a world. The
-/// number of ticks in a time of this length fits 64 bits.
+/// Longest time or interval that a world file or an option may give, s, except the length of a run. A tick is
+/// a time step of a world. The number of ticks in a time of this length fits 64 bits.
 inline constexpr double k_most_seconds = 1e9;
+/// Longest run, s: 32,000 years. A longer time is a mistake. In microseconds, the shortest ticks, it still
+/// fits 64 bits.
+inline constexpr double k_longest_run_s = 1e12;
 
 /// Converts a period from seconds to ticks. A tick is a time step of the length `tick_s`, s, which must be
 /// above 0. The result is rounded up to a whole number, as in the simulator Stage, but with the tolerance of

@@ -4,6 +4,7 @@
 #include "engine/kinds/controller.hpp"
 #include "models/controllers/decisions.hpp"
 #include "models/controllers/device_choice.hpp"
+#include "models/controllers/random_turn.hpp"
 #include "models/controllers/scan_ahead.hpp"
 #include "models/devices/led.hpp"
 #include "sensors/ground.hpp"
@@ -18,9 +19,7 @@ namespace {
 using sensors::k_ground_color;
 using sensors::RadioPort;
 
-constexpr double k_turn = 1.5;             // rad/s
-constexpr double k_ahead = k_pi / 3;       // rad: greatest bearing, to either side, of a robot that it meets
-constexpr double k_least_turn = k_pi / 2;  // rad: least angle of a turn
+constexpr double k_ahead = k_pi / 3;  // rad: greatest bearing, to either side, of a robot that it meets
 
 struct Beeclust {
   struct Params {
@@ -77,15 +76,15 @@ struct Beeclust {
     radio.say();
     if (memory.wait_updates > 0) {
       // When the wait is over, the robot turns away from the robot that it met.
-      if (--memory.wait_updates == 0) begin_turn(memory, percept, random, random.below(2) == 0);
+      if (--memory.wait_updates == 0) begin_turn(memory, percept.period_s, random, random.below(2) == 0);
     } else if (memory.turn_updates > 0) {
       --memory.turn_updates;
     } else if (meets(radio)) {
       memory.wait_updates = wait(percept);
-      if (memory.wait_updates == 0) begin_turn(memory, percept, random, random.below(2) == 0);
+      if (memory.wait_updates == 0) begin_turn(memory, percept.period_s, random, random.below(2) == 0);
     } else {
       const ScanAhead ahead = scanner.ahead(percept.ranges(k_scanner), params.min_front, params.min_front);
-      if (ahead.obstruction) begin_turn(memory, percept, random, ahead.left < ahead.right);
+      if (ahead.obstruction) begin_turn(memory, percept.period_s, random, ahead.left < ahead.right);
     }
     const bool waits = memory.wait_updates > 0;
     if (has_led) {
@@ -113,13 +112,6 @@ struct Beeclust {
     const double brightness = (color[0] + color[1] + color[2]) / 3;
     const double square = brightness * brightness;
     return whole_decisions(params.max_wait * square / (square + params.half), percept.period_s);
-  }
-
-  static void begin_turn(Memory& memory, const engine::Percept& percept, Random& random, bool right) {
-    memory.turn = static_cast<float>(right ? -k_turn : k_turn);
-    // At least one decision: with none, the robot would never turn away from an obstacle.
-    memory.turn_updates =
-        std::max(1u, whole_decisions(random.uniform(k_least_turn, k_pi) / k_turn, percept.period_s));
   }
 };
 

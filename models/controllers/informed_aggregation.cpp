@@ -5,6 +5,7 @@
 #include "models/controllers/decisions.hpp"
 #include "models/controllers/device_choice.hpp"
 #include "models/controllers/evasion.hpp"
+#include "models/controllers/random_turn.hpp"
 #include "models/controllers/scan_ahead.hpp"
 #include "sensors/ground.hpp"
 #include "sensors/radio.hpp"
@@ -17,10 +18,8 @@ namespace {
 using sensors::k_ground_color;
 using sensors::RadioPort;
 
-constexpr double k_turn = 1.5;             // rad/s
-constexpr double k_least_turn = k_pi / 2;  // rad: least angle of a turn
-constexpr float k_black = 0.25f;           // brightness below which ground is black
-constexpr float k_white = 0.75f;           // brightness above which ground is white
+constexpr float k_black = 0.25f;  // brightness below which ground is black
+constexpr float k_white = 0.75f;  // brightness above which ground is white
 constexpr Evasion k_evasion{};
 
 enum Ground : std::uint8_t { k_plain, k_is_black, k_is_white };
@@ -98,7 +97,7 @@ struct InformedAggregation {
       if (random.uniform() < rate * percept.period_s) {
         memory.does = k_walks;
         memory.leaves = 1;
-        begin_turn(memory, percept, random, random.below(2) == 0);
+        begin_turn(memory, percept.period_s, random, random.below(2) == 0);
         memory.turn_updates = std::max(2u, memory.turn_updates);  // walk() counts this decision at once
       }
     } else {
@@ -150,17 +149,10 @@ struct InformedAggregation {
       --memory.turn_updates;
     } else {
       const ScanAhead ahead = scanner.ahead(percept.ranges(k_scanner), params.min_front, params.min_front);
-      if (ahead.obstruction) begin_turn(memory, percept, random, ahead.left < ahead.right);
+      if (ahead.obstruction) begin_turn(memory, percept.period_s, random, ahead.left < ahead.right);
     }
     const bool turns = memory.turn_updates > 0;
     command = {turns ? 0 : params.speed, 0, turns ? memory.turn : 0.0};
-  }
-
-  static void begin_turn(Memory& memory, const engine::Percept& percept, Random& random, bool right) {
-    memory.turn = static_cast<float>(right ? -k_turn : k_turn);
-    // At least one decision: with none, the robot would never turn away from an obstacle.
-    memory.turn_updates =
-        std::max(1u, whole_decisions(random.uniform(k_least_turn, k_pi) / k_turn, percept.period_s));
   }
 };
 

@@ -1,6 +1,7 @@
 #include "models/controllers/operate.hpp"
 
 #include "base/diagnostics.hpp"
+#include "base/number_text.hpp"
 #include "engine/kinds/controller.hpp"
 #include "engine/spec/ticks.hpp"
 #include "models/devices/actuator.hpp"
@@ -10,7 +11,6 @@
 
 #include <algorithm>
 #include <array>
-#include <charconv>
 #include <cmath>
 #include <optional>
 
@@ -47,11 +47,9 @@ struct Step {
 
 bool takes_value(Order order) { return order >= Order::go_to; }
 
-std::optional<double> number_of(std::string_view text) {
-  double number = 0;
-  const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), number);
-  if (error != std::errc() || end != text.data() + text.size() || !(std::abs(number) <= 1e6)) return {};
-  return number;
+std::optional<double> value_of(std::string_view text) {
+  const std::optional<double> number = finite_number_of(text);
+  return number && std::abs(*number) <= 1e6 ? number : std::nullopt;
 }
 
 /// Returns the text of `rest` before the first separator, and removes this text and the separator from
@@ -76,18 +74,18 @@ std::string_view take_last(std::string_view& rest) {
 Result<Step> read_step(std::string_view entry) {
   std::string_view time = entry;
   std::string_view device = take_first('@', time);
-  const std::optional<double> at_s = number_of(time);
+  const std::optional<double> at_s = value_of(time);
   const bool has_colon = device.find(':') != device.npos;
   std::string_view name = take_last(device);
   std::string_view number;
   const auto is_order = [](std::string_view word) {
     return std::ranges::find(k_orders, word) != k_orders.end();
   };
-  if (!is_order(name) && number_of(name)) {
+  if (!is_order(name) && value_of(name)) {
     number = name;
     name = take_last(device);
   }
-  const std::optional<double> value = number_of(number);
+  const std::optional<double> value = value_of(number);
   if (!at_s || *at_s < 0 || !has_colon)
     return Error{fmt::format(
         "has a plan with \"{}\", which is not DEVICE:ORDER@SECONDS or DEVICE:ORDER:VALUE@SECONDS", entry)};
@@ -135,11 +133,9 @@ struct Operate {
     std::vector<std::size_t> chosen;
     for (Step& step : steps) {
       const auto device = std::ranges::find(devices, step.device, &engine::DeviceInfo::name);
-      if (device == devices.end()) {
-        std::vector<std::string_view> names;
-        for (const engine::DeviceInfo& other : devices) names.push_back(other.name);
-        return Error{fmt::format("has an order for the {}", unknown_name("device", step.device, names))};
-      }
+      if (device == devices.end())
+        return Error{
+            fmt::format("has an order for the {}", unknown_name("device", step.device, name_list(devices)))};
       const std::string_view wanted = takes_value(step.order) ? "actuator" : "gripper";
       if (device->kind != wanted)
         return Error{fmt::format(

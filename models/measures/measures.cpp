@@ -253,7 +253,7 @@ class OfState : public OfRobots {
     std::size_t count = 0;
     for (std::size_t i = 0; i < cells_.size(); ++i) count += exists(i);
     return mean_of_some(world, count, exists, [&](std::size_t i) {
-      return term(number(tables[cells_[i].table], cells_[i].field, table_row(i)));
+      return term(tables[cells_[i].table].number(table_row(i), cells_[i].field, column_));
     });
   }
 
@@ -317,19 +317,6 @@ class OfState : public OfRobots {
   static std::vector<BodyId> with(const std::vector<Cell>& cells, std::vector<BodyId> robots) {
     std::erase_if(robots, [&](BodyId id) { return cells[id.index()].table == k_none; });
     return robots;
-  }
-
-  double number(const StateTable& table, std::size_t field, std::size_t row) const {
-    switch (table.fields()[field].element) {
-      case Element::f64: return table.cell<double>(row, field)[column_];
-      case Element::f32: return table.cell<float>(row, field)[column_];
-      case Element::i64: return static_cast<double>(table.cell<std::int64_t>(row, field)[column_]);
-      case Element::i32: return table.cell<std::int32_t>(row, field)[column_];
-      case Element::u64: return static_cast<double>(table.cell<std::uint64_t>(row, field)[column_]);
-      case Element::u32: return table.cell<std::uint32_t>(row, field)[column_];
-      case Element::u8: return table.cell<std::uint8_t>(row, field)[column_];
-    }
-    return std::numeric_limits<double>::quiet_NaN();
   }
 
   std::size_t column_;

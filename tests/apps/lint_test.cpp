@@ -55,6 +55,22 @@ TEST_F(LintTest, FindsNothingInAWorldThatIsRight) {
                  "model( name \"wall\" pose [3 0 0 0] size [0.2 4 1] )\nbot( name \"r0\" )\n");
 }
 
+TEST_F(LintTest, MeasuresAndRecordedFieldsThatNoRunCanHaveAreErrors) {
+  for (const auto& [keys, message] : std::vector<std::pair<std::string, std::string>>{
+           {R"("measures": ["stalls:zz"])", "w.json:1: error: /measures/0: "},
+           {R"("measures": ["stalls", "stalls"])", "w.json:1: error: /measures/1: "},
+           {R"("measures": [{"kind": "state_mean", "component": "lamp", "field": "x"}])",
+            "w.json:1: error: /measures/0: "},
+           {R"("record": {"fields": ["pose", "pos"]})", "w.json:1: error: /record/fields: "}}) {
+    write("w.json", R"({"troupe": 1, "types": {"b": {"size_m": [1, 1, 1], "drive": {"kind": "diff"}}}, )"
+                    R"("models": [{"name": "x", "type": "b"}], )" +
+                        keys + "}");
+    const Outcome outcome = troupe({"lint", "w.json"});
+    EXPECT_EQ(outcome.code, 2) << keys << outcome.out;
+    EXPECT_THAT(outcome.err, StartsWith(message));
+  }
+}
+
 TEST_F(LintTest, ATypeThatGivesItsKindInheritsAllTheSame) {
   expect_nothing("kinds.json", R"({"troupe": 1, "types": {
     "base": {"kind": "position", "size_m": [0.4, 0.4, 0.3], "drive": {"kind": "diff"}},

@@ -6,13 +6,16 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <array>
 #include <cmath>
+#include <cstdint>
 #include <limits>
 #include <stdexcept>
 
 namespace troupe::engine {
 namespace {
 
+using testing::ElementsAre;
 using testing::HasSubstr;
 
 enum class Law : std::uint8_t { disc, walls };
@@ -454,6 +457,42 @@ TEST(Description, StateHasUnitsAndTextsAndThePlacesOfItsMembers) {
   EXPECT_EQ(fields[1].unit, "m/s");
   EXPECT_TRUE(fields[2].appearance);
   EXPECT_FALSE(fields[2].sparse);
+}
+
+struct Flags {
+  bool on = false;
+  std::array<bool, 2> sides{};
+  std::uint8_t count = 0;
+  std::array<std::uint8_t, 2> counts{};
+  TROUPE_FIELDS(on, sides, count, counts)
+};
+struct DescribedFlags {
+  bool on = false;
+  std::array<bool, 2> sides{};
+  std::uint8_t count = 0;
+  std::array<std::uint8_t, 2> counts{};
+  static constexpr void describe(Description<DescribedFlags>& d) {
+    d.member<&DescribedFlags::on>("on", "");
+    d.member<&DescribedFlags::sides>("sides", "");
+    d.member<&DescribedFlags::count>("count", "");
+    d.member<&DescribedFlags::counts>("counts", "");
+  }
+};
+
+TEST(Description, StateKnowsItsBools) {
+  const std::vector<StateField> fields = memory_fields<Flags>();
+  for (const std::vector<StateField>& known : {fields, memory_fields<DescribedFlags>()}) {
+    std::vector<bool> are_bools;
+    for (const StateField& field : known) are_bools.push_back(field.is_bool);
+    EXPECT_THAT(are_bools, ElementsAre(true, true, false, false));
+  }
+  StateTable table("flags", HashGroup::sensor, StateTable::Layout::rows, fields, {BodyId(0), BodyId(1)},
+                   sizeof(Flags));
+  table.cell<std::uint8_t>(1, 1)[1] = 1;
+  table.cell<std::uint8_t>(1, 2)[0] = 200;
+  EXPECT_TRUE(table.bools_hold());
+  table.cell<std::uint8_t>(1, 1)[1] = 2;
+  EXPECT_FALSE(table.bools_hold());
 }
 
 // ---- kinds of classes

@@ -308,6 +308,7 @@ TEST_F(ConvertTest, AnArenaWithoutWallsIsNotOfStage) {
   EXPECT_THAT(found, ElementsAre(HasSubstr("w.json:3: error: a .world file cannot express this: \"arena\": "
                                            "without walls, an arena only sets the bounds")));
   convert(write("w.json", world("true")), "w.world");
+  EXPECT_THAT(found, IsEmpty());
   EXPECT_THAT(warnings, Contains(HasSubstr("w.json:3: warning: the world of a .world file reaches 100 km "
                                            "from its origin in each direction: the edge of the arena no "
                                            "longer stops robots")));
@@ -322,6 +323,31 @@ model( pose [5 0 0 0] size [0.2 4 2] )
   const fs::path back = convert(convert(world, "eyes.json"), "back.world");
   ASSERT_THAT(found, IsEmpty());
   EXPECT_EQ(hash_log(back, 2), hash_log(world, 2));
+}
+
+TEST_F(ConvertTest, OriginsOfSensorsComeBack) {
+  const fs::path world = write("origin.world", R"(
+position( name "r" pose [0 0 0 17] size [0.3 0.3 0.3]
+  ranger( alwayson 1 size [0.1 0.1 0.1] pose [0.1 0 -0.2 20] origin [0.03 0.01 0.02 10] sensor( samples 5 fov 180 ) )
+  fiducial( alwayson 1 origin [0.02 0 0 0] range_max 3 ) )
+model( pose [3 0 0 0] size [1 1 1] fiducial_return 2 )
+)");
+  const fs::path back = convert(convert(world, "origin.json"), "back.world");
+  ASSERT_THAT(found, IsEmpty());
+  EXPECT_THAT(content(back), HasSubstr("origin ["));
+  EXPECT_EQ(hash_log(back, 3), hash_log(world, 3));
+}
+
+TEST_F(ConvertTest, ValuesThatAreRoundedAreAWarning) {
+  const fs::path json = write("w.json", R"({"troupe": 1, "types": {
+    "bot": {"size_m": [0.4, 0.4, 0.3], "sensors": [{"name": "eye", "kind": "ranger", "transducers": [
+      {"fov_deg": 90, "samples": 7, "noise_stddev_m": 0.1, "noise_angular_deg": 2}]}]}},
+  "models": [{"name": "r", "type": "bot"}]})");
+  convert(json, "w.world");
+  EXPECT_THAT(found, IsEmpty());
+  EXPECT_THAT(warnings,
+              ElementsAre(HasSubstr("w.json:2: warning: type \"bot\": device \"eye\" transducers: the "
+                                    "value of \"noise_angular_rad\" or \"noise_angular_deg\" is rounded")));
 }
 
 TEST_F(ConvertTest, AJsonWorldThatStageCanSayRunsTheSame) {

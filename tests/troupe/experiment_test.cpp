@@ -22,7 +22,9 @@ namespace troupe {
 namespace {
 
 namespace fs = std::filesystem;
+using ::testing::ElementsAre;
 using ::testing::HasSubstr;
+using ::testing::IsEmpty;
 
 const fs::path k_worlds = fs::path(TROUPE_SOURCE_DIR) / "worlds";
 
@@ -37,6 +39,25 @@ std::vector<std::string> log_of(Simulation& simulation, int ticks) {
     lines.push_back(simulation.hash_log_line());
   }
   return lines;
+}
+
+TEST(Interventions, ThatAddMoreThanTheReserveHasAreWarnedOf) {
+  const auto warnings = [](const std::string& at) {
+    return Simulation::from_text(R"({"troupe": 1, "bounds_m": [[-2, -2], [2, 2]],
+        "types": {"bot": {"size_m": [0.1, 0.1, 0.1], "drive": {"kind": "diff"}}},
+        "populations": [{"name": "r", "type": "bot", "count": 1, "reserve": 3, "place": {"rule": "uniform"}}],
+        "at": [)" + at + "]}",
+                                 "w.json")
+        .warnings();
+  };
+  const std::string two = R"({"time_s": 1, "add": {"population": "r", "count": 2}})";
+  const std::string all = R"({"time_s": 2, "add": {"population": "r"}})";
+  EXPECT_THAT(warnings(two), IsEmpty());
+  EXPECT_THAT(warnings(two + "," + all), IsEmpty());
+  EXPECT_THAT(
+      warnings(two + "," + two + "," + two),
+      ElementsAre(HasSubstr("w.json:4: warning: at 1 s: 2 bodies are to be added to \"r\", but at most 1 "
+                            "are left in its \"reserve\": enlarge the reserve")));
 }
 
 TEST(DoorScene, TheDoorOpensInTimeAndWhoWaitedGoesThrough) {

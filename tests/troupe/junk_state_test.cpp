@@ -37,6 +37,10 @@ void fill(std::span<T> values, Draw& draw) {
 }
 
 void fill(StateTable& table, std::size_t row, std::size_t field, Draw& draw) {
+  if (table.fields()[field].is_bool) {
+    for (std::uint8_t& value : table.cell<std::uint8_t>(row, field)) value = draw.chance(0.5);
+    return;
+  }
   switch (table.fields()[field].element) {
     case Element::f64: return fill(table.cell<double>(row, field), draw);
     case Element::f32: return fill(table.cell<float>(row, field), draw);

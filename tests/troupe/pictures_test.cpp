@@ -279,6 +279,10 @@ TEST_F(PicturesTest, APictureIsAFile) {
   pictures.write(pictures.take(simulation), folder_ / "p.png");
   EXPECT_THAT(content(folder_ / "p.png"), HasSubstr("time_s"));
   EXPECT_THROW(pictures.write(pictures.take(simulation), folder_ / "none" / "p.png"), std::runtime_error);
+  for (const char* name : {"p.jpg", "p"}) {
+    EXPECT_THROW(pictures.write(pictures.take(simulation), folder_ / name), InputError);
+    EXPECT_FALSE(std::filesystem::exists(folder_ / name));
+  }
 }
 
 #else

@@ -1,8 +1,10 @@
 // What is done to a running world, logged and repeated: docs/live.md.
 
+#include "engine/kinds/device_kind.hpp"
 #include "tests/support/draw.hpp"
 #include "tests/support/scratch.hpp"
 #include "tests/support/slow_build.hpp"
+#include "troupe/registry.hpp"
 #include "troupe/troupe.hpp"
 #include "worldio/json/session_json.hpp"
 #include "worldio/results/hdf5_file.hpp"
@@ -36,6 +38,13 @@ constexpr const char* k_yard = R"({"troupe": 1, "title": "yard", "seed": 5, "bou
   "models": [{"name": "rock", "type": "rock", "pose": {"x_m": 3, "y_m": 3}}],
   "at": [{"time_s": 2, "add": {"population": "b", "count": 2}}, {"time_s": 3, "disable": {"type": "bot", "share": 0.3}},
          {"time_s": 4, "enable": {"type": "bot"}}]})";
+
+struct Switch {
+  struct Command {
+    bool on = false;
+    TROUPE_FIELDS(on)
+  };
+};
 
 Act random_act(Draw& draw) {
   Act act{.kind = static_cast<Kind>(draw.below(engine::k_acts.size()))};
@@ -246,6 +255,28 @@ TEST_F(Sessions, AParameterThatIsSetHoldsWithThoseThatTheWorldSetsLater) {
   }
   Simulation other = simulation.another(simulation.seed(), 1);
   EXPECT_EQ(speed_at(other, 45), 4) << "what was set is not of another run";
+}
+
+TEST_F(Sessions, ACommandThatIsABoolTakesNoughtAndOne) {
+  engine::Registry registry = make_registry();
+  registry.devices.push_back(engine::make_device_kind<Switch>("switch", "is on or off"));
+  Simulation simulation = Simulation::from_text(
+      R"({"troupe": 1, "types": {"bot": {"size_m": [0.4, 0.3, 0.2], "sensors": [{"name": "s", "kind": "switch"}]}},
+          "models": [{"name": "a", "type": "bot"}]})",
+      "switch.json", {.threads = 1}, std::move(registry));
+  const auto command = [&](double on) {
+    simulation.act({.kind = Kind::command, .whom = "a", .device = "s", .values = {{"on", {on}}}});
+    return static_cast<int>(simulation.find("a").asked("s").bytes[0]);
+  };
+  EXPECT_EQ(command(1), 1);
+  EXPECT_EQ(command(0), 0);
+  try {
+    command(2);
+    ADD_FAILURE() << "no error";
+  } catch (const ActRefused& error) {
+    EXPECT_THAT(error.what(),
+                HasSubstr("command \"on\" of device \"s\" has the type bool, which cannot represent 2"));
+  }
 }
 
 TEST_F(Sessions, AnActThatCannotBeDoneSaysWhyAndChangesNothing) {

@@ -22,6 +22,12 @@ struct Parsed {
   }
 };
 
+std::string error(std::string_view text) {
+  const Parsed parsed(text);
+  EXPECT_FALSE(parsed.root);
+  return parsed.errors.empty() ? std::string("none") : parsed.errors[0];
+}
+
 TEST(JsonDocument, KnowsTheLineOfEveryValue) {
   const Parsed parsed(
       "{\n"
@@ -61,11 +67,6 @@ TEST(JsonDocument, KeepsWholeNumbersWhole) {
 }
 
 TEST(JsonDocument, SyntaxErrorsNameTheLine) {
-  const auto error = [](std::string_view text) {
-    const Parsed parsed(text);
-    EXPECT_FALSE(parsed.root);
-    return parsed.errors.empty() ? std::string("none") : parsed.errors[0];
-  };
   EXPECT_EQ(error("{\n  \"a\": 1\n  \"b\": 2\n}"),
             "maze.json:3: error: syntax error while parsing object - unexpected string literal; expected ',' "
             "or '}'");
@@ -94,6 +95,20 @@ TEST(JsonDocument, SyntaxErrorsNameTheLine) {
   using std::string_view_literals::operator""sv;
   EXPECT_EQ(error("{\"a\": 1}\n\0garbage {{{"sv),
             "maze.json:2: error: the text contains a NUL byte (U+0000), which is not allowed in JSON");
+}
+
+TEST(JsonDocument, CharactersThatAreNotAsciiAreNamedWhole) {
+  EXPECT_EQ(error("{\"a\": 1,\n \u201cb\u201d: 2}"),
+            "maze.json:2: error: unexpected quotation mark \u201c: write the straight one, \"");
+  EXPECT_EQ(error("{\"a\": \u22121}"),
+            "maze.json:1: error: unexpected dash \u2212: write the minus sign of ASCII, -");
+  EXPECT_EQ(error("{\"a\":\u00a01}"), "maze.json:1: error: unexpected blank U+00A0: write an ordinary blank");
+  EXPECT_EQ(error("{\"a\": t\u00fc}"),
+            "maze.json:1: error: unexpected character U+00FC (\u00fc): it may be only in strings");
+  EXPECT_EQ(error("{\"a\":\n\"\xff\"}"),
+            "maze.json:2: error: a string contains bytes that are not valid UTF-8: save the file in UTF-8");
+  using std::string_view_literals::operator""sv;
+  EXPECT_EQ(error("{\0\n\0}\0"sv), "maze.json: error: the file is encoded in UTF-16: save it in UTF-8");
 }
 
 TEST(JsonDocument, RepeatedKeysAreErrors) {

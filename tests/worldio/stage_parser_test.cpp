@@ -263,6 +263,23 @@ TEST_F(StageParser, CountsEveryKindOfLineEnd) {
   }
 }
 
+TEST_F(StageParser, CharactersOfWordProcessors) {
+  load("a \u201cred\u201d\n b \u22121\n");
+  EXPECT_THAT(
+      messages(),
+      testing::IsSupersetOf({"w.world:1: error: unexpected quotation mark \u201c: write the straight one, \"",
+                             "w.world:1: error: unexpected quotation mark \u201d: write the straight one, \"",
+                             "w.world:2: error: unexpected dash \u2212: write the minus sign of ASCII, -"}));
+}
+
+TEST_F(StageParser, AFileInUtf16IsOneError) {
+  using std::string_view_literals::operator""sv;
+  load(
+      std::string("\xff\xfe"
+                  "s\0i\0z\0e\0 \0[\0001\0"sv));
+  EXPECT_THAT(messages(), ElementsAre("w.world: error: the file is encoded in UTF-16: save it in UTF-8"));
+}
+
 TEST_F(StageParser, LexicalErrors) {
   load("a = 1\nb ; 2\nc { 3\nd '4'\ne \x01\nf \"open\ng 2e-2\nh [1 2\ni [1 [2] 3]\nj [1 two]\n5\n]\n[1 2]\n");
   EXPECT_THAT(

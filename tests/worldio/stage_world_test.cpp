@@ -730,7 +730,7 @@ TEST_F(StageWorld, RefusesWrongTransducers) {
       ElementsAre("w.world:1: error: \"samples\" must be at least 1, found 0",
                   "w.world:2: error: \"range\": the maximum must be above 0 m, found 0 m",
                   "w.world:3: error: \"range\" needs [min max] with min at most max, found [3 2]",
-                  HasSubstr("w.world:4: error: \"fov\" must be at most 6.28"),
+                  "w.world:4: error: \"fov\" must be at most 360 deg, found 361 deg",
                   "w.world:5: error: \"range\" needs a tuple [min max], found 5",
                   "w.world:6: error: \"update_interval\" must be 0 (every tick) or above, in ms, found -1"));
 }
@@ -744,7 +744,7 @@ TEST_F(StageWorld, AllThatIsWrongWithATransducerIsReported) {
                           "w.world:2: error: \"size\" must be at least 0 in every direction, found -1",
                           "w.world:3: error: \"range\": the minimum must be at least 0 m, found -1 m",
                           "w.world:3: error: \"range\": the maximum must be above 0 m, found -2 m",
-                          HasSubstr("w.world:4: error: \"fov\" must be at most 6.28"),
+                          "w.world:4: error: \"fov\" must be at most 360 deg, found 361 deg",
                           "w.world:5: error: \"samples\" must be at least 1, found 0",
                           "w.world:6: error: \"pose\" needs 4 values [x y z heading], found 1",
                           "w.world:6: error: \"range\" needs [min max] with min at most max, found [3 2]"));

@@ -1,6 +1,7 @@
 #include "worldio/images/ros_map.hpp"
 
 #include "base/limits.hpp"
+#include "base/number_text.hpp"
 #include "worldio/files.hpp"
 
 #include <fmt/format.h>
@@ -8,8 +9,6 @@
 
 #include <algorithm>
 #include <array>
-#include <charconv>
-#include <cmath>
 #include <cstdint>
 
 namespace troupe::worldio {
@@ -26,11 +25,7 @@ constexpr std::array<std::string_view, 3> k_modes = {"trinary", "scale", "raw"};
 /// for any other text.
 std::optional<double> yaml_number(std::string_view text) {
   if (text.starts_with('+')) text.remove_prefix(1);
-  double value = 0;
-  const char* end = text.data() + text.size();
-  const auto [rest, error] = std::from_chars(text.data(), end, value);
-  if (text.empty() || error != std::errc() || rest != end || !std::isfinite(value)) return {};
-  return value;
+  return finite_number_of(text);
 }
 
 class MapReader {

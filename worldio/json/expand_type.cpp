@@ -15,13 +15,6 @@
 namespace troupe::worldio {
 namespace {
 
-template <class Kinds>
-std::vector<std::string_view> names(const Kinds& kinds) {
-  std::vector<std::string_view> known;
-  for (const auto& kind : kinds) known.push_back(kind.name);
-  return known;
-}
-
 /// A part on which devices and other parts are mounted, and the joint that moves this part.
 struct Stand {
   std::uint32_t part = 0;
@@ -292,7 +285,7 @@ void TypeExpander::expand_joint(const std::optional<JointName>& name, Where wher
 
 Result<> TypeExpander::find_joint(const std::string& name, std::int32_t& joint) const {
   const auto found = std::ranges::find(type_.joints, name, &engine::JointSpec::name);
-  if (found == type_.joints.end()) return Error{unknown_name("joint", name, names(type_.joints))};
+  if (found == type_.joints.end()) return Error{unknown_name("joint", name, name_list(type_.joints))};
   joint = static_cast<std::int32_t>(found - type_.joints.begin());
   return {};
 }

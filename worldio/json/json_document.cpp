@@ -1,10 +1,12 @@
 #include "worldio/json/json_document.hpp"
 
+#include "base/number_text.hpp"
+#include "worldio/characters.hpp"
+
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
 
 #include <algorithm>
-#include <charconv>
 #include <cstddef>
 #include <iterator>
 #include <unordered_map>
@@ -109,8 +111,14 @@ class TreeBuilder {
     // The parser's message names only the closing bracket, although a comma would also be valid there.
     for (const std::string_view end : {"expected '}'", "expected ']'"})
       if (what.ends_with(end)) what.insert(what.size() - 3, "',' or ");
+    const std::size_t last = position > 0 ? position - 1 : 0;  // the last byte that the parser has read
     Where where = start_;
-    if (!fixed_place_) where.line = line_at(text_, position > 0 ? position - 1 : 0);
+    if (!fixed_place_) where.line = line_at(text_, last);
+    // The parser's message ends with what it has read, which may end within a character.
+    if (last < text_.size() && static_cast<unsigned char>(text_[last]) > 127)
+      what = what.find("invalid string") == what.npos
+                 ? stray_character(text_, last, "strings").error
+                 : "a string contains bytes that are not valid UTF-8: save the file in UTF-8";
     constexpr int k_out_of_range = 406;  // nlohmann's id for a number that is too large for a double
     const bool has_pointer = error.id == k_out_of_range && !open_.empty();
     diagnostics_.error(where, has_pointer ? fmt::format("{}: {}", next_pointer(), what) : what);
@@ -187,10 +195,7 @@ class TreeBuilder {
 /// the length of the list. Empty if the token is neither a number nor `-`.
 std::optional<std::size_t> list_index(const std::string& token, std::size_t size) {
   if (token == "-") return size;
-  std::size_t index = 0;
-  const auto [end, error] = std::from_chars(token.data(), token.data() + token.size(), index);
-  if (error != std::errc{} || end != token.data() + token.size()) return std::nullopt;
-  return index;
+  return number_of<std::size_t>(token);
 }
 
 }  // namespace
@@ -221,6 +226,10 @@ std::string JsonNode::describe() const {
 
 std::optional<JsonNode> parse_json(std::string_view text, Where start, bool fixed_place,
                                    Diagnostics& diagnostics) {
+  if (is_utf16(text)) {
+    diagnostics.error(start, k_is_utf16);
+    return std::nullopt;
+  }
   // nlohmann's parser takes a NUL byte as the end of the text, and would ignore everything after it.
   if (const std::size_t nul = text.find('\0'); nul != text.npos) {
     diagnostics.error(fixed_place ? start : Where{start.file, line_at(text, nul)},

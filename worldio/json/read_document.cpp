@@ -79,11 +79,9 @@ void ObjectReader::read() {
   for (const DocumentRule& rule : table_.rules) check_rule(rule);
   for (const DocumentKey& key : table_.keys)
     if (key.form == Form::faults &&
-        static_cast<const std::vector<FaultDocument::Impairment>*>(key.find(object_))->empty()) {
-      std::vector<std::string_view> known;
-      for (const engine::FaultKind& fault : reading_.registry.faults) known.push_back(fault.name);
-      at_.error(fmt::format("the entry names no fault: add at least one of the keys {}", comma_list(known)));
-    }
+        static_cast<const std::vector<FaultDocument::Impairment>*>(key.find(object_))->empty())
+      at_.error(fmt::format("the entry names no fault: add at least one of the keys {}",
+                            comma_list(name_list(reading_.registry.faults))));
   if (table_.check) table_.check(object_, at_);
 }
 
@@ -283,9 +281,7 @@ void ObjectReader::read_model_kind(const DocumentKey& key, const JsonCursor& at)
   if (!name) return;
   member<std::string>(key) = *name;
   if (reading_.registry.model(*name)) return;
-  std::vector<std::string_view> known;
-  for (const engine::ModelKind& kind : reading_.registry.models) known.push_back(kind.name);
-  at.error(unknown_name("model kind", *name, std::move(known)));
+  at.error(unknown_name("model kind", *name, name_list(reading_.registry.models)));
 }
 
 void ObjectReader::read_color_or_random(const DocumentKey& key, const JsonCursor& at) {

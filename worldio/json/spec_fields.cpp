@@ -17,16 +17,9 @@ using engine::FieldTable;
 using engine::FieldType;
 
 template <class Kinds>
-std::string unknown_kind(std::string_view what, const std::string& name, const Kinds& kinds) {
-  std::vector<std::string_view> known;
-  for (const auto& kind : kinds) known.push_back(kind.name);
-  return unknown_name(what, name, std::move(known));
-}
-
-template <class Kinds>
 Result<const FieldTable*> find_kind(std::string_view what, const std::string& name, const Kinds& kinds) {
   const auto found = std::ranges::find(kinds, std::string_view(name), &Kinds::value_type::name);
-  if (found == kinds.end()) return Error{unknown_kind(what, name, kinds)};
+  if (found == kinds.end()) return Error{unknown_name(what, name, name_list(kinds))};
   return &found->params;
 }
 
@@ -75,7 +68,7 @@ Result<const FieldTable*> parameters_of(const FieldTable& table, const void* obj
     if (!found) return found.error();
     return &(*found)->params;
   }
-  const auto found = registry.find_device(kind, unknown_kind("device", kind, registry.devices));
+  const auto found = registry.find_device(kind, unknown_name("device", kind, name_list(registry.devices)));
   if (!found) return found.error();
   return &(*found)->params;
 }

@@ -34,7 +34,7 @@ constexpr std::array<std::string_view, 4> k_statistics{"last", "mean", "min", "m
 constexpr std::array<std::string_view, 7> k_own_columns{"run",        "seed",       "ticks", "time_s",
                                                         "stopped_by", "state_hash", "error"};
 
-const Field k_for{.name = "for", .unit = Unit::seconds, .min = 0, .max = 1e12};
+const Field k_for{.name = "for", .unit = Unit::seconds, .min = 0, .max = engine::k_longest_run_s};
 const Field k_measure_every{
     .name = "measure_every", .unit = Unit::seconds, .min = 0, .max = engine::k_most_seconds};
 const Field k_random_seed{.name = "random_seed",

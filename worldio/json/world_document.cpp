@@ -1,6 +1,7 @@
 #include "worldio/json/world_document.hpp"
 
 #include "base/math.hpp"
+#include "base/number_text.hpp"
 #include "engine/spec/ticks.hpp"
 #include "engine/spec/watch_spec.hpp"
 #include "worldio/images/ros_map.hpp"
@@ -14,8 +15,6 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <charconv>
-#include <cmath>
 
 /// Describes the format of JSON worlds: keys, units, limits, meanings, and which keys go together. The
 /// reader, the writer and the schema all use this one description. The limits here apply to JSON worlds;
@@ -109,13 +108,7 @@ const DocumentKinds k_devices{.what = k_device_word<k_list>,
                               .page = "extending",
                               .all = all_devices<k_list>,
                               .known = known_devices<k_list>,
-                              .named =
-                                  [](const Registry& registry) {
-                                    std::vector<std::string_view> names;
-                                    for (const DeviceKind& kind : registry.devices)
-                                      names.push_back(kind.name);
-                                    return names;
-                                  },
+                              .named = [](const Registry& registry) { return name_list(registry.devices); },
                               .find = find_device<k_list>,
                               .implied = k_list == DeviceList::both ? implied_device : nullptr};
 
@@ -202,11 +195,9 @@ std::optional<ComparisonDocument> comparison_of(std::string_view text) {
       longest = i;
   if (!longest) return std::nullopt;
   const std::string_view number = trimmed(text.substr(engine::k_comparisons[*longest].size()));
-  double value = 0;
-  const auto [end, error] = std::from_chars(number.data(), number.data() + number.size(), value);
-  if (number.empty() || error != std::errc() || end != number.data() + number.size() || !std::isfinite(value))
-    return std::nullopt;
-  return ComparisonDocument{static_cast<engine::Comparison>(*longest), value};
+  const std::optional<double> value = finite_number_of(number);
+  if (!value) return std::nullopt;
+  return ComparisonDocument{static_cast<engine::Comparison>(*longest), *value};
 }
 
 JsonNode schema_of_texts(const std::string& pattern) {

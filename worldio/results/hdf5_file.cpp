@@ -499,6 +499,20 @@ void Hdf5Dataset::check_element(engine::Element element) const {
                      engine::element_name(element_), engine::element_name(element)));
 }
 
+/// Returns the selection of rows in the file, and an array in memory that has room for these rows.
+std::pair<Hdf5Id, Hdf5Id> Hdf5Dataset::select_rows(std::size_t first, std::size_t rows,
+                                                   std::string_view action) const {
+  std::vector<hsize_t> start(extent_.size(), 0);
+  std::vector<hsize_t> size(extent_.begin(), extent_.end());
+  start[0] = first;
+  size[0] = rows;
+  Hdf5Id in_file(H5Dget_space(id_.get()), H5Sclose);
+  check(H5Sselect_hyperslab(in_file.get(), H5S_SELECT_SET, start.data(), nullptr, size.data(), nullptr),
+        action);
+  Hdf5Id in_memory(H5Screate_simple(static_cast<int>(size.size()), size.data(), nullptr), H5Sclose);
+  return {std::move(in_file), std::move(in_memory)};
+}
+
 void Hdf5Dataset::write_rows(std::size_t first, std::size_t rows, const void* from, std::size_t values,
                              engine::Element element) {
   check_element(element);
@@ -514,14 +528,7 @@ void Hdf5Dataset::write_rows(std::size_t first, std::size_t rows, const void* fr
     check(H5Dwrite(id_.get(), type, H5S_ALL, H5S_ALL, H5P_DEFAULT, from), "written");
     return;
   }
-  std::vector<hsize_t> start(extent_.size(), 0);
-  std::vector<hsize_t> count(extent_.begin(), extent_.end());
-  start[0] = first;
-  count[0] = rows;
-  const Hdf5Id in_file(H5Dget_space(id_.get()), H5Sclose);
-  check(H5Sselect_hyperslab(in_file.get(), H5S_SELECT_SET, start.data(), nullptr, count.data(), nullptr),
-        "written");
-  const Hdf5Id in_memory(H5Screate_simple(static_cast<int>(count.size()), count.data(), nullptr), H5Sclose);
+  const auto [in_file, in_memory] = select_rows(first, rows, "written");
   check(H5Dwrite(id_.get(), type, in_memory.get(), in_file.get(), H5P_DEFAULT, from), "written");
 }
 
@@ -572,14 +579,7 @@ void Hdf5Dataset::read_rows(std::size_t first, void* into, std::size_t values,
     check(H5Dread(id_.get(), type, H5S_ALL, H5S_ALL, H5P_DEFAULT, into), "read");
     return;
   }
-  std::vector<hsize_t> start(extent_.size(), 0);
-  std::vector<hsize_t> size(extent_.begin(), extent_.end());
-  start[0] = first;
-  size[0] = count;
-  const Hdf5Id in_file(H5Dget_space(id_.get()), H5Sclose);
-  check(H5Sselect_hyperslab(in_file.get(), H5S_SELECT_SET, start.data(), nullptr, size.data(), nullptr),
-        "read");
-  const Hdf5Id in_memory(H5Screate_simple(static_cast<int>(size.size()), size.data(), nullptr), H5Sclose);
+  const auto [in_file, in_memory] = select_rows(first, count, "read");
   check(H5Dread(id_.get(), type, in_memory.get(), in_file.get(), H5P_DEFAULT, into), "read");
 }
 

@@ -11,6 +11,7 @@
 #include <stdexcept>
 #include <string>
 #include <string_view>
+#include <utility>
 #include <vector>
 
 namespace troupe::worldio {
@@ -165,6 +166,7 @@ class Hdf5Dataset : public Hdf5Object {
   void write_rows(std::size_t first, std::size_t rows, const void* from, std::size_t values,
                   engine::Element element);
   void read_rows(std::size_t first, void* into, std::size_t values, engine::Element element) const;
+  std::pair<Hdf5Id, Hdf5Id> select_rows(std::size_t first, std::size_t rows, std::string_view action) const;
   void check_element(engine::Element element) const;
 
   engine::Element element_ = engine::Element::f64;

@@ -26,15 +26,6 @@ constexpr double k_most_whole = 100000000;  // most steps; integers with a large
   throw InputError(fmt::format("{}: error: {}", recording.file().string(), message));
 }
 
-template <class T>
-void convert(std::span<const std::byte> bytes, std::span<double> into) {
-  for (std::size_t i = 0; i < into.size(); ++i) {
-    T value;
-    std::memcpy(&value, bytes.data() + i * sizeof(T), sizeof(T));
-    into[i] = static_cast<double>(value);
-  }
-}
-
 const Array* find_pose(const RecordingReader& recording, std::string_view field) {
   for (const Array& array : recording.arrays())
     if (array.component == "pose" && array.field.name == field && array.field.columns == 1) return &array;
@@ -212,19 +203,10 @@ void FrameReader::read(const Array& array, std::size_t frame, std::vector<double
   bytes_.resize(array.bodies.size() * array.row_bytes());
   into.resize(array.bodies.size() * array.field.columns);
   recording_.read(array, frame, bytes_);
-  switch (array.field.element) {
-    case Element::f64:
-      convert<double>(bytes_, into);
-      for (double& x : into)
-        if (!(std::abs(x) <= k_endless)) x = std::numeric_limits<double>::quiet_NaN();
-      break;
-    case Element::f32: convert<float>(bytes_, into); break;
-    case Element::i64: convert<std::int64_t>(bytes_, into); break;
-    case Element::i32: convert<std::int32_t>(bytes_, into); break;
-    case Element::u64: convert<std::uint64_t>(bytes_, into); break;
-    case Element::u32: convert<std::uint32_t>(bytes_, into); break;
-    case Element::u8: convert<std::uint8_t>(bytes_, into); break;
-  }
+  engine::to_doubles(array.field.element, bytes_, into);
+  if (array.field.element == Element::f64)
+    for (double& x : into)
+      if (!(std::abs(x) <= k_endless)) x = std::numeric_limits<double>::quiet_NaN();
   if (alive_frame_ != frame) {
     alive_ = recording_.alive(frame);
     alive_frame_ = frame;

@@ -7,7 +7,6 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <charconv>
 #include <optional>
 #include <utility>
 
@@ -16,16 +15,6 @@ namespace {
 
 Solid box(double x_min, double x_max, double y_min, double y_max, double z_min, double z_max) {
   return {{{Vec2(x_min, y_min), Vec2(x_max, y_min), Vec2(x_max, y_max), Vec2(x_min, y_max)}}, {z_min, z_max}};
-}
-
-/// Returns the number in a key such as "point[12]", here 12. Empty for any other key.
-std::optional<std::int64_t> point_number(std::string_view key) {
-  constexpr std::string_view k_stem = "point[";
-  std::int64_t number = 0;
-  if (!key.starts_with(k_stem)) return {};
-  const auto [rest, error] = std::from_chars(key.data() + k_stem.size(), key.data() + key.size(), number);
-  if (error != std::errc() || rest == key.data() + key.size() || *rest != ']') return {};
-  return number;
 }
 
 }  // namespace
@@ -155,7 +144,7 @@ void StageBodies::add_block(const StageModel& block, std::vector<Solid>& solids)
   std::vector<const StageProperty*> given(static_cast<std::size_t>(*count));
   for (const StageEntity* layer : block.layers)
     for (const StageProperty& property : document_.properties(*layer)) {
-      const auto number = point_number(document_.key(property));
+      const auto number = index_in(document_.key(property), "point");
       if (!number) continue;
       if (*number >= 0 && *number < *count)
         given[static_cast<std::size_t>(*number)] = &property;

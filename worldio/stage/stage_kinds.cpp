@@ -1,5 +1,6 @@
 #include "worldio/stage/stage_kinds.hpp"
 
+#include "base/number_text.hpp"
 #include "worldio/json/document_table.hpp"
 #include "worldio/stage/stage_devices.hpp"
 #include "worldio/stage/stage_limits.hpp"
@@ -7,7 +8,6 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <charconv>
 #include <cmath>
 
 namespace troupe::worldio {
@@ -18,13 +18,6 @@ using engine::FieldTable;
 using engine::FieldType;
 using engine::Record;
 using engine::Value;
-
-template <class Kind>
-std::vector<std::string_view> names_of(const std::vector<Kind>& kinds) {
-  std::vector<std::string_view> names;
-  for (const Kind& kind : kinds) names.push_back(kind.name);
-  return names;
-}
 
 /// Sets a field if the table has it. A kind need not have a field for every property of Stage's models.
 void set(const FieldTable& table, Record& record, std::string_view name, Value value) {
@@ -39,14 +32,6 @@ std::vector<std::string_view> words_of(std::string_view text) {
     at = end;
   }
   return words;
-}
-
-std::optional<double> number_of(std::string_view text) {
-  double value = 0;
-  const char* end = text.data() + text.size();
-  const auto [rest, error] = std::from_chars(text.data(), end, value);
-  if (error != std::errc() || rest != end || !std::isfinite(value)) return {};
-  return value;
 }
 
 }  // namespace
@@ -230,7 +215,7 @@ std::optional<engine::DriveSpec> StageKinds::drive(const StageModel& model) {
   }
   const engine::DriveKind* kind = registry_.drive(spec.kind);
   if (!kind) {
-    values_.error(spec.where, unknown_name("drive", spec.kind, names_of(registry_.drives)));
+    values_.error(spec.where, unknown_name("drive", spec.kind, name_list(registry_.drives)));
     return {};
   }
   const auto speeds = drive_bounds(model, "velocity_bounds");
@@ -455,13 +440,13 @@ bool StageKinds::set_argument(const Field& field, double to_si, std::string_view
     return false;
   };
   const auto number = [&]() -> std::optional<double> {
-    const std::optional<double> given = number_of(text);
+    const std::optional<double> given = finite_number_of(text);
     if (!given) {
       refuse("needs a number");
       return {};
     }
     const double si = *given * to_si;
-    if (const Result<> kept = check_limits(field, si); !kept) {
+    if (const Result<> kept = check_limits(field, si, to_si); !kept) {
       refuse(kept.error().text);
       return {};
     }
@@ -496,10 +481,11 @@ bool StageKinds::set_argument(const Field& field, double to_si, std::string_view
       std::vector<double> list;
       for (std::string_view rest = text; !rest.empty() || list.empty();) {
         const std::size_t comma = std::min(rest.size(), rest.find(','));
-        const std::optional<double> given = number_of(rest.substr(0, comma));
+        const std::optional<double> given = finite_number_of(rest.substr(0, comma));
         if (!given) return refuse("needs numbers separated by commas, without blanks");
         list.push_back(*given * to_si);
-        if (const Result<> kept = check_limits(field, list.back()); !kept) return refuse(kept.error().text);
+        if (const Result<> kept = check_limits(field, list.back(), to_si); !kept)
+          return refuse(kept.error().text);
         rest.remove_prefix(std::min(rest.size(), comma + 1));
       }
       if (field.columns > 0 && list.size() != field.columns)

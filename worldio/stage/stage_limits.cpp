@@ -1,21 +1,33 @@
 #include "worldio/stage/stage_limits.hpp"
 
 #include "base/math.hpp"
+#include "base/number_text.hpp"
 
 #include <fmt/format.h>
 
+#include <cmath>
 #include <string>
 #include <string_view>
 
 namespace troupe::worldio {
 
-Result<> check_limits(const engine::Field& field, double value) {
-  const std::string_view symbol = engine::unit_suffixes(field.unit)[0].symbol;
-  const std::string unit = symbol.empty() ? "" : fmt::format(" {}", symbol);
+std::string in_unit(double value, const engine::Field& field, double to_si) {
+  constexpr int k_digits = 6;
+  std::string_view symbol;  // none for units such as millimetres, which the file itself defines
+  if (to_si == 1)
+    symbol = engine::unit_suffixes(field.unit)[0].symbol;
+  else if (field.unit == engine::Unit::radians && std::abs(to_si - radians(1)) < 1e-9)
+    symbol = "deg";
+  return plain_number(value / to_si, k_digits) + (symbol.empty() ? "" : " ") + std::string(symbol);
+}
+
+Result<> check_limits(const engine::Field& field, double value, double to_si) {
   if (field.above_min && !(value > field.min))
-    return Error{fmt::format("must be above {}{}", field.min, unit)};
-  if (!(value >= field.min)) return Error{fmt::format("must be at least {}{}", field.min, unit)};
-  if (!(value <= field.max)) return Error{fmt::format("must be at most {}{}", field.max, unit)};
+    return Error{fmt::format("must be above {}", in_unit(field.min, field, to_si))};
+  if (!(value >= field.min))
+    return Error{fmt::format("must be at least {}", in_unit(field.min, field, to_si))};
+  if (!(value <= field.max))
+    return Error{fmt::format("must be at most {}", in_unit(field.max, field, to_si))};
   return {};
 }
 

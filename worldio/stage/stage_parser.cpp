@@ -1,5 +1,7 @@
 #include "worldio/stage/stage_parser.hpp"
 
+#include "base/number_text.hpp"
+#include "worldio/characters.hpp"
 #include "worldio/files.hpp"
 #include "worldio/stage/stage_files.hpp"
 #include "worldio/stage/stage_limits.hpp"
@@ -43,6 +45,8 @@ class SyntaxErrors {
   std::size_t count_ = 0;
 };
 
+constexpr std::string_view k_free = "strings and comments";  // where any character is allowed
+
 bool is_letter(char c) { return (c >= 'a' && c <= 'z') || (c >= 'A' && c <= 'Z'); }
 bool is_digit(char c) { return c >= '0' && c <= '9'; }
 bool is_word_part(char c) {
@@ -78,6 +82,10 @@ class Lexer {
     const std::uint32_t name = diagnostics_.files()->add(file.string());
     if (text.size() > std::numeric_limits<std::uint32_t>::max()) {
       errors_.add({name, 0}, fmt::format("the file has {} bytes; at most 2^32 - 1 are allowed", text.size()));
+      throw GiveUp{};
+    }
+    if (is_utf16(text)) {
+      errors_.add({name, 0}, k_is_utf16);
       throw GiveUp{};
     }
     document_.sources.push_back({std::move(text), name});
@@ -146,12 +154,20 @@ class Lexer {
       add(source, kinds[brackets.find(c)], source.text.substr(source.at, 1));
       ++source.at;
     } else {
-      ++source.at;
-      errors_.add(source.where(), stray(c));
+      const StrayCharacter stray = stray_at(source);
+      source.at += stray.bytes;
+      errors_.add(source.where(), stray.error);
     }
   }
 
-  /// Returns the error text for a character that can begin no token.
+  /// Describes the character at the place of the source, which can begin no token.
+  static StrayCharacter stray_at(const Source& source) {
+    const char c = source.peek();
+    const bool is_ascii = static_cast<unsigned char>(c) < 128;
+    return is_ascii ? StrayCharacter{1, stray(c)} : stray_character(source.text, source.at, k_free);
+  }
+
+  /// Returns the error text for an ASCII character that can begin no token.
   static std::string stray(char c) {
     if (c == ',') return "unexpected ','; the values of a tuple are separated by blanks: [1 2 3]";
     if (c == '=') return "unexpected '='; a property is written: name value";
@@ -160,9 +176,9 @@ class Lexer {
       return fmt::format("unexpected '{}'; the properties of a model are written in ( )", c);
     if (c == '\'') return "unexpected \"'\"; strings are written in double quotes";
     if (c > ' ' && c < 127)
-      return fmt::format("unexpected '{}': this character may be only in strings and comments", c);
-    return fmt::format("unexpected byte 0x{:02x}: this byte may be only in strings and comments",
-                       static_cast<unsigned char>(c));
+      return fmt::format("unexpected '{}': this character may be only in {}", c, k_free);
+    return fmt::format("unexpected byte 0x{:02x}: this byte may be only in {}", static_cast<unsigned char>(c),
+                       k_free);
   }
 
   void word(Source& source) {
@@ -488,6 +504,13 @@ class Parser {
 };
 
 }  // namespace
+
+std::optional<std::int64_t> index_in(std::string_view key, std::string_view stem) {
+  if (!key.starts_with(stem) || key.substr(stem.size(), 1) != "[" || !key.ends_with(']')) return {};
+  key.remove_prefix(stem.size() + 1);
+  key.remove_suffix(1);
+  return number_of<std::int64_t>(key);
+}
 
 StageDocument parse_stage(const fs::path& file, std::string text, std::span<const fs::path> search_path,
                           Diagnostics& diagnostics) {

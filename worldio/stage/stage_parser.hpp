@@ -5,6 +5,7 @@
 #include <cstdint>
 #include <deque>
 #include <filesystem>
+#include <optional>
 #include <span>
 #include <string>
 #include <string_view>
@@ -113,6 +114,9 @@ struct StageDocument {
     return std::span(all_children).subspan(entity.children.first, entity.children.count);
   }
 };
+
+/// Returns the number in a key such as "point[12]", here 12; `stem` is "point". Empty for any other key.
+std::optional<std::int64_t> index_in(std::string_view key, std::string_view stem);
 
 /// Parses the text of a world file and of the files that it includes.
 /// file         path of the world file, for messages and for relative paths

@@ -79,6 +79,14 @@ std::vector<const Named*> counterparts(const std::vector<Named>& list, const std
   return found;
 }
 
+/// Whether two values of a field are numbers that differ only by rounding.
+bool is_rounded(const engine::Value& a, const engine::Value& b, const engine::Field& field) {
+  constexpr double k_rounding = 1e-12;
+  if (field.type != engine::FieldType::number || !a.given() || !b.given()) return false;
+  const double largest = std::max(std::abs(a.number()), std::abs(b.number()));
+  return std::abs(a.number() - b.number()) <= k_rounding * largest;
+}
+
 class RoundTrip {
  public:
   RoundTrip(const TypeSpec& type, const TypeSpec& back, const engine::Registry& registry,
@@ -101,6 +109,13 @@ class RoundTrip {
     diagnostics_.error(where,
                        fmt::format("a .world file cannot express this: type \"{}\": {}", type_.name, what));
   }
+  /// Warns that a value of the type changes slightly, by the conversion between units or frames.
+  void warn_rounded(Where where, const std::string& what) {
+    const std::string text = fmt::format(
+        "type \"{}\": {} is rounded; the state hashes of a run may differ from those of the original world",
+        type_.name, what);
+    if (told_.insert(text).second) diagnostics_.warning(where, text);
+  }
   /// Whether two headings, rad, differ by whole turns only, which Stage removes. If so, reports a warning.
   bool is_turned(Where where, const std::string& owner, double a, double b) {
     if (same_bits(a, b) || !same_bits(wrap_angle(a), b)) return false;
@@ -120,7 +135,8 @@ class RoundTrip {
   void check_joints();
   void check_reach();
   void check_bodies();
-  void check_pose(const PartSpec& a, const PartSpec& b, const std::string& owner);
+  void check_floor_plan(const PartSpec& part, const std::string& owner);
+  void check_pose(Where where, const std::string& owner, Pose a, const Pose& b);
   void check_size(const PartSpec& a, const PartSpec& b, const std::string& owner);
 
   const TypeSpec& type_;
@@ -140,6 +156,8 @@ void RoundTrip::check_params(Where where, std::string_view owner, const Record& 
       for (std::size_t k = 0; k < a[i].records().size(); ++k)
         check_params(where, fmt::format("{} {}", owner, field.name), a[i].records()[k], b[i].records()[k],
                      *field.record);
+    else if (is_rounded(a[i], b[i], field))
+      warn_rounded(where, fmt::format("{}: the value of {}", owner, quoted_keys(field)));
     else
       lacks(where, fmt::format("{}: the value of {}", owner, quoted_keys(field)));
   }
@@ -199,11 +217,7 @@ void RoundTrip::check_device(const DeviceSpec& a, const DeviceSpec& b) {
   const bool is_placeless = a.kind == "power_pack" || a.kind == "flags";  // pose and joint have no effect
   if (const engine::DeviceKind* kind = registry_.device(a.kind))
     check_params(a.where, owner, a.params, b.params, kind->params);
-  Pose pose = a.pose_body_device;
-  if (is_turned(a.where, owner, pose.heading, b.pose_body_device.heading))
-    pose.heading = b.pose_body_device.heading;
-  if (!is_placeless && !same_bits(pose, b.pose_body_device))
-    lacks(a.where, owner + ": its exact \"pose\"; the last bits would change");
+  if (!is_placeless) check_pose(a.where, owner, a.pose_body_device, b.pose_body_device);
   if (!same_bits(a.period_s, b.period_s)) lacks(a.where, owner + ": its \"period_s\"");
   if (a.active != b.active) lacks(a.where, owner + ": its \"active\"");
   if (!is_placeless && joint_name(type_, a.joint) != joint_name(back_, b.joint))
@@ -296,10 +310,10 @@ void RoundTrip::check_bodies() {
                          ": the value of its \"obstacle\", \"fiducial_key\", \"ranger_return\", "
                          "\"fiducial_return\", \"gripper_return\" or \"blob_return\"");
     check_size(a, b, owner);
-    check_pose(a, b, owner);
+    check_pose(a.where, owner, a.pose_body_part, b.pose_body_part);
     if (joint_name(type_, a.joint) != joint_name(back_, b.joint))
       lacks(a.where, owner + ": the joint that it is mounted on");
-    if (a.floor_plan != b.floor_plan) lacks(a.where, owner + ": its \"floor_plan\"");
+    if (a.floor_plan != b.floor_plan) check_floor_plan(a, owner);
     if (a.color && a.color != b.color) lacks(a.where, owner + ": its \"color\"");
     const std::optional<double> off = distance(a.solids, b.solids);
     if (!off || *off > k_rounding_m)
@@ -320,22 +334,26 @@ void RoundTrip::check_size(const PartSpec& a, const PartSpec& b, const std::stri
   if ((a.size - b.size).cwiseAbs().maxCoeff() > k_rounding_m)
     lacks(a.where, owner + ": an \"extent_m\" that differs from the extent of the outline");
   else
-    diagnostics_.warning(a.where, fmt::format("type \"{}\": {}: its extent is rounded; the state hashes of a "
-                                              "run may differ from those of the original world",
-                                              type_.name, owner));
+    warn_rounded(a.where, owner + ": its extent");
 }
 
-void RoundTrip::check_pose(const PartSpec& a, const PartSpec& b, const std::string& owner) {
-  Pose pose = a.pose_body_part;
-  const Pose& other = b.pose_body_part;
-  if (is_turned(a.where, owner, pose.heading, other.heading)) pose.heading = other.heading;
-  if (same_bits(pose, other)) return;
-  const double off = std::max({std::abs(pose.x - other.x), std::abs(pose.y - other.y),
-                               std::abs(pose.z - other.z), std::abs(pose.heading - other.heading)});
-  if (off > k_rounding_m) return lacks(a.where, owner + ": its \"pose\"");
-  diagnostics_.warning(a.where, fmt::format("type \"{}\": {}: its pose is rounded; the state hashes of a run "
-                                            "may differ from those of the original world",
-                                            type_.name, owner));
+/// Reports that a part is no floor plan any more. Without an image, this changes only what `troupe lint`
+/// checks.
+void RoundTrip::check_floor_plan(const PartSpec& part, const std::string& owner) {
+  if (part.image) return lacks(part.where, owner + ": its \"floor_plan\"");
+  diagnostics_.warning(part.where,
+                       fmt::format("type \"{}\": {}: its \"floor_plan\" is not written: `troupe lint` "
+                                   "will not check that it blocks robots, but runs are the same",
+                                   type_.name, owner));
+}
+
+void RoundTrip::check_pose(Where where, const std::string& owner, Pose a, const Pose& b) {
+  if (is_turned(where, owner, a.heading, b.heading)) a.heading = b.heading;
+  if (same_bits(a, b)) return;
+  const double off = std::max(
+      {std::abs(a.x - b.x), std::abs(a.y - b.y), std::abs(a.z - b.z), std::abs(a.heading - b.heading)});
+  if (off > k_rounding_m) return lacks(where, owner + ": its \"pose\"");
+  warn_rounded(where, owner + ": its pose");
 }
 
 /// Reports the aliases (second names) of bodies, and the global names of parts, that a `.world` file cannot

@@ -58,6 +58,14 @@ bool StageKinds::add_bumpers(const StageModel& model, engine::DeviceSpec& spec) 
                   fmt::format("\"bcount\" must be from 1 to {}, found {}", k_most, *count));
     return false;
   }
+  for (const StageEntity* layer : model.layers)
+    for (const StageProperty& property : document_.properties(*layer))
+      for (const std::string_view stem : {"bpose", "blength"})
+        if (const auto number = index_in(document_.key(property), stem);
+            number && (*number < 0 || *number >= *count))
+          values_.warning(values_.where(property),
+                          fmt::format("\"{}\" is ignored: \"bcount\" is {}, and bumpers are numbered from 0",
+                                      document_.key(property), *count));
   const engine::FieldTable& table = engine::described<engine::BumperStripParams>();
   const engine::Field& length_field = table.fields[static_cast<std::size_t>(table.find("length"))];
   const StageProperty* common = model.find(document_, "blength");

@@ -149,7 +149,8 @@ class TransducerReader {
   bool check(std::string_view field_name, double value, const StageProperty& property) {
     const engine::FieldTable& table = engine::described<TransducerParams>();
     const auto at = static_cast<std::size_t>(table.find(field_name));
-    const Result<> kept = check_limits(table.fields[at], value);
+    const double to_si = values_.unit(table.fields[at].unit);
+    const Result<> kept = check_limits(table.fields[at], value, to_si);
     if (kept) return true;
     const std::string_view key = values_.key(property);
     const std::string_view number =
@@ -157,10 +158,9 @@ class TransducerReader {
         : field_name == "noise_proportional" ? ": the second number (share)"
         : field_name == "noise_angular" ? ": the third number (angle), times half the angle between beams,"
                                         : "";
-    const std::string_view unit = engine::unit_suffixes(table.fields[at].unit)[0].symbol;
     values_.error(values_.where(property),
-                  fmt::format("\"{}\"{} {}, found {}{}{}", key, number, kept.error().text, value,
-                              unit.empty() ? "" : " ", unit));
+                  fmt::format("\"{}\"{} {}, found {}", key, number, kept.error().text,
+                              in_unit(value, table.fields[at], to_si)));
     return false;
   }
 

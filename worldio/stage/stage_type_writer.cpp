@@ -175,6 +175,8 @@ void TypeText::write_body(const PartSpec& part, const DeviceSpec* own) {
   if (!part.solids.empty()) return write_blocks(part);
   if (kind->has_default_body || (device && device->body)) text_.flag("noblocks", true);
   write_size(part.size, kind, part.where);
+  if (own && !is_wheels(*own) && own->pose_body_device != part.pose_body_part)  // `origin` moves the device
+    text_.pose("origin", relative_pose(part.pose_body_part, own->pose_body_device));
 }
 
 bool TypeText::is_default_box(const PartSpec& part, const engine::ModelKind& kind) {

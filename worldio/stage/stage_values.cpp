@@ -167,11 +167,16 @@ std::optional<Eigen::Vector3d> StageValues::size(const StageProperty& property, 
 
 bool StageValues::is_within(const StageProperty& property, const engine::Field& field, double si,
                             double written) {
-  const Result<> kept = check_limits(field, si);
+  const double to_si = written == 0 ? unit(field.unit) : si / written;
+  const Result<> kept = check_limits(field, si, to_si);
   if (kept) return true;
-  error(where(property), fmt::format("\"{}\" {}, found {}{}", key(property), kept.error().text, written,
-                                     si == written ? "" : fmt::format(" (in SI units {:.6g})", si)));
+  error(where(property), fmt::format("\"{}\" {}, found {}", key(property), kept.error().text, written));
   return false;
+}
+
+double StageValues::unit(engine::Unit unit) const {
+  if (unit == engine::Unit::radians) return angle_;
+  return unit == engine::Unit::meters ? length_ : 1;
 }
 
 std::optional<double> StageValues::column(const StageProperty& property, std::size_t column) {

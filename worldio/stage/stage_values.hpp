@@ -36,6 +36,8 @@ class StageValues {
   void set_wraps_headings(bool wraps) { wraps_headings_ = wraps; }
   double length_unit() const { return length_; }
   double angle_unit() const { return angle_; }
+  /// The unit of the file for values of this unit, in SI units; 1 for units other than lengths and angles.
+  double unit(engine::Unit unit) const;
 
   bool thorough() const { return diagnostics_.thorough(); }
   void error(Where where, std::string message);
