@@ -19,7 +19,6 @@ namespace troupe {
 namespace {
 
 using engine::BodyType;
-using engine::Element;
 using engine::Frame;
 using engine::FrameRanger;
 using engine::FrameTransducer;

@@ -27,7 +27,6 @@
 namespace troupe {
 namespace {
 
-using engine::Element;
 using engine::Frame;
 using engine::FrameScene;
 using worldio::RecordedScene;

@@ -48,7 +48,8 @@ bool is_utf16(std::string_view text) {
 StrayCharacter stray_character(std::string_view text, std::size_t at, std::string_view where) {
   const std::size_t length = utf8_length(text, at);
   if (length == 0)
-    return {1, fmt::format("unexpected byte 0x{:02x}: this byte may be only in {}", byte_at(text, at), where)};
+    return {1,
+            fmt::format("unexpected byte 0x{:02x}: this byte may be only in {}", byte_at(text, at), where)};
   const char32_t code = code_point(text, at, length);
   const std::string_view shown = text.substr(at, length);
   if (is_one_of(k_quotes, code))
@@ -58,7 +59,8 @@ StrayCharacter stray_character(std::string_view text, std::size_t at, std::strin
   const auto number = static_cast<std::uint32_t>(code);
   if (is_one_of(k_blanks, code))
     return {length, fmt::format("unexpected blank U+{:04X}: write an ordinary blank", number)};
-  return {length, fmt::format("unexpected character U+{:04X} ({}): it may be only in {}", number, shown, where)};
+  return {length,
+          fmt::format("unexpected character U+{:04X} ({}): it may be only in {}", number, shown, where)};
 }
 
 }  // namespace troupe::worldio

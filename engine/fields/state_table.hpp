@@ -54,6 +54,7 @@ constexpr Element element_of() {
 template <class Visit>
 decltype(auto) visit_element(Element element, Visit&& visit) {
   switch (element) {
+    // NOLINTNEXTLINE(bugprone-branch-clone): the calls differ in the type of their argument
     case Element::f64: return visit(double());
     case Element::f32: return visit(float());
     case Element::i64: return visit(std::int64_t());

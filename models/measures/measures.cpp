@@ -16,7 +16,6 @@
 namespace troupe::models {
 namespace {
 
-using engine::Element;
 using engine::Measure;
 using engine::StateTable;
 using engine::Unit;
