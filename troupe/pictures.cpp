@@ -192,15 +192,11 @@ namespace {
 namespace fs = std::filesystem;
 using Texts = std::vector<std::pair<std::string, std::string>>;
 
-/// Returns the vector format that the ending of a file name selects; empty for PNG. Throws InputError for
-/// another ending.
+/// Returns the vector format that the ending of a file name selects; empty for all other endings.
 std::optional<render::VectorFormat> vector_format(const fs::path& file) {
-  const fs::path ending = file.extension();
-  if (ending == ".svg") return render::VectorFormat::svg;
-  if (ending == ".pdf") return render::VectorFormat::pdf;
-  if (ending == ".png") return std::nullopt;
-  throw InputError(fmt::format(
-      "{}: error: this is not the name of a picture: it must end in .png, .svg or .pdf", file.string()));
+  if (file.extension() == ".svg") return render::VectorFormat::svg;
+  if (file.extension() == ".pdf") return render::VectorFormat::pdf;
+  return std::nullopt;
 }
 
 }  // namespace
@@ -479,8 +475,7 @@ Pictures::Shot Pictures::between(const Shot& earlier, const Shot& later, double 
 
 void Pictures::rehearse(const std::filesystem::path& file) {
   std::filesystem::path beside = file;
-  const bool is_vector = file.extension() == ".svg" || file.extension() == ".pdf";
-  beside += fmt::format(".{}{}", getpid(), is_vector ? file.extension().string() : ".png");
+  beside += fmt::format(".{}{}", getpid(), vector_format(file) ? file.extension().string() : ".png");
   render::View view = impl_->view;
   view.width = view.height = 16;
   impl_->write({}, view, {}, beside, file);
@@ -491,6 +486,9 @@ void Pictures::rehearse(const std::filesystem::path& file) {
 std::vector<std::uint8_t> Pictures::draw(const Shot& shot) { return impl_->draw(*shot); }
 
 void Pictures::write(const Shot& shot, const std::filesystem::path& file) {
+  if (!vector_format(file) && file.extension() != ".png")
+    throw InputError(fmt::format(
+        "{}: error: this is not the name of a picture: it must end in .png, .svg or .pdf", file.string()));
   impl_->write(shot->frame, impl_->view_of(*shot), shot->text, file, file);
 }
 

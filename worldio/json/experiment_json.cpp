@@ -81,13 +81,6 @@ bool is_simple(const Value& value) {
   return !std::holds_alternative<std::vector<Record>>(value.v);
 }
 
-template <class List, class Projection>
-std::vector<std::string_view> names_of(const List& list, Projection name) {
-  std::vector<std::string_view> names;
-  for (const auto& entry : list) names.push_back(entry.*name);
-  return names;
-}
-
 /// Reads the new parameters that an intervention gives to a type. The document stores them as unread JSON,
 /// because the type determines which parameters are valid.
 class SettingExpander {
@@ -152,8 +145,7 @@ Record SettingExpander::expand_device(const JsonCursor& at, const engine::TypeSp
   const auto device = std::ranges::find(type.devices, *name, &engine::DeviceSpec::name);
   const engine::DeviceKind* kind = device == type.devices.end() ? nullptr : registry_.device(device->kind);
   if (!kind) {
-    JsonCursor(at, "name", *node)
-        .error(unknown_name("device", *name, names_of(type.devices, &engine::DeviceSpec::name)));
+    JsonCursor(at, "name", *node).error(unknown_name("device", *name, name_list(type.devices)));
     return {};
   }
   setting.index = static_cast<std::uint32_t>(device - type.devices.begin());
@@ -173,9 +165,9 @@ Record SettingExpander::expand_controller(const JsonCursor& at, const engine::Ty
   const engine::ControllerKind* kind =
       controller == type.controllers.end() ? nullptr : registry_.controller(controller->kind);
   if (!kind) {
-    JsonCursor(at, "kind", *node)
-        .error(unknown_name("controller of this type", *name,
-                            names_of(type.controllers, &engine::ControllerSpec::kind)));
+    std::vector<std::string_view> kinds;
+    for (const engine::ControllerSpec& each : type.controllers) kinds.push_back(each.kind);
+    JsonCursor(at, "kind", *node).error(unknown_name("controller of this type", *name, std::move(kinds)));
     return {};
   }
   setting.index = static_cast<std::uint32_t>(controller - type.controllers.begin());

@@ -14,6 +14,7 @@
 #include <array>
 #include <fstream>
 #include <optional>
+#include <stdexcept>
 #include <string>
 #include <system_error>
 #include <vector>
@@ -74,11 +75,9 @@ bool is_even(const Hdf5File& recording, std::size_t frames) {
                              [&](const Hdf5Dataset& array) { return array.rows() == frames; });
 }
 
-/// Replaces a recording by a copy of its content, which has no unused space. Leaves the recording as it is if
-/// it cannot be copied: because the disk is full, or because another program added an object that cannot be
-/// copied.
-void remove_unused_space(const fs::path& file) {
-  const fs::path packed = packed_copy(file);
+/// Replaces a recording by a copy of its content, which is first written to the file `packed`. Returns false,
+/// and leaves the recording as it is, if it cannot be copied.
+bool replace_by_content(const fs::path& file, const fs::path& packed) {
   std::optional<Hdf5File> into;
   try {
     const Hdf5File from = Hdf5File::open(file);
@@ -86,13 +85,14 @@ void remove_unused_space(const fs::path& file) {
     into->copy_content(from);
     into->flush();
     into->close();
-  } catch (const Hdf5Error&) {
+    fs::rename(packed, file);
+    return true;
+  } catch (const std::runtime_error&) {  // Hdf5Error, or the error of rename()
     if (into) into->abandon();
     std::error_code ignored;
     fs::remove(packed, ignored);
-    return;
+    return false;
   }
-  fs::rename(packed, file);
 }
 
 /// Repairs a file in place. Returns the number of its complete frames.
@@ -104,7 +104,7 @@ std::uint64_t repair_copy(const fs::path& copy) {
     if (array.rows() != frames) array.resize(frames);
   hdf5.flush();
   hdf5.close();
-  if (has_much_unused_space(Hdf5File::open(copy))) remove_unused_space(copy);
+  if (has_much_unused_space(Hdf5File::open(copy))) replace_by_content(copy, packed_copy(copy));
   if (RecordingReader(copy).frames() != frames || !is_even(Hdf5File::open(copy), frames))
     throw Hdf5Error(fmt::format(
         "{}: error: cannot be repaired: some arrays in the file have more frames than others, and cannot be "
@@ -121,6 +121,15 @@ bool has_much_unused_space(const Hdf5File& recording) {
     const std::uint64_t unused = recording.unused_bytes();
     return unused > k_least_bytes && unused > fs::file_size(recording.file_name()) / 8;
   } catch (const Hdf5Error&) {
+    return false;
+  }
+}
+
+bool remove_unused_space(const fs::path& file) {
+  try {
+    const PartialFile turn(file);  // reserves a name for the copy, as in repair_recording()
+    return replace_by_content(file, packed_copy(turn.path()));
+  } catch (const std::system_error&) {
     return false;
   }
 }

@@ -20,6 +20,12 @@ struct Repair {
 /// objects to the recording that have several paths or cannot be opened.
 bool has_much_unused_space(const Hdf5File& recording);
 
+/// Replaces a closed recording by a copy of its content, which has no unused space. No object of the file may
+/// be open. Returns false, and leaves the recording as it is, if it cannot be copied: because the disk is
+/// full, because no file can be created beside the recording, or because another program added an object that
+/// cannot be copied.
+bool remove_unused_space(const std::filesystem::path& file);
+
 /// Makes a recording that was cut off readable for ordinary HDF5 tools. The function marks the file as closed
 /// and removes incomplete frames from all arrays. A frame is the recorded state of the world at one time. If
 /// the file has much unused space, the function also tries to remove this space. A closed recording without

@@ -106,7 +106,7 @@ RecordingWriter::RecordingWriter(const std::filesystem::path& file, const World&
     outputs_.clear();
     frame_outputs_.clear();
     file_.close();
-    repair_recording(file);
+    remove_unused_space(file);
     file_ = Hdf5File::open_to_write(file);
     open_outputs();
   }

@@ -109,21 +109,21 @@ class RoundTrip {
     diagnostics_.error(where,
                        fmt::format("a .world file cannot express this: type \"{}\": {}", type_.name, what));
   }
+  /// Warns of a small difference from the original world. Reports each text only once.
+  void warn(Where where, const std::string& what) {
+    const std::string text = fmt::format("type \"{}\": {}", type_.name, what);
+    if (told_.insert(text).second) diagnostics_.warning(where, text);
+  }
   /// Warns that a value of the type changes slightly, by the conversion between units or frames.
   void warn_rounded(Where where, const std::string& what) {
-    const std::string text = fmt::format(
-        "type \"{}\": {} is rounded; the state hashes of a run may differ from those of the original world",
-        type_.name, what);
-    if (told_.insert(text).second) diagnostics_.warning(where, text);
+    warn(where, what + " is rounded; the state hashes of a run may differ from those of the original world");
   }
   /// Whether two headings, rad, differ by whole turns only, which Stage removes. If so, reports a warning.
   bool is_turned(Where where, const std::string& owner, double a, double b) {
     if (same_bits(a, b) || !same_bits(wrap_angle(a), b)) return false;
-    const std::string text = fmt::format(
-        "type \"{}\": {}: its heading is wrapped into [-pi, pi], as in Stage; the state hashes of a run may "
-        "differ from those of the original world",
-        type_.name, owner);
-    if (told_.insert(text).second) diagnostics_.warning(where, text);
+    warn(where, owner +
+                    ": its heading is wrapped into [-pi, pi], as in Stage; the state hashes of a run may "
+                    "differ from those of the original world");
     return true;
   }
   void check_params(Where where, std::string_view owner, const Record& a, const Record& b,
@@ -341,10 +341,9 @@ void RoundTrip::check_size(const PartSpec& a, const PartSpec& b, const std::stri
 /// checks.
 void RoundTrip::check_floor_plan(const PartSpec& part, const std::string& owner) {
   if (part.image) return lacks(part.where, owner + ": its \"floor_plan\"");
-  diagnostics_.warning(part.where,
-                       fmt::format("type \"{}\": {}: its \"floor_plan\" is not written: `troupe lint` "
-                                   "will not check that it blocks robots, but runs are the same",
-                                   type_.name, owner));
+  warn(part.where, owner +
+                       ": its \"floor_plan\" is not written: `troupe lint` will not check that it blocks "
+                       "robots, but runs are the same");
 }
 
 void RoundTrip::check_pose(Where where, const std::string& owner, Pose a, const Pose& b) {

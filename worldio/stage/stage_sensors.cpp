@@ -10,6 +10,23 @@
 #include <algorithm>
 
 namespace troupe::worldio {
+namespace {
+
+/// Warns of properties of bumpers that do not exist. Bumpers are numbered from 0 to count - 1.
+void warn_of_missing_bumpers(const StageDocument& document, const StageEntity& layer, std::int64_t count,
+                             StageValues& values) {
+  for (const StageProperty& property : document.properties(layer)) {
+    const std::string_view key = document.key(property);
+    auto number = index_in(key, "bpose");
+    if (!number) number = index_in(key, "blength");
+    if (number && (*number < 0 || *number >= count))
+      values.warning(
+          values.where(property),
+          fmt::format("\"{}\" is ignored: \"bcount\" is {}, and bumpers are numbered from 0", key, count));
+  }
+}
+
+}  // namespace
 
 /// Reads the colours that a blob finder reports: the first `colors_count` names of `colors`. If one of the
 /// two properties is missing, the blob finder reports every colour.
@@ -58,14 +75,7 @@ bool StageKinds::add_bumpers(const StageModel& model, engine::DeviceSpec& spec) 
                   fmt::format("\"bcount\" must be from 1 to {}, found {}", k_most, *count));
     return false;
   }
-  for (const StageEntity* layer : model.layers)
-    for (const StageProperty& property : document_.properties(*layer))
-      for (const std::string_view stem : {"bpose", "blength"})
-        if (const auto number = index_in(document_.key(property), stem);
-            number && (*number < 0 || *number >= *count))
-          values_.warning(values_.where(property),
-                          fmt::format("\"{}\" is ignored: \"bcount\" is {}, and bumpers are numbered from 0",
-                                      document_.key(property), *count));
+  for (const StageEntity* layer : model.layers) warn_of_missing_bumpers(document_, *layer, *count, values_);
   const engine::FieldTable& table = engine::described<engine::BumperStripParams>();
   const engine::Field& length_field = table.fields[static_cast<std::size_t>(table.find("length"))];
   const StageProperty* common = model.find(document_, "blength");
