@@ -362,7 +362,9 @@ void check_outputs(engine::World& world, const engine::Registry& registry, Diagn
   std::vector<std::string> paths;
   for (std::size_t i = 0; i < spec.measures.size(); ++i) paths.push_back(fmt::format("/measures/{}", i));
   const engine::MeasureSet measures(world, registry, spec.measures, diagnostics, paths);
-  if (!spec.record || spec.record->fields.empty()) return;
+  if (!spec.record) return;
+  worldio::check_recording_file(*spec.record, diagnostics);
+  if (spec.record->fields.empty()) return;
   try {
     worldio::recorded_components(world, spec.record->fields);
   } catch (const std::invalid_argument& error) {

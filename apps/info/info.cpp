@@ -5,6 +5,7 @@
 #include "apps/observers/profile.hpp"
 #include "apps/observers/tables.hpp"
 #include "apps/options.hpp"
+#include "apps/sweep/table.hpp"
 #include "base/diagnostics.hpp"
 #include "troupe/registry.hpp"
 #include "worldio/files.hpp"
@@ -31,13 +32,14 @@ namespace fs = std::filesystem;
 namespace {
 
 constexpr const char* k_info_footer = R"(
-Accepts any file that Troupe reads or writes: a world (Stage's or JSON), a hash log, a recording, a checkpoint, a table
-of measures or events, or a profile. The type is detected from the content; the file name does not matter.
+Accepts a world (Stage's or JSON), a hash log, a recording, a checkpoint, a table of measures or events, a profile, a
+study, a table that troupe sweep wrote, or a session of troupe view. The type is detected from the content; the file
+name does not matter.
 
 Prints the type, the program that wrote the file, its world, seed, robots, ticks and fields, and whether the file is
 complete or was cut off, for example by a full disk or because the run was killed.
 
-Exit codes: 0 printed; 2 the file is not one that Troupe reads or writes, or cannot be read.
+Exit codes: 0 printed; 2 the file has none of these types, has errors, or cannot be read.
 
 Examples:
   troupe info worlds/hospital.json
@@ -96,29 +98,39 @@ bool begins_like_a_stage_world(std::string_view start) {
   });
 }
 
-bool is_json_world(const std::string& text) {
+/// Whether a text is a JSON object with this key. Invalid JSON counts if it has the key as text: the reader
+/// of worlds or studies then reports the error.
+bool has_key(const std::string& text, const std::string& key) {
   const auto json = nlohmann::json::parse(text, nullptr, false);
-  // Invalid JSON counts as a world if it has the key "troupe": the reader of worlds then reports the error.
-  if (json.is_discarded()) return text.find("\"troupe\"") != text.npos;
-  return json.is_object() && json.contains("troupe");
+  if (json.is_discarded()) return text.find('"' + key + '"') != text.npos;
+  return json.is_object() && json.contains(key);
+}
+
+/// Returns the summary of a JSON file whose first bytes are `start`; empty if it is not one of ours.
+std::optional<Summary> summary_of_json(const InfoOptions& options, std::string_view start) {
+  if (start.substr(0, start.find('\n')).find("\"troupe_session\"") != start.npos)
+    return summary_of_session(options.file);
+  const std::string text = all_of(options.file);
+  if (has_key(text, "troupe_study")) return summary_of_study(options.file, text, options.plugin_path);
+  if (has_key(text, "troupe")) return summary_of_world(options.file, text, true, options.plugin_path);
+  return std::nullopt;
 }
 
 std::optional<Summary> summary_of(const InfoOptions& options) {
   const fs::path& file = options.file;
   const std::string start = start_of(file);
   if (start.starts_with(k_hash_log_mark)) return summary_of_hash_log(file);
-  if (start.starts_with(worldio::k_hdf5_signature)) return summary_of_recording(file);
+  if (start.starts_with(worldio::k_hdf5_signature)) return summary_of_hdf5(file);
   if (worldio::is_checkpoint(file)) return summary_of_checkpoint(file);
   if (start.starts_with(k_events_mark)) return summary_of_events(file);
   if (start.starts_with(k_measures_mark)) return summary_of_measures(file);
   if (start.starts_with(k_profile_mark)) return summary_of_profile(file);
+  if (start.starts_with(k_series_mark)) return summary_of_series(file);
+  if (is_start_of_results(start)) return summary_of_results(file);
   const std::size_t first = start.find_first_not_of(" \t\r\n");
-  if (first != start.npos && start[first] == '{') {
-    const std::string text = all_of(file);
-    if (is_json_world(text)) return summary_of_world(file, text, true, options.plugin_path);
-  } else if (begins_like_a_stage_world(start)) {
+  if (first != start.npos && start[first] == '{') return summary_of_json(options, start);
+  if (begins_like_a_stage_world(start))
     return summary_of_world(file, all_of(file), false, options.plugin_path);
-  }
   return std::nullopt;
 }
 
@@ -129,7 +141,7 @@ void add_info_options(CLI::App& command, InfoOptions& options) {
   command
       .add_option_function<std::string>(
           "FILE", [&options](const std::string& text) { options.file = text; },
-          "File that Troupe reads or writes")
+          "World, result or other file of Troupe")
       ->option_text(" ")
       ->required();
   add_plugin_path_option(command, options.plugin_path);
@@ -139,11 +151,11 @@ ExitCode info(const InfoOptions& options) {
   const fs::path& file = options.file;
   const std::optional<Summary> summary = summary_of(options);
   if (!summary)
-    throw InputError(
-        fmt::format("{}: error: not a file that Troupe reads or writes: expected a world (Stage's or JSON), "
-                    "a hash log, a "
-                    "recording, a checkpoint, a table of measures or events, or a profile",
-                    file.string()));
+    throw InputError(fmt::format(
+        "{}: error: not a file that this command knows: expected a world (Stage's or JSON), "
+        "a hash log, a recording, a checkpoint, a table of measures or events, a profile, a study, "
+        "a table that troupe sweep wrote, or a session of troupe view",
+        file.string()));
   fmt::print("{}\n", file.string());
   for (const auto& [name, value] : *summary) fmt::print("  {:<18} {}\n", name, value);
   return k_finished;

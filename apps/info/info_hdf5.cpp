@@ -1,14 +1,17 @@
-// Summaries of recordings and checkpoints.
+// Summaries of recordings, of tables of results in HDF5, and of checkpoints.
 
 #include "apps/info/info_kinds.hpp"
 #include "base/diagnostics.hpp"
 #include "base/hash.hpp"
 #include "worldio/results/checkpoint.hpp"
+#include "worldio/results/hdf5_file.hpp"
+#include "worldio/results/hdf5_superblock.hpp"
 #include "worldio/results/recording_reader.hpp"
 #include "worldio/results/recording_writer.hpp"
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <map>
 #include <set>
 
@@ -58,10 +61,26 @@ Summary summary_of(const worldio::RecordingReader& recording) {
   return summary;
 }
 
+/// The summary of a table that write_hdf5() of a sweep wrote.
+Summary summary_of_table(const worldio::Hdf5File& file) {
+  const std::vector<std::string> columns = file.read_texts("columns");
+  const std::vector<std::string> errors = file.group("table").read_texts("error");
+  Summary summary{{"kind", "table of the results of a sweep, in HDF5"},
+                  {"columns", fmt::format("{}", fmt::join(columns, ", "))}};
+  add_runs(errors.size(), errors.size() - static_cast<std::size_t>(std::ranges::count(errors, "")), summary);
+  summary.emplace_back("complete", "yes");
+  return summary;
+}
+
 }  // namespace
 
-Summary summary_of_recording(const fs::path& file) {
+Summary summary_of_hdf5(const fs::path& file) {
   try {
+    const auto head = worldio::read_superblock(file);
+    if (!head || !head->writing()) {  // a table is never seen while it is written
+      const worldio::Hdf5File hdf5 = worldio::Hdf5File::open(file);
+      if (hdf5.has_group("table") && hdf5.has("columns")) return summary_of_table(hdf5);
+    }
     return summary_of(worldio::RecordingReader(file));
   } catch (const worldio::Hdf5Error& error) {
     throw InputError(error.what());

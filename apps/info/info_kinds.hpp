@@ -19,7 +19,14 @@ Summary summary_of_hash_log(const std::filesystem::path& file);
 Summary summary_of_measures(const std::filesystem::path& file);
 Summary summary_of_events(const std::filesystem::path& file);
 Summary summary_of_profile(const std::filesystem::path& file);
-Summary summary_of_recording(const std::filesystem::path& file);
+/// Of the table of results of a sweep (write_csv()).
+Summary summary_of_results(const std::filesystem::path& file);
+/// Of the measures over time of the runs of a sweep (write_series()).
+Summary summary_of_series(const std::filesystem::path& file);
+/// Of a session: the actions of users during a run.
+Summary summary_of_session(const std::filesystem::path& file);
+/// Of a recording, or of the table of results of a sweep in HDF5.
+Summary summary_of_hdf5(const std::filesystem::path& file);
 Summary summary_of_checkpoint(const std::filesystem::path& file);
 /// Returns the summary of a world file. Throws InputError if the world has errors.
 ///
@@ -30,6 +37,18 @@ Summary summary_of_checkpoint(const std::filesystem::path& file);
 /// TROUPE_PLUGIN_PATH and STAGEPATH are searched afterwards.
 Summary summary_of_world(const std::filesystem::path& file, const std::string& text, bool json,
                          const std::vector<std::filesystem::path>& plugins);
+
+/// Returns the summary of a study, which is a file that describes many runs of a world. Throws InputError if
+/// the study has errors. Does not load the world.
+///
+/// file: name of the study, for errors
+/// text: content of the study
+/// plugins: as for summary_of_world()
+Summary summary_of_study(const std::filesystem::path& file, const std::string& text,
+                         const std::vector<std::filesystem::path>& plugins);
+
+/// Adds the number of runs in the table of results of a sweep, and how many of them failed, to a summary.
+void add_runs(std::size_t runs, std::size_t failed, Summary& summary);
 
 /// Returns a range of ticks (simulation steps) and of simulated times as text, such as "0 to 20, 0 to 2 s".
 /// first_s, last_s: the simulated times of the ticks `first` and `last`, s.

@@ -1,4 +1,5 @@
-// Summaries of text files: hash logs, tables, profiles. They may be large and are read line by line.
+// Summaries of text files: hash logs, tables, profiles, sessions. Except sessions, they may be large and are
+// read line by line.
 
 #include "apps/hash_log_reader.hpp"
 #include "apps/info/info_kinds.hpp"
@@ -7,6 +8,8 @@
 #include "base/diagnostics.hpp"
 #include "base/hash.hpp"
 #include "base/number_text.hpp"
+#include "engine/kinds/act.hpp"
+#include "worldio/json/session_json.hpp"
 
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
@@ -181,6 +184,62 @@ Summary summary_of_events(const fs::path& file) {
   for (const auto& [kind, times] : kinds) summary.emplace_back("  " + kind, fmt::format("{}", times));
   summary.emplace_back("ticks", ticks_text(first, last));
   summary.emplace_back("complete", lines.whole_text());
+  return summary;
+}
+
+void add_runs(std::size_t runs, std::size_t failed, Summary& summary) {
+  summary.emplace_back(
+      "runs", failed == 0 ? fmt::format("{}", runs)
+                          : fmt::format("{}, of which {} failed: see the column \"error\"", runs, failed));
+}
+
+Summary summary_of_results(const fs::path& file) {
+  Lines lines(file);
+  Summary summary{{"kind", "table of the results of a sweep"}};
+  std::string line;
+  if (lines.next_row(line)) summary.emplace_back("columns", line);
+  std::size_t runs = 0;
+  std::size_t failed = 0;
+  for (; lines.next_row(line); ++runs)
+    if (!line.ends_with(',')) ++failed;  // the last column is `error`
+  add_runs(runs, failed, summary);
+  summary.emplace_back("complete", lines.whole_text());
+  return summary;
+}
+
+Summary summary_of_series(const fs::path& file) {
+  Lines lines(file);
+  Summary summary{{"kind", "measures over time of the runs of a sweep"}};
+  std::string line;
+  if (lines.next_row(line)) summary.emplace_back("columns", line);
+  std::size_t count = 0;
+  std::size_t runs = 0;
+  for (std::string run; lines.next_row(line); ++count) {  // the rows of a run are adjacent
+    const std::string_view cell = first_cells(line, 1).front();
+    if (count == 0 || cell != run) ++runs;
+    run = cell;
+  }
+  summary.emplace_back("runs", fmt::format("{}", runs));
+  summary.emplace_back("lines", fmt::format("{}", count));
+  summary.emplace_back("complete", lines.whole_text());
+  return summary;
+}
+
+Summary summary_of_session(const fs::path& file) {
+  const worldio::Session session = worldio::load_session(file);
+  Summary summary{{"kind", fmt::format("session, format {}", worldio::k_session_format)},
+                  {"written by", session.header.version}};
+  for (const auto& [name, value] : session.header.options) summary.emplace_back(name, value);
+  summary.emplace_back("actions", fmt::format("{}", session.acts.size()));
+  std::map<std::string_view, std::size_t> kinds;
+  for (const worldio::LoggedAct& logged : session.acts)
+    ++kinds[engine::k_acts[static_cast<std::size_t>(logged.act.kind)]];
+  for (const auto& [kind, times] : kinds)
+    summary.emplace_back(fmt::format("  {}", kind), fmt::format("{}", times));
+  std::uint64_t last = session.header.tick;
+  if (!session.acts.empty()) last = session.acts.back().tick;
+  summary.emplace_back("ticks", fmt::format("{} to {}", session.header.tick, session.end.value_or(last)));
+  summary.emplace_back("complete", session.end ? k_whole : "no: the line that ends the session is missing");
   return summary;
 }
 

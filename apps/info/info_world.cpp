@@ -4,6 +4,7 @@
 #include "engine/spec/ranging_engine.hpp"
 #include "troupe/plugins.hpp"
 #include "troupe/registry.hpp"
+#include "worldio/json/study.hpp"
 #include "worldio/load.hpp"
 
 #include <fmt/format.h>
@@ -104,12 +105,49 @@ void add_measures(const engine::WorldSpec& spec, Summary& summary) {
   if (!measures.empty()) summary.emplace_back("measures", measures);
 }
 
+engine::Registry registry_with(const std::vector<std::filesystem::path>& plugins) {
+  engine::Registry registry = make_registry();
+  add_plugins(registry, plugin_path(plugins));
+  return registry;
+}
+
+std::string choice_text(const worldio::Study::Choice& choice) {
+  using Kind = worldio::Study::Choice::Kind;
+  switch (choice.kind) {
+    case Kind::listed: return fmt::format("{}", fmt::join(choice.values, ", "));
+    case Kind::steps: return fmt::format("{:g} to {:g} in {} steps", choice.low, choice.high, choice.steps);
+    case Kind::uniform: return fmt::format("{:g} to {:g}, uniform", choice.low, choice.high);
+    case Kind::log_uniform: return fmt::format("{:g} to {:g}, log-uniform", choice.low, choice.high);
+    case Kind::integers: return fmt::format("{:g} to {:g}, whole numbers", choice.low, choice.high);
+  }
+  return {};
+}
+
 }  // namespace
+
+Summary summary_of_study(const std::filesystem::path& file, const std::string& text,
+                         const std::vector<std::filesystem::path>& plugins) {
+  Diagnostics diagnostics;
+  const worldio::Study study = worldio::load_study_text(file, text, registry_with(plugins), diagnostics);
+  diagnostics.throw_if_errors();
+  Summary summary{{"kind", "study, format 1"},
+                  {"world", study.world.string()},
+                  {"runs", fmt::format("{}", study.run_count())}};
+  if (study.for_s) summary.emplace_back("ends at", fmt::format("{:.10g} s", *study.for_s));
+  summary.emplace_back("parameters", fmt::format("{}", study.parameters.size()));
+  for (std::size_t p = 0; p < study.parameters.size(); ++p)
+    summary.emplace_back("  " + study.parameters[p].name, choice_text(study.choices[p]));
+  if (study.samples) summary.emplace_back("samples", fmt::format("{}", *study.samples));
+  summary.emplace_back("seeds",
+                       study.seeds.empty() ? "that of the world" : fmt::format("{}", study.seeds.size()));
+  if (!study.measures.empty())
+    summary.emplace_back("measures", fmt::format("{}", fmt::join(study.measures, ", ")));
+  return summary;
+}
 
 Summary summary_of_world(const std::filesystem::path& file, const std::string& text, bool json,
                          const std::vector<std::filesystem::path>& plugins) {
-  engine::Registry registry = make_registry();
-  add_plugins(registry, plugin_path(plugins));
+  const engine::Registry registry = registry_with(plugins);
   Diagnostics diagnostics;
   worldio::LoadOptions options;
   options.search_path = with_environment({}).search_path;

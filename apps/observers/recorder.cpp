@@ -3,10 +3,10 @@
 #include "apps/run/run_options.hpp"
 #include "base/diagnostics.hpp"
 #include "engine/world/world.hpp"
+#include "worldio/results/recording_fields.hpp"
 
 #include <fmt/format.h>
 
-#include <algorithm>
 #include <filesystem>
 #include <stdexcept>
 #include <string>
@@ -17,25 +17,14 @@ namespace {
 
 constexpr std::chrono::seconds k_flush_period{2};  // of wall time
 
-/// Throws InputError if the world file names a recording outside the working folder, because a world file
-/// from an unknown source must not create or (with --force) replace files elsewhere.
-void refuse_outside(const engine::RecordSpec& record, const Simulation& simulation) {
-  const std::filesystem::path file = record.file;
-  if (file.is_relative() && std::ranges::find(file, "..") == file.end()) return;
-  Diagnostics diagnostics(simulation.world().spec().files);
-  diagnostics.error(record.where,
-                    fmt::format("/record/file: must be a file in or below the working folder (no leading "
-                                "\"/\", no \"..\"), found \"{}\"; --record may name any file",
-                                record.file));
-  diagnostics.throw_if_errors();
-}
-
 }  // namespace
 
 std::filesystem::path recording_file(const RunOptions& options, const Simulation& simulation) {
   const auto& record = simulation.world().spec().record;
   if (!options.record.empty() || !record) return options.record;
-  refuse_outside(*record, simulation);
+  Diagnostics diagnostics(simulation.world().spec().files);
+  worldio::check_recording_file(*record, diagnostics);
+  diagnostics.throw_if_errors();
   return record->file;
 }
 

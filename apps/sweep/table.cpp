@@ -120,6 +120,11 @@ void write_csv(const SweepTable& table, const fs::path& file) {
   write_file(file, text);
 }
 
+bool is_start_of_results(std::string_view start) {
+  const std::string_view columns = start.substr(0, start.find('\n'));
+  return columns.starts_with("run,") && columns.find(",seed,ticks,time_s,") != columns.npos;
+}
+
 fs::path series_file(const fs::path& folder, std::size_t run) {
   return folder / "series" / fmt::format("{}.csv", run);
 }
@@ -135,7 +140,7 @@ void write_series(const SweepTable& table, const std::vector<std::string>& measu
   try {
     worldio::PartialFile whole(file);
     const auto write = [&whole](const std::string& text) { whole.write(std::as_bytes(std::span(text))); };
-    std::string head = "run,time_s";
+    std::string head(k_series_mark);
     for (const std::string& measure : measures) head += "," + csv_cell(measure);
     write(head + "\n");
     for (const auto& [run, outcome] : table.results.outcomes) {  // in the order of runs

@@ -7,6 +7,7 @@
 #include <filesystem>
 #include <map>
 #include <string>
+#include <string_view>
 #include <vector>
 
 namespace troupe::apps {
@@ -25,6 +26,11 @@ struct SweepTable {
 /// other results are `nan` or empty. Replaces the file only when the new table is complete. Throws
 /// OutputError if writing fails.
 void write_csv(const SweepTable& table, const std::filesystem::path& file);
+/// Whether a file that begins with the text `start` is a table of write_csv(). The text must contain the
+/// first line of the file.
+bool is_start_of_results(std::string_view start);
+/// The text with which a table of write_series() begins.
+inline constexpr std::string_view k_series_mark = "run,time_s";
 /// Writes the file series.csv in `folder`: the table `run,time_s,MEASURES...`. It has one row for each time
 /// at which the measures of a run were computed (Study::measure_every_s). The rows come from the files of the
 /// finished runs, which series_file() names. Replaces series.csv only when the new table is complete. Throws

@@ -183,6 +183,52 @@ TEST_F(Info, OfAnExperiment) {
   EXPECT_THAT(outcome.out, HasSubstr("slow_wheels of rover, dead_sensors of rover, drop_out of rover\n"));
 }
 
+TEST_F(Info, OfAStudyAndItsTables) {
+  write("s.json", R"({"troupe_study": 1, "world": "room.world", "for_s": 1, "series": true, "seeds": [4, 5],
+    "parameters": [{"name": "period_s", "set": "/period_s", "values": [0.5, 0.25]}], "measures": ["stalls"]})");
+  EXPECT_THAT(info("s.json"),
+              ElementsAre("s.json", "kind study, format 1", "world room.world", "runs 4", "ends at 1 s",
+                          "parameters 1", "period_s 0.5, 0.25", "seeds 2", "measures stalls"));
+  const std::string columns = "columns run,period_s,seed,ticks,time_s,stalls,stopped_by,state_hash,error";
+  write("table", columns.substr(8) + "\n0,0.5,4,10,1,0,,aa,\n1,0.5,5,0,nan,nan,,,\"a,\nb\"\n");
+  EXPECT_THAT(info("table"),
+              ElementsAre("table", "kind table of the results of a sweep", columns,
+                          "runs 2, of which 1 failed: see the column \"error\"", "complete yes"));
+  write("table", columns.substr(8) + "\n0,0.5,4,10,1,0,,aa,\n1,0.5");
+  EXPECT_THAT(info("table"), AllOf(Contains("runs 1"), Contains("complete no: cut off in line 3")));
+  write("series", "run,time_s,stalls\n0,0,0\n0,1,0\n2,0,0\n");
+  EXPECT_THAT(info("series"), ElementsAre("series", "kind measures over time of the runs of a sweep",
+                                          "columns run,time_s,stalls", "runs 2", "lines 3", "complete yes"));
+
+  write("s.json", R"({"troupe_study": 1, "world": "room.world", "for_s": 1,
+    "parameters": [{"name": "p", "set": "/seed", "values": [1, 2]}], "measures": ["stalls"]})");
+  ASSERT_EQ(troupe({"sweep", "s.json", "-o", "out", "--quiet"}).code, 0);
+  EXPECT_THAT(info("out/table.csv"), Contains("runs 2"));
+  if (worldio::has_hdf5()) {
+    EXPECT_THAT(info("out/table.h5"), AllOf(Contains("kind table of the results of a sweep, in HDF5"),
+                                            Contains("runs 2"), Contains("complete yes")));
+  }
+  write("s.json", "{\"troupe_study\": 1,\n \"word\": 1}");
+  EXPECT_THAT(error_of("s.json"), HasSubstr("s.json:2: error: unknown key \"word\""));
+}
+
+TEST_F(Info, OfASession) {
+  const std::string header =
+      R"({"troupe_session":1,"version":"troupe 0.1","tick":2,"hash":"00","options":{"seed":"7"}})";
+  const std::string acts =
+      "\n{\"tick\":3,\"n\":1,\"do\":\"remove\",\"robot\":\"r0\"}\n"
+      "{\"tick\":4,\"n\":2,\"do\":\"remove\",\"robot\":\"r1\"}\n";
+  write("s.jsonl", header + acts + "{\"tick\":9,\"n\":3,\"do\":\"end\"}\n");
+  EXPECT_THAT(info("s.jsonl"),
+              ElementsAre("s.jsonl", "kind session, format 1", "written by troupe 0.1", "seed 7", "actions 2",
+                          "remove 2", "ticks 2 to 9", "complete yes"));
+  write("s.jsonl", header + acts);
+  EXPECT_THAT(info("s.jsonl"), AllOf(Contains("ticks 2 to 4"),
+                                     Contains("complete no: the line that ends the session is missing")));
+  write("s.jsonl", header + "\n{\"tick\":3,\"n\":1,\"do\":\"fly\"}\n");
+  EXPECT_THAT(error_of("s.jsonl"), StartsWith("s.jsonl:2: error: unknown action \"fly\""));
+}
+
 TEST_F(Info, WrongWorldsTellWhatIsWrong) {
   write("ours", "{\"troupe\": 1,\n \"sed\": 9}");
   EXPECT_THAT(error_of("ours"), StartsWith("ours:2: error: unknown key \"sed\""));
@@ -194,7 +240,7 @@ TEST_F(Info, WrongWorldsTellWhatIsWrong) {
 
 TEST_F(Info, OtherFilesAreNoneOfOurs) {
   const std::string what =
-      ": error: not a file that Troupe reads or writes: expected a world (Stage's or JSON), a hash log, ";
+      ": error: not a file that this command knows: expected a world (Stage's or JSON), a hash log, ";
   write("notes", "Buy milk (and bread)\n");
   write("empty", "");
   write("other.json", "{\"name\": [1, 2]}");

@@ -61,6 +61,8 @@ TEST_F(LintTest, MeasuresAndRecordedFieldsThatNoRunCanHaveAreErrors) {
            {R"("measures": ["stalls", "stalls"])", "w.json:1: error: /measures/1: "},
            {R"("measures": [{"kind": "state_mean", "component": "lamp", "field": "x"}])",
             "w.json:1: error: /measures/0: "},
+           {R"("record": {"file": "../run.h5"})",
+            "w.json:1: error: /record/file: must be a file in or below "},
            {R"("record": {"fields": ["pose", "pos"]})", "w.json:1: error: /record/fields: "}}) {
     write("w.json", R"({"troupe": 1, "types": {"b": {"size_m": [1, 1, 1], "drive": {"kind": "diff"}}}, )"
                     R"("models": [{"name": "x", "type": "b"}], )" +

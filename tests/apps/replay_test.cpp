@@ -110,7 +110,8 @@ TEST_F(ReplayPage, WrongInputIsRefusedBeforeAnythingIsWritten) {
   record("stalls.h5", "stall");
   EXPECT_THAT(error_of({"stalls.h5"}), StartsWith("stalls.h5: error: has no poses"));
   EXPECT_THAT(error_of({"none.h5"}), HasSubstr("none.h5: error: there is no such file"));
-  EXPECT_THAT(error_of({"room.world"}), StartsWith("room.world: error: "));
+  EXPECT_THAT(error_of({"room.world"}),
+              StartsWith("room.world: error: this is not a recording (troupe run --record)"));
   EXPECT_THAT(error_of({"run.h5", "-o", "none/swarm.html"}),
               HasSubstr("none/swarm.html: error: cannot be written: there is no folder none"));
   EXPECT_THAT(error_of({"run.h5", "-o", "run.h5"}),

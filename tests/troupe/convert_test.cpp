@@ -450,7 +450,18 @@ TEST_F(ConvertTest, ExtentsThatAreNotThoseOfOutlinesAreNotOfStage) {
           "blocks": [{"points_m": [[0, 0], [1, 0], [1, 1]], "z_m": [0, 1]}]}},
   "models": [{"name": "a", "type": "t"}]})"),
           "w.world");
-  EXPECT_THAT(found, ElementsAre(HasSubstr("an \"extent_m\" that differs from the extent of the outline")));
+  EXPECT_THAT(found,
+              ElementsAre(HasSubstr("its body: an extent of 2 x 2 x 2 m around an outline of 1 x 1 x 1 m")));
+}
+
+TEST_F(ConvertTest, ParametersThatControllersNeedAndStageCannotWriteAreErrorsAtTheirLines) {
+  convert(write("w.json", R"({"troupe": 1, "types": {
+    "t": {"size_m": [0.4, 0.4, 0.3], "drive": {"kind": "diff"},
+          "controller": {"kind": "waypoints", "goals": [{"x_m": 3}]}}},
+  "models": [{"name": "a", "type": "t"}]})"),
+          "w.world");
+  EXPECT_THAT(found, ElementsAre(HasSubstr("w.json:3: error: a .world file cannot express this: type \"t\": "
+                                           "controller \"waypoints\": the value of \"goals\"")));
 }
 
 TEST_F(ConvertTest, HeadingsBeyondHalfATurnComeBackAsTheyWere) {

@@ -24,7 +24,10 @@ namespace troupe {
 namespace {
 
 namespace fs = std::filesystem;
+using ::testing::AllOf;
 using ::testing::HasSubstr;
+using ::testing::Not;
+using ::testing::StartsWith;
 using Kind = Act::Kind;
 using test::Draw;
 
@@ -371,6 +374,13 @@ TEST_F(Sessions, ThatDoNotFitAreRefusedWithFileAndLine) {
     EXPECT_THAT(error(good + line + "\n"), HasSubstr("s.jsonl:2: error: ")) << line;
     EXPECT_THAT(error(good + line + "\n"), HasSubstr(message)) << line;
   }
+  const std::string wrong = R"({"tick":3,"n":1,"do":"mvoe","robot":"b0","pose":[1,2,0,0]})"
+                            "\n";
+  const std::string next = R"({"tick":4,"n":2,"do":"remove","robot":"b0"})"
+                           "\n";
+  EXPECT_THAT(error(good + wrong + next),
+              AllOf(StartsWith("s.jsonl:2: error: unknown action \"mvoe\""), Not(HasSubstr("\n"))))
+      << "neither its keys nor the number of the next line is a second error";
   EXPECT_THAT(error(""), HasSubstr("s.jsonl: error: the file is empty"));
   EXPECT_THAT(error("{}\n"), HasSubstr("s.jsonl:1: error: "));
   EXPECT_EQ(error(good + move + R"({"tick":4,"n":2,"do":"rem)"), "") << "what a kill cut off is left out";

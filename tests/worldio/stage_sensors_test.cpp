@@ -155,7 +155,11 @@ TEST_F(StageSensors, WrongBumpersAreErrors) {
       ElementsAre(
           "w.world:1: warning: \"bpose[1]\" is ignored: \"bcount\" is 1, and bumpers are numbered from 0",
           "w.world:1: warning: \"blength[2]\" is ignored: \"bcount\" is 1, and bumpers are numbered from 0"));
-  device("bumper( size [0.1 0.1 0.1] bcount 2 blength[0] 0.3 )");
+  device("bumper( size [0.1 0.1 0.1] bcount 2 blength 0.3 bpose[0] [0 0 0 0] )");
+  EXPECT_THAT(messages(),
+              ElementsAre("w.world:1: warning: bumper 1 (counted from 0) has no \"bpose[1]\": its "
+                          "pose is that of the bumper model"));
+  device("bumper( size [0.1 0.1 0.1] bcount 2 blength[0] 0.3 bpose[0] [0 0 0 0] bpose[1] [0 0 0 90] )");
   EXPECT_THAT(messages(), ElementsAre("w.world:1: error: bumper 1 (counted from 0) has no length: give "
                                       "\"blength\", for all bumpers, or \"blength[1]\""));
   device("bumper( size [0.1 0.1 0.1] bcount 0 )");

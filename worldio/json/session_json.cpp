@@ -178,7 +178,8 @@ SessionHeader read_header(JsonObject& object) {
 }
 
 /// Reads a line after the header, which has an act or the end of the session, and adds it to `session`.
-void read_line(JsonObject& object, Session& session, Diagnostics& diagnostics) {
+/// line: the number of the line after the header, from 1
+void read_line(JsonObject& object, std::uint64_t line, Session& session, Diagnostics& diagnostics) {
   const std::size_t before = diagnostics.findings().size();
   LoggedAct logged{.tick = read_count(object, "tick", "the tick at the end of which the action was applied"),
                    .n = read_count(object, "n", "the number of the action, counted from 1"),
@@ -186,7 +187,7 @@ void read_line(JsonObject& object, Session& session, Diagnostics& diagnostics) {
                    .where = object.at().where()};
   const std::string what = read_do(object);
   const std::optional<Act> act = what.empty() || what == k_end ? std::nullopt : act_of(object, what);
-  object.finish();
+  if (act || what == k_end) object.finish();  // the keys of an unknown action are unknown
   if (diagnostics.findings().size() > before) return;
   const std::uint64_t last = session.acts.empty() ? session.header.tick : session.acts.back().tick;
   if (session.end)
@@ -195,9 +196,9 @@ void read_line(JsonObject& object, Session& session, Diagnostics& diagnostics) {
     object.at().error(fmt::format(
         "tick {} is less than tick {} of an earlier line: actions must be in the order of their ticks",
         logged.tick, last));
-  else if (logged.n != session.acts.size() + 1)
-    object.at().error(fmt::format("\"n\" must be {}, found {}: the lines are numbered 1, 2, 3, ...",
-                                  session.acts.size() + 1, logged.n));
+  else if (logged.n != line)
+    object.at().error(
+        fmt::format("\"n\" must be {}, found {}: the lines are numbered 1, 2, 3, ...", line, logged.n));
   else if (what == k_end)
     session.end = logged.tick;
   else if (act) {
@@ -246,7 +247,7 @@ std::optional<Act> read_act(std::string_view json, const std::vector<std::string
   for (const std::string_view key : also) object.find(key);
   const std::string what = read_do(object);
   std::optional<Act> act = what.empty() ? std::nullopt : act_of(object, what);
-  object.finish();
+  if (act) object.finish();  // the keys of an unknown action are unknown
   return diagnostics.findings().size() > before ? std::nullopt : act;
 }
 
@@ -277,7 +278,7 @@ Session load_session(const std::filesystem::path& file) {
       if (where.line == 1)
         session.header = read_header(object);
       else
-        read_line(object, session, diagnostics);
+        read_line(object, where.line - 1, session, diagnostics);
     }
     if (where.line == 1) diagnostics.throw_if_errors();
   }

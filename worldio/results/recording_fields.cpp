@@ -1,12 +1,12 @@
 #include "worldio/results/recording_fields.hpp"
 
-#include "base/diagnostics.hpp"
 #include "worldio/results/hdf5_file.hpp"
 
 #include <fmt/format.h>
 
 #include <algorithm>
 #include <cstring>
+#include <filesystem>
 #include <map>
 #include <memory>
 #include <set>
@@ -280,6 +280,15 @@ std::vector<RecordedComponent> recorded_components(const World& world, std::span
   }
   add_sensors(world, bodies, names, components);
   return components;
+}
+
+void check_recording_file(const engine::RecordSpec& record, Diagnostics& diagnostics) {
+  const std::filesystem::path file = record.file;
+  if (file.is_relative() && std::ranges::find(file, "..") == file.end()) return;
+  diagnostics.error(record.where,
+                    fmt::format("/record/file: must be a file in or below the working folder (no leading "
+                                "\"/\", no \"..\"), found \"{}\"; --record may name any file",
+                                record.file));
 }
 
 std::string join_field_names(std::span<const std::string> names) {

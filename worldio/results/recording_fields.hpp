@@ -1,5 +1,7 @@
 #pragma once
 
+#include "base/diagnostics.hpp"
+#include "engine/spec/world_spec.hpp"
 #include "engine/world/world.hpp"
 
 #include <cstddef>
@@ -101,6 +103,10 @@ std::string wrong_spelling(std::string_view what, std::string_view name, std::st
 /// name instead (name_for_path()).
 std::vector<RecordedComponent> recorded_components(const engine::World& world,
                                                    std::span<const std::string> names);
+
+/// Reports an error if a world file names a recording outside the working folder. A world file from an
+/// unknown source must not create files elsewhere, nor replace them with --force.
+void check_recording_file(const engine::RecordSpec& record, Diagnostics& diagnostics);
 
 /// Joins names of fields with commas. Recordings store the result in the attribute `record_fields`. A comma
 /// or a backslash inside a name is preceded by a backslash.

@@ -1,11 +1,14 @@
 #include "worldio/results/recording_reader.hpp"
 
+#include "worldio/files.hpp"
 #include "worldio/results/hdf5_superblock.hpp"
 #include "worldio/results/recording_writer.hpp"
 
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <array>
+#include <fstream>
 #include <numeric>
 #include <string_view>
 
@@ -26,7 +29,15 @@ bool is_unfinished(const std::filesystem::path& file) {
   return head && head->writing();
 }
 
+/// Opens a recording. A file that is not in HDF5 gets an error that says so in plain words, because the text
+/// of the HDF5 library does not.
 Hdf5File opened(const std::filesystem::path& file, bool unfinished) {
+  std::array<char, k_hdf5_signature.size()> start{};
+  std::ifstream stream;
+  if (check_readable(file)) stream.open(file, std::ios::binary);
+  if (stream.read(start.data(), start.size()) && !std::ranges::equal(start, k_hdf5_signature))
+    throw Hdf5Error(fmt::format("{}: error: this is not a recording (troupe run --record): not an HDF5 file",
+                                file.string()));
   return unfinished ? Hdf5File::open_swmr(file) : Hdf5File::open(file);
 }
 

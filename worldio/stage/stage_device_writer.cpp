@@ -206,13 +206,15 @@ void write_stage_wheels(const DeviceSpec& wheels, double period_s, const engine:
   write_limits(drive, *kind, text);  // such a drive has no odometry
 }
 
-std::string stage_call(const engine::ControllerSpec& controller, const engine::ControllerKind& kind) {
+Result<std::string> stage_call(const engine::ControllerSpec& controller, const engine::ControllerKind& kind) {
   std::string call = controller.kind;
   const Record defaults = kind.params.defaults();
   for (std::size_t i = 0; i < defaults.size(); ++i) {
     if (same_bits(controller.params[i], defaults[i])) continue;
     if (const auto text = argument(controller.params[i]))
       call += fmt::format(" {}={}", kind.params.fields[i].name, *text);  // values are in SI units
+    else if (!defaults[i].given())
+      return Error{fmt::format("the value of {}", quoted_keys(kind.params.fields[i]))};
   }
   return call;
 }

@@ -1,5 +1,6 @@
 #pragma once
 
+#include "base/result.hpp"
 #include "engine/kinds/kinds.hpp"
 #include "engine/spec/world_spec.hpp"
 #include "worldio/stage/stage_text.hpp"
@@ -27,8 +28,9 @@ void write_stage_wheels(const engine::DeviceSpec& wheels, double period_s, const
                         StageText& text);
 /// Returns a controller as a value of the property `ctrl`, such as `script law=wave`. The value has the name
 /// of the controller's kind and the parameters that differ from their defaults, in SI units. Parameters that
-/// this syntax cannot express are omitted.
-std::string stage_call(const engine::ControllerSpec& controller, const engine::ControllerKind& kind);
+/// this syntax cannot express are omitted. If the controller needs such a parameter, returns an error that
+/// names it.
+Result<std::string> stage_call(const engine::ControllerSpec& controller, const engine::ControllerKind& kind);
 /// Returns the value of the property `update_interval`, ms, for a period of `seconds`. The result divided by
 /// 1000 is exactly `seconds`, if there is such a number; otherwise it differs from `seconds` by rounding.
 double stage_milliseconds(double seconds);

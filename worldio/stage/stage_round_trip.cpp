@@ -332,7 +332,9 @@ void RoundTrip::check_bodies() {
 void RoundTrip::check_size(const PartSpec& a, const PartSpec& b, const std::string& owner) {
   if (a.size == b.size) return;
   if ((a.size - b.size).cwiseAbs().maxCoeff() > k_rounding_m)
-    lacks(a.where, owner + ": an \"extent_m\" that differs from the extent of the outline");
+    lacks(a.where,
+          fmt::format("{}: an extent of {:g} x {:g} x {:g} m around an outline of {:g} x {:g} x {:g} m",
+                      owner, a.size.x(), a.size.y(), a.size.z(), b.size.x(), b.size.y(), b.size.z()));
   else
     warn_rounded(a.where, owner + ": its extent");
 }

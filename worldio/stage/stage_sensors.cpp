@@ -85,6 +85,11 @@ bool StageKinds::add_bumpers(const StageModel& model, engine::DeviceSpec& spec) 
       const auto given = values_.pose_in_device(*property);
       if (!given) return false;
       strip.pose = *given;
+    } else if (*count > 1) {
+      values_.warning_once(model.where,
+                           fmt::format("bumper {} (counted from 0) has no \"bpose[{}]\": its pose is that of "
+                                       "the bumper model",
+                                       k, k));
     }
     const StageProperty* own = model.find(document_, fmt::format("blength[{}]", k));
     const StageProperty* length = own != nullptr ? own : common;

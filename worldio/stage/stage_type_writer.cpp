@@ -282,7 +282,11 @@ void TypeText::write_controllers(std::uint32_t p) {
   for (const engine::ControllerSpec& controller : type_.controllers) {
     const engine::ControllerKind* kind = registry_.controller(controller.kind);
     if (controller.part != p || !kind) continue;
-    calls.push_back(stage_call(controller, *kind));
+    const Result<std::string> call = stage_call(controller, *kind);
+    if (!call)
+      return lacks(controller.where,
+                   fmt::format("controller \"{}\": {}", controller.kind, call.error().text));
+    calls.push_back(*call);
     period_s = controller.period_s;
   }
   if (calls.empty()) return;
