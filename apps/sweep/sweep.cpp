@@ -40,6 +40,7 @@
 #include <stdexcept>
 #include <string>
 #include <thread>
+#include <tuple>
 #include <utility>
 
 namespace troupe::apps {
@@ -439,18 +440,11 @@ std::size_t missing_runs(const SweepTable& table, std::size_t first, std::size_t
 fs::path csv_file(const fs::path& folder) { return folder / "table.csv"; }
 fs::path hdf5_file(const fs::path& folder) { return folder / "table.h5"; }
 
-/// Writes the tables of a study whose runs are all done. If a file cannot be written, prints the error and
-/// returns false; it does not throw, because that would end the program with k_bad_input.
-bool write_tables(const SweepTable& table, const std::vector<std::string>& measures, const fs::path& folder) {
-  try {
-    write_csv(table, csv_file(folder));
-    if (table.study.series) write_series(table, measures, folder);
-    if (worldio::has_hdf5()) write_hdf5(table, hdf5_file(folder));
-    return true;
-  } catch (const OutputError& error) {
-    fmt::print(stderr, "{}\n", error.what());
-    return false;
-  }
+/// Writes the tables of a study whose runs are all done. Throws OutputError if a file cannot be written.
+void write_tables(const SweepTable& table, const std::vector<std::string>& measures, const fs::path& folder) {
+  write_csv(table, csv_file(folder));
+  if (table.study.series) write_series(table, measures, folder);
+  if (worldio::has_hdf5()) write_hdf5(table, hdf5_file(folder));
 }
 
 void print_result(const SweepTable& table, bool is_complete, const fs::path& folder) {
@@ -463,6 +457,71 @@ void print_result(const SweepTable& table, bool is_complete, const fs::path& fol
     fmt::print("; the table is written when all runs are done\n");
 }
 
+/// Reads and checks the study. Throws InputError with all errors.
+Study checked_study(const SweepOptions& options, Diagnostics& diagnostics) {
+  engine::Registry registry = make_registry();
+  add_plugins(registry, plugin_path(options.plugin_path), options.scripts);
+  Study study = worldio::load_study(options.study, registry, diagnostics);
+  diagnostics.throw_if_errors();
+  return study;
+}
+
+/// What a sweep knows of the worlds of its study.
+struct Identity {
+  std::string text;                   // identifies the study in journals
+  std::vector<std::string> measures;  // names of the columns of its measures
+};
+
+/// Like identify(), but errors name the positions of parameters in the study, and columns of the same name
+/// are errors too.
+Identity checked_identity(const Study& study, const SweepOptions& options, bool shows_warnings,
+                          Diagnostics& diagnostics) {
+  Identity identity;
+  try {
+    std::tie(identity.text, identity.measures) = identify(study, options, shows_warnings);
+  } catch (const InputError& error) {
+    throw InputError(at_parameters(study, error.what(), diagnostics));
+  }
+  worldio::check_columns(study, identity.measures, diagnostics);
+  diagnostics.throw_if_errors();
+  return identity;
+}
+
+/// Creates the folder for the results. Throws OutputError if the results could not be written there.
+void prepare_folder(const SweepOptions& options, bool has_series) {
+  check_folder(options.folder);
+  if (fs::exists(options.folder))
+    check_outputs({}, {csv_file(options.folder), hdf5_file(options.folder), options.folder / "series.csv"});
+  stop_on_signals();
+  fs::create_directories(has_series ? options.folder / "series" : options.folder);
+}
+
+/// Prints how the sweep ended, and writes the tables if all runs of the study are done.
+///
+/// list: the indices of the runs that this call had to make
+/// all_are_here: whether this call had to make all missing runs of the study; otherwise other processes make
+/// those of the other parts (--part)
+ExitCode finish(const Study& study, const Identity& identity, const SweepOptions& options,
+                const partition::Message& list, const Ended& ended, bool all_are_here) {
+  for (const auto& [run, error] : ended.failed) fmt::print(stderr, "run {}: {}\n", run, error);
+  SweepTable table{.study = study,
+                   .measures = worldio::measure_columns(identity.measures, study.statistics),
+                   .results = read_journals(options.folder, identity.text)};
+  forget_old_errors(table.results, list, ended.failed);
+  const bool is_complete = missing_runs(table, 0, 1) == 0;
+  if (is_complete) write_tables(table, identity.measures, options.folder);
+  if (!options.quiet) print_result(table, is_complete, options.folder);
+  if (stop_requested() || (ended.was_stopped && !is_complete)) return k_stopped;
+  const std::size_t lost =
+      all_are_here ? missing_runs(table, 0, 1) : missing_runs(table, options.part - 1, options.parts);
+  if (lost > 0)
+    throw OutputError(fmt::format(
+        "{}: error: the results of {} finished run{} are missing, so there is no table: another program "
+        "has removed or replaced files in this folder; repeat the command",
+        options.folder.string(), lost, lost == 1 ? "" : "s"));
+  return ended.failed.empty() ? k_finished : k_failed;
+}
+
 ExitCode sweep_checked(SweepOptions options, RankDeal& deal) {
   partition::Message list;  // the indices of all runs to make
   if (deal.rank() > 0) {
@@ -470,11 +529,8 @@ ExitCode sweep_checked(SweepOptions options, RankDeal& deal) {
     if (!shared) return k_finished;
     list = *std::move(shared);
   }
-  engine::Registry registry = make_registry();
-  add_plugins(registry, plugin_path(options.plugin_path), options.scripts);
   Diagnostics diagnostics;
-  const Study study = worldio::load_study(options.study, registry, diagnostics);
-  diagnostics.throw_if_errors();
+  const Study study = checked_study(options, diagnostics);
   if (deal.ranks() > 1 && options.parts > 1)
     throw InputError(
         "troupe sweep: error: --part cannot be used under a launcher such as mpirun, where all processes "
@@ -486,57 +542,30 @@ ExitCode sweep_checked(SweepOptions options, RankDeal& deal) {
   if (options.folder.empty())
     throw InputError(
         "troupe sweep: error: -o DIR is required: the folder for the results of the runs and the tables");
-  const auto [identity, measures] = [&] {
-    try {
-      return identify(study, options, deal.rank() == 0);
-    } catch (const InputError& error) {
-      throw InputError(at_parameters(study, error.what(), diagnostics));
-    }
-  }();
-  worldio::check_columns(study, measures, diagnostics);
-  diagnostics.throw_if_errors();
-  check_folder(options.folder);
-  if (fs::exists(options.folder))
-    check_outputs({}, {csv_file(options.folder), hdf5_file(options.folder), options.folder / "series.csv"});
-  stop_on_signals();
-  fs::create_directories(study.series ? options.folder / "series" : options.folder);
+  const Identity identity = checked_identity(study, options, deal.rank() == 0, diagnostics);
+  prepare_folder(options, study.series);
   if (deal.rank() == 0) {
     partition::MessageWriter writer;
-    for (const std::size_t run : runs_to_make(study, options, identity)) writer.put(std::uint64_t{run});
+    for (const std::size_t run : runs_to_make(study, options, identity.text)) writer.put(std::uint64_t{run});
     list = writer.take();
     deal.share(list);
   }
-  const std::vector<std::size_t> runs = dealt(list, deal);
   if (deal.ranks() > 1) {
     options.part = deal.rank() + 1;
     options.parts = deal.ranks();
     options.quiet = options.quiet || deal.rank() > 0;
   }
-  SweepJournal journal(journal_file(options.folder, options.part, options.parts), identity);
-  SweepTable table{.study = study, .measures = worldio::measure_columns(measures, study.statistics)};
-  Ended here{.failed = make_all(study, runs, options, journal, deal)};
+  SweepJournal journal(journal_file(options.folder, options.part, options.parts), identity.text);
+  Ended here{.failed = make_all(study, dealt(list, deal), options, journal, deal)};
   here.was_stopped = stop_requested();
-  Ended ended = gathered(here, deal);
+  const Ended ended = gathered(here, deal);
   if (deal.rank() > 0) return k_finished;
-  for (const auto& [run, error] : ended.failed) fmt::print(stderr, "run {}: {}\n", run, error);
-  table.results = read_journals(options.folder, identity);
-  forget_old_errors(table.results, list, ended.failed);
-  const bool is_complete = missing_runs(table, 0, 1) == 0;
-  if (is_complete && !write_tables(table, measures, options.folder)) return k_failed;
-  if (!options.quiet) print_result(table, is_complete, options.folder);
-  if (stop_requested() || (ended.was_stopped && !is_complete)) return k_stopped;
-  // The runs of other parts (--part) may be missing, because other processes make them.
-  const std::size_t lost =
-      deal.ranks() > 1 ? missing_runs(table, 0, 1) : missing_runs(table, options.part - 1, options.parts);
-  if (lost > 0) {
-    fmt::print(
-        stderr,
-        "{}: error: the results of {} finished run{} are missing, so there is no table: another program "
-        "has removed or replaced files in this folder; repeat the command\n",
-        options.folder.string(), lost, lost == 1 ? "" : "s");
+  try {
+    return finish(study, identity, options, list, ended, deal.ranks() > 1);
+  } catch (const OutputError& error) {  // thrown further, it would say that nothing was written
+    fmt::print(stderr, "{}\n", error.what());
     return k_failed;
   }
-  return ended.failed.empty() ? k_finished : k_failed;
 }
 
 }  // namespace
