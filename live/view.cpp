@@ -5,6 +5,7 @@
 #include "engine/spec/ticks.hpp"
 #include "engine/world/world.hpp"
 #include "live/page.hpp"
+#include "live/request.hpp"
 #include "live/view_impl.hpp"
 #include "troupe/acts.hpp"
 #include "worldio/json/session_json.hpp"
@@ -39,17 +40,11 @@ constexpr std::size_t k_spare = 3;  // one picture is being filled, one encoded,
 constexpr std::size_t k_most_messages = 1024;  // messages queued for the simulation
 constexpr std::uint64_t k_most_steps = 1000000000;
 constexpr std::uint64_t k_most_columns = 1000000000;
-constexpr std::uintmax_t k_most_file_bytes = 10'000'000'000;  // of all files that viewers request
+constexpr std::uintmax_t k_bytes_gb = 1'000'000'000;
+constexpr std::uintmax_t k_most_file_bytes = 10 * k_bytes_gb;  // of all files that viewers request
 constexpr std::array<std::string_view, 5> k_looking{"inspect", "plot", "color", "layers",
                                                     "parameters"};  // requests of read-only viewers
 constexpr int k_most_files = 100000;  // largest number of files of one kind in a folder
-
-/// The JSON text of a value of a request, for error messages, cut after 60 bytes.
-std::string text_of_value(const Json& value) {
-  constexpr std::size_t k_most_bytes = 60;
-  const std::string text = value.dump(-1, ' ', true);  // ASCII, so it can be cut anywhere
-  return text.size() <= k_most_bytes ? text : text.substr(0, k_most_bytes) + "...";
-}
 
 /// Returns a token: 128 random bits as 32 hexadecimal digits.
 std::string make_token() {
@@ -352,59 +347,6 @@ void View::Impl::refuse(std::uint64_t client, std::optional<std::uint64_t> id, c
   server_->send(client, text_of(json));
 }
 
-/// A request of a viewer: a JSON object whose key `do` has the name of the request. The functions throw
-/// ActRefused for an invalid value.
-class View::Impl::Request {
- public:
-  explicit Request(const std::string& text)
-      : json_(Json::parse(text)), what_(json_["do"].get<std::string>()) {}
-
-  const std::string& what() const { return what_; }
-  bool has(const char* key) const { return json_.contains(key) && !json_[key].is_null(); }
-  std::uint64_t id() const { return json_.value("id", std::uint64_t{0}); }  // checked when it was received
-  double number(const char* key, double least, double most) const {
-    const Json value = json_.value(key, Json());
-    if (!value.is_number() || !(value.get<double>() >= least && value.get<double>() <= most))
-      throw ActRefused(fmt::format("\"{}\" must be a number from {} to {}, found {}", key, least, most,
-                                   text_of_value(value)));
-    return value.get<double>();
-  }
-  std::uint64_t whole(const char* key, std::uint64_t least, std::uint64_t most) const {
-    const Json value = json_.value(key, Json());
-    if (!value.is_number_unsigned() || value.get<std::uint64_t>() < least ||
-        value.get<std::uint64_t>() > most)
-      throw ActRefused(fmt::format("\"{}\" must be a whole number from {} to {}, found {}", key, least, most,
-                                   text_of_value(value)));
-    return value.get<std::uint64_t>();
-  }
-  /// The value of `key`, which must be a name; empty if it is null or missing.
-  std::string name(const char* key) const {
-    const Json value = json_.value(key, Json());
-    if (value.is_null()) return {};
-    if (!value.is_string())
-      throw ActRefused(fmt::format("\"{}\" must be a name, found {}", key, text_of_value(value)));
-    return value.get<std::string>();
-  }
-  /// The value of `key`, which must be a list of names that are all in `known`.
-  std::vector<std::string> names(const char* key, std::span<const std::string_view> known) const {
-    const Json list = json_.value(key, Json());
-    std::vector<std::string> names;
-    if (!list.is_array())
-      throw ActRefused(fmt::format("\"{}\" must be a list of names, found {}", key, text_of_value(list)));
-    for (const Json& one : list) {
-      const std::string name = one.is_string() ? one.get<std::string>() : "";
-      if (std::ranges::find(known, name) == known.end())
-        throw ActRefused(unknown_name("layer", name, {known.begin(), known.end()}));
-      if (std::ranges::find(names, name) == names.end()) names.push_back(name);
-    }
-    return names;
-  }
-
- private:
-  Json json_;
-  std::string what_;
-};
-
 /// Executes a message and answers it. Returns false, without an answer, for an act that arrives between two
 /// ticks.
 bool View::Impl::obey(const Message& message) {
@@ -513,7 +455,7 @@ bool View::Impl::obey_watch(const Request& request, Client& client) {
                                    color.component));
     client.color = std::move(color);
   } else if (request.what() == "layers") {
-    client.layers = request.names("layers", layers_of(world));
+    client.layers = request.layers("layers", layers_of(world));
   } else {
     return false;
   }
@@ -625,9 +567,10 @@ void View::Impl::greet_again() {
 /// Returns the name of a file that does not exist: WORLD.WHAT.h5, else WORLD.WHAT-2.h5, and so on.
 fs::path View::Impl::new_file(std::string_view what) const {
   if (file_bytes_ >= k_most_file_bytes)
-    throw ActRefused(
-        "the files that viewers requested have reached 10 GB, the limit of a view: end this view, and start "
-        "another one");
+    throw ActRefused(fmt::format(
+        "the files that viewers requested have reached {} GB, the limit of a view: end this view, and start "
+        "another one",
+        k_most_file_bytes / k_bytes_gb));
   const std::string stem = fs::path(simulation_.effective_options().front().second).stem().string();
   for (int i = 1; i <= k_most_files; ++i) {
     fs::path file =
@@ -671,8 +614,8 @@ void View::Impl::limit_recording() {
   const std::uintmax_t size = fs::file_size(recording_, error);
   if (error || file_bytes_ + size < k_most_file_bytes) return;
   if (report_)
-    report_(fmt::format("{}: the recording ends, because the files that viewers requested have reached 10 GB",
-                        recording_.string()));
+    report_(fmt::format("{}: the recording ends, because the files that viewers requested have reached {} GB",
+                        recording_.string(), k_most_file_bytes / k_bytes_gb));
   stop_recording();
 }
 

@@ -27,6 +27,8 @@
 
 namespace troupe::live {
 
+class Request;
+
 /// The implementation of View (live/view.hpp): executes the commands of viewers, which are the pages and
 /// programs that are connected to the view. docs/live.md describes the protocol.
 class View::Impl : private ViewBackend {
@@ -63,7 +65,6 @@ class View::Impl : private ViewBackend {
     std::uint64_t id = 0;               // id of the request, for the answer
     std::optional<std::uint64_t> seed;  // for `restart`; not set: the same seed
   };
-  class Request;
 
   // Called on the server's thread.
   std::string opened(std::uint64_t client, bool may_steer) override;

@@ -107,8 +107,8 @@ void step_to_end(const Runs& runs, const std::function<bool()>& is_over, bool sh
   for (const auto& run : runs) run->finish();
 }
 
-ExitCode run_checked(const RunOptions& options) {
-  const auto start = Clock::now();
+/// Throws InputError if options are given that cannot be combined.
+void check_combinations(const RunOptions& options) {
   if (options.view && options.worlds.size() > 1)
     throw InputError(fmt::format(
         "--view: error: --view shows the run of one world, but {} worlds are given: give only one",
@@ -129,10 +129,14 @@ ExitCode run_checked(const RunOptions& options) {
     throw InputError(
         "--rank-balance: error: --rank-balance off is for ranks in one process, but a launcher such as "
         "mpirun started several: omit --rank-balance");
-  count_save_requests();
+}
+
+/// Loads the worlds, and tries whether the outputs of their runs can be written. Throws InputError or
+/// OutputError before anything is written.
+Runs rehearsed_runs(const RunOptions& options) {
   std::vector<RunOptions> each = one_for_each_world(options);
   check_files(each);
-  const Runs runs = load(each);
+  Runs runs = load(each);
   stop_on_signals();
   std::vector<Input> read;
   for (std::size_t i = 0; i < runs.size(); ++i) {
@@ -140,34 +144,48 @@ ExitCode run_checked(const RunOptions& options) {
     add_inputs(runs[i]->simulation(), read);
   }
   check_files(each, read);
-  const auto is_over = [&] {
-    return stop_requested() || (options.wall_limit_s && seconds_since(start) >= *options.wall_limit_s);
-  };
   for (const auto& run : runs) run->rehearse();
+  return runs;
+}
+
+/// Calls step_to_end(). If a run fails, saves the checkpoints of all runs that ask for one, and throws the
+/// error.
+void step_or_save(const Runs& runs, const std::function<bool()>& is_over, bool is_quiet) {
+  const bool tells_time = std::ranges::any_of(runs, [](const auto& run) { return run->tells_time(); });
+  try {
+    step_to_end(runs, is_over, !is_quiet && !tells_time);
+  } catch (...) {
+    for (const auto& run : runs) run->save_at_least();
+    throw;
+  }
+}
+
+ExitCode run_checked(const RunOptions& options) {
+  const auto start = Clock::now();
+  check_combinations(options);
+  count_save_requests();
+  const Runs runs = rehearsed_runs(options);
+  const bool prints_options = !options.quiet && !options.json;
   if (options.dry_run) {
     for (const auto& run : runs) {
-      if (!options.quiet && !options.json) run->print_options();
+      if (prints_options) run->print_options();
       run->print_dry_run();
     }
     return k_finished;
   }
+  const auto is_over = [&] {
+    return stop_requested() || (options.wall_limit_s && seconds_since(start) >= *options.wall_limit_s);
+  };
   for (const auto& run : runs) run->open_outputs(is_over);
   if (options.view) runs.front()->open_view(is_over);
-
-  if (!options.quiet && !options.json)
+  if (prints_options)
     for (const auto& run : runs) run->print_options();
   try {
-    const bool tells_time = std::ranges::any_of(runs, [](const auto& run) { return run->tells_time(); });
-    step_to_end(runs, is_over, !options.quiet && !tells_time);
+    step_or_save(runs, is_over, options.quiet);
   } catch (const InputError& error) {
     // An act of the session is impossible. The exit code k_bad_input would say that nothing was written.
-    for (const auto& run : runs) run->save_at_least();
     fmt::print(stderr, "{}\n", error.what());
     return k_failed;
-  } catch (...) {
-    // An output that fails ends the run, but the checkpoint is still saved.
-    for (const auto& run : runs) run->save_at_least();
-    throw;
   }
   bool stopped = false;
   for (const auto& run : runs) {
