@@ -20,7 +20,6 @@
 #include <cmath>
 #include <exception>
 #include <limits>
-#include <span>
 #include <stdexcept>
 #include <system_error>
 #include <utility>

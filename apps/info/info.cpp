@@ -98,21 +98,19 @@ bool begins_like_a_stage_world(std::string_view start) {
   });
 }
 
-/// Whether a text is a JSON object with this key. Invalid JSON counts if it has the key as text: the reader
-/// of worlds or studies then reports the error.
-bool has_key(const std::string& text, const std::string& key) {
-  const auto json = nlohmann::json::parse(text, nullptr, false);
-  if (json.is_discarded()) return text.find('"' + key + '"') != text.npos;
-  return json.is_object() && json.contains(key);
-}
-
 /// Returns the summary of a JSON file whose first bytes are `start`; empty if it is not one of ours.
 std::optional<Summary> summary_of_json(const InfoOptions& options, std::string_view start) {
   if (start.substr(0, start.find('\n')).find("\"troupe_session\"") != start.npos)
     return summary_of_session(options.file);
   const std::string text = all_of(options.file);
-  if (has_key(text, "troupe_study")) return summary_of_study(options.file, text, options.plugin_path);
-  if (has_key(text, "troupe")) return summary_of_world(options.file, text, true, options.plugin_path);
+  const auto json = nlohmann::json::parse(text, nullptr, false);
+  // In invalid JSON, the key may be anywhere: the reader of worlds or studies then reports the error.
+  const auto has = [&](const std::string& key) {
+    return json.is_discarded() ? text.find('"' + key + '"') != text.npos
+                               : json.is_object() && json.contains(key);
+  };
+  if (has("troupe_study")) return summary_of_study(options.file, text, options.plugin_path);
+  if (has("troupe")) return summary_of_world(options.file, text, true, options.plugin_path);
   return std::nullopt;
 }
 

@@ -389,39 +389,10 @@ std::optional<engine::ControllerSpec> StageKinds::controller(std::string_view ca
 
   std::size_t positional = 0;
   for (const std::string_view word : std::span(words).subspan(1)) {
-    const std::size_t equals = word.find('=');
-    if (equals == std::string_view::npos) {
-      if (positional == fields.size()) {
-        values_.error(where, fmt::format("controller \"{}\" takes at most {} argument{}: remove \"{}\"", name,
-                                         fields.size(), fields.size() == 1 ? "" : "s", word));
-        return {};
-      }
-      const Field& field = fields[positional];
-      if (!set_argument(field, 1, word, name, where, spec.params[positional++])) return {};
-      continue;
-    }
-    // A parameter may carry its unit, as in JSON: turn_degps=30.
-    const std::string_view key = word.substr(0, equals);
-    std::size_t at = fields.size();
-    double to_si = 1;
-    std::vector<std::string_view> keys;
-    for (std::size_t i = 0; i < fields.size(); ++i) {
-      keys.push_back(fields[i].name);
-      if (key == fields[i].name) at = i;
-      for (const engine::UnitSuffix& unit : engine::unit_suffixes(fields[i].unit))
-        if (key.starts_with(fields[i].name) && key.substr(fields[i].name.size()) == unit.suffix) {
-          at = i;
-          to_si = unit.to_si;
-        }
-    }
-    if (at == fields.size()) {
-      values_.error(where, keys.empty()
-                               ? fmt::format("controller \"{}\" has no parameters: remove \"{}\"", name, word)
-                               : fmt::format("controller \"{}\" has no parameter \"{}\"; known: {}{}", name,
-                                             key, comma_list(keys), did_you_mean(key, keys)));
+    const std::optional<Argument> given = argument(word, fields, name, where, positional);
+    if (!given || !set_argument(fields[given->field], given->to_si, given->text, name, where,
+                                spec.params[given->field]))
       return {};
-    }
-    if (!set_argument(fields[at], to_si, word.substr(equals + 1), name, where, spec.params[at])) return {};
   }
   for (std::size_t i = 0; i < fields.size(); ++i)
     if (!spec.params[i].given() && !fields[i].optional) {
@@ -430,6 +401,33 @@ std::optional<engine::ControllerSpec> StageKinds::controller(std::string_view ca
       return {};
     }
   return spec;
+}
+
+std::optional<StageKinds::Argument> StageKinds::argument(std::string_view word, std::span<const Field> fields,
+                                                         std::string_view controller, Where where,
+                                                         std::size_t& positional) {
+  const std::size_t equals = word.find('=');
+  if (equals == word.npos) {
+    if (positional < fields.size()) return Argument{positional++, 1, word};
+    values_.error(where, fmt::format("controller \"{}\" takes at most {} argument{}: remove \"{}\"",
+                                     controller, fields.size(), fields.size() == 1 ? "" : "s", word));
+    return {};
+  }
+  const std::string_view key = word.substr(0, equals);
+  const std::string_view text = word.substr(equals + 1);
+  for (std::size_t i = 0; i < fields.size(); ++i) {
+    if (key == fields[i].name) return Argument{i, 1, text};
+    for (const engine::UnitSuffix& unit : engine::unit_suffixes(fields[i].unit))
+      if (key.starts_with(fields[i].name) && key.substr(fields[i].name.size()) == unit.suffix)
+        return Argument{i, unit.to_si, text};
+  }
+  const std::vector<std::string_view> known = name_list(fields);
+  values_.error(where,
+                known.empty()
+                    ? fmt::format("controller \"{}\" has no parameters: remove \"{}\"", controller, word)
+                    : fmt::format("controller \"{}\" has no parameter \"{}\"; known: {}{}", controller, key,
+                                  comma_list(known), did_you_mean(key, known)));
+  return {};
 }
 
 bool StageKinds::set_argument(const Field& field, double to_si, std::string_view text,

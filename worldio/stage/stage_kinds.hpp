@@ -7,6 +7,7 @@
 #include "worldio/stage/stage_values.hpp"
 
 #include <optional>
+#include <span>
 #include <string_view>
 #include <vector>
 
@@ -74,6 +75,17 @@ class StageKinds {
   bool add_radio_law(const StageModel& model, const engine::DeviceKind& kind, engine::DeviceSpec& spec);
   std::optional<engine::TransducerParams> transducer(const StageModel& sensor);
   std::optional<engine::ControllerSpec> controller(std::string_view call, Where where);
+  /// An argument of a controller in the property `ctrl`.
+  struct Argument {
+    std::size_t field = 0;  ///< index of its parameter
+    double to_si = 1;       ///< factor from its unit to the SI unit
+    std::string_view text;  ///< its value
+  };
+  /// Reads an argument: `speed=0.2`, the same with a unit as in JSON (`turn_degps=30`), or only a value,
+  /// which is that of the parameter `positional`, and increases `positional`. Reports an error if the
+  /// controller has no such parameter.
+  std::optional<Argument> argument(std::string_view word, std::span<const engine::Field> fields,
+                                   std::string_view controller, Where where, std::size_t& positional);
   bool set_argument(const engine::Field& field, double to_si, std::string_view text,
                     std::string_view controller, Where where, engine::Value& value);
 
