@@ -65,7 +65,6 @@ class WorldText {
   WorldText(const WorldSpec& spec, const std::filesystem::path& file, const WorldDocument* document,
             const engine::Registry& registry, Diagnostics& diagnostics)
       : spec_(spec),
-        file_(file),
         folder_(file.parent_path()),
         document_(document),
         registry_(registry),
@@ -98,7 +97,6 @@ class WorldText {
   void write_body(const engine::BodySpec& body);
 
   const WorldSpec& spec_;
-  const std::filesystem::path& file_;
   std::filesystem::path folder_;
   const WorldDocument* document_;
   const engine::Registry& registry_;
