@@ -93,6 +93,13 @@ Span span_of(const fs::path& file, const Lines& lines, const std::vector<std::st
   return {*tick, *time_s};
 }
 
+/// How often each kind of event or action occurs, by its name.
+using Counts = std::map<std::string, std::size_t, std::less<>>;
+
+void add_counts(const Counts& counts, Summary& summary) {
+  for (const auto& [kind, times] : counts) summary.emplace_back("  " + kind, fmt::format("{}", times));
+}
+
 std::string ticks_text(const std::optional<Span>& first, const Span& last) {
   return first ? apps::ticks_text(first->tick, last.tick, first->time_s, last.time_s) : "none";
 }
@@ -172,7 +179,7 @@ Summary summary_of_events(const fs::path& file) {
   std::optional<Span> first;
   Span last;
   std::size_t count = 0;
-  std::map<std::string, std::size_t, std::less<>> kinds;
+  Counts kinds;
   while (lines.next_row(line)) {
     const std::vector<std::string_view> cells = first_cells(line, 3);
     last = span_of(file, lines, cells);
@@ -181,7 +188,7 @@ Summary summary_of_events(const fs::path& file) {
     if (cells.size() > 2) ++kinds[std::string(cells[2])];
   }
   summary.emplace_back("events", fmt::format("{}", count));
-  for (const auto& [kind, times] : kinds) summary.emplace_back("  " + kind, fmt::format("{}", times));
+  add_counts(kinds, summary);
   summary.emplace_back("ticks", ticks_text(first, last));
   summary.emplace_back("complete", lines.whole_text());
   return summary;
@@ -231,11 +238,10 @@ Summary summary_of_session(const fs::path& file) {
                   {"written by", session.header.version}};
   for (const auto& [name, value] : session.header.options) summary.emplace_back(name, value);
   summary.emplace_back("actions", fmt::format("{}", session.acts.size()));
-  std::map<std::string_view, std::size_t> kinds;
+  Counts kinds;
   for (const worldio::LoggedAct& logged : session.acts)
-    ++kinds[engine::k_acts[static_cast<std::size_t>(logged.act.kind)]];
-  for (const auto& [kind, times] : kinds)
-    summary.emplace_back(fmt::format("  {}", kind), fmt::format("{}", times));
+    ++kinds[std::string(engine::k_acts[static_cast<std::size_t>(logged.act.kind)])];
+  add_counts(kinds, summary);
   std::uint64_t last = session.header.tick;
   if (!session.acts.empty()) last = session.acts.back().tick;
   summary.emplace_back("ticks", fmt::format("{} to {}", session.header.tick, session.end.value_or(last)));
