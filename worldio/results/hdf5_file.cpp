@@ -650,6 +650,26 @@ Hdf5Object Hdf5Group::object(const std::string& name) const {
   return found;
 }
 
+/// The largest number of groups in one another.
+constexpr auto k_most_steps = 16;
+
+std::vector<std::uint64_t> Hdf5Group::header_addresses() const {
+  std::vector<std::uint64_t> addresses;
+  add_header_addresses(0, addresses);
+  return addresses;
+}
+
+void Hdf5Group::add_header_addresses(std::size_t depth, std::vector<std::uint64_t>& addresses) const {
+  if (depth > k_most_steps) return;
+  for (const std::string& name : names()) {
+    const LibraryCall call;
+    H5L_info_t link{};
+    if (H5Lget_info(id_.get(), name.c_str(), &link, H5P_DEFAULT) >= 0 && link.type == H5L_TYPE_HARD)
+      addresses.push_back(link.u.address);
+    if (has_group(name)) group(name).add_header_addresses(depth + 1, addresses);
+  }
+}
+
 std::vector<std::string> Hdf5Group::paths() const {
   const LibraryCall call;
   std::set<std::uint64_t> seen{info_of(*this, id_.get()).addr};
@@ -662,7 +682,6 @@ std::vector<std::string> Hdf5Group::paths() const {
 /// that have a path already.
 void Hdf5Group::add_paths(const std::string& prefix, std::set<std::uint64_t>& seen,
                           std::vector<std::string>& paths) const {
-  constexpr auto k_most_steps = 16;
   if (std::ranges::count(prefix, '/') > k_most_steps) fail("is nested too deep: the file is damaged");
   for (const std::string& name : names()) {
     const Hdf5Object object = this->object(name);
@@ -846,11 +865,17 @@ Hdf5File Hdf5File::create_in_memory(const fs::path& file, std::size_t user_block
   return {made(file, user_block, access.get()), file};
 }
 
+/// In SWMR mode, HDF5 reads metadata again if the checksum is wrong, because the writer may be overwriting it
+/// at this moment. Before the n-th attempt, it waits 2^n ns. By default, there are 100 attempts, so that HDF5
+/// would wait for ever for a writer that was killed. 30 attempts take a second.
+void bound_read_attempts(hid_t access) { H5Pset_metadata_read_attempts(access, 30); }
+
 Hdf5File Hdf5File::opened(const fs::path& file, unsigned flags) {
   start_library();
   const LibraryCall call;
   if (const Result<> readable = check_readable(file); !readable) fail_with(file, readable.error().text);
   const Hdf5Id access = (flags & H5F_ACC_RDWR) != 0 ? writing_access_properties() : access_properties();
+  if ((flags & H5F_ACC_SWMR_READ) != 0) bound_read_attempts(access.get());
   Hdf5Id found(H5Fopen(file.c_str(), flags, access.get()), H5Fclose);
   if (!found.valid()) fail_with(file, fmt::format("cannot be read: {}", reason()));
   return {std::move(found), file};

@@ -50,6 +50,7 @@ bool Hdf5Group::has(const std::string&) const { refuse(file_); }
 bool Hdf5Group::has_group(const std::string&) const { refuse(file_); }
 std::vector<std::string> Hdf5Group::names() const { refuse(file_); }
 std::vector<std::string> Hdf5Group::paths() const { refuse(file_); }
+std::vector<std::uint64_t> Hdf5Group::header_addresses() const { refuse(file_); }
 void Hdf5Group::copy_content(const Hdf5Group&) { refuse(file_); }
 Hdf5Dataset Hdf5Group::create_dataset(const std::string&, engine::Element, const std::vector<std::size_t>&) {
   refuse(file_);

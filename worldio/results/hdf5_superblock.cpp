@@ -1,6 +1,7 @@
 #include "worldio/results/hdf5_superblock.hpp"
 
 #include "worldio/files.hpp"
+#include "worldio/results/hdf5_checksum.hpp"
 #include "worldio/results/little_endian.hpp"
 
 #include <fcntl.h>
@@ -30,52 +31,13 @@ constexpr std::size_t k_checksum = 44;
 
 using SuperblockBytes = std::array<std::uint8_t, k_bytes>;
 
-void put_little_endian(std::uint64_t value, std::span<std::uint8_t> bytes) {
-  for (std::uint8_t& byte : bytes) {
-    byte = static_cast<std::uint8_t>(value);
-    value >>= 8;
-  }
-}
-
-/// The checksum of HDF5's metadata: hashlittle() of Bob Jenkins' lookup3 (2006, public domain). `bytes` are
-/// the bytes before the checksum.
-std::uint32_t checksum(std::span<const std::uint8_t> bytes) {
-  const auto word = [&](std::size_t at) {
-    return at >= bytes.size() ? 0u
-                              : static_cast<std::uint32_t>(little_endian(
-                                    bytes.subspan(at, std::min<std::size_t>(4, bytes.size() - at))));
-  };
-  std::uint32_t a = 0xdeadbeef + static_cast<std::uint32_t>(bytes.size());
-  std::uint32_t b = a;
-  std::uint32_t c = a;
-  std::size_t at = 0;
-  const auto add = [&] { a += word(at), b += word(at + 4), c += word(at + 8); };
-  for (; bytes.size() - at > 12; at += 12) {
-    add();
-    a -= c, a ^= std::rotl(c, 4), c += b;
-    b -= a, b ^= std::rotl(a, 6), a += c;
-    c -= b, c ^= std::rotl(b, 8), b += a;
-    a -= c, a ^= std::rotl(c, 16), c += b;
-    b -= a, b ^= std::rotl(a, 19), a += c;
-    c -= b, c ^= std::rotl(b, 4), b += a;
-  }
-  add();
-  c ^= b, c -= std::rotl(b, 14);
-  a ^= c, a -= std::rotl(c, 11);
-  b ^= a, b -= std::rotl(a, 25);
-  c ^= b, c -= std::rotl(b, 16);
-  a ^= c, a -= std::rotl(c, 4);
-  b ^= a, b -= std::rotl(a, 14);
-  c ^= b, c -= std::rotl(b, 24);
-  return c;
-}
-
 bool is_whole(const SuperblockBytes& head) {
   const std::uint8_t version = head[k_version_at];
   return std::ranges::equal(k_hdf5_signature, std::span(head).first(k_hdf5_signature.size()), {},
                             [](char c) { return static_cast<std::uint8_t>(c); }) &&
          (version == 2 || version == 3) && head[k_offset_size] == 8 &&
-         little_endian(std::span(head).subspan(k_checksum)) == checksum(std::span(head).first(k_checksum));
+         little_endian(std::span(head).subspan(k_checksum)) ==
+             metadata_checksum(std::span(head).first(k_checksum));
 }
 
 class Descriptor {
@@ -128,7 +90,8 @@ void close_superblock(const std::filesystem::path& file) {
   if (end > size && ftruncate(descriptor.get(), static_cast<off_t>(end)) != 0) fail(system_reason());
   (*head)[k_flags] = 0;
   put_little_endian(end, std::span(*head).subspan(k_end_at, 8));
-  put_little_endian(checksum(std::span(*head).first(k_checksum)), std::span(*head).subspan(k_checksum));
+  put_little_endian(metadata_checksum(std::span(*head).first(k_checksum)),
+                    std::span(*head).subspan(k_checksum));
   if (pwrite(descriptor.get(), head->data(), head->size(), 0) != static_cast<ssize_t>(head->size()))
     fail(system_reason());
 }

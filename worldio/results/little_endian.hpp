@@ -13,4 +13,12 @@ inline std::uint64_t little_endian(std::span<const std::uint8_t> bytes) {
   return value;
 }
 
+/// Writes a number as an unsigned little-endian number with as many bytes as the span has.
+inline void put_little_endian(std::uint64_t value, std::span<std::uint8_t> bytes) {
+  for (std::uint8_t& byte : bytes) {
+    byte = static_cast<std::uint8_t>(value);
+    value >>= 8;
+  }
+}
+
 }  // namespace troupe::worldio

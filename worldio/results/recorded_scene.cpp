@@ -36,7 +36,7 @@ constexpr std::int64_t k_most_beams = 1 << 20;    // beams of a fan: ten times t
 /// into an error with the name of the file.
 struct Damaged {};
 
-double number_of(const Json& json) {
+double number_in_json(const Json& json) {
   const auto x = json.get<double>();
   if (!(std::abs(x) <= k_reach)) throw Damaged();
   return x;
@@ -49,15 +49,17 @@ std::string text_of(const Json& json) {
 }
 
 Pose pose_of(const Json& json) {
-  return {number_of(json.at(0)), number_of(json.at(1)), number_of(json.at(2)), number_of(json.at(3))};
+  return {number_in_json(json.at(0)), number_in_json(json.at(1)), number_in_json(json.at(2)),
+          number_in_json(json.at(3))};
 }
 
 Solid solid_of(const Json& json) {
   Solid solid;
-  solid.z = {number_of(json.at("z_m").at(0)), number_of(json.at("z_m").at(1))};
+  solid.z = {number_in_json(json.at("z_m").at(0)), number_in_json(json.at("z_m").at(1))};
   for (const Json& contour : json.at("contours_m")) {
     Ring ring;
-    for (const Json& point : contour) ring.emplace_back(number_of(point.at(0)), number_of(point.at(1)));
+    for (const Json& point : contour)
+      ring.emplace_back(number_in_json(point.at(0)), number_in_json(point.at(1)));
     solid.contours.push_back(std::move(ring));
   }
   return solid;
@@ -125,8 +127,8 @@ engine::Record record_of(const Json& block, const engine::FieldTable& table) {
     if (found == block.end()) continue;
     switch (field.type) {
       case engine::FieldType::boolean: record[i] = found->get<bool>(); break;
-      case engine::FieldType::integer: record[i] = static_cast<std::int64_t>(number_of(*found)); break;
-      case engine::FieldType::number: record[i] = number_of(*found); break;
+      case engine::FieldType::integer: record[i] = static_cast<std::int64_t>(number_in_json(*found)); break;
+      case engine::FieldType::number: record[i] = number_in_json(*found); break;
       case engine::FieldType::record:
         record[i] = std::vector<engine::Record>{record_of(*found, *field.record)};
         break;
@@ -174,8 +176,8 @@ RecordedScene scene_of(const Json& json, const RecordingReader::Scene& columns) 
   scene.title = text_of(json.at("title"));
   if (const auto bounds = json.find("bounds_m");
       bounds != json.end() && bounds->is_array() && bounds->size() == 4)
-    scene.limits = Box{{number_of((*bounds)[0]), number_of((*bounds)[1])},
-                       {number_of((*bounds)[2]), number_of((*bounds)[3])}};
+    scene.limits = Box{{number_in_json((*bounds)[0]), number_in_json((*bounds)[1])},
+                       {number_in_json((*bounds)[2]), number_in_json((*bounds)[3])}};
   std::vector<std::string> words;
   for (const Json& word : json.at("words")) words.push_back(text_of(word));
   for (const Json& type : json.at("types")) scene.types.push_back(type_of(type));

@@ -3,6 +3,7 @@
 #include "worldio/files.hpp"
 #include "worldio/partial_file.hpp"
 #include "worldio/results/hdf5_superblock.hpp"
+#include "worldio/results/hdf5_torn.hpp"
 #include "worldio/results/recording_reader.hpp"
 
 #include <fcntl.h>
@@ -69,10 +70,13 @@ std::vector<Hdf5Dataset> framed_arrays(const Hdf5File& recording) {
 
 fs::path packed_copy(fs::path file) { return file.concat(".packed"); }
 
-/// Whether every array of a recording has exactly `frames` rows.
+/// Whether every array of a recording has exactly `frames` rows. Throws Hdf5Error if the addresses of the
+/// chunks of an array cannot be read: if such a file were continued, HDF5 would try to read them for years.
 bool is_even(const Hdf5File& recording, std::size_t frames) {
-  return std::ranges::all_of(framed_arrays(recording),
-                             [&](const Hdf5Dataset& array) { return array.rows() == frames; });
+  return std::ranges::all_of(framed_arrays(recording), [&](const Hdf5Dataset& array) {
+    static_cast<void>(array.bytes_in_file());  // reads all addresses
+    return array.rows() == frames;
+  });
 }
 
 /// Replaces a recording by a copy of its content, which is first written to the file `packed`. Returns false,
@@ -97,14 +101,19 @@ bool replace_by_content(const fs::path& file, const fs::path& packed) {
 
 /// Repairs a file in place. Returns the number of its complete frames.
 std::uint64_t repair_copy(const fs::path& copy) {
+  const std::optional<Hdf5Superblock> head = read_superblock(copy);
   close_superblock(copy);
+  // Without the mark of SWMR mode, the writer has not overwritten any metadata, and its file may be so
+  // incomplete that HDF5 must not look for objects in it.
+  const bool is_torn =
+      head && head->swmr_writing() && mend_torn_metadata(copy, Hdf5File::open(copy).header_addresses()) > 0;
   const std::size_t frames = RecordingReader(copy).frames();
   Hdf5File hdf5 = Hdf5File::open_to_write(copy);
   for (Hdf5Dataset& array : framed_arrays(hdf5))
     if (array.rows() != frames) array.resize(frames);
   hdf5.flush();
   hdf5.close();
-  if (has_much_unused_space(Hdf5File::open(copy))) replace_by_content(copy, packed_copy(copy));
+  if (is_torn || has_much_unused_space(Hdf5File::open(copy))) replace_by_content(copy, packed_copy(copy));
   if (RecordingReader(copy).frames() != frames || !is_even(Hdf5File::open(copy), frames))
     throw Hdf5Error(fmt::format(
         "{}: error: cannot be repaired: some arrays in the file have more frames than others, and cannot be "
