@@ -127,6 +127,27 @@ TEST(JsonJoints, RecordingsKnowTheirFrames) {
   EXPECT_EQ(frames["carrier"], "carrier");
 }
 
+TEST(JsonJoints, DevicesAreOrderedAsListed) {
+  const auto ordered = [](const std::string& list) {
+    return Read(changed(R"("controller":)", R"("device_order": )" + list + R"(, "controller":)"));
+  };
+  const Read read = ordered(R"(["hand", "eye", "boom", "lamp"])");
+  EXPECT_THAT(read.found, IsEmpty());
+  std::vector<std::string> names;
+  for (const engine::TypeSpec& type : read.spec.types)
+    for (const engine::DeviceSpec& device : type.devices) names.push_back(device.name);
+  EXPECT_THAT(names, ElementsAre("hand", "eye", "boom", "lamp"));
+
+  const auto error = [](const std::string& what) {
+    return ElementsAre("gate.json:15: error: /types/gate/device_order: " + what +
+                       ": list every device of the type exactly once");
+  };
+  EXPECT_THAT(ordered(R"(["hand", "eye", "boom"])").found, error("the device \"lamp\" is missing"));
+  EXPECT_THAT(ordered(R"(["hand", "eye", "eye", "lamp"])").found, error("\"eye\" is listed twice"));
+  EXPECT_THAT(ordered(R"(["hand", "eye", "beam", "lamp"])").found,
+              error("\"beam\" is not a device of the type"));
+}
+
 TEST(JsonJoints, WhatIsWrongIsTold) {
   EXPECT_THAT(Read(changed(R"("on": "boom"},)", R"("on": "bom"},)")).found,
               ElementsAre("gate.json:12: error: /types/gate/devices/1/on: unknown device with a joint "

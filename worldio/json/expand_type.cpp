@@ -67,10 +67,12 @@ class TypeExpander {
   ImageFolder& images_;
   engine::TypeSpec& type_;
   std::vector<Riding> riding_;
-  // The names and the kinds of the devices of the type. A search through the devices for each new device
-  // would take an hour for the many devices that rings can add.
+  // The names and the kinds of the devices of the type, and those devices, by name, on which others can be
+  // mounted. A search through the devices for each new device would take an hour for the many devices that
+  // rings can add.
   std::unordered_set<std::string> device_names_;
   std::unordered_map<std::string, std::size_t> devices_of_kind_;
+  std::unordered_map<std::string, std::size_t> carriers_;
 };
 
 void TypeExpander::expand_root(const TypeDocument& document, const DocumentPath& at) {
@@ -173,22 +175,21 @@ void TypeExpander::expand_contents(const PartDocument& document, const DocumentP
 /// Mounts `device` on the device named `on`. Returns an error if the type has no such device yet, or if that
 /// device does not have exactly one joint.
 Result<> TypeExpander::put_on(engine::DeviceSpec& device, const std::string& on) const {
-  std::vector<std::string_view> known;
-  for (const engine::DeviceSpec& other : type_.devices) {
-    const engine::DeviceKind* kind = registry_.device(other.kind);
-    if (kind == nullptr || kind->joints.size() != 1) continue;
-    known.push_back(other.name);
-    if (other.name != on) continue;
-    device.part = other.part;
-    device.joint = other.moves;
-    device.pose_body_device = compose(other.pose_body_device, device.pose_body_device);
+  if (const auto found = carriers_.find(on); found != carriers_.end()) {
+    const engine::DeviceSpec& carrier = type_.devices[found->second];
+    device.part = carrier.part;
+    device.joint = carrier.moves;
+    device.pose_body_device = compose(carrier.pose_body_device, device.pose_body_device);
     return {};
   }
-  if (known.empty())
+  if (carriers_.empty())
     return Error{fmt::format(
         "expected the name of a device with a joint, such as an actuator, found \"{}\": add such a device to "
         "\"devices\"; an entry of \"devices\" must come after the device on which it is mounted",
         on)};
+  std::vector<std::string_view> known;
+  for (const engine::DeviceSpec& each : type_.devices)
+    if (carriers_.contains(each.name)) known.push_back(each.name);
   return Error{unknown_name("device with a joint", on, known)};
 }
 
@@ -211,6 +212,7 @@ engine::PartSpec TypeExpander::device_part(const DeviceDocument& document, const
 std::size_t TypeExpander::add_device(engine::DeviceSpec device, const engine::DeviceKind& kind) {
   device_names_.insert(device.name);
   ++devices_of_kind_[device.kind];
+  if (kind.joints.size() == 1) carriers_.try_emplace(device.name, type_.devices.size());
   return engine::add_device(type_, std::move(device), kind);
 }
 
@@ -292,26 +294,27 @@ Result<> TypeExpander::find_joint(const std::string& name, std::int32_t& joint) 
 
 void TypeExpander::order_devices(const TypeDocument& document, const DocumentPath& at) {
   if (!document.device_order) return;
-  std::vector<engine::DeviceSpec> ordered;
-  for (const std::string& name : *document.device_order) {
-    const auto found = std::ranges::find(type_.devices, name, &engine::DeviceSpec::name);
-    if (found == type_.devices.end()) {
-      DocumentPath(at, "device_order", document.where_of("device_order"))
-          .error(fmt::format("\"{}\" {}: list every device of the type exactly once", name,
-                             std::ranges::find(ordered, name, &engine::DeviceSpec::name) != ordered.end()
-                                 ? "is listed twice"
-                                 : "is not a device of the type"));
-      return;
-    }
-    ordered.push_back(std::move(*found));
-    type_.devices.erase(found);
-  }
-  if (!type_.devices.empty())
+  const auto error = [&](const std::string& what) {
     DocumentPath(at, "device_order", document.where_of("device_order"))
-        .error(fmt::format("the device \"{}\" is missing: list every device of the type exactly once",
-                           type_.devices.front().name));
-  else
-    type_.devices = std::move(ordered);
+        .error(what + ": list every device of the type exactly once");
+  };
+  std::unordered_map<std::string_view, std::size_t> index_of;
+  for (std::size_t d = 0; d < type_.devices.size(); ++d) index_of.try_emplace(type_.devices[d].name, d);
+  std::vector<bool> listed(type_.devices.size(), false);
+  std::vector<std::size_t> order;
+  for (const std::string& name : *document.device_order) {
+    const auto found = index_of.find(name);
+    if (found == index_of.end()) return error(fmt::format("\"{}\" is not a device of the type", name));
+    if (listed[found->second]) return error(fmt::format("\"{}\" is listed twice", name));
+    listed[found->second] = true;
+    order.push_back(found->second);
+  }
+  if (const auto missing = std::ranges::find(listed, false); missing != listed.end())
+    return error(fmt::format("the device \"{}\" is missing",
+                             type_.devices[static_cast<std::size_t>(missing - listed.begin())].name));
+  std::vector<engine::DeviceSpec> ordered;
+  for (const std::size_t d : order) ordered.push_back(std::move(type_.devices[d]));
+  type_.devices = std::move(ordered);
 }
 
 }  // namespace
