@@ -90,7 +90,8 @@ struct Follower {
     }
     Diagnostics diagnostics;
     const Where where;
-    engine::WorldSpec spec = worldio::restore_spec(get_spec(message), registry, {}, where, diagnostics);
+    std::vector<worldio::ParameterChange> none;
+    engine::WorldSpec spec = worldio::restore_spec(get_spec(message), registry, {}, where, diagnostics, none);
     diagnostics.throw_if_errors();
     world = std::make_unique<engine::World>(std::move(spec), registry, options, diagnostics);
     replica = std::make_unique<engine::Replica>(

@@ -275,11 +275,15 @@ Simulation Simulation::resume(const std::filesystem::path& file, const ResumeOpt
   append(impl->warnings, impl->plugins->warnings());
   impl->file = checkpoint.header("world");
   Diagnostics diagnostics;
-  engine::WorldSpec spec = checkpoint.spec(*impl->registry, options.set, diagnostics);
+  std::vector<worldio::ParameterChange> parameters;
+  engine::WorldSpec spec = checkpoint.spec(*impl->registry, options.set, diagnostics, parameters);
   diagnostics.throw_if_errors();
   // Warnings about the world were reported when it was loaded, and are not repeated here.
   impl->make_world(std::move(spec), options, diagnostics);
   impl->restore(checkpoint, diagnostics);
+  for (const auto& [pointer, setting] : parameters)
+    if (const Result<> done = impl->world->set(setting, *impl->registry); !done)
+      throw InputError(fmt::format("--set {}: error: {}", pointer, done.error().text));
   for (const auto& [key, value] : checkpoint.header())
     if (key.starts_with("set ") || key == k_spare) impl->changes.emplace_back(key, value);
   for (const auto& [pointer, value] : options.set)

@@ -58,6 +58,12 @@ void Checkpointing::finish(const Simulation& simulation) {
   if (saved_ != simulation.tick()) save(simulation);
 }
 
+void Checkpointing::save_at_least(const Simulation& simulation) {
+  std::error_code ignored;
+  const bool was_resumed_from = first_tick_ > 0 && fs::exists(file_, ignored);
+  if (!saved_ && !was_resumed_from) save(simulation);
+}
+
 void Checkpointing::save(const Simulation& simulation) {
   if (simulation.rank_statistics().is_distributed) simulation.world().gather();
   simulation.save(file_);

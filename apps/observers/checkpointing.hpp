@@ -48,7 +48,9 @@ class Checkpointing : public Observer {
   void observe(const Simulation& simulation) override;
   bool reads_robots() const override { return false; }
   void finish(const Simulation& simulation) override;
-  void save_at_least(const Simulation& simulation) override { finish(simulation); }
+  /// Saves a checkpoint only if the run has none yet: the files that other observers could not finish may end
+  /// before the present tick, and only the earlier checkpoint can then continue them.
+  void save_at_least(const Simulation& simulation) override;
 
  private:
   void save(const Simulation& simulation);

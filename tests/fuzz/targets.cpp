@@ -255,7 +255,8 @@ void read_checkpoint(std::string_view text) {
     const worldio::Checkpoint checkpoint(file);
     static_cast<void>(checkpoint.memories());
     Diagnostics diagnostics;
-    engine::WorldSpec spec = checkpoint.spec(registry(), {}, diagnostics);
+    std::vector<worldio::ParameterChange> none;
+    engine::WorldSpec spec = checkpoint.spec(registry(), {}, diagnostics, none);
     if (!diagnostics.has_errors() && is_small(spec)) {
       spec.ranging = engine::RangingEngine::exact;
       engine::World world(std::move(spec), registry(), {.threads = 1, .tile_size_m = 0}, diagnostics);

@@ -299,15 +299,33 @@ TEST_F(Checkpoint, GoesOnOtherwiseWithWhatIsSet) {
   EXPECT_EQ(slower.find("r1").speed().forward, -0.1);
 }
 
+TEST_F(Checkpoint, WhatIsSetReplacesEarlierInterventions) {
+  Simulation straight(write("room.json", k_room));
+  straight.set("bot", R"({"drive": {"velocity_min_x_mps": -0.4}})");
+  straight.find("r1").set_speed(-0.5, 0);
+  straight.run_for(0.5);
+  EXPECT_EQ(straight.find("r1").speed().forward, -0.4);
+  straight.save(file_);
+  // The value in the world file, which the earlier change of the run had replaced, and another one.
+  for (const double limit : {-0.5, -0.1}) {
+    Simulation resumed = Simulation::resume(
+        file_, {.set = {{"/types/2/drive/params/velocity_min_x_mps", fmt::format("{}", limit)}}});
+    resumed.step();
+    EXPECT_EQ(resumed.find("r1").speed().forward, limit);
+  }
+}
+
 TEST_F(Checkpoint, RefusesChangesOfTheShapeOfTheState) {
   Simulation straight(write("room.json", k_room));
   straight.save(file_);
   EXPECT_THAT(
       error_of(file_, {.set = {{"/types/3/sensors/0/params/transducers/0/samples", "11"}}}),
       StartsWith(
-          file_.string() +
-          ": error: /tables/ranger/eye%2F0/ranges has 9 values of type float32 per body, but this run needs "
-          "11 values of type float32: "));
+          "--set /types/3/sensors/0/params/transducers/0/samples: error: device \"eye/0\": \"set\" cannot "
+          "change a parameter that determines how many values a device reads or stores"));
+  EXPECT_THAT(error_of(file_, {.set = {{"/types/2/drive/params/localization", "odom"}}}),
+              StartsWith("--set /types/2/drive/params/localization: error: drive \"diff\": \"localization\" "
+                         "cannot change while the world runs"));
   EXPECT_THAT(error_of(file_, {.set = {{"/tick_s", "0.2"}}}), StartsWith("--set /tick_s: error: "));
 }
 

@@ -25,12 +25,18 @@ using ::testing::HasSubstr;
 
 using Changes = std::vector<std::pair<std::string, std::string>>;
 
-WorldSpec restored(const StoredSpec& stored, const Changes& changes = {}) {
+WorldSpec restored(const StoredSpec& stored, const Changes& changes, std::vector<ParameterChange>& parameters,
+                   const engine::Registry& registry = make_registry()) {
   Diagnostics diagnostics;
-  WorldSpec spec =
-      restore_spec(stored, make_registry(), changes, {diagnostics.files()->add("run.h5"), 0}, diagnostics);
+  WorldSpec spec = restore_spec(stored, registry, changes, {diagnostics.files()->add("run.h5"), 0},
+                                diagnostics, parameters);
   diagnostics.throw_if_errors();
   return spec;
+}
+
+WorldSpec restored(const StoredSpec& stored, const Changes& changes = {}) {
+  std::vector<ParameterChange> parameters;
+  return restored(stored, changes, parameters);
 }
 
 std::string errors_of(const StoredSpec& stored, const Changes& changes = {}) {
@@ -259,24 +265,27 @@ TEST(SpecJson, AFallbackOutsideOfItsOwnLimitsIsLeftOut) {
   spec.types[1].drive = engine::DriveSpec{"diff", registry.drive("diff")->params.defaults(), 0, {}};
   const StoredSpec stored = store_spec(spec, registry);
   EXPECT_THAT(stored.json, ::testing::Not(HasSubstr("slip")));
-  Diagnostics diagnostics;
-  const WorldSpec back =
-      restore_spec(stored, registry, {}, {diagnostics.files()->add("run.h5"), 0}, diagnostics);
-  diagnostics.throw_if_errors();
+  std::vector<ParameterChange> parameters;
+  const WorldSpec back = restored(stored, {}, parameters, registry);
   EXPECT_EQ(back.types[1].drive->params, spec.types[1].drive->params);
 }
 
 TEST(SpecJson, ChangesWhatKeepsTheShapeOfTheState) {
-  const StoredSpec stored = store_spec(full_spec(), make_registry());
-  const WorldSpec spec = restored(stored, {{"/seed", "9"},
-                                           {"/quit_time_s", "70"},
-                                           {"/ranging", "exact"},
-                                           {"/resolution_m", "0.5"},
-                                           {"/bounds_m", "[-1, -2, 3, 4]"},
-                                           {"/types/1/drive/period_s", "0.5"},
-                                           {"/types/1/drive/params/velocity_max_x_mps", "0.125"},
-                                           {"/types/1/sensors/0/active", "true"},
-                                           {"/types/1/controllers/1/params/speed_mps", "0.75"}});
+  const WorldSpec full = full_spec();
+  const StoredSpec stored = store_spec(full, make_registry());
+  std::vector<ParameterChange> parameters;
+  const WorldSpec spec = restored(stored,
+                                  {{"/seed", "9"},
+                                   {"/quit_time_s", "70"},
+                                   {"/ranging", "exact"},
+                                   {"/resolution_m", "0.5"},
+                                   {"/bounds_m", "[-1, -2, 3, 4]"},
+                                   {"/types/1/drive/period_s", "0.5"},
+                                   {"/types/1/drive/params/velocity_max_x_mps", "0.125"},
+                                   {"/types/1/sensors/0/active", "true"},
+                                   {"/types/1/controllers/1/params/speed_mps", "0.75"},
+                                   {"/types/1/drive/params/velocity_min_x_mps", "-0.25"}},
+                                  parameters);
   EXPECT_EQ(spec.seed, 9u);
   EXPECT_EQ(spec.quit_time_s, 70);
   EXPECT_EQ(spec.ranging, engine::RangingEngine::exact);
@@ -286,10 +295,23 @@ TEST(SpecJson, ChangesWhatKeepsTheShapeOfTheState) {
   const engine::Registry registry = make_registry();
   const auto number = [](const engine::FieldTable& table, const engine::Record& record,
                          std::string_view name) { return engine::get(table, record, name).number(); };
-  EXPECT_EQ(number(registry.drive("omni")->params, spec.types[1].drive->params, "velocity_max_x"), 0.125);
   EXPECT_TRUE(spec.types[1].devices[0].active);
-  EXPECT_EQ(number(registry.controller("expand")->params, spec.types[1].controllers[1].params, "speed"),
-            0.75);
+
+  // Parameters do not change in the spec, but are returned: one entry for each drive, device or controller.
+  EXPECT_EQ(spec.types[1].drive->params, full.types[1].drive->params);
+  EXPECT_EQ(spec.types[1].controllers[1].params, full.types[1].controllers[1].params);
+  ASSERT_EQ(parameters.size(), 2u);
+  const engine::SettingSpec& drive = parameters[0].setting;
+  EXPECT_EQ(parameters[0].pointer, "/types/1/drive/params/velocity_max_x_mps");
+  EXPECT_EQ(drive.type.value, 1u);
+  EXPECT_EQ(drive.of, engine::SettingSpec::Of::drive);
+  EXPECT_EQ(number(registry.drive("omni")->params, drive.params, "velocity_max_x"), 0.125);
+  EXPECT_EQ(number(registry.drive("omni")->params, drive.params, "velocity_min_x"), -0.25);
+  EXPECT_EQ(std::ranges::count_if(drive.params, &engine::Value::given), 2);
+  const engine::SettingSpec& controller = parameters[1].setting;
+  EXPECT_EQ(controller.of, engine::SettingSpec::Of::controller);
+  EXPECT_EQ(controller.index, 1u);
+  EXPECT_EQ(number(registry.controller("expand")->params, controller.params, "speed"), 0.75);
 }
 
 TEST(SpecJson, RefusesOtherChangesAndWrongValues) {

@@ -68,19 +68,29 @@ std::vector<std::string> numbers_of_types(const engine::WorldSpec& spec);
 
 /// The values of a stored world that `troupe resume --set` may change, as a text for messages. The text lists
 /// JSON pointers, where N is an index from 0, and `...` is any rest of a pointer. restore_spec() refuses all
-/// other pointers. It accepts changes that alter the size of the state, such as another number of beams of a
-/// sensor, but Checkpoint::restore() then throws.
+/// other pointers.
 inline constexpr std::string_view k_changeable =
     "/seed, /quit_time_s, /stop_when, /ranging, /resolution_m, /bounds_m; in /types/N: /drive/period_s, "
     "/drive/params/..., "
     "/sensors/N/active, /sensors/N/period_s, /sensors/N/params/..., /controllers/N/params/...";
 
+/// A change of parameters by `troupe resume --set`.
+struct ParameterChange {
+  std::string pointer;          ///< the JSON pointer of the first changed parameter, for errors
+  engine::SettingSpec setting;  ///< the changed parameters of one drive, device or controller
+};
+
 /// Restores a spec from a stored world. Each entry of `changes` is a JSON pointer into StoredSpec::json and
 /// the new value as JSON text, as in `troupe resume --set`. A pointer that is not in k_changeable is an
 /// error. `where` is the file from which `stored` was read; errors in the stored world are reported there. An
 /// error in a change is reported at `--set POINTER` instead. Do not use the result if there are errors.
+///
+/// Changes of parameters (`.../params/...`) are not made in the spec. They are added to `parameters`, one
+/// entry for each drive, device or controller, so that the caller can pass them to World::set() at the tick
+/// of the checkpoint. In the spec, they would change the values at tick 0, and earlier interventions `set`
+/// would override them.
 engine::WorldSpec restore_spec(const StoredSpec& stored, const engine::Registry& registry,
                                std::span<const std::pair<std::string, std::string>> changes, Where where,
-                               Diagnostics& diagnostics);
+                               Diagnostics& diagnostics, std::vector<ParameterChange>& parameters);
 
 }  // namespace troupe::worldio

@@ -8,6 +8,7 @@
 
 #include <algorithm>
 #include <array>
+#include <charconv>
 #include <cmath>
 #include <limits>
 #include <span>
@@ -21,6 +22,7 @@ namespace {
 using engine::Field;
 using engine::FieldTable;
 using engine::FieldType;
+using engine::SettingSpec;
 using engine::Value;
 
 std::vector<std::string_view> tokens_of(std::string_view pointer) {
@@ -357,25 +359,84 @@ void SpecReader::add_bodies(engine::WorldSpec& spec, const BodyColumns& c) {
     spec.aliases.push_back({{c.alias_word[a], c.alias_number[a]}, BodyId(c.alias_body[a])});
 }
 
+/// Whether a pointer, for which is_changeable() is true, names a parameter of a kind.
+bool is_parameter(std::string_view pointer) { return pointer.find("/params/") != pointer.npos; }
+
+/// Returns the change of a parameter to its value in `changed`, a spec with the new value.
+SettingSpec setting_at(std::string_view pointer, const engine::WorldSpec& changed,
+                       const engine::Registry& registry) {
+  const std::vector<std::string_view> tokens = tokens_of(pointer);
+  const auto index = [&](std::size_t token) {
+    std::uint32_t number = 0;
+    std::from_chars(tokens[token].data(), tokens[token].data() + tokens[token].size(), number);
+    return number;
+  };
+  SettingSpec setting{.type = TypeId(index(1))};
+  const engine::TypeSpec& type = changed.types[setting.type.index()];
+  const engine::Record* params = nullptr;
+  const FieldTable* table = nullptr;
+  if (tokens[2] == "drive") {
+    params = &type.drive->params;
+    table = &registry.drive(type.drive->kind)->params;
+  } else {
+    setting.index = index(3);
+    if (tokens[2] == "sensors") {
+      setting.of = SettingSpec::Of::device;
+      params = &type.devices[setting.index].params;
+      table = &registry.device(type.devices[setting.index].kind)->params;
+    } else {
+      setting.of = SettingSpec::Of::controller;
+      params = &type.controllers[setting.index].params;
+      table = &registry.controller(type.controllers[setting.index].kind)->params;
+    }
+  }
+  setting.params.resize(params->size());
+  const std::string_view key = tokens[setting.of == SettingSpec::Of::drive ? 4 : 5];
+  for (std::size_t f = 0; f < table->fields.size(); ++f)
+    if (key == key_of(table->fields[f])) setting.params[f] = (*params)[f];
+  return setting;
+}
+
+/// Adds a change of a parameter to `changes`, to the entry of its drive, device or controller.
+void add_change(const std::string& pointer, SettingSpec setting, std::vector<ParameterChange>& changes) {
+  const auto same = std::ranges::find_if(changes, [&](const ParameterChange& each) {
+    return each.setting.type == setting.type && each.setting.of == setting.of &&
+           each.setting.index == setting.index;
+  });
+  if (same == changes.end())
+    changes.push_back({pointer, std::move(setting)});
+  else
+    same->setting.params = changed(same->setting.params, setting);
+}
+
 }  // namespace
 
 engine::WorldSpec restore_spec(const StoredSpec& stored, const engine::Registry& registry,
                                std::span<const std::pair<std::string, std::string>> changes, Where where,
-                               Diagnostics& diagnostics) {
+                               Diagnostics& diagnostics, std::vector<ParameterChange>& parameters) {
   std::optional<JsonNode> document = parse_json(stored.json, where, true, diagnostics);
   if (!document) return {};
   for (const auto& [pointer, value] : changes) {
-    if (is_changeable(pointer))
-      set_json_value(*document, pointer, value, diagnostics);
-    else
+    if (!is_changeable(pointer))
       diagnostics.error(
           {diagnostics.files()->add("--set " + pointer), 0},
           fmt::format("this value of the world in a checkpoint cannot be changed; these values can: {}",
                       k_changeable));
+    else if (!is_parameter(pointer))
+      set_json_value(*document, pointer, value, diagnostics);
   }
   if (diagnostics.has_errors()) return {};
   SpecReader reader(registry, where, diagnostics);
   engine::WorldSpec spec = reader.read(*document);
+  if (std::ranges::any_of(changes, [](const auto& change) { return is_parameter(change.first); })) {
+    for (const auto& [pointer, value] : changes)
+      if (is_parameter(pointer)) set_json_value(*document, pointer, value, diagnostics);
+    if (diagnostics.has_errors()) return {};
+    const engine::WorldSpec changed = SpecReader(registry, where, diagnostics).read(*document);
+    if (diagnostics.has_errors()) return {};
+    for (const auto& [pointer, value] : changes)
+      if (is_parameter(pointer)) add_change(pointer, setting_at(pointer, changed, registry), parameters);
+  }
   if (!diagnostics.has_errors()) reader.add_bodies(spec, stored.bodies);
   if (!diagnostics.has_errors())
     engine::check_rules(spec, [&](Where, const std::string& error) { diagnostics.error(where, error); });

@@ -268,11 +268,12 @@ std::string Checkpoint::header(const std::string& key) const {
 
 engine::WorldSpec Checkpoint::spec(const engine::Registry& registry,
                                    std::span<const std::pair<std::string, std::string>> changes,
-                                   Diagnostics& diagnostics) const {
+                                   Diagnostics& diagnostics, std::vector<ParameterChange>& parameters) const {
   const StoredSpec stored = reading([this] {
     return StoredSpec{hdf5_.read_text("world"), read_columns(hdf5_)};
   });
-  return restore_spec(stored, registry, changes, {diagnostics.files()->add(file_.string()), 0}, diagnostics);
+  return restore_spec(stored, registry, changes, {diagnostics.files()->add(file_.string()), 0}, diagnostics,
+                      parameters);
 }
 
 Memories Checkpoint::memories() const {

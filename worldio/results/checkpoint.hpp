@@ -2,6 +2,7 @@
 
 #include "base/diagnostics.hpp"
 #include "engine/world/world.hpp"
+#include "worldio/json/spec_json.hpp"
 #include "worldio/results/hdf5_file.hpp"
 
 #include <cstdint>
@@ -80,11 +81,12 @@ class Checkpoint {
 
   /// Returns the spec, with `changes` applied. Each change is a JSON pointer into /world and the new value as
   /// JSON text, as in `troupe resume --set`. k_changeable (worldio/json/spec_json.hpp) lists the allowed
-  /// pointers. Errors in the spec or in the changes are added to `diagnostics`; do not use the result if
+  /// pointers. Changes of parameters are added to `parameters` instead; pass them to World::set() after
+  /// restore(). Errors in the spec or in the changes are added to `diagnostics`; do not use the result if
   /// there are errors.
   engine::WorldSpec spec(const engine::Registry& registry,
                          std::span<const std::pair<std::string, std::string>> changes,
-                         Diagnostics& diagnostics) const;
+                         Diagnostics& diagnostics, std::vector<ParameterChange>& parameters) const;
   /// Returns the Memories that were saved with the state; empty if the file has none.
   Memories memories() const;
   /// Sets the state of `world` to that of the checkpoint. `world` must have been built from spec(). Throws
