@@ -64,7 +64,8 @@ class Measures {
   double value(std::string_view name);
 
   /// Returns the data about earlier ticks that the measures store, as bytes, for a checkpoint (a file from
-  /// which a run can be resumed).
+  /// which a run can be resumed). Throws a std::runtime_error if a measure of a plug-in now stores another
+  /// number of bytes than at first.
   std::vector<std::byte> memory() const;
   /// Restores the data that memory() returned. This object must have the same measures as the object that
   /// returned the data. The simulation must be in the state that it had when memory() was called, and this

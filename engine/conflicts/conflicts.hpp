@@ -70,7 +70,7 @@ struct Pushables {
 ///
 /// samples A motion is tested at n equally spaced poses, its *samples*. The last sample is Motion::to. n is
 ///         the displacement divided by a quarter of the width of the mover's thinnest part, rounded up, but
-///         at least 1 and at most a million. The displacement is an upper bound on the distance that any
+///         at least 1 and at most 10,000. The displacement is an upper bound on the distance that any
 ///         vertex moves: length of the translation + radius of the body * absolute value of the turn.
 ///
 ///         Between two samples, a body thus moves by at most a quarter of the width of its thinnest part. No

@@ -161,6 +161,69 @@ Result<std::vector<std::any>> prepare_controllers(std::size_t count, const World
   return data;
 }
 
+/// What a setting is compiled with. `type` is the type whose parameters it changes, as it was when the world
+/// was loaded.
+struct SettingContext {
+  const SettingSpec& setting;
+  const WorldSpec& world;
+  const Registry& registry;
+  const BodyType& type;
+};
+
+/// Compiles a setting of a drive, of a device or of a controller: applies it to `spec`, and stores the
+/// prepared data in `intervention`. The error says why the parameter cannot have this value or cannot change.
+/// spec  the spec of the type with all earlier settings applied
+Result<> build_drive_setting(const SettingContext& context, TypeSpec& spec,
+                             Experiment::Intervention& intervention) {
+  const BodyType& type = context.type;
+  const DriveKind& kind = *type.drive->kind;
+  Record params = changed(spec.drive->params, context.setting);
+  if (const Result<> checked = check_change(kind, spec.drive->params, params); !checked)
+    return Error{fmt::format("drive \"{}\": {}", spec.drive->kind, checked.error().text)};
+  spec.drive->params = std::move(params);
+  intervention.data = kind.prepare(spec.drive->params);
+  if (!type.binds_controllers()) return {};  // only the hook bind_world shows the drive to controllers
+  Result<std::vector<std::any>> data =
+      prepare_controllers(type.controllers.size(), context.world, spec, type, context.registry);
+  if (!data) return data.error();
+  intervention.controllers = *std::move(data);
+  return {};
+}
+
+Result<> build_device_setting(const SettingContext& context, TypeSpec& spec,
+                              Experiment::Intervention& intervention) {
+  DeviceSpec& device = spec.devices[context.setting.index];
+  const BodyType::Device& now = context.type.devices[context.setting.index];
+  const DeviceKind& kind = *now.kind;
+  const std::string owner = fmt::format("device \"{}\"", device.name);
+  Record params = changed(device.params, context.setting);
+  if (const Result<> checked = check_fixed(kind.params, device.params, params); !checked)
+    return Error{fmt::format("{}: {}", owner, checked.error().text)};
+  // Checked before the device is prepared, because preparing too many samples could exhaust the memory.
+  if (samples_asked_for(kind.params, params) != samples_asked_for(kind.params, device.params))
+    return Error{fmt::format("{}: {}", owner, k_keeps_shape)};
+  const bool keeps_body = same_body(kind, device.params, params);
+  device.params = std::move(params);
+  Result<DeviceKind::Prepared> prepared = prepare_device(kind, device, context.world, spec);
+  if (!prepared) return Error{fmt::format("{} {}", owner, prepared.error().text)};
+  if (!keeps_body || !same_shape(*prepared, now.prepared))
+    return Error{fmt::format("{}: {}", owner, k_keeps_shape)};
+  intervention.device = *std::move(prepared);
+  return {};
+}
+
+Result<> build_controller_setting(const SettingContext& context, TypeSpec& spec,
+                                  Experiment::Intervention& intervention) {
+  const std::size_t index = context.setting.index;
+  Record& params = spec.controllers[index].params;
+  params = changed(params, context.setting);
+  Result<std::vector<std::any>> data =
+      prepare_controllers(index + 1, context.world, spec, context.type, context.registry);
+  if (!data) return data.error();
+  intervention.data = std::move(data->back());
+  return {};
+}
+
 /// Calls build(own), where `own` is a new Diagnostics object. Adds each finding in `own` to `diagnostics` as
 /// an error, with the JSON pointer `/KEY/INDEX` of the part of the experiment in front of the message.
 template <class Build>
@@ -236,7 +299,7 @@ void World::build_experiment(const Registry& registry, Diagnostics& diagnostics)
   build_faults(registry, diagnostics);
   e.candidates.reserve(most);
   if (std::ranges::any_of(spec.at, [](const auto& at) { return at.action == Action::move; }))
-    placed_at_.resize(rows());
+    for (PlacedRows* list : {&placed_, &placed_before_}) list->reserve(rows());
 }
 
 /// Compiles the faults of the spec, selects the bodies that may fail, and computes the first event of each
@@ -290,47 +353,13 @@ Result<> World::build_setting(const SettingSpec& setting, const Registry& regist
                               Experiment::Intervention& intervention) {
   TypeSpec& spec =
       types.try_emplace(setting.type.value, state_.spec.types[setting.type.index()]).first->second;
-  const BodyType& type = state_.types[setting.type.index()];
-  if (setting.of == Of::drive) {
-    Record params = changed(spec.drive->params, setting);
-    if (const Result<> checked = check_change(*type.drive->kind, spec.drive->params, params); !checked)
-      return Error{fmt::format("drive \"{}\": {}", spec.drive->kind, checked.error().text)};
-    spec.drive->params = std::move(params);
-    intervention.data = type.drive->kind->prepare(spec.drive->params);
-    if (std::ranges::none_of(type.controllers, [](const auto& each) { return each.kind->bind_world; }))
-      return {};  // only this hook shows the drive to controllers
-    Result<std::vector<std::any>> data =
-        prepare_controllers(type.controllers.size(), state_.spec, spec, type, registry);
-    if (!data) return data.error();
-    intervention.controllers = *std::move(data);
-    return {};
+  const SettingContext context{setting, state_.spec, registry, state_.types[setting.type.index()]};
+  switch (setting.of) {
+    case Of::drive: return build_drive_setting(context, spec, intervention);
+    case Of::device: return build_device_setting(context, spec, intervention);
+    case Of::controller: break;
   }
-  if (setting.of == Of::device) {
-    DeviceSpec& device = spec.devices[setting.index];
-    const BodyType::Device& now = type.devices[setting.index];
-    const std::string owner = fmt::format("device \"{}\"", device.name);
-    Record params = changed(device.params, setting);
-    if (const Result<> checked = check_fixed(now.kind->params, device.params, params); !checked)
-      return Error{fmt::format("{}: {}", owner, checked.error().text)};
-    // Checked before the device is prepared, because preparing too many samples could exhaust the memory.
-    if (samples_asked_for(now.kind->params, params) != samples_asked_for(now.kind->params, device.params))
-      return Error{fmt::format("{}: {}", owner, k_keeps_shape)};
-    const bool keeps_body = same_body(*now.kind, device.params, params);
-    device.params = std::move(params);
-    Result<DeviceKind::Prepared> prepared = prepare_device(*now.kind, device, state_.spec, spec);
-    if (!prepared) return Error{fmt::format("{} {}", owner, prepared.error().text)};
-    if (!keeps_body || !same_shape(*prepared, now.prepared))
-      return Error{fmt::format("{}: {}", owner, k_keeps_shape)};
-    intervention.device = *std::move(prepared);
-    return {};
-  }
-  Record& params = spec.controllers[setting.index].params;
-  params = changed(params, setting);
-  Result<std::vector<std::any>> data =
-      prepare_controllers(setting.index + 1, state_.spec, spec, type, registry);
-  if (!data) return data.error();
-  intervention.data = std::move(data->back());
-  return {};
+  return build_controller_setting(context, spec, intervention);
 }
 
 /// Calls the hook `bind_world` of devices and controllers again, after poses or colours in the spec have
@@ -353,8 +382,7 @@ void World::bind_kinds_again(const Registry& registry) {
       device.prepared.data = std::move(prepared->data);
       has_bound = true;
     }
-    if (std::ranges::none_of(type.controllers, [](const auto& each) { return each.kind->bind_world; }))
-      continue;
+    if (!type.binds_controllers()) continue;
     Result<std::vector<std::any>> data =
         prepare_controllers(type.controllers.size(), state_.spec, spec, type, registry);
     require(data);
@@ -494,17 +522,31 @@ void World::intervene() {
 /// spatial index.
 bool World::carry_out(Experiment::Intervention& intervention) {
   const InterventionSpec& spec = state_.spec.experiment.at[intervention.spec];
-  if (spec.action == Action::set) {
-    swap_setting(intervention);
-    return false;
+  switch (spec.action) {
+    case Action::set: swap_setting(intervention); return false;
+    case Action::add: return add(intervention);
+    case Action::move: move_body(intervention); return false;
+    case Action::remove: list_candidates(intervention); return remove_all(choose(spec.whom));
+    case Action::disable:
+    case Action::enable: break;
   }
-  if (spec.action == Action::add) return add(intervention);
-  if (spec.action == Action::move) {
-    if (location(intervention.whom.front()) != RowLocation::here) return false;
-    const Placed placed{row(intervention.whom.front()), *spec.pose};
-    if (is_there(placed.row) && !carrier(placed.row)) set_poses({&placed, 1});
-    return false;
-  }
+  list_candidates(intervention);
+  for (const Experiment::Candidate& chosen : choose(spec.whom))
+    if (location(chosen.body) == RowLocation::here) toggle_disabled(row(chosen.body));
+  return false;
+}
+
+void World::move_body(const Experiment::Intervention& intervention) {
+  const BodyId body = intervention.whom.front();
+  if (location(body) != RowLocation::here) return;
+  const Placed placed{row(body), *state_.spec.experiment.at[intervention.spec].pose};
+  if (is_there(placed.row) && !carrier(placed.row)) set_poses({&placed, 1});
+}
+
+/// Lists in Experiment::candidates the bodies that `remove`, `disable` or `enable` can affect, with a random
+/// key for each.
+void World::list_candidates(const Experiment::Intervention& intervention) {
+  const InterventionSpec& spec = state_.spec.experiment.at[intervention.spec];
   const auto is_disabled = [&](Row row) { return (state_.condition(row).out & Condition::k_disabled) != 0; };
   // A selection by count or share depends on all candidates, also on those whose rows only other ranks have.
   // For `remove`, every rank must know of the deaths of newborn_, whose rows may be elsewhere: newborn_ must
@@ -522,18 +564,15 @@ bool World::carry_out(Experiment::Intervention& intervention) {
     experiment_.candidates.push_back({key_of(random), id});
   }
   if (needs_all && replica_ != nullptr) replica_->add_candidates(experiment_.candidates);
-  const std::span<const Experiment::Candidate> chosen = choose(spec.whom);
-  for (const Experiment::Candidate& candidate : chosen) {
-    if (spec.action == Action::remove)
-      std::erase_if(newborn_, [&](const Newborn& each) { return each.body == candidate.body; });
-    if (location(candidate.body) != RowLocation::here) continue;
-    if (spec.action == Action::remove) {
-      die(row(candidate.body));
-      continue;
-    }
-    toggle_disabled(row(candidate.body));
+}
+
+/// Removes the bodies from the world. Returns whether there are any.
+bool World::remove_all(std::span<const Experiment::Candidate> chosen) {
+  for (const Experiment::Candidate& each : chosen) {
+    std::erase_if(newborn_, [&](const Newborn& newborn) { return newborn.body == each.body; });
+    if (location(each.body) == RowLocation::here) die(row(each.body));
   }
-  return spec.action == Action::remove && !chosen.empty();
+  return !chosen.empty();
 }
 
 void World::toggle_disabled(Row row) {
@@ -567,8 +606,10 @@ std::span<const Experiment::Candidate> World::choose(const GroupSpec& group) {
     const auto end = all.begin() + static_cast<std::ptrdiff_t>(count);
     std::ranges::nth_element(all, end, {},
                              [](const Experiment::Candidate& c) { return std::tuple(c.key, c.body); });
-    std::sort(all.begin(), end, [](const auto& a, const auto& b) { return a.body < b.body; });
   }
+  // Candidates of other ranks are not in the order of ids.
+  std::sort(all.begin(), all.begin() + static_cast<std::ptrdiff_t>(count),
+            [](const auto& a, const auto& b) { return a.body < b.body; });
   return {all.data(), count};
 }
 
@@ -619,6 +660,12 @@ void World::swap_setting(Experiment::Intervention& intervention) {
   }
 }
 
+/// Applies the settings among the first `count` interventions, in their order.
+void World::swap_settings(std::size_t count) {
+  for (std::size_t i = 0; i < count; ++i)
+    if (Experiment::Intervention& next = experiment_.interventions[i]; is_setting(next)) swap_setting(next);
+}
+
 /// Undoes the settings among the first `count` interventions, the last one first.
 void World::swap_settings_back(std::size_t count) {
   while (count > 0)
@@ -638,9 +685,12 @@ double World::longest_reach() const {
   return longest;
 }
 
-TypeSpec World::present_type(TypeId type) const {
+TypeSpec World::present_type(TypeId type) const { return type_at(type, experiment_.next); }
+
+/// Returns the spec of a type with the settings among the first `count` interventions applied.
+TypeSpec World::type_at(TypeId type, std::size_t count) const {
   TypeSpec spec = state_.spec.types[type.index()];
-  for (std::size_t i = 0; i < experiment_.next; ++i) {
+  for (std::size_t i = 0; i < count; ++i) {
     const InterventionSpec& done = state_.spec.experiment.at[experiment_.interventions[i].spec];
     if (done.action != Action::set || done.setting->type != type) continue;
     Record& params = params_of(spec, *done.setting);
@@ -651,47 +701,48 @@ TypeSpec World::present_type(TypeId type) const {
 
 Result<> World::set(const SettingSpec& setting, const Registry& registry) {
   require_whole();
+  require_unfrozen();
   Experiment& e = experiment_;
   std::vector<InterventionSpec>& at = state_.spec.experiment.at;
+  const auto setting_of = [&](const Experiment::Intervention& each) -> const SettingSpec* {
+    const auto& of = at[each.spec].setting;
+    return of && of->type == setting.type ? &*of : nullptr;  // settings of other types do not matter here
+  };
   // The setting is inserted after all interventions of this tick, as in a world that is resumed from a
   // checkpoint of this tick.
   const auto after =
       std::ranges::upper_bound(e.interventions, state_.now.tick, {}, &Experiment::Intervention::tick);
   const auto place = static_cast<std::size_t>(after - e.interventions.begin());
-  // Every setting is compiled again, because each contains the values of those before it.
-  std::vector<Experiment::Intervention> compiled(e.interventions.size() + 1);
+  // The later settings of the type are compiled again, because each contains the values of those before it.
   std::map<std::uint32_t, TypeSpec> types;
-  for (std::size_t i = 0; i < compiled.size(); ++i) {
-    const InterventionSpec* const spec =
-        i == place ? nullptr : &at[e.interventions[i < place ? i : i - 1].spec];
-    if (spec && spec->action != Action::set) continue;
-    const Result<> built = build_setting(spec ? *spec->setting : setting, registry, types, compiled[i]);
-    if (!built && spec)
+  types.emplace(setting.type.value, type_at(setting.type, place));
+  Experiment::Intervention own{
+      .tick = state_.now.tick, .spec = at.size(), .whom = {}, .data = {}, .device = {}, .controllers = {}};
+  if (const Result<> built = build_setting(setting, registry, types, own); !built) return built.error();
+  std::vector<std::pair<std::size_t, Experiment::Intervention>> later;
+  for (std::size_t i = place; i < e.interventions.size(); ++i) {
+    const SettingSpec* const next = setting_of(e.interventions[i]);
+    if (next == nullptr) continue;
+    Experiment::Intervention& again = later.emplace_back(i, e.interventions[i]).second;
+    if (const Result<> built = build_setting(*next, registry, types, again); !built)
       return Error{
           fmt::format("with these values, the world's intervention \"set\" at {:.10g} s would fail: {}",
-                      spec->time_s, built.error().text)};
-    if (!built) return built.error();
+                      at[again.spec].time_s, built.error().text)};
   }
-  swap_settings_back(e.next);
-  if (e.made++ == 0) e.declared = e.interventions;
-  e.interventions.insert(
-      after,
-      {.tick = state_.now.tick, .spec = at.size(), .whom = {}, .data = {}, .device = {}, .controllers = {}});
+  if (e.made++ == 0) {
+    swap_settings_back(e.next);
+    e.declared = e.interventions;
+    swap_settings(e.next);
+  }
+  for (auto& [i, again] : later) e.interventions[i] = std::move(again);
+  e.interventions.insert(after, std::move(own));
   InterventionSpec& added = at.emplace_back();
   added.time_s = static_cast<double>(state_.now.tick) * state_.spec.tick_s;
   added.action = Action::set;
   added.setting = setting;
-  for (std::size_t i = 0; i < compiled.size(); ++i) {
-    if (!is_setting(e.interventions[i])) continue;
-    e.interventions[i].data = std::move(compiled[i].data);
-    e.interventions[i].device = std::move(compiled[i].device);
-    e.interventions[i].controllers = std::move(compiled[i].controllers);
-  }
   // If interventions of this tick are still due, the next step applies them and, after them, the setting.
   // Otherwise the setting is applied now.
-  if (place == e.next) ++e.next;
-  for (std::size_t i = 0; i < e.next; ++i)
-    if (is_setting(e.interventions[i])) swap_setting(e.interventions[i]);
+  if (place == e.next) swap_setting(e.interventions[e.next++]);
   find_due();
   if (replica_ != nullptr) replica_->set(setting);
   return {};

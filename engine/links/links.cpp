@@ -454,8 +454,9 @@ double Links::ask_joints(std::size_t c, Row root, std::size_t round) {
   add_tree_body({root, Mount()}, true, moved, thinnest);
   moved.finish(thinnest);
   lifts_[c] = rise > 0;
-  // The same sampling as for motions of bodies: see Conflicts. In addition, no piece rises or sinks by more
-  // than a quarter of its height from one sample to the next, or it could pass through a thin shelf.
+  // The samples are as close to one another as those of motions of bodies (see Conflicts), but there may be
+  // up to a million. In addition, no piece rises or sinks by more than a quarter of its height from one
+  // sample to the next, or it could pass through a thin shelf.
   constexpr double k_most = 1e6;
   double samples = moved.shape().empty() ? 1 : std::min(k_most, std::ceil(way / (0.25 * thinnest)));
   if (rise > 0)

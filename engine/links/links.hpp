@@ -156,8 +156,7 @@ class Links {
   void carry();  ///< sets the poses and outlines of all carried bodies from those of their carriers
 
  private:
-  /// Transform for points that are mounted on this joint, body frame. It maps the position of a point with
-  /// all joints at rest to its position at the joint poses that resolve_joints() tests.
+  /// A joint of a body during a tick.
   struct Joint {
     /// Transform, in the body frame, that moves a point mounted on this joint. It maps the point's position
     /// with all joints at rest to its position with this joint at its goal or, during a test, at the tested

@@ -144,8 +144,9 @@ std::vector<ControllerFinding> ControllerCheck::start_twice() const {
 }
 
 /// A setting (an intervention `set`, which changes parameters) takes effect between two ticks. A setting at
-/// the end of a tick applies to the decisions of the next tick. As in the world itself, only the controller
-/// whose parameters a setting changes is made again.
+/// the end of a tick applies to the decisions of the next tick. As in the world itself, a setting of a
+/// controller makes this controller again, and a setting of the drive makes all controllers of the type again
+/// if one of them may have read the drive.
 void ControllerCheck::follow_settings(std::uint64_t tick) {
   const WorldSpec& spec = world_.spec();
   const auto in_force = static_cast<std::size_t>(
@@ -164,8 +165,12 @@ void ControllerCheck::follow_settings(std::uint64_t tick) {
                      : setting.of == SettingSpec::Of::device ? type.devices[setting.index].params
                                                              : type.controllers[setting.index].params;
     params = changed(params, setting);
-    if (setting.of == SettingSpec::Of::controller)
-      make_afresh(spec, type, fresh_types_[setting.type.index()], setting.index);
+    BodyType& fresh = fresh_types_[setting.type.index()];
+    for (std::size_t c = 0; c < fresh.controllers.size(); ++c)
+      if (setting.of == SettingSpec::Of::controller
+              ? c == setting.index
+              : setting.of == SettingSpec::Of::drive && fresh.binds_controllers())
+        make_afresh(spec, type, fresh, c);
   }
 }
 

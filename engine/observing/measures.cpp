@@ -98,7 +98,7 @@ MeasureSet::MeasureSet(World& world, const Registry& registry, std::span<const M
       error(fmt::format("measure \"{}\" {}", spec.kind, thrown_text()));
       continue;
     }
-    parts_.push_back({kind, spec.params, std::move(robots)});
+    parts_.push_back({kind, spec.params, std::move(robots), measures_.back()->memory().size()});
     columns_.push_back(std::move(column));
   }
   note_present();
@@ -143,8 +143,14 @@ std::vector<double> MeasureSet::values() {
 
 std::vector<std::byte> MeasureSet::memory() const {
   std::vector<std::byte> all;
-  for (const auto& measure : measures_) {
-    const std::span<const std::byte> own = measure->memory();
+  for (std::size_t i = 0; i < parts_.size(); ++i) {
+    const std::span<const std::byte> own = measures_[i]->memory();
+    if (own.size() != parts_[i].memory_bytes)
+      throw std::runtime_error(fmt::format(
+          "the memory of the measure \"{}\" has {} bytes, but had {} when the measure was made, so "
+          "no checkpoint with it can be resumed: Measure::memory() must return the same number of "
+          "bytes in every call",
+          columns_[i], own.size(), parts_[i].memory_bytes));
     all.insert(all.end(), own.begin(), own.end());
   }
   return all;

@@ -66,7 +66,8 @@ class MeasureSet {
   double value(std::size_t column);
 
   /// Returns the memories of all measures (Measure::memory()), one after another, for a checkpoint (a file
-  /// from which a run is resumed).
+  /// from which a run is resumed). Throws a std::runtime_error that names the measure if the size of a memory
+  /// has changed since the set was made: such a checkpoint could not be resumed.
   std::vector<std::byte> memory() const;
   /// Restores the memories of the measures from a result of memory(). First restore the state of the world in
   /// which the memories were saved, and call see() or construct the set in that state: otherwise, the next
@@ -79,6 +80,7 @@ class MeasureSet {
     const MeasureKind* kind;
     Record params;
     std::vector<BodyId> robots;
+    std::size_t memory_bytes;  // of a new measure
   };
   void begin();
   void note_present();  // stores the tick and the seed of the world
@@ -113,14 +115,18 @@ std::size_t count_there(const World& world, std::span<const BodyId> bodies);
 template <class Term>
 double exact_sum(World& world, std::size_t count, Term&& term) {
   constexpr std::size_t k_block = 1024;
-  thread_local std::vector<ExactSum> kept;  // reused, because stop conditions call this in every step
-  kept.assign((count + k_block - 1) / k_block, ExactSum());
-  const std::span<ExactSum> sums = kept;  // of this thread: `kept` is another array on each worker
+  // Reused, because stop conditions call this in every step. It is empty during the call, because term() may
+  // compute a sum of another world.
+  thread_local std::vector<ExactSum> kept;
+  std::vector<ExactSum> memory = std::move(kept);
+  memory.assign((count + k_block - 1) / k_block, ExactSum());
+  const std::span<ExactSum> sums = memory;
   world.parallel().for_batches(count, k_block, [&, sums](std::size_t first, std::size_t end) {
     for (std::size_t i = first; i < end; ++i) sums[first / k_block].add(term(i));
   });
   ExactSum sum;
   for (const ExactSum& of_block : sums) sum.add(of_block);
+  kept = std::move(memory);
   return sum.value();
 }
 

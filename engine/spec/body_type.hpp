@@ -5,6 +5,7 @@
 #include "engine/spec/world_spec.hpp"
 #include "partition/overlap.hpp"
 
+#include <algorithm>
 #include <any>
 #include <cstdint>
 #include <optional>
@@ -167,6 +168,10 @@ struct BodyType {
   /// Whether the obstacle shape of a body can change. It can if the body has joints or can carry other
   /// bodies.
   bool is_composite() const { return !joints.empty() || carries; }
+  /// Whether a controller of the type has the hook `bind_world`, the only hook that can read the drive.
+  bool binds_controllers() const {
+    return std::ranges::any_of(controllers, [](const Controller& each) { return each.kind->bind_world; });
+  }
 };
 
 /// Returns the number of readings that a device with these parameters would have. It is the sum of the

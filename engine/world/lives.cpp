@@ -10,6 +10,7 @@
 #include <cmath>
 #include <cstddef>
 #include <functional>
+#include <optional>
 #include <stdexcept>
 
 namespace troupe::engine {
@@ -257,10 +258,16 @@ void World::resolve_lives(std::span<const Effect> effects) {
   for (const Effect& effect : effects)
     if (effect.verb == k_death && effect.target.index() < state_.rows.size() && is_here(effect.target))
       die(row(effect.target));
+  std::optional<std::vector<BodyId>> dead;  // sorted; needed only for bodies whose rows are elsewhere
   const auto has_died = [&](BodyId source) {
     if (is_here(source)) return !is_there(row(source));
-    return std::ranges::any_of(
-        effects, [&](const Effect& effect) { return effect.verb == k_death && effect.target == source; });
+    if (!dead) {
+      dead.emplace();
+      for (const Effect& effect : effects)
+        if (effect.verb == k_death) dead->push_back(effect.target);
+      std::ranges::sort(*dead);
+    }
+    return std::ranges::binary_search(*dead, source);
   };
   bool is_indexed = false;
   for (const Effect& effect : effects) {

@@ -111,8 +111,7 @@ void World::move_rows(std::span<const std::uint32_t> to,
     state_.slots[r] = slots_to[t][state_.slots[r]];
     state_.outline_begins[r] = state_.outline_begin(t, state_.slots[r]);
   }
-  for (std::vector<Placed>* list : {&placed_, &placed_before_})
-    for (Placed& placed : *list) placed.row = Row(to[placed.row.index()]);
+  for (PlacedRows* list : {&placed_, &placed_before_}) list->move_rows(to);
 }
 
 /// Called after bodies have got other rows, and after rows were removed or added: computes all data that
@@ -123,11 +122,6 @@ void World::derive_rows() {
   resize_with_room(state_.shapes, rows());
   resize_with_room(state_.transforms, rows());
   if (!state_.not_drawn.empty()) resize_with_room(state_.not_drawn, rows());
-  if (!placed_at_.empty() || !placed_.empty()) {
-    resize_with_room(placed_at_, rows());
-    std::ranges::fill(placed_at_, 0u);
-    for (std::uint32_t i = 0; i < placed_.size(); ++i) placed_at_[placed_[i].row.index()] = i + 1;
-  }
   movement_.build();
   links_.build();
   state_.bind_view();
@@ -224,8 +218,7 @@ void World::drop_rows(const std::vector<bool>& leaves) {
     if (state_.pools[t].rows > 0)
       for_tables_of_type(state_.types[t], [&](std::size_t table) { counts[table] = kept_slots[t]; });
   for (std::size_t table = 0; table < counts.size(); ++table) state_.tables[table].keep_rows(counts[table]);
-  for (std::vector<Placed>* list : {&placed_, &placed_before_})
-    std::erase_if(*list, [&](const Placed& placed) { return placed.row.index() >= kept; });
+  for (PlacedRows* list : {&placed_, &placed_before_}) list->keep_rows(kept);
 }
 
 /// Changes the capacity of all lists that have one element per row, and of the state tables, as make_room()
@@ -292,10 +285,10 @@ void World::append_rows(std::span<const RowState> added) {
 std::vector<std::byte> World::row_bytes(Row row) {
   partition::MessageWriter message;
   message.put(state_.subscribed[row.index()]);
-  for (const std::vector<Placed>* list : {&placed_, &placed_before_}) {
-    const auto found = std::ranges::find(*list, row, &Placed::row);
-    message.put(static_cast<std::uint8_t>(found != list->end()));
-    if (found != list->end()) message.put(found->pose);
+  for (const PlacedRows* list : {&placed_, &placed_before_}) {
+    const Pose* const pose = list->find(row);
+    message.put(static_cast<std::uint8_t>(pose != nullptr));
+    if (pose != nullptr) message.put(*pose);
   }
   state_.for_tables_of(row, [&](std::size_t t, std::size_t at) {
     for (std::size_t f = 0; f < state_.tables[t].fields().size(); ++f)
@@ -308,8 +301,8 @@ std::vector<std::byte> World::row_bytes(Row row) {
 void World::set_state(Row row, std::span<const std::byte> bytes) {
   partition::MessageReader message(bytes);
   state_.subscribed[row.index()] = message.get<std::uint8_t>();
-  for (std::vector<Placed>* list : {&placed_, &placed_before_})
-    if (message.get<std::uint8_t>() != 0) list->push_back({row, message.get<Pose>()});
+  for (PlacedRows* list : {&placed_, &placed_before_})
+    if (message.get<std::uint8_t>() != 0) list->set(row, message.get<Pose>());
   state_.for_tables_of(row, [&](std::size_t t, std::size_t at) {
     for (std::size_t f = 0; f < state_.tables[t].fields().size(); ++f)
       message.get_bytes(bytes_of(state_.tables[t], at, f));

@@ -248,7 +248,7 @@ void World::decide() {
 /// Calls a controller with ControllerKind::is_collective once, for all its robots that are due in this tick,
 /// in the order of their ids.
 void World::decide_together(const BodyType& type, const BodyType::Controller& controller) {
-  thread_local std::vector<Row> rows;  // keeps its memory, because this is called in every tick
+  std::vector<Row>& rows = deciding_;
   rows.clear();
   for (std::size_t b = 0; b < state_.rows.size(); ++b) {
     if (location(BodyId(b)) != RowLocation::here) continue;
@@ -303,7 +303,7 @@ void World::drive(std::span<const Row> rows, const BodyType::Drive& drive,
   for (std::size_t i = 0; i < rows.size(); ++i) {
     const Velocity v = has_slow ? scaled(velocities[i], speed_scale(rows[i])) : velocities[i];
     const Command& command = commands[i];  // tested too: a drive may clamp an infinite command
-    if (!is_command(command) || !is_finite(v)) {
+    if (!is_command(command) || !is_finite(scaled(v, state_.spec.tick_s))) {
       std::uint32_t lowest = faulty.load();
       const std::uint32_t id = body(rows[i]).value;
       while (id < lowest && !faulty.compare_exchange_weak(lowest, id)) {
@@ -391,9 +391,24 @@ void World::move() {
   apply_effects();
 }
 
+/// Throws StepError if a device of a body has emitted two effects with the same number: their order would
+/// depend on the threads. effects: sorted
+void World::check_order(std::span<const Effect> effects) const {
+  const auto twin = std::ranges::adjacent_find(effects, [](const Effect& a, const Effect& b) {
+    return a.source == b.source && a.device == b.device && a.sequence == b.sequence;
+  });
+  if (twin == effects.end()) return;
+  const BodyType::Device& device = type(row(twin->source)).devices[twin->device];
+  throw StepError(fmt::format(
+      "tick {}: device \"{}\" ({}) of \"{}\" emitted two effects with the number {} "
+      "(Effect::sequence): each effect of a device in a tick needs another number",
+      state_.now.tick, device.name, device.kind->name, state_.spec.name(twin->source), twin->sequence));
+}
+
 void World::apply_effects() {
   if (effects_.empty()) return;
   const std::span<const Effect> effects = effects_.sorted();
+  check_order(effects);
   const auto apply = [&](const Effect& effect) {
     if (effect.is_of_life()) return;
     const BodyType::Device& device = type(row(effect.source)).devices[effect.device];

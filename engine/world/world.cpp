@@ -125,7 +125,7 @@ void World::forget() {
   experiment_.due = 0;
   state_.index = partition::BodyIndex(state_.geometry);
   movement_.forget();
-  placed_before_.assign(1, {Row(0), k_nowhere});
+  placed_before_.set(Row(0), k_nowhere);
   derive();
   movement_.forget_motions();
 }
@@ -231,20 +231,11 @@ void World::set_poses(std::span<const Placed> placed) {
   index_bodies();
 }
 
-void World::remember_placed(Row row) {
-  placed_at_.resize(rows());
-  std::uint32_t& at = placed_at_[row.index()];
-  if (at == 0) {
-    placed_.push_back({row, {}});
-    at = static_cast<std::uint32_t>(placed_.size());
-  }
-  placed_[at - 1].pose = poses()[row.index()];
-}
+void World::remember_placed(Row row) { placed_.set(row, poses()[row.index()]); }
 
 /// Called when a step begins: moves the list of the poses that were set since the last step from placed_ to
 /// placed_before_.
 void World::begin_placing() {
-  for (const Placed& place : placed_) placed_at_[place.row.index()] = 0;
   placed_before_.swap(placed_);
   placed_.clear();
 }
@@ -330,13 +321,15 @@ void World::restart(std::uint64_t seed, std::span<const BodySpec> bodies, const 
     if (has_any_changed) bind_kinds_again(registry);
     start();
   };
-  if (!has_scene_changed || !state_.ray_grid) return begin_with(seed, bodies);
+  if (!has_any_changed) return begin_with(seed, bodies);
   const std::uint64_t old_seed = state_.spec.seed;
   const std::vector<BodySpec> old = state_.spec.bodies;
-  begin_with(seed, bodies);
   try {
-    build_ray_grid(diagnostics);
-  } catch (...) {  // the ray grid still has the old scene: the world returns to that scene
+    begin_with(seed, bodies);
+    if (has_scene_changed && state_.ray_grid) build_ray_grid(diagnostics);
+  } catch (const StepError&) {
+    throw;
+  } catch (...) {  // some kinds, or the ray grid, still have the old bodies: the world returns to these
     Diagnostics none(state_.spec.files);
     std::swap(diagnostics, none);
     begin_with(old_seed, old);

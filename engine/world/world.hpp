@@ -13,6 +13,7 @@
 #include "engine/spec/world_spec.hpp"
 #include "engine/state/world_state.hpp"
 #include "engine/world/phase.hpp"
+#include "engine/world/placed_rows.hpp"
 #include "partition/body_index.hpp"
 #include "partition/parallel.hpp"
 #include "partition/ray_grid.hpp"
@@ -146,7 +147,8 @@ class World {
   ///
   /// Throws StepError if a hook `start` of a kind throws. Throws InputError if the world uses the grid ray
   /// engine, which traces rays through a grid of cells, and if this grid cannot represent the new static
-  /// scene. After an InputError, the world is in the state S(0) with the old seed and the old bodies.
+  /// scene. Throws std::logic_error if a hook `bind_world` of a kind rejects the new bodies. After an
+  /// InputError or a std::logic_error, the world is in the state S(0) with the old seed and the old bodies.
   ///
   /// bodies     one BodySpec for each body of the spec, in the same order. Only poses and colours may differ
   ///            from the spec; the function does not check this. If a static body has another pose, the
@@ -526,11 +528,7 @@ class World {
   /// rows are elsewhere (RowLocation::elsewhere) do not count.
   std::size_t impaired_count() const { return state_.now.impaired; }
 
-  /// An argument of set_poses(): a row, and a pose for its body.
-  struct Placed {
-    Row row;    ///< row of the body
-    Pose pose;  ///< world frame, m and rad; the heading may have any finite value and is wrapped
-  };
+  using Placed = engine::Placed;  ///< argument of set_poses(): a row, and a pose for its body
   /// Sets the poses of bodies. Call this between steps. Each call rebuilds the spatial index of all bodies,
   /// so pass all poses in one call. If a row occurs twice, its last pose counts.
   ///
@@ -546,7 +544,7 @@ class World {
   /// because they may have moved with their carriers. Each row occurs once. Placed::pose is the pose before
   /// the motions of the last step. Measures of the distance travelled use this list, so that jumps do not
   /// count as travel. The list is empty before the first step. It is not part of the state.
-  std::span<const Placed> placed_before_step() const { return placed_before_; }
+  std::span<const Placed> placed_before_step() const { return placed_before_.all(); }
   /// Whether the row's body could be placed at a pose (world frame, m and rad). True if its origin would be
   /// within the world's bounds, and the body would overlap neither the static scene nor another body that is
   /// an obstacle. False if the pose is not finite.
@@ -704,6 +702,7 @@ class World {
   void decide_together(const BodyType& type, const BodyType::Controller& controller);
   void move();
   void check_effects();
+  void check_order(std::span<const Effect> effects) const;
   Result<> check(const Effect& effect) const;
   void apply_effects();
 
@@ -756,6 +755,9 @@ class World {
   void count_impaired();
   void intervene();
   bool carry_out(Experiment::Intervention& intervention);
+  void move_body(const Experiment::Intervention& intervention);
+  void list_candidates(const Experiment::Intervention& intervention);
+  bool remove_all(std::span<const Experiment::Candidate> chosen);
   void toggle_disabled(Row row);
   /// Chooses as many of Experiment::candidates as the group asks for: those with the lowest keys, which are
   /// random numbers. Returns them in order of ids.
@@ -764,6 +766,8 @@ class World {
   Pose place_to_add(const Experiment::Intervention& intervention, std::uint32_t number,
                     std::uint32_t trial) const;
   bool is_setting(const Experiment::Intervention& intervention) const;
+  TypeSpec type_at(TypeId type, std::size_t count) const;
+  void swap_settings(std::size_t count);
   void swap_settings_back(std::size_t count);
   void forget_settings();
   void swap_setting(Experiment::Intervention& intervention);
@@ -839,9 +843,9 @@ class World {
 
   // Scratch: data of the current tick, and the poses that programs set, which measures read.
   Effects effects_;
-  std::vector<Placed> placed_;            // set since the last step, each row once
-  std::vector<Placed> placed_before_;     // set between the last two steps
-  std::vector<std::uint32_t> placed_at_;  // position of each row in placed_, from 1; 0: not in it
+  std::vector<Row> deciding_;  // the robots for which a collective controller decides
+  PlacedRows placed_;          // set since the last step
+  PlacedRows placed_before_;   // set between the last two steps
 };
 
 }  // namespace troupe::engine

@@ -76,6 +76,38 @@ struct ChoirScene {
   }
 };
 
+/// As Choir, but first makes a step of another world.
+struct Rehearsal : Choir {
+  void operator()(const DecideBatch& batch) const {
+    other->step();
+    Choir::operator()(batch);
+  }
+  static inline World* other = nullptr;
+};
+
+TEST(Collective, MayMakeAStepOfAnotherWorld) {
+  ChoirScene other("choir", 1);
+  Rehearsal::other = &other.world;
+  Registry registry = choir_registry();
+  registry.controllers.push_back(make_controller_kind<Rehearsal>("rehearsal", "..."));
+  registry.controllers.back().is_collective = true;
+  test::SceneBuilder scene;  // fewer robots than the other world
+  const TypeId bot = scene.robot("bot", {test::box(0.2, 0.2)});
+  scene[bot].controllers.push_back({.kind = "rehearsal", .params = {}});
+  for (int i = 0; i < 3; ++i) scene.body(fmt::format("r{}", i), bot, {1.0 * i, 0, 0, 0});
+  Diagnostics diagnostics;
+  World world(scene.spec, registry, {.threads = 1}, diagnostics);
+  for (int tick = 0; tick < 3; ++tick) {
+    world.step();
+    const StateTable& memories = world.tables()[*world.type(Row(0)).controllers[0].table];
+    for (std::size_t i = 0; i < 3; ++i) {
+      const auto& memory = memories.as<Choir::Memory>(world.slot(world.row(BodyId(i + 1))));
+      EXPECT_EQ(memory.singers, 3u);
+      EXPECT_EQ(memory.place, i);
+    }
+  }
+}
+
 TEST(Collective, DecidesForAllRobotsOfATypeInTheOrderOfTheirIds) {
   ChoirScene scene("choir", 2);
   scene.world.step();

@@ -158,6 +158,29 @@ TEST(ControllerCheck, MakesControllersAfreshOfTheParametersInForce) {
   run(4);
 }
 
+/// Controllers that read the drive when they are made must be made afresh when it changes.
+TEST(ControllerCheck, MakesControllersAfreshOfTheDriveInForce) {
+  test::SceneBuilder scene;
+  const TypeId bot = scene.robot("bot", {test::box(0.2, 0.2)}, "omni");
+  const Record far_and_soon{50.0, 0.0, 0.0, 0.0, 3.0, 0.0, 0.0};  // x, y, z, heading, time, speed, wait
+  scene[bot].controllers = {test::controller("waypoints", {{"goals", std::vector<Record>{far_and_soon}}})};
+  scene.body("r", bot);
+  const FieldTable& drive = test::registry().drive(scene[bot].drive->kind)->params;
+  InterventionSpec intervention{.time_s = 0.3, .action = InterventionSpec::Action::set};
+  Record params(drive.fields.size());
+  params[static_cast<std::size_t>(drive.find("velocity_max_x"))] = 0.2;
+  intervention.setting = SettingSpec{bot, SettingSpec::Of::drive, 0, params};
+  scene.spec.experiment.at.push_back(intervention);
+  World world = scene.world();
+  ControllerCheck check(world, test::registry());
+  for (int tick = 1; tick <= 8; ++tick) {
+    world.step();
+    const std::vector<ControllerFinding> findings = on_another_thread(check);
+    ASSERT_THAT(findings, IsEmpty()) << "tick " << tick << ": " << finding_text(world, findings.front());
+  }
+  EXPECT_EQ(world.commands()[0].x, 0.2);
+}
+
 TEST(ControllerCheck, ChangesNoResult) {
   Swarm alone({"honest"});
   Swarm watched({"honest"});

@@ -113,7 +113,7 @@ struct Emitter {
   static DeviceKind kind() {
     DeviceKind kind{.name = "emitter", .text = ""};
     kind.prepare = [](const Record&, const Pose&) {
-      return DeviceKind::Prepared{.data = 0, .most_effects = 1};
+      return DeviceKind::Prepared{.data = 0, .most_effects = 2};
     };
     kind.act = emit_all;
     kind.apply = [](World&, const std::any&, const Effect&) {};
@@ -216,6 +216,15 @@ TEST(Effects, ThatADeviceMustNotEmitEndTheStep) {
   EXPECT_EQ(error_of({Emitter::kind()}),
             "tick 1: device \"emitter\" (emitter) of \"0\" requested a death, but its kind does not set "
             "DeviceKind::Prepared::ends_lives in prepare()");
+
+  // Two effects with one number have no order.
+  Emitter::emits = [](const DeviceBatch& batch, std::size_t i) {
+    batch.emit(i, 3, 0, BodyId(1));
+    batch.emit(i, 3, 1, BodyId(2));
+  };
+  EXPECT_EQ(error_of({Emitter::kind()}),
+            "tick 1: device \"emitter\" (emitter) of \"0\" emitted two effects with the number 3 "
+            "(Effect::sequence): each effect of a device in a tick needs another number");
 }
 
 }  // namespace

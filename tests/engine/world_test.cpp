@@ -65,6 +65,40 @@ TEST(World, ARestartThatTheGridRefusesChangesNothing) {
   EXPECT_NEAR(range_after_a_step(), 2.9, 0.03);
 }
 
+TEST(World, ARestartThatAKindRefusesChangesNothing) {
+  static int calls;
+  calls = 0;
+  Registry registry = test::registry();
+  DeviceKind picky{.name = "picky", .text = ""};
+  picky.prepare = [](const Record&, const Pose&) { return DeviceKind::Prepared{.data = 0}; };
+  picky.bind_world = [](std::any&, const WorldSpec&) -> Result<> {
+    if (++calls == 2) return Error{"does not like these poses"};  // the first call is for the constructor
+    return {};
+  };
+  picky.sense = [](const SenseBatch&) -> std::uint64_t { return 0; };
+  registry.devices.push_back(picky);
+  SceneBuilder scene;
+  const TypeId type = scene.robot("robot", {box(0.4, 0.4)});
+  scene[type].devices = {{.name = "picky", .kind = "picky", .params = {}, .active = true, .where = {}}};
+  const BodyId robot = scene.body("r", type);
+  Diagnostics diagnostics;
+  World world(scene.spec, registry, {.threads = 1}, diagnostics);
+  const std::uint64_t start = world.hashes().state;
+  world.set_command(world.row(robot), {1, 0, 0});
+  world.step();
+
+  std::vector<BodySpec> bodies = world.spec().bodies;
+  bodies[robot.index()].pose_world_body.x = 3;
+  EXPECT_THROW(world.restart(7, bodies, registry), std::logic_error);
+  EXPECT_EQ(world.tick(), 0u);
+  EXPECT_EQ(world.hashes().state, start);
+  EXPECT_EQ(world.spec().seed, scene.spec.seed);
+  EXPECT_EQ(world.pose(robot).x, 0);
+  world.restart(7, bodies, registry);
+  EXPECT_EQ(world.spec().seed, 7u);
+  EXPECT_EQ(world.pose(robot).x, 3);
+}
+
 TEST(World, TransformsAreThoseOfThePoses) {
   SceneBuilder scene;
   const TypeId type = scene.robot("robot", {box(0.4, 0.4)});

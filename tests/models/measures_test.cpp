@@ -348,6 +348,7 @@ TEST(Measures, ThatChangeTheWorldThrow) {
   MeasureSet set(world, registry, std::vector<MeasureSpec>{{.kind = "changing"}}, diagnostics);
   const std::uint64_t before = world.hashes().state;
   constexpr void (*k_changes[])(World&) = {[](World& w) { w.step(); }, [](World& w) { w.reset(); },
+                                           [](World& w) { static_cast<void>(w.set({}, test::registry())); },
                                            [](World& w) {
                                              w.set_command(Row(0), {1, 0, 0});
                                            },
@@ -403,6 +404,33 @@ TEST(Measures, GoOnWithWhatTheyRememberedAsIfTheyHadNeverStopped) {
   }
   EXPECT_FALSE(resumed.remember(std::span(memory).first(memory.size() - 1)));
   EXPECT_FALSE(measures(world, {spec("stalls")}).remember(memory));
+}
+
+/// A measure whose memory grows by one number per tick, which a measure must not do.
+class Growing : public engine::Measure {
+ public:
+  Growing(const World&, std::vector<BodyId>) {}
+  void see(World&) override { numbers_.push_back(0); }
+  double value(World&) override { return 0; }
+  std::span<std::byte> memory() override { return std::as_writable_bytes(std::span(numbers_)); }
+
+ private:
+  std::vector<double> numbers_;
+};
+
+TEST(Measures, WhoseMemoryGrowsCannotBeSaved) {
+  engine::Registry registry = test::registry();
+  registry.measures.push_back(
+      engine::make_measure_kind<Growing>("growing", engine::Unit::none, "stores a number in each tick", ""));
+  World world = crowd().world();
+  Diagnostics diagnostics;
+  const MeasureSet set(world, registry, std::vector<MeasureSpec>{{.kind = "growing"}}, diagnostics);
+  try {
+    static_cast<void>(set.memory());
+    ADD_FAILURE() << "nothing was thrown";
+  } catch (const std::runtime_error& error) {
+    EXPECT_THAT(error.what(), HasSubstr("the memory of the measure \"growing\" has 8 bytes, but had 0"));
+  }
 }
 
 TEST(Measures, BeginAgainAfterAReset) {
