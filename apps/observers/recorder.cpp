@@ -39,7 +39,7 @@ std::unique_ptr<Recorder> make_recorder(const RunOptions& options, const Simulat
   }
   RecordingOptions recording = options.recording;
   recording.replace = options.force;
-  recording.in_background = true;  // allowed because nothing else in this process uses HDF5
+  recording.in_background = true;  // if a checkpoint is saved meanwhile, HDF5's lock keeps the two apart
   if (std::error_code ignored;
       simulation.resumed_at_tick() && !options.force && std::filesystem::exists(file, ignored)) {
     try {

@@ -193,12 +193,26 @@ void World::actuate() {
 /// Throws StepError if a device has emitted an effect that it must not emit. Kinds of plug-ins may do so.
 void World::check_effects() {
   const auto is_wrong = [this](const Effect& effect) { return !check(effect); };
-  if (std::ranges::none_of(effects_.emitted(), is_wrong)) return;
+  if (std::ranges::none_of(effects_.emitted(), is_wrong)) return check_order(effects_.sorted());
   const Effect& effect = *std::ranges::find_if(effects_.sorted(), is_wrong);
   const BodyType::Device& device = type(row(effect.source)).devices[effect.device];
   throw StepError(fmt::format("tick {}: device \"{}\" ({}) of \"{}\" {}", state_.now.tick, device.name,
                               device.kind->name, state_.spec.name(effect.source),
                               check(effect).error().text));
+}
+
+/// Throws StepError if a device of a body has emitted two effects with the same number: their order would
+/// depend on the threads. effects: sorted
+void World::check_order(std::span<const Effect> effects) const {
+  const auto twin = std::ranges::adjacent_find(effects, [](const Effect& a, const Effect& b) {
+    return a.source == b.source && a.device == b.device && a.sequence == b.sequence;
+  });
+  if (twin == effects.end()) return;
+  const BodyType::Device& device = type(row(twin->source)).devices[twin->device];
+  throw StepError(fmt::format(
+      "tick {}: device \"{}\" ({}) of \"{}\" emitted two effects with the number {} "
+      "(Effect::sequence): each effect of a device in a tick needs another number",
+      state_.now.tick, device.name, device.kind->name, state_.spec.name(twin->source), twin->sequence));
 }
 
 /// The text of the error continues the words `device "NAME"`.
@@ -391,24 +405,9 @@ void World::move() {
   apply_effects();
 }
 
-/// Throws StepError if a device of a body has emitted two effects with the same number: their order would
-/// depend on the threads. effects: sorted
-void World::check_order(std::span<const Effect> effects) const {
-  const auto twin = std::ranges::adjacent_find(effects, [](const Effect& a, const Effect& b) {
-    return a.source == b.source && a.device == b.device && a.sequence == b.sequence;
-  });
-  if (twin == effects.end()) return;
-  const BodyType::Device& device = type(row(twin->source)).devices[twin->device];
-  throw StepError(fmt::format(
-      "tick {}: device \"{}\" ({}) of \"{}\" emitted two effects with the number {} "
-      "(Effect::sequence): each effect of a device in a tick needs another number",
-      state_.now.tick, device.name, device.kind->name, state_.spec.name(twin->source), twin->sequence));
-}
-
 void World::apply_effects() {
   if (effects_.empty()) return;
   const std::span<const Effect> effects = effects_.sorted();
-  check_order(effects);
   const auto apply = [&](const Effect& effect) {
     if (effect.is_of_life()) return;
     const BodyType::Device& device = type(row(effect.source)).devices[effect.device];
