@@ -40,7 +40,7 @@ namespace troupe::plugin {
 /// Version of the plug-in interface, which consists of struct Library, the functions that it points to, and
 /// the layouts of the types that plug-in and program exchange (layout()). A test fails if the layouts have
 /// changed but the version has not.
-inline constexpr std::uint32_t k_interface = 13;
+inline constexpr std::uint32_t k_interface = 14;
 
 /// Build settings that change the layout of types or the bits of results even if plug-in and program include
 /// the same headers.

@@ -1,5 +1,6 @@
 #pragma once
 
+#include "base/atomic_maximum.hpp"
 #include "base/random.hpp"
 #include "engine/conflicts/conflicts.hpp"
 #include "partition/placed_shape.hpp"
@@ -7,7 +8,6 @@
 #include <algorithm>
 #include <array>
 #include <atomic>
-#include <bit>
 #include <cmath>
 #include <limits>
 #include <optional>
@@ -52,19 +52,6 @@ inline constexpr double k_far_m = 0.5;
 template <class T>
 std::atomic_ref<T> atomic(T& value) {
   return std::atomic_ref(value);
-}
-
-/// Atomically raises a double to `value`, if `value` is greater. `most` holds the bits of the double;
-/// value_of() returns the double. Both numbers must be non-negative: the function compares their bits as
-/// integers, which is correct only for non-negative doubles.
-inline void raise_to(std::atomic<std::uint64_t>& most, double value) {
-  const auto bits = std::bit_cast<std::uint64_t>(value);
-  std::uint64_t known = most.load(std::memory_order_relaxed);
-  while (known < bits && !most.compare_exchange_weak(known, bits, std::memory_order_relaxed)) {
-  }
-}
-inline double value_of(const std::atomic<std::uint64_t>& most) {
-  return std::bit_cast<double>(most.load(std::memory_order_relaxed));
 }
 
 /// Returns the number of samples of a motion: `displacement` divided by a quarter of `thinnest`, rounded up.

@@ -96,6 +96,14 @@ struct StateField {
   /// True: the values are bools. The element is u8, and each value is 0 or 1.
   bool is_bool = false;
 };
+
+/// Whether two components have the same fields: equal names, element types and numbers of columns, in the
+/// same order.
+inline bool same_fields(std::span<const StateField> a, std::span<const StateField> b) {
+  return std::ranges::equal(a, b, [](const StateField& x, const StateField& y) {
+    return x.name == y.name && x.element == y.element && x.columns == y.columns;
+  });
+}
 /// Returns a copy of `fields` in which StateField::sparse is true for every field.
 std::vector<StateField> sparse(std::vector<StateField> fields);
 

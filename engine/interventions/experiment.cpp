@@ -83,12 +83,6 @@ void warn_of_small_reserves(const WorldSpec& spec, Diagnostics& diagnostics) {
   }
 }
 
-bool same_fields(const std::vector<StateField>& a, const std::vector<StateField>& b) {
-  return std::ranges::equal(a, b, [](const StateField& x, const StateField& y) {
-    return x.name == y.name && x.element == y.element && x.columns == y.columns;
-  });
-}
-
 /// Whether a setting may replace the data `b` of a device by the data `a` of the same device with other
 /// parameters. It may if the readings and commands have the same layout, the effects and joints have the same
 /// limits, the beams have the same directions, and the transducers have the same positions.
@@ -102,16 +96,6 @@ bool same_shape(const DeviceKind::Prepared& a, const DeviceKind::Prepared& b) {
            return x.first == y.first &&
                   x.pose_sensor_transducer.position() == y.pose_sensor_transducer.position();
          });
-}
-
-/// Returns the parameters of a type that a setting changes.
-Record& params_of(TypeSpec& type, const SettingSpec& setting) {
-  switch (setting.of) {
-    case Of::drive: return type.drive->params;
-    case Of::device: return type.devices[setting.index].params;
-    case Of::controller: break;
-  }
-  return type.controllers[setting.index].params;
 }
 
 /// Whether a device of this kind has the same solids with other parameters. A setting cannot change solids.

@@ -1,5 +1,6 @@
 #include "engine/links/links.hpp"
 
+#include "base/atomic_maximum.hpp"
 #include "base/room.hpp"
 #include "engine/kinds/finite.hpp"
 #include "engine/kinds/step_error.hpp"
@@ -8,7 +9,6 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <bit>
 #include <cmath>
 #include <limits>
 
@@ -369,15 +369,10 @@ void Links::resolve_joints(double longest_motion, Border* border) {
   // this tick, including those of this round. Turns of bodies change neither origin nor radius.
   double reach = longest_motion;
   for (std::size_t round = 0; round < rounds_; ++round) {
-    std::atomic<std::uint64_t> longest = 0;  // bits of a double >= 0: they compare as the double does
-    for_roots([&](std::size_t c, std::uint32_t r) {
-      const auto bits = std::bit_cast<std::uint64_t>(ask_joints(c, Row(r), round));
-      std::uint64_t known = longest.load(std::memory_order_relaxed);
-      while (known < bits && !longest.compare_exchange_weak(known, bits, std::memory_order_relaxed)) {
-      }
-    });
+    std::atomic<std::uint64_t> longest = 0;
+    for_roots([&](std::size_t c, std::uint32_t r) { raise_to(longest, ask_joints(c, Row(r), round)); });
     if (longest == 0) continue;
-    reach += std::bit_cast<double>(longest.load()) + partition::k_rounding_m;
+    reach += value_of(longest) + partition::k_rounding_m;
     for_roots([&](std::size_t c, std::uint32_t r) {
       if (samples_[c] > 0 && r < state_.own_rows) refused_[c] = refuses_joints(c, Row(r), round, reach);
     });

@@ -161,9 +161,7 @@ void ControllerCheck::follow_settings(std::uint64_t tick) {
   for (; followed_ < in_force; ++followed_) {
     const SettingSpec& setting = settings_[followed_].setting;
     TypeSpec& type = type_specs_[setting.type.index()];
-    Record& params = setting.of == SettingSpec::Of::drive    ? type.drive->params
-                     : setting.of == SettingSpec::Of::device ? type.devices[setting.index].params
-                                                             : type.controllers[setting.index].params;
+    Record& params = params_of(type, setting);
     params = changed(params, setting);
     BodyType& fresh = fresh_types_[setting.type.index()];
     for (std::size_t c = 0; c < fresh.controllers.size(); ++c)

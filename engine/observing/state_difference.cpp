@@ -63,17 +63,12 @@ std::vector<std::size_t> rows_by_id(const StateTable& table) {
   return rows;
 }
 
-bool same_fields(const StateTable& a, const StateTable& b) {
-  return std::ranges::equal(a.fields(), b.fields(), [](const StateField& x, const StateField& y) {
-    return x.name == y.name && x.element == y.element && x.columns == y.columns;
-  });
-}
-
 /// Difference between two tables of one component: the number of bodies whose rows differ (`bodies`), and the
 /// first value that differs. If the tables have different bodies or fields, `bodies` is 0.
 ComponentDifference table_difference(const StateTable& a, const StateTable& b) {
   ComponentDifference found{.component = a.component(), .group = a.group()};
-  if (a.component() != b.component() || a.rows() != b.rows() || !same_fields(a, b)) return found;
+  if (a.component() != b.component() || a.rows() != b.rows() || !same_fields(a.fields(), b.fields()))
+    return found;
   const std::vector<std::size_t> rows_a = rows_by_id(a);
   const std::vector<std::size_t> rows_b = rows_by_id(b);
   for (std::size_t i = 0; i < rows_a.size(); ++i) {

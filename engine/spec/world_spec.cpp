@@ -161,6 +161,15 @@ void check_settings(const WorldSpec& spec, const Report& report) {
 
 }  // namespace
 
+Record& params_of(TypeSpec& type, const SettingSpec& setting) {
+  switch (setting.of) {
+    case SettingSpec::Of::drive: return type.drive->params;
+    case SettingSpec::Of::device: return type.devices[setting.index].params;
+    case SettingSpec::Of::controller: break;
+  }
+  return type.controllers[setting.index].params;
+}
+
 void check_rules(const WorldSpec& spec, const Report& report) {
   bool is_right = true;
   const Report note = [&](Where where, const std::string& message) {

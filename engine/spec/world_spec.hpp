@@ -187,6 +187,10 @@ struct TypeSpec {
   std::vector<ControllerSpec> controllers;
 };
 
+/// Returns the parameters of a type that a setting changes: those of the drive, of a device or of a
+/// controller.
+Record& params_of(TypeSpec& type, const SettingSpec& setting);
+
 /// One body of the world.
 struct BodySpec {
   Name name;             ///< name of the body, in the table WorldSpec::names
