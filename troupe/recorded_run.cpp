@@ -118,8 +118,14 @@ struct RecordedRun::Impl {
     return nullptr;
   }
 
+  /// Returns the arrays of a pose. An array without exactly one value per body, as damaged files may have it,
+  /// counts as not recorded.
   std::array<const Array*, 4> find_pose(std::string_view component) const {
-    return {find(component, "x"), find(component, "y"), find(component, "z"), find(component, "heading")};
+    std::array<const Array*, 4> arrays = {find(component, "x"), find(component, "y"), find(component, "z"),
+                                          find(component, "heading")};
+    for (const Array*& array : arrays)
+      if (array && array->field.columns != 1) array = nullptr;
+    return arrays;
   }
 
   /// Returns the values of an array in the current frame, row-major, with one row per body of the array.

@@ -310,6 +310,17 @@ TEST_F(Render, WhatARecordingHasNotIsRefused) {
   EXPECT_EQ(refusal({"v.h5"}),
             "v.h5: error: the recording has no poses: record the run with pose in --record-fields (in C++ "
             "and Python: fields)\n");
+  {
+    worldio::Hdf5File damaged = worldio::Hdf5File::open_to_write(path("v.h5"));
+    const std::size_t frames = damaged.group("frames").dataset("tick").rows();
+    const std::size_t bodies = damaged.group("bodies").dataset("id").rows();
+    worldio::Hdf5Group pose = damaged.group("state").create_group("pose");
+    for (const char* field : {"x", "y", "heading"}) {
+      worldio::Hdf5Dataset array = pose.create_dataset(field, engine::Element::f64, {frames, bodies, 0});
+      for (const char* name : {"unit", "frame", "text"}) array.set_text(name, "");
+    }
+  }
+  EXPECT_THAT(refusal({"v.h5"}), HasSubstr("v.h5: error: the recording has no poses: "));
 }
 
 TEST_F(Render, BadInputIsOneLine) {
