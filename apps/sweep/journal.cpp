@@ -1,6 +1,7 @@
 #include "apps/sweep/journal.hpp"
 
 #include "apps/outputs.hpp"
+#include "base/number_text.hpp"
 
 #include <fcntl.h>
 #include <fmt/format.h>
@@ -33,7 +34,7 @@ std::string head_of(std::string_view study) { return Json{{"troupe_sweep", 1}, {
 [[noreturn]] void refuse_other_study(const fs::path& file) {
   throw OutputError(
       fmt::format("{}: error: the folder contains runs of another study, of an earlier version of the world "
-                  "file, or of another version of the program: choose another folder with -o",
+                  "file or of a plug-in, or of another version of the program: choose another folder with -o",
                   file.string()));
 }
 
@@ -46,9 +47,24 @@ std::vector<std::string> whole_lines(const fs::path& file) {
   return lines;
 }
 
+/// Returns a value of a result in JSON, which has no numbers for infinities and NaN: they become texts.
+Json json_value(double value) {
+  if (std::isfinite(value)) return value;
+  return std::isnan(value) ? "nan" : value > 0 ? "inf" : "-inf";
+}
+
+/// Returns the value that json_value() has written; std::nullopt if it is none. NaN for null, which earlier
+/// versions wrote for all values that are not finite.
+std::optional<double> journal_value(const Json& json) {
+  if (json.is_null()) return std::numeric_limits<double>::quiet_NaN();
+  if (json.is_string()) return number_of<double>(json.get<std::string>());
+  if (json.is_number()) return json.get<double>();
+  return std::nullopt;
+}
+
 std::string line_of(const SweepOutcome& outcome) {
   Json values = Json::array();
-  for (const double value : outcome.values) values.push_back(std::isnan(value) ? Json() : Json(value));
+  for (const double value : outcome.values) values.push_back(json_value(value));
   return Json{{"run", outcome.run},
               {"seed", outcome.seed},
               {"ticks", outcome.ticks},
@@ -59,28 +75,40 @@ std::string line_of(const SweepOutcome& outcome) {
       .dump();
 }
 
-SweepOutcome outcome_of(const Json& json) {
+/// Returns the result in a line of a journal. Returns std::nullopt, or throws Json::exception, if the line is
+/// damaged.
+std::optional<SweepOutcome> outcome_of(const Json& json) {
   SweepOutcome outcome{.run = json.at("run"),
                        .seed = json.at("seed"),
                        .ticks = json.at("ticks"),
                        .time_s = json.at("time_s"),
                        .stopped_by = json.at("stopped_by"),
                        .state_hash = json.at("state_hash")};
-  for (const Json& value : json.at("values"))
-    outcome.values.push_back(value.is_null() ? std::numeric_limits<double>::quiet_NaN()
-                                             : value.get<double>());
+  for (const Json& cell : json.at("values")) {
+    const std::optional<double> value = journal_value(cell);
+    if (!value) return std::nullopt;
+    outcome.values.push_back(*value);
+  }
   return outcome;
 }
 
-/// Adds a line of a journal to `results`. Throws Json::exception if the line is damaged.
-void read_line(const std::string& line, SweepResults& results) {
-  const Json json = Json::parse(line);
-  if (json.contains("error")) {
-    results.failed.insert_or_assign(json.at("run"), json.at("error"));
-    return;
+/// Adds a line of a journal to `results`. Returns false if the line is damaged.
+bool read_line(const std::string& line, const SweepSize& size, SweepResults& results) {
+  try {
+    const Json json = Json::parse(line);
+    const std::size_t run = json.at("run");
+    if (run >= size.runs) return false;
+    if (json.contains("error")) {
+      results.failed.insert_or_assign(run, json.at("error"));
+      return true;
+    }
+    std::optional<SweepOutcome> outcome = outcome_of(json);
+    if (!outcome || outcome->values.size() != size.values) return false;
+    results.outcomes.insert_or_assign(run, *std::move(outcome));
+    return true;
+  } catch (const Json::exception&) {
+    return false;
   }
-  SweepOutcome outcome = outcome_of(json);
-  results.outcomes.insert_or_assign(outcome.run, std::move(outcome));
 }
 
 }  // namespace
@@ -127,7 +155,7 @@ void SweepJournal::append(std::size_t run, std::string line) {
         fmt::format("{}: error: the result of run {} cannot be written: {}", file_.string(), run, reason()));
 }
 
-SweepResults read_journals(const fs::path& folder, std::string_view study) {
+SweepResults read_journals(const fs::path& folder, std::string_view study, const SweepSize& size) {
   SweepResults results;
   for (const fs::directory_entry& entry : fs::directory_iterator(folder)) {
     const std::string name = entry.path().filename().string();
@@ -135,14 +163,12 @@ SweepResults read_journals(const fs::path& folder, std::string_view study) {
     const std::vector<std::string> lines = whole_lines(entry.path());
     if (lines.empty()) continue;  // the process was killed before it wrote the first line
     if (lines.front() != head_of(study)) refuse_other_study(entry.path());
-    for (std::size_t i = 1; i < lines.size(); ++i) try {
-        read_line(lines[i], results);
-      } catch (const Json::exception&) {
+    for (std::size_t i = 1; i < lines.size(); ++i)
+      if (!read_line(lines[i], size, results))
         throw OutputError(
             fmt::format("{}:{}: error: not a result that troupe sweep writes: the file is damaged; remove "
                         "it, and repeat the command, which makes the missing runs again",
                         entry.path().string(), i + 1));
-      }
   }
   for (const auto& [run, outcome] : results.outcomes) results.failed.erase(run);
   return results;

@@ -30,6 +30,12 @@ struct SweepResults {
   std::map<std::size_t, std::string> failed;     ///< errors of failed runs, which have no outcome
 };
 
+/// What each result of a study must fit.
+struct SweepSize {
+  std::size_t runs = 0;    ///< number of runs of the study
+  std::size_t values = 0;  ///< number of SweepOutcome::values of each run
+};
+
 /// The journal of one process of `troupe sweep`: a file with the results of its runs, one line of JSON per
 /// finished or failed run. A result is on the disk when add() returns, so a killed sweep loses only its
 /// unfinished runs.
@@ -62,10 +68,12 @@ class SweepJournal {
 
 /// Returns the results in all journals of a folder, which must exist. If a run failed and a later call of
 /// `troupe sweep` finished it, the error is left out. An incomplete last line of a journal is ignored. Throws
-/// OutputError if a journal belongs to another `study` or has a damaged line.
+/// OutputError if a journal belongs to another `study`, has a damaged line, or has a line that does not fit
+/// `size`.
 ///
 /// study: the text that identifies the study, as for SweepJournal
-SweepResults read_journals(const std::filesystem::path& folder, std::string_view study);
+SweepResults read_journals(const std::filesystem::path& folder, std::string_view study,
+                           const SweepSize& size);
 
 /// Returns the path of the journal of one process. The runs of a study can be divided into parts (--part),
 /// each of which one process makes: `part` is the number of the part, from 1 to `parts`.

@@ -1,5 +1,6 @@
 #include "apps/sweep/sweep.hpp"
 
+#include "apps/csv.hpp"
 #include "apps/interrupt.hpp"
 #include "apps/options.hpp"
 #include "apps/outputs.hpp"
@@ -186,30 +187,42 @@ Simulation first_world(const Study& study, const SweepOptions& options) {
   std::rethrow_exception(first);
 }
 
-/// The contents of a loaded world, with its images, as text. It does not depend on the folders of the files.
+/// The contents of a loaded world, with its images, plug-ins and scripts, as text. It does not depend on the
+/// folders of the files.
 std::string contents_of(const Simulation& simulation) {
   auto spec = nlohmann::json::parse(worldio::spec_to_json(simulation.world().spec(), simulation.registry()));
   spec.erase("files");
-  return fmt::format("{}\n{:016x}\n", spec.dump(), simulation.state_hash());
+  std::string text = fmt::format("{}\n{:016x}\n", spec.dump(), simulation.state_hash());
+  for (const auto& [option, value] : simulation.effective_options())
+    if (option.starts_with("plugin ")) text += fmt::format("{} {}\n", option, value);
+  return text;
 }
 
-/// Whether a JSON value is or contains the path of a file, relative to the folder of the world.
-bool names_file(const nlohmann::json& value, const fs::path& world) {
+/// Whether a JSON value is or contains the path of a file, relative to the folder of the world, or the name
+/// of a kind of a plug-in in one of these folders: "walker" and "walker:fast" are kinds of walker.so.
+bool names_file(const nlohmann::json& value, const fs::path& world, const std::vector<fs::path>& plugins) {
   if (value.is_string()) {
+    const auto text = value.get<std::string>();
+    const std::string library = text.substr(0, text.find(':')) + ".so";
     std::error_code ignored;
-    return fs::is_regular_file(world.parent_path() / value.get<std::string>(), ignored);
+    return fs::is_regular_file(world.parent_path() / text, ignored) ||
+           std::ranges::any_of(plugins, [&](const fs::path& folder) {
+             return fs::is_regular_file(folder / library, ignored);
+           });
   }
-  return std::ranges::any_of(
-      value, [&](const auto& element) { return value.is_structured() && names_file(element, world); });
+  return std::ranges::any_of(value, [&](const auto& element) {
+    return value.is_structured() && names_file(element, world, plugins);
+  });
 }
 
 /// A hash of the worlds with each listed value of a parameter that names a file, such as the image of a floor
-/// plan: the file is not part of the study, and run 0 may not read it.
+/// plan or a plug-in: the file is not part of the study, and run 0 may not read it.
 std::string hash_of_choices(const Study& study, const SweepOptions& options) {
+  const std::vector<fs::path> plugins = plugin_path(options.plugin_path);
   std::string hashes;
   for (std::size_t p = 0; p < study.choices.size(); ++p)
     for (const std::string& value : study.choices[p].values) {
-      if (!names_file(nlohmann::json::parse(value), study.world)) continue;
+      if (!names_file(nlohmann::json::parse(value), study.world, plugins)) continue;
       Study::Run run = study.run(0);
       run.values[p] = value;
       try {
@@ -222,9 +235,9 @@ std::string hash_of_choices(const Study& study, const SweepOptions& options) {
 }
 
 /// Returns a text that identifies the study, and the names of the columns of its measures. The text is a hash
-/// of the study file, the worlds with their images, the scripts (--controller) and the version of the
-/// program; it does not depend on the folders of the files. Loads the world of a run, so that errors in the
-/// worlds of all runs are reported before any run.
+/// of the study file, the worlds with their images, plug-ins and scripts (--controller), and the version of
+/// the program; it does not depend on the folders of the files. Loads the world of a run, so that errors in
+/// the worlds of all runs are reported before any run.
 std::pair<std::string, std::vector<std::string>> identify(const Study& study, const SweepOptions& options,
                                                           bool shows_warnings) {
   Simulation simulation = first_world(study, options);
@@ -232,9 +245,9 @@ std::pair<std::string, std::vector<std::string>> identify(const Study& study, co
   end_of(study, simulation);
   if (shows_warnings)
     for (const std::string& warning : simulation.warnings()) fmt::print(stderr, "{}\n", warning);
-  std::string text = fmt::format("{}\n{}{}{}", worldio::read_file(options.study).value_or(""),
-                                 contents_of(simulation), hash_of_choices(study, options), version_line());
-  for (const auto& script : options.scripts) text += fmt::format("\n{:016x}", script->contents);
+  const std::string text =
+      fmt::format("{}\n{}{}{}", worldio::read_file(options.study).value_or(""), contents_of(simulation),
+                  hash_of_choices(study, options), version_line());
   return {hex(hash_text(text)), {measures.columns().begin(), measures.columns().end()}};
 }
 
@@ -362,20 +375,32 @@ std::map<std::size_t, std::string> make_all(const Study& study, const std::vecto
 /// Prints the list of runs as comma-separated values (--list).
 void print_runs(const Study& study) {
   fmt::print("run");
-  for (const Study::Parameter& parameter : study.parameters) fmt::print(",{}", parameter.name);
+  for (const Study::Parameter& parameter : study.parameters) fmt::print(",{}", csv_cell(parameter.name));
   fmt::print(",seed\n");
   for (std::size_t r = 0; r < study.run_count(); ++r) {
     const Study::Run run = study.run(r);
     fmt::print("{}", r);
-    for (const std::string& value : run.values) fmt::print(",{}", value);
+    for (const std::string& value : run.values) fmt::print(",{}", csv_cell(shown_value(value)));
     fmt::print(",{}\n", run.seed ? fmt::format("{}", *run.seed) : "world's");
   }
 }
 
+/// What a sweep knows of the worlds of its study.
+struct Identity {
+  std::string text;                   // identifies the study in journals
+  std::vector<std::string> measures;  // names of the columns of its measures
+};
+
+/// Returns the results in the journals of a folder. Throws OutputError as read_journals() does.
+SweepResults saved_results(const Study& study, const Identity& identity, const fs::path& folder) {
+  const std::size_t values = worldio::measure_columns(identity.measures, study.statistics).size();
+  return read_journals(folder, identity.text, {.runs = study.run_count(), .values = values});
+}
+
 /// Returns the indices of the runs of this part (--part) that are not finished yet.
 std::vector<std::size_t> runs_to_make(const Study& study, const SweepOptions& options,
-                                      const std::string& identity) {
-  const auto done = read_journals(options.folder, identity).outcomes;
+                                      const Identity& identity) {
+  const auto done = saved_results(study, identity, options.folder).outcomes;
   std::vector<std::size_t> runs;
   for (std::size_t r = options.part - 1; r < study.run_count(); r += options.parts)
     if (!done.contains(r) || (study.series && !fs::exists(series_file(options.folder, r)))) runs.push_back(r);
@@ -466,12 +491,6 @@ Study checked_study(const SweepOptions& options, Diagnostics& diagnostics) {
   return study;
 }
 
-/// What a sweep knows of the worlds of its study.
-struct Identity {
-  std::string text;                   // identifies the study in journals
-  std::vector<std::string> measures;  // names of the columns of its measures
-};
-
 /// Like identify(), but errors name the positions of parameters in the study, and columns of the same name
 /// are errors too.
 Identity checked_identity(const Study& study, const SweepOptions& options, bool shows_warnings,
@@ -506,7 +525,7 @@ ExitCode finish(const Study& study, const Identity& identity, const SweepOptions
   for (const auto& [run, error] : ended.failed) fmt::print(stderr, "run {}: {}\n", run, error);
   SweepTable table{.study = study,
                    .measures = worldio::measure_columns(identity.measures, study.statistics),
-                   .results = read_journals(options.folder, identity.text)};
+                   .results = saved_results(study, identity, options.folder)};
   forget_old_errors(table.results, list, ended.failed);
   const bool is_complete = missing_runs(table, 0, 1) == 0;
   if (is_complete) write_tables(table, identity.measures, options.folder);
@@ -546,7 +565,7 @@ ExitCode sweep_checked(SweepOptions options, RankDeal& deal) {
   prepare_folder(options, study.series);
   if (deal.rank() == 0) {
     partition::MessageWriter writer;
-    for (const std::size_t run : runs_to_make(study, options, identity.text)) writer.put(std::uint64_t{run});
+    for (const std::size_t run : runs_to_make(study, options, identity)) writer.put(std::uint64_t{run});
     list = writer.take();
     deal.share(list);
   }

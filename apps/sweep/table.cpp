@@ -27,17 +27,13 @@ using Numbers = std::vector<double>;
 using Counts = std::vector<std::uint64_t>;
 using Texts = std::vector<std::string>;
 
+constexpr std::string_view k_error_column = "error";
+constexpr std::size_t k_longest_error = 200;  // in table.h5, bytes
+
 struct Column {
   std::string name;
   std::variant<Numbers, Counts, Texts> cells;  // one per run
 };
-
-/// Returns the JSON text of a parameter's value as it appears in the table: a JSON string has no quotes
-/// there, unless it contains escapes.
-std::string plain(const std::string& json) {
-  const bool quoted = json.size() >= 2 && json.front() == '"' && json.find('\\') == json.npos;
-  return quoted ? json.substr(1, json.size() - 2) : json;
-}
 
 /// Returns the column of a parameter. values: the JSON text of its value in each run. If all texts are
 /// numbers, the column contains numbers, else texts.
@@ -45,7 +41,7 @@ Column parameter_column(const std::string& name, const Texts& values) {
   Numbers numbers;
   Texts texts;
   for (const std::string& value : values) {
-    texts.push_back(plain(value));
+    texts.push_back(shown_value(value));
     if (const auto number = number_of<double>(value)) numbers.push_back(*number);
   }
   if (numbers.size() == texts.size()) return {name, std::move(numbers)};
@@ -87,7 +83,7 @@ std::vector<Column> columns_of(const SweepTable& table) {
     columns.push_back({table.measures[m], std::move(measures[m])});
   columns.push_back({"stopped_by", std::move(conditions)});
   columns.push_back({"state_hash", std::move(hashes)});
-  columns.push_back({"error", std::move(errors)});
+  columns.push_back({std::string(k_error_column), std::move(errors)});
   return columns;
 }
 
@@ -96,6 +92,15 @@ std::string cell_of(const Column& column, std::size_t row) {
     return std::isnan((*numbers)[row]) ? "nan" : fmt::format("{}", (*numbers)[row]);
   if (const auto* counts = std::get_if<Counts>(&column.cells)) return fmt::format("{}", (*counts)[row]);
   return csv_cell(std::get<Texts>(column.cells)[row]);
+}
+
+/// Returns an error with at most k_longest_error bytes: its beginning, in whole characters, and "...".
+std::string cut_error(const std::string& error) {
+  constexpr std::string_view k_dots = "...";
+  if (error.size() <= k_longest_error) return error;
+  std::size_t end = k_longest_error - k_dots.size();
+  while (end > 0 && (static_cast<unsigned char>(error[end]) & 0xC0U) == 0x80U) --end;  // inside a character
+  return error.substr(0, end).append(k_dots);
 }
 
 void write_file(const fs::path& file, const std::string& bytes) {
@@ -107,6 +112,11 @@ void write_file(const fs::path& file, const std::string& bytes) {
 }
 
 }  // namespace
+
+std::string shown_value(const std::string& json) {
+  const bool quoted = json.size() >= 2 && json.front() == '"' && json.find('\\') == json.npos;
+  return quoted ? json.substr(1, json.size() - 2) : json;
+}
 
 void write_csv(const SweepTable& table, const fs::path& file) {
   const std::vector<Column> columns = columns_of(table);
@@ -164,7 +174,9 @@ void write_hdf5(const SweepTable& table, const fs::path& file) {
   {
     worldio::Hdf5Group group = hdf5.create_group("table");
     Texts names;
-    for (const Column& column : columns_of(table)) {
+    for (Column& column : columns_of(table)) {
+      if (column.name == k_error_column)
+        for (std::string& error : std::get<Texts>(column.cells)) error = cut_error(error);
       names.push_back(column.name);
       const std::string name = worldio::hdf5_name(column.name);
       if (const auto* numbers = std::get_if<Numbers>(&column.cells))

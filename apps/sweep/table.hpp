@@ -20,6 +20,10 @@ struct SweepTable {
   SweepResults results = {};
 };
 
+/// Returns the value of a parameter, JSON text, as it appears in the tables: a JSON string has no quotes
+/// there, unless it contains escapes.
+std::string shown_value(const std::string& json);
+
 /// Writes a table with one row per run, in the order of the runs in the study. The columns are
 /// `run,PARAMETERS...,seed,ticks,time_s,MEASURES...,stopped_by,state_hash,error`. pandas.read_csv() reads the
 /// table without options. For a failed run, `ticks` is 0, and `seed` is 0 if the study gives no seed; the
@@ -51,7 +55,8 @@ void add_series_row(std::string& rows, std::size_t run, double time_s, const std
 
 /// Writes the table of write_csv() to an HDF5 file (docs/sweeps.md). Each column is a dataset in the group
 /// /table. The dataset /columns has the names of the columns, in their order. Replaces the file only when the
-/// new file is complete. Throws OutputError if writing fails.
+/// new file is complete. HDF5 stores all texts of a column with the length of the longest; therefore an error
+/// of more than 200 bytes is cut there, and ends in "...". Throws OutputError if writing fails.
 void write_hdf5(const SweepTable& table, const std::filesystem::path& file);
 
 }  // namespace troupe::apps

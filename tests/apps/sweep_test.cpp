@@ -1,4 +1,8 @@
+#include "apps/sweep/journal.hpp"
 #include "tests/apps/program.hpp"
+#include "worldio/results/hdf5_file.hpp"
+
+#include <limits>
 
 namespace troupe::apps {
 namespace {
@@ -245,11 +249,67 @@ TEST_F(Sweep, ARunEndsWhereTheWorldSays) {
   }
 }
 
+TEST_F(Sweep, ADamagedJournalIsAnError) {
+  ASSERT_EQ(troupe({"sweep", "study.json", "-o", "out", "--threads", "1"}).code, 0);
+  const std::string journal = read("out/runs-1-of-1.jsonl");
+  const std::size_t values = journal.find("\"values\":[");
+  ASSERT_NE(values, journal.npos);
+  std::string without_values = journal;
+  without_values.erase(values + 10, journal.find(']', values) - values - 10);
+  std::string unknown_run = journal;
+  unknown_run.replace(unknown_run.find("\"run\":0"), 7, "\"run\":6");
+  std::string word = journal;
+  word.replace(values + 10, 1, "\"a\",1");
+  for (const std::string& damaged : {without_values, unknown_run, word}) {
+    write("out/runs-1-of-1.jsonl", damaged);
+    const Outcome outcome = troupe({"sweep", "study.json", "-o", "out"});
+    EXPECT_EQ(outcome.code, 2);
+    EXPECT_THAT(outcome.err, StartsWith("out/runs-1-of-1.jsonl:2: error: not a result that troupe sweep "
+                                        "writes: the file is damaged; remove it"));
+  }
+}
+
+TEST_F(Sweep, JournalsKeepValuesThatAreNotFinite) {
+  constexpr double k_infinity = std::numeric_limits<double>::infinity();
+  constexpr double k_nan = std::numeric_limits<double>::quiet_NaN();
+  SweepJournal(journal_file(path("."), 1, 1), "the study")
+      .add({.run = 0, .values = {k_infinity, -k_infinity, k_nan, 0.1}});
+  const auto values = [&] {
+    return read_journals(path("."), "the study", {.runs = 1, .values = 4}).outcomes.at(0).values;
+  };
+  EXPECT_THAT(values(), ElementsAre(k_infinity, -k_infinity, ::testing::IsNan(), 0.1));
+  std::string journal = read("runs-1-of-1.jsonl");  // an earlier version wrote null for NaN
+  journal.replace(journal.find("\"nan\""), 5, "null");
+  write("runs-1-of-1.jsonl", journal);
+  EXPECT_THAT(values(), ElementsAre(k_infinity, -k_infinity, ::testing::IsNan(), 0.1));
+}
+
+TEST_F(Sweep, LongErrorsAreCutInHdf5) {
+  if (!worldio::has_hdf5()) GTEST_SKIP() << "built without HDF5";
+  std::string long_name;
+  for (int i = 0; i < 150; ++i) long_name += "\u00e4";  // two bytes
+  write("study.json", R"({"troupe_study": 1, "world": "w.json", "for_s": 1, "measures": ["stalls"],
+    "parameters": [{"set": "/types/bot/controller/kind", "name": "kind", "values": ["wander", ")" +
+                          long_name + R"("]}]})");
+  ASSERT_EQ(troupe({"sweep", "study.json", "-o", "out"}).code, 1);
+  EXPECT_THAT(lines_of(table("out"))[2], HasSubstr("unknown controller \"\"" + long_name + "\"\"; known: "));
+  const worldio::Hdf5File file = worldio::Hdf5File::open(path("out/table.h5"));
+  const std::vector<std::string> errors = file.group("table").read_texts("error");
+  EXPECT_EQ(errors[0], "");
+  EXPECT_THAT(errors[1], EndsWith("\u00e4..."));
+  EXPECT_LE(errors[1].size(), 200u);
+}
+
 TEST_F(Sweep, ListsTheRunsAndMakesNone) {
   const Outcome outcome = troupe({"sweep", "study.json", "--list"});
   EXPECT_EQ(outcome.code, 0);
   EXPECT_THAT(lines_of(outcome.out),
               ElementsAre("run,robots,seed", "0,2,1", "1,2,2", "2,2,3", "3,5,1", "4,5,2", "5,5,3"));
+  write("study.json", R"({"troupe_study": 1, "world": "w.json", "for_s": 1, "parameters": [
+    {"set": "/populations/0/place/region_m", "name": "a,b", "values": [[[-4, -4], [4, 4]]]},
+    {"set": "/types/bot/controller/kind", "name": "kind", "values": ["wander"]}]})");
+  EXPECT_THAT(lines_of(troupe({"sweep", "study.json", "--list"}).out),
+              ElementsAre("run,\"a,b\",kind,seed", "0,\"[[-4, -4], [4, 4]]\",wander,world's"));
   EXPECT_THAT(files(), ElementsAre("study.json", "w.json"));
 }
 

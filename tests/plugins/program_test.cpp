@@ -148,6 +148,30 @@ TEST_F(PluginProgram, StopsAndSweepsByTheirMeasures) {
   EXPECT_THAT(lines_of(read("out/table.csv")).front(), HasSubstr("crowd_m"));
 }
 
+TEST_F(PluginProgram, ASweepDoesNotMixTheResultsOfTwoBuilds) {
+  std::filesystem::create_directory(path("plugins"));
+  const auto use_build = [&](const std::string& folder) {
+    std::filesystem::copy_file(folder_of(folder) + "/walker.so", path("plugins/walker.so"),
+                               std::filesystem::copy_options::overwrite_existing);
+  };
+  const auto sweep = [&](const std::string& study) {
+    return troupe({"sweep", study, "-o", study + ".out", "--plugin-path", "plugins"});
+  };
+  write("uses.json", R"({"troupe_study": 1, "world": "w.json", "for_s": 0.5, "seeds": [1]})");
+  // The first run does not use the plug-in.
+  write("chooses.json", R"({"troupe_study": 1, "world": "w.json", "for_s": 0.5, "parameters": [
+    {"set": "/types/bot/controller", "values": [{"kind": "wander"}, {"kind": "walker"}]}]})");
+  for (const char* study : {"uses.json", "chooses.json"}) {
+    use_build("plugins");
+    ASSERT_EQ(sweep(study).code, 0);
+    EXPECT_EQ(sweep(study).code, 0);
+    use_build("other");
+    const Outcome other = sweep(study);
+    EXPECT_EQ(other.code, 2) << study;
+    EXPECT_THAT(other.err, HasSubstr("the folder contains runs of another study"));
+  }
+}
+
 TEST_F(PluginProgram, LintsAndTellsOfWorldsThatNeedThem) {
   EXPECT_EQ(troupe({"lint", "w.json"}).code, 2);
   EXPECT_EQ(troupe({"lint", "w.json", "--plugin-path", folder_of("plugins")}).out, "w.json: nothing found\n");
